@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/convention.hpp"
+
+#include <fmt/format.h>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/suggest.hpp"
+
+namespace quadtune {
+namespace {
+
+// Where each quadtune state stands, in the order of ned_convention().
+enum NedState { px, py, pz, roll, pitch, yaw, u, v, w, p, q, r };
+
+struct Slot {
+  Signal signal;
+  NedState source;
+  double sign;
+};
+
+Eigen::Matrix<double, 12, 12> permutation(const std::vector<Slot>& slots) {
+  Eigen::Matrix<double, 12, 12> M = Eigen::Matrix<double, 12, 12>::Zero();
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    M(static_cast<Eigen::Index>(i), slots[i].source) = slots[i].sign;
+  return M;
+}
+
+Convention make(const std::string& name, const std::string& description,
+                const std::vector<Slot>& slots, const std::vector<Signal>& wrench,
+                const Eigen::Vector4d& wrench_signs) {
+  Convention convention;
+  convention.name = name;
+  convention.description = description;
+  for (const Slot& slot : slots) convention.states.push_back(slot.signal);
+  convention.from_ned = permutation(slots);
+  convention.wrench = wrench;
+  convention.wrench_from_ned = wrench_signs.asDiagonal();
+  return convention;
+}
+
+Convention make_ned() {
+  return make("ned",
+              "world north-east-down, body forward-right-down; Euler angles yaw, pitch, roll; "
+              "velocities and rates in body axes; thrust along body -z",
+              {{{"px", "m"}, px, 1},
+               {{"py", "m"}, py, 1},
+               {{"pz", "m"}, pz, 1},
+               {{"roll", "rad"}, roll, 1},
+               {{"pitch", "rad"}, pitch, 1},
+               {{"yaw", "rad"}, yaw, 1},
+               {{"u", "m/s"}, u, 1},
+               {{"v", "m/s"}, v, 1},
+               {{"w", "m/s"}, w, 1},
+               {{"p", "rad/s"}, p, 1},
+               {{"q", "rad/s"}, q, 1},
+               {{"r", "rad/s"}, r, 1}},
+              {{"T", "N"}, {"tau_x", "N m"}, {"tau_y", "N m"}, {"tau_z", "N m"}}, {1, 1, 1, 1});
+}
+
+// Turning both frames half a turn about x flips y and z of every vector, and with the same Euler
+// sequence the signs of pitch and yaw: diag(1,-1,-1) Rz(a) Ry(b) Rx(c) diag(1,-1,-1)
+// = Rz(-a) Ry(-b) Rx(c).
+Convention make_uquad() {
+  return make("uquad",
+              "world and body x forward, y left, z up; psi is roll, phi is pitch (positive nose "
+              "down), theta is yaw (positive to the left); velocities and rates in body axes",
+              {{{"x", "m"}, px, 1},
+               {{"y", "m"}, py, -1},
+               {{"z", "m"}, pz, -1},
+               {{"psi", "rad"}, roll, 1},
+               {{"phi", "rad"}, pitch, -1},
+               {{"theta", "rad"}, yaw, -1},
+               {{"vqx", "m/s"}, u, 1},
+               {{"vqy", "m/s"}, v, -1},
+               {{"vqz", "m/s"}, w, -1},
+               {{"wqx", "rad/s"}, p, 1},
+               {{"wqy", "rad/s"}, q, -1},
+               {{"wqz", "rad/s"}, r, -1}},
+              {{"T", "N"}, {"tau_x", "N m"}, {"tau_y", "N m"}, {"tau_z", "N m"}}, {1, 1, -1, -1});
+}
+
+Convention make_mambo() {
+  return make("mambo",
+              "world north-east-down, body forward-right-down; attitude first; phi is roll, theta "
+              "is pitch, psi is yaw; phidot… are body rates and pxdot… body velocities; thrust "
+              "along body -z",
+              {{{"phi", "rad"}, roll, 1},
+               {{"theta", "rad"}, pitch, 1},
+               {{"psi", "rad"}, yaw, 1},
+               {{"phidot", "rad/s"}, p, 1},
+               {{"thetadot", "rad/s"}, q, 1},
+               {{"psidot", "rad/s"}, r, 1},
+               {{"px", "m"}, px, 1},
+               {{"py", "m"}, py, 1},
+               {{"pz", "m"}, pz, 1},
+               {{"pxdot", "m/s"}, u, 1},
+               {{"pydot", "m/s"}, v, 1},
+               {{"pzdot", "m/s"}, w, 1}},
+              {{"T", "N"}, {"tau_x", "N m"}, {"tau_y", "N m"}, {"tau_z", "N m"}}, {1, 1, 1, 1});
+}
+
+}  // namespace
+
+const std::vector<Convention>& conventions() {
+  static const std::vector<Convention> all = {make_ned(), make_uquad(), make_mambo()};
+  return all;
+}
+
+const Convention& ned_convention() { return conventions().front(); }
+
+const Convention& convention(const std::string& name, const std::string& where) {
+  std::vector<std::string> known;
+  for (const Convention& candidate : conventions()) {
+    if (candidate.name == name) return candidate;
+    known.push_back(candidate.name);
+  }
+  throw InvalidInput(where,
+                     fmt::format("no convention '{}', expected {}{}", name, fmt::join(known, ", "),
+                                 internal::did_you_mean(name, known)));
+}
+
+std::vector<Signal> input_signals(const Convention& convention, InputKind kind, int rotors,
+                                  const std::string& command_unit) {
+  if (kind == InputKind::wrench) return convention.wrench;
+  std::string prefix;
+  std::string unit;
+  switch (kind) {
+    case InputKind::rotor_speed:
+      prefix = "w";
+      unit = "rad/s";
+      break;
+    case InputKind::rotor_thrust:
+      prefix = "T";
+      unit = "N";
+      break;
+    default:
+      prefix = "c";
+      unit = command_unit;
+      break;
+  }
+  std::vector<Signal> signals;
+  for (int i = 1; i <= rotors; ++i) signals.push_back({prefix + std::to_string(i), unit});
+  return signals;
+}
+
+Eigen::MatrixXd input_from_ned(const Convention& convention, InputKind kind, int rotors) {
+  if (kind == InputKind::wrench) return convention.wrench_from_ned;
+  return Eigen::MatrixXd::Identity(rotors, rotors);
+}
+
+std::string to_string(InputKind kind) {
+  switch (kind) {
+    case InputKind::rotor_speed:
+      return "rotor-speed";
+    case InputKind::rotor_thrust:
+      return "rotor-thrust";
+    case InputKind::wrench:
+      return "wrench";
+    case InputKind::command:
+      return "command";
+  }
+  return "";
+}
+
+InputKind input_kind(const std::string& name, const std::string& where) {
+  std::vector<std::string> known;
+  for (const InputKind kind :
+       {InputKind::rotor_speed, InputKind::rotor_thrust, InputKind::wrench, InputKind::command}) {
+    if (to_string(kind) == name) return kind;
+    known.push_back(to_string(kind));
+  }
+  throw InvalidInput(where,
+                     fmt::format("no inputs '{}', expected {}{}", name, fmt::join(known, ", "),
+                                 internal::did_you_mean(name, known)));
+}
+
+std::string to_string(SignLaw law) {
+  return law == SignLaw::set_point_minus_state ? "set-point-minus-state" : "state-minus-set-point";
+}
+
+SignLaw sign_law(const std::string& name, const std::string& where) {
+  std::vector<std::string> known;
+  for (const SignLaw law : {SignLaw::set_point_minus_state, SignLaw::state_minus_set_point}) {
+    if (to_string(law) == name) return law;
+    known.push_back(to_string(law));
+  }
+  throw InvalidInput(where,
+                     fmt::format("no sign law '{}', expected {}{}", name, fmt::join(known, " or "),
+                                 internal::did_you_mean(name, known)));
+}
+
+}  // namespace quadtune

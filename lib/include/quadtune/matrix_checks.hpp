@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Checks that every public function makes on the matrices that it is given.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+namespace quadtune {
+
+/// "3x4": how messages write a shape.
+[[nodiscard]] std::string shape(const Eigen::Ref<const Eigen::MatrixXd>& M);
+
+/// @throws InvalidInput  "where: A has nan at (2,3), expected finite numbers" (1-based).
+void require_finite(const Eigen::Ref<const Eigen::MatrixXd>& M, const std::string& where,
+                    const std::string& name);
+
+/// @throws InvalidInput  "where: R is 3x3, expected 4x4 (why)".
+void require_shape(const Eigen::Ref<const Eigen::MatrixXd>& M, Eigen::Index rows, Eigen::Index cols,
+                   const std::string& where, const std::string& name, const std::string& why);
+
+/// Asymmetry up to 1e-10 of the largest entry is rounding and is accepted.
+/// @throws InvalidInput  naming the worst pair of entries and by how much they differ.
+void require_symmetric(const Eigen::Ref<const Eigen::MatrixXd>& M, const std::string& where,
+                       const std::string& name);
+
+}  // namespace quadtune

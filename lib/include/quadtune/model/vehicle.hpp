@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A multirotor in numbers: what every other stage starts from.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace quadtune {
+
+/// Sense of a rotor seen from above.
+enum class Spin { clockwise, counter_clockwise };
+
+/// +1 when the rotor turns about body +z (down), that is clockwise seen from above; else -1.
+[[nodiscard]] constexpr double spin_sign(Spin spin) { return spin == Spin::clockwise ? 1.0 : -1.0; }
+
+/// One rotor with its motor. Thrust acts along body -z at `position`; drag torque opposes the spin.
+struct Rotor {
+  Eigen::Vector3d position =
+      Eigen::Vector3d::Zero();  ///< hub from the centre of mass, body axes [m]
+  Spin spin = Spin::clockwise;
+  double thrust_a2 = 0;  ///< T = a2 w² + a1 w [N], at the vehicle's air density [N s²/rad²]
+  double thrust_a1 = 0;  ///< [N s/rad]
+  double torque_d2 = 0;  ///< Q = d2 w² + d1 w [N m], likewise [N m s²/rad²]
+  double torque_d1 = 0;  ///< [N m s/rad]
+  double inertia = 0;    ///< of the turning parts about the axis [kg m²]
+  double lag = 0;        ///< first-order time constant of the speed [s]; 0 means none
+  double radius = std::numeric_limits<double>::quiet_NaN();  ///< [m]; NaN when not known
+  double chord = std::numeric_limits<double>::quiet_NaN();   ///< [m]; NaN when not known
+  double Ct = std::numeric_limits<double>::quiet_NaN();  ///< T = Ct rho pi r⁴ w²; NaN: curve given
+  double Cq = std::numeric_limits<double>::quiet_NaN();  ///< Q = Cq rho pi r⁵ w²; NaN: curve given
+  int blades = 0;                                        ///< 0 when not known
+};
+
+/// How a motor command becomes a rotor speed.
+enum class CommandLaw {
+  speed,          ///< w = gain · command
+  speed_squared,  ///< w² = gain · command
+};
+
+/// What the motors accept. Limits bound the rotor speed in every trim and every simulation.
+struct MotorCommand {
+  CommandLaw law = CommandLaw::speed;
+  double gain = 1;             ///< [rad/s per unit] or [rad²/s² per unit]
+  std::string unit = "rad/s";  ///< of the command: "rad/s" or "count"
+  double min = 0;              ///< lowest command at which the rotor turns steadily
+  double max = 0;              ///< highest command
+  std::vector<int> direction;  ///< sign that the flight code gives to each motor's command, ±1
+};
+
+/// Body drag, per body axis i: F_i = -(rho/2) cda_i |v_i| v_i - linear_i v_i.
+struct Drag {
+  Eigen::Vector3d cda = Eigen::Vector3d::Zero();     ///< drag coefficient times area [m²]
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();  ///< [N s/m]
+};
+
+/// Everything that is known of a vehicle. World north-east-down, body forward-right-down, SI.
+struct Vehicle {
+  std::string name;
+  std::string description;
+  std::string source;  ///< where the numbers come from
+  double mass = 0;     ///< [kg]
+  Eigen::Matrix3d inertia =
+      Eigen::Matrix3d::Zero();  ///< about the centre of mass, body axes [kg m²]
+  std::vector<Rotor> rotors;    ///< at least one
+  MotorCommand motor;
+  Drag drag;
+  double gravity = 9.81;                ///< [m/s²]
+  double air_density = 1.225;           ///< at which the rotor curves hold [kg/m³]
+  double takeoff_gain = 0;              ///< thrust at take-off is (1 + gain) m g
+  double altitude_thrust_fraction = 1;  ///< share of the greatest thrust left to the altitude loop
+  double airframe_height = std::numeric_limits<double>::quiet_NaN();    ///< [m]
+  double airframe_diameter = std::numeric_limits<double>::quiet_NaN();  ///< [m]
+  std::filesystem::path file;  ///< it was read from; empty when made in memory
+  std::string text;            ///< the file's bytes, for the manifest's hash
+};
+
+/// Thrust and drag torque of one rotor at speed w [rad/s] in air of density `density_ratio` times
+/// the vehicle's.
+template <class T>
+[[nodiscard]] T rotor_thrust(const Rotor& rotor, const T& w, double density_ratio = 1) {
+  return (rotor.thrust_a2 * w * w + rotor.thrust_a1 * w) * density_ratio;  // T = a2 w² + a1 w [N]
+}
+template <class T>
+[[nodiscard]] T rotor_torque(const Rotor& rotor, const T& w, double density_ratio = 1) {
+  return (rotor.torque_d2 * w * w + rotor.torque_d1 * w) * density_ratio;  // Q = d2 w² + d1 w [N m]
+}
+
+/// Speed [rad/s] at which the rotor gives `thrust` ≥ 0 [N]: the larger root of the thrust curve.
+[[nodiscard]] double rotor_speed_for_thrust(const Rotor& rotor, double thrust);
+
+/// Speed [rad/s] of a command, and back.
+[[nodiscard]] double speed_of_command(const MotorCommand& motor, double command);
+[[nodiscard]] double command_of_speed(const MotorCommand& motor, double speed);
+
+/// Checks everything that a vehicle must satisfy: positive mass, an inertia that a body can have,
+/// rotors that can hold it up and balance it in yaw within the motor's limits.
+/// @throws InvalidInput  naming the field, what came, what was expected and why.
+void validate(const Vehicle& vehicle, const std::string& where);
+
+/// Reads a built-in vehicle by name or a vehicle file by path (docs/formats.md).
+/// @throws InvalidInput  "file:line: key …" for a bad file, or the nearest built-in name.
+/// @throws FileError     if the file cannot be read.
+[[nodiscard]] Vehicle load_vehicle(const std::string& name_or_path);
+
+/// Parses a vehicle from the text of a file.
+/// @param origin  what messages call the file.
+[[nodiscard]] Vehicle parse_vehicle(const std::string& text, const std::string& origin);
+
+/// Names of the built-in vehicles, in the order of the documentation.
+[[nodiscard]] std::vector<std::string> built_in_vehicles();
+
+}  // namespace quadtune
