@@ -1,9 +1,18 @@
-# One library per folder: its own include root, its own private dependencies.
+# SPDX-License-Identifier: Apache-2.0
+# One shared library per folder: its own include root, its own private dependencies.
+# docs/decisions/0003-shared-libraries.md says why shared, and why the alignment is fixed.
+
+# Eigen aligns to the widest vector of the machine it is compiled for, so a program built without
+# -march=native would lay out and free matrices otherwise than these libraries. One value for all;
+# both macros, since the first alone leaves the layout of fixed-size matrices to the machine.
+set(QUADTUNE_EIGEN_ALIGNMENT EIGEN_MAX_ALIGN_BYTES=64 EIGEN_MAX_STATIC_ALIGN_BYTES=64)
 
 add_library(quadtune_flags INTERFACE)
 target_compile_features(quadtune_flags INTERFACE cxx_std_20)
+target_compile_definitions(quadtune_flags INTERFACE ${QUADTUNE_EIGEN_ALIGNMENT})
+# Without semantic interposition the compiler may inline within a shared library as in a program.
 target_compile_options(quadtune_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow
-                                                -ffp-contract=off)
+                                                -ffp-contract=off -fno-semantic-interposition)
 # GCC 12 reports its own AVX-512 intrinsics as uninitialized wherever Eigen uses them.
 target_compile_options(quadtune_flags INTERFACE -Wno-maybe-uninitialized)
 if(QUADTUNE_NATIVE)
@@ -14,27 +23,49 @@ if(QUADTUNE_WERROR)
 endif()
 if(QUADTUNE_SANITIZE)
   target_compile_options(quadtune_flags INTERFACE -fsanitize=${QUADTUNE_SANITIZE}
+                                                  -fno-sanitize-recover=all
                                                   -fno-omit-frame-pointer)
   target_link_options(quadtune_flags INTERFACE -fsanitize=${QUADTUNE_SANITIZE})
+  if(QUADTUNE_SANITIZE MATCHES undefined)
+    # Half of the compile time for what others see as well: ASan stops at a null pointer, and Eigen
+    # asserts the alignment of its matrices.
+    target_compile_options(quadtune_flags INTERFACE -fno-sanitize=null,alignment)
+  endif()
 endif()
+
+# quadtune::quadtune is every library at once; quadtune_library() adds to it.
+add_library(quadtune_all INTERFACE)
+add_library(quadtune::quadtune ALIAS quadtune_all)
+set_target_properties(quadtune_all PROPERTIES EXPORT_NAME quadtune)
+install(TARGETS quadtune_all EXPORT quadtune-targets)
 
 # quadtune_library(synthesis SOURCES … PUBLIC … PRIVATE …) makes quadtune::synthesis from
 # synthesis/include and the sources. Headers of libraries given as PRIVATE stay out of its interface.
 function(quadtune_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   set(target quadtune_${name})
-  add_library(${target} ${ARG_SOURCES})
+  file(GLOB_RECURSE headers CONFIGURE_DEPENDS include/*.hpp)
+  add_library(${target} SHARED ${ARG_SOURCES})
   add_library(quadtune::${name} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
-  target_include_directories(
-    ${target} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
-                     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
-              PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+  set_target_properties(
+    ${target} PROPERTIES EXPORT_NAME ${name}
+                         VERSION ${PROJECT_VERSION}
+                         SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${headers})
+  target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
   target_compile_features(${target} PUBLIC cxx_std_20)
+  target_compile_definitions(${target} PUBLIC ${QUADTUNE_EIGEN_ALIGNMENT})
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC}
                                   PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:quadtune_flags>)
-  install(TARGETS ${target} EXPORT quadtune-targets)
-  install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  # The library keeps to its own copies of Eigen's templates, not to the slower ones of a program
+  # that was compiled for any machine; and whatever it calls must be in a library it may know.
+  target_link_options(${target} PRIVATE -Wl,-Bsymbolic-functions)
+  if(NOT QUADTUNE_SANITIZE)
+    target_link_options(${target} PRIVATE -Wl,--no-undefined)
+  endif()
+  install(TARGETS ${target} EXPORT quadtune-targets FILE_SET HEADERS)
+  target_link_libraries(quadtune_all INTERFACE ${target})
+  set_property(GLOBAL APPEND PROPERTY QUADTUNE_LIBRARIES ${target})
 endfunction()
 
 # quadtune_test(synthesis SOURCES … LINK … LABELS …) makes one test program and registers its tests.
@@ -43,6 +74,11 @@ function(quadtune_test name)
   set(target test_${name})
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE ${ARG_LINK} quadtune_test_support quadtune_flags)
+  # Threads of OpenBLAS would fight for the processors with the tests that run beside.
+  set(properties TIMEOUT 600 ENVIRONMENT OPENBLAS_NUM_THREADS=1)
+  if(ARG_LABELS)
+    list(APPEND properties LABELS "${ARG_LABELS}")
+  endif()
   gtest_discover_tests(${target} TEST_PREFIX "${name}/" DISCOVERY_TIMEOUT 60
-                       PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 600)
+                       PROPERTIES ${properties})
 endfunction()

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <filesystem>
 #include <limits>
 #include <string>
@@ -47,7 +48,8 @@ struct MotorCommand {
   std::string unit = "rad/s";  ///< of the command: "rad/s" or "count"
   double min = 0;              ///< lowest command at which the rotor turns steadily
   double max = 0;              ///< highest command
-  std::vector<int> direction;  ///< sign that the flight code gives to each motor's command, ±1
+  std::vector<int>
+      direction;  ///< sign that the flight code gives to each motor's command, ±1; empty: all +1
 };
 
 /// Body drag, per body axis i: F_i = -(rho/2) cda_i |v_i| v_i - linear_i v_i.
@@ -64,7 +66,9 @@ struct Vehicle {
   double mass = 0;     ///< [kg]
   Eigen::Matrix3d inertia =
       Eigen::Matrix3d::Zero();  ///< about the centre of mass, body axes [kg m²]
-  std::vector<Rotor> rotors;    ///< at least one
+  double inertia_tolerance =
+      0;                      ///< share by which measured moments may break the triangle inequality
+  std::vector<Rotor> rotors;  ///< at least one
   MotorCommand motor;
   Drag drag;
   double gravity = 9.81;                ///< [m/s²]
@@ -88,19 +92,31 @@ template <class T>
   return (rotor.torque_d2 * w * w + rotor.torque_d1 * w) * density_ratio;  // Q = d2 w² + d1 w [N m]
 }
 
+/// "cw" or "ccw"; "speed" or "speed-squared": as vehicle files write them.
+[[nodiscard]] std::string to_string(Spin spin);
+[[nodiscard]] std::string to_string(CommandLaw law);
+
 /// Speed [rad/s] at which the rotor gives `thrust` ≥ 0 [N]: the larger root of the thrust curve.
+/// @throws InvalidInput  if thrust is negative or not finite.
 [[nodiscard]] double rotor_speed_for_thrust(const Rotor& rotor, double thrust);
 
-/// Speed [rad/s] of a command, and back.
+/// Speed [rad/s] of a command, and back; limits are not applied.
+/// @throws InvalidInput  if the argument is negative or not finite.
 [[nodiscard]] double speed_of_command(const MotorCommand& motor, double command);
 [[nodiscard]] double command_of_speed(const MotorCommand& motor, double speed);
 
 /// Checks everything that a vehicle must satisfy: positive mass, an inertia that a body can have,
-/// rotors that can hold it up and balance it in yaw within the motor's limits.
+/// at least one rotor, curves that give thrust, limits in order, and rotors that do not all drag
+/// the body round the same way. Whether the thrust suffices is the trim's question, not asked here.
 /// @throws InvalidInput  naming the field, what came, what was expected and why.
 void validate(const Vehicle& vehicle, const std::string& where);
 
-/// Reads a built-in vehicle by name or a vehicle file by path (docs/formats.md).
+/// Largest vehicle file that is read [bytes].
+inline constexpr std::size_t kVehicleFileLimit = std::size_t{1} << 20;
+
+/// Reads a built-in vehicle by name or a vehicle file by path (docs/formats.md). A word with a
+/// slash or that ends in ".toml" is a path, and so is any other that names no built-in vehicle but
+/// a file.
 /// @throws InvalidInput  "file:line: key …" for a bad file, or the nearest built-in name.
 /// @throws FileError     if the file cannot be read.
 [[nodiscard]] Vehicle load_vehicle(const std::string& name_or_path);

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune design: the whole way from a design file to files that the flight code reads.
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <ostream>
+
+#include "design_flow.hpp"
+#include "design_report.hpp"
+#include "program.hpp"
+#include "quadtune/exports/export.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+/// Writes every export that the design asks for and reads it back. A single one goes into the
+/// directory itself, several into one folder each.
+std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::string& directory) {
+  std::vector<WrittenExport> written;
+  const ExportContent content = export_content(outcome);
+  for (const ExportRequest& request : outcome.design.exports) {
+    WrittenExport one;
+    one.kind = export_kind(request.to, outcome.design.file.string());
+    one.directory = outcome.design.exports.size() == 1
+                        ? directory
+                        : (std::filesystem::path(directory) / request.to).string();
+    one.files = write_export(one.directory, one.kind, content, interrupted);
+    one.verification = verify_export(one.directory, outcome.sampled);
+    written.push_back(std::move(one));
+  }
+  return written;
+}
+
+}  // namespace
+
+Verb design_verb() {
+  struct Options {
+    std::string file, directory;
+  };
+  return {"design", "FILE [-o DIR]",
+          "the whole way: trim, linearize, synthesize, export, verify, report",
+          "quadtune design designs/uquad-hover.toml -o out/uquad-hover",
+          [](CLI::App& app) -> Action {
+            auto options = std::make_shared<Options>();
+            app.add_option("FILE", options->file, "a design file (docs/formats.md)");
+            app.add_option("-o", options->directory, "directory to write; without it, only print")
+                ->type_name("DIR");
+            return [options](Context& context) {
+              if (options->file.empty())
+                throw UsageError("quadtune design: expected a design file");
+              const DesignOutcome outcome = run_design(options->file);
+              for (const std::string& note : outcome.model.notes)
+                context.note("design: note: " + note);
+              std::vector<WrittenExport> written;
+              if (!options->directory.empty()) written = write_all(outcome, options->directory);
+              if (context.json)
+                context.out << internal::readable(design_json(outcome, written)) << "\n";
+              else
+                context.out << design_text(outcome, written);
+              if (!passed(written)) throw AnswerIsNo("design: what was written does not verify");
+            };
+          }};
+}
+
+}  // namespace quadtune::cli

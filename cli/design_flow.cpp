@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "design_flow.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "plant_arguments.hpp"
+#include "program.hpp"
+#include "quadtune/discretize/zoh.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/verify.hpp"
+#include "quadtune/model/rotation.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+LinearizeOptions linearize_options(const LqrDesign& lqr) {
+  LinearizeOptions options;
+  options.convention = lqr.convention;
+  options.inputs = lqr.input_kind;
+  options.states = {StateSelection::Kind::list, lqr.states};
+  return options;
+}
+
+/// Entry by entry over K and K_int.
+class DifferenceSearch {
+ public:
+  explicit DifferenceSearch(double scale) : scale_(scale) {}
+
+  void add(const char* matrix, const Eigen::MatrixXd& published, const Eigen::MatrixXd& here,
+           const std::vector<Signal>& rows, const std::vector<Signal>& columns) {
+    for (Eigen::Index i = 0; i < published.rows(); ++i)
+      for (Eigen::Index j = 0; j < published.cols(); ++j) {
+        const double difference = std::abs(here(i, j) - published(i, j));
+        worst_.max_relative = std::max(worst_.max_relative, difference / scale_);
+        // Entries that are zero up to rounding carry no relative difference.
+        if (std::abs(published(i, j)) < 1e-9 * scale_) continue;
+        const double relative = difference / std::abs(published(i, j));
+        if (relative <= worst_.max_entry) continue;
+        worst_.max_entry = relative;
+        worst_.worst = fmt::format("{}({}, {})", matrix, rows[static_cast<std::size_t>(i)].name,
+                                   columns[static_cast<std::size_t>(j)].name);
+        worst_.published = published(i, j);
+        worst_.converged = here(i, j);
+      }
+  }
+
+  [[nodiscard]] const PublishedDifference& worst() const { return worst_; }
+
+ private:
+  double scale_;
+  PublishedDifference worst_;
+};
+
+PublishedDifference compare(const PublishedGains& published, const Gains& gains) {
+  double scale = published.K.cwiseAbs().maxCoeff();
+  if (published.K_int.size())
+    scale = std::max(scale, published.K_int.cwiseAbs().maxCoeff());
+  DifferenceSearch search(scale);
+  search.add("K", published.K, gains.K, gains.inputs, gains.states);
+  if (published.K_int.size())
+    search.add("K_int", published.K_int, gains.K_int, gains.inputs, gains.integrals);
+  return search.worst();
+}
+
+void solve_feedback(DesignOutcome& outcome) {
+  const Design& design = outcome.design;
+  outcome.model =
+      linearize_or_refuse(design.vehicle, design.condition, linearize_options(*design.lqr));
+  outcome.feedback = state_feedback(outcome.model.plant, *design.lqr);
+  const RiccatiResult& riccati = outcome.feedback->riccati;
+  if (!riccati.solved())
+    throw NoSolution(fmt::format("{}: lqr: {}: {}", design.file.string(), to_string(riccati.status),
+                                 riccati.culprit));
+  outcome.gains =
+      make_gains(design.vehicle, outcome.model, *design.lqr, *outcome.feedback);
+  outcome.poles = flying_poles(outcome.model, *outcome.gains, riccati);
+  if (design.lqr->dt > 0) outcome.sampled = discretize_zoh(outcome.model.plant, design.lqr->dt);
+  if (design.published) outcome.published = compare(*design.published, *outcome.gains);
+}
+
+DesignedFilter solve_filter(const KalmanDesign& design, const std::string& where) {
+  DesignedFilter result;
+  result.evidence = kalman(design.model, {design.G, design.Q, design.R, design.N});
+  if (!result.evidence.solved())
+    throw NoSolution(fmt::format("{}: kalman {}: {}: {}", where, design.name,
+                                 to_string(result.evidence.status), result.evidence.culprit));
+  result.filter = {design.name, design.model,      design.G,          design.Q,
+                   design.R,    design.N,          result.evidence.M, result.evidence.L,
+                   result.evidence.P, result.evidence.Z};
+  return result;
+}
+
+/// Where a state of quadtune's own stands in the gains' trim; 0 if the gains do not have it.
+class NedTrim {
+ public:
+  explicit NedTrim(const Gains& gains) {
+    const Convention& words = convention(gains.convention, "gains");
+    Eigen::VectorXd full = Eigen::VectorXd::Zero(12);
+    for (std::size_t i = 0; i < words.states.size(); ++i)
+      for (std::size_t j = 0; j < gains.states.size(); ++j)
+        if (words.states[i].name == gains.states[j].name)
+          full(static_cast<Eigen::Index>(i)) = gains.x0(static_cast<Eigen::Index>(j));
+    x_ = words.from_ned.transpose() * full;
+  }
+
+  /// The steady flight that this trim belongs to.
+  [[nodiscard]] FlightCondition condition() const {
+    const Eigen::Vector3d ground = rotation_of_euler(x_(3), x_(4), x_(5)) * x_.segment<3>(6);
+    FlightCondition condition;
+    condition.yaw = x_(5);
+    condition.speed = ground.head<2>().norm();
+    condition.climb = -ground.z();
+    const double turn = (x_(10) * std::sin(x_(3)) + x_(11) * std::cos(x_(3))) / std::cos(x_(4));
+    // Trims are solved to 1e-10: less than this is rest, less turn is straight.
+    if (condition.speed < 1e-8 && std::abs(condition.climb) < 1e-8) {
+      condition.speed = condition.climb = 0;
+    } else if (std::abs(turn) < 1e-8) {
+      condition.kind = FlightKind::line;
+    } else {
+      condition.kind = FlightKind::circle;
+      condition.radius = condition.speed / turn;
+    }
+    return condition;
+  }
+
+ private:
+  Eigen::Matrix<double, 12, 1> x_;
+};
+
+}  // namespace
+
+Gains make_gains(const Vehicle& vehicle, const Linearization& model, const LqrDesign& lqr,
+                 const StateFeedback& feedback) {
+  Gains gains;
+  gains.K = feedback.K;
+  gains.K_int = feedback.K_int;
+  gains.states = model.plant.states;
+  gains.inputs = model.plant.inputs;
+  for (const std::string& name : lqr.integrals)
+    for (const Signal& state : model.plant.states)
+      if (state.name == name) gains.integrals.push_back({name, state.unit + " s"});
+  gains.x0 = model.x0;
+  gains.u0 = model.u0;
+  gains.vehicle = vehicle.name;
+  gains.convention = lqr.convention;
+  gains.input_kind = lqr.input_kind;
+  gains.sign_law = convention(lqr.convention, "design").sign_law;
+  gains.dt = lqr.dt;
+  return gains;
+}
+
+Eigen::VectorXcd flying_poles(const Linearization& model, const Gains& gains,
+                              const RiccatiResult& riccati) {
+  return gains.dt > 0 ? closed_loop_poles(discretize_zoh(model.plant, gains.dt), gains)
+                      : riccati.poles;
+}
+
+DesignOutcome run_design(const std::string& path) {
+  DesignOutcome outcome;
+  outcome.design = load_design(path);
+  if (outcome.design.lqr)
+    solve_feedback(outcome);
+  else
+    outcome.model = linearize_or_refuse(outcome.design.vehicle, outcome.design.condition, {});
+  for (const KalmanDesign& filter : outcome.design.kalman)
+    outcome.filters.push_back(solve_filter(filter, path));
+  return outcome;
+}
+
+DiscreteLti sampled_plant(const Vehicle& vehicle, const Gains& gains) {
+  LinearizeOptions options;
+  options.convention = gains.convention;
+  options.inputs = gains.input_kind;
+  std::vector<std::string> states;
+  for (const Signal& state : gains.states) states.push_back(state.name);
+  options.states = {StateSelection::Kind::list, states};
+  const FlightCondition condition = NedTrim(gains).condition();
+  return discretize_zoh(linearize_or_refuse(vehicle, condition, options).plant, gains.dt);
+}
+
+ExportContent export_content(const DesignOutcome& outcome) {
+  const Design& design = outcome.design;
+  ExportContent content;
+  content.vehicle = design.vehicle;
+  content.gains = outcome.gains;
+  if (design.lqr) {
+    const Eigen::Index nx = design.lqr->Q.rows();
+    const Eigen::Index ni = design.lqr->Q_integral.rows();
+    content.Q = Eigen::MatrixXd::Zero(nx + ni, nx + ni);
+    content.Q.topLeftCorner(nx, nx) = design.lqr->Q;
+    content.Q.bottomRightCorner(ni, ni) = design.lqr->Q_integral;
+    content.R = design.lqr->R;
+    const RiccatiResult& riccati = outcome.feedback->riccati;
+    content.evidence = {to_string(design.lqr->method) + " LQR", to_string(riccati.status),
+                        riccati.residual, riccati.rcond, riccati.iterations, riccati.poles};
+  }
+  content.plant = outcome.sampled;
+  for (const DesignedFilter& designed : outcome.filters)
+    content.filters.push_back(designed.filter);
+  content.cascade = design.cascade;
+  content.inputs = {{design.file.filename().string(), design.text},
+                    {design.vehicle.file.empty() ? design.vehicle.name + ".toml"
+                                                 : design.vehicle.file.filename().string(),
+                     design.vehicle.text}};
+  return content;
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The whole way from a design file to gains: what `quadtune design` computes before it prints.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "quadtune/design.hpp"
+#include "quadtune/exports/content.hpp"
+#include "quadtune/exports/manifest.hpp"
+#include "quadtune/filter.hpp"
+#include "quadtune/gains.hpp"
+#include "quadtune/linearize/linearize.hpp"
+#include "quadtune/synthesis/kalman.hpp"
+#include "quadtune/synthesis/state_feedback.hpp"
+
+namespace quadtune::cli {
+
+/// How far a gain is from the published one.
+struct PublishedDifference {
+  double max_relative = 0;  ///< largest |difference| over the largest published entry
+  double max_entry = 0;     ///< largest |difference| over its own published entry
+  std::string worst;        ///< which entry that is, e.g. "K_int(w1, theta)"
+  double published = 0;     ///< that entry, published
+  double converged = 0;     ///< that entry, here
+};
+
+/// A filter with its solver's evidence.
+struct DesignedFilter {
+  KalmanFilter filter;
+  KalmanResult evidence;
+};
+
+/// Everything that a design file leads to.
+struct DesignOutcome {
+  Design design;
+  Linearization model;
+  std::optional<StateFeedback> feedback;
+  std::optional<Gains> gains;
+  std::optional<DiscreteLti> sampled;  ///< the plant as the flight computer sees it; if dt > 0
+  Eigen::VectorXcd poles;              ///< of the loop as it flies, integrals included
+  std::vector<DesignedFilter> filters;
+  std::optional<PublishedDifference> published;
+};
+
+/// Trims, linearizes, solves.
+/// @throws NoSolution  with the culprit of the trim, the LQR problem or a filter.
+[[nodiscard]] DesignOutcome run_design(const std::string& path);
+
+/// The gains of a solved design with all that is needed to apply them.
+[[nodiscard]] Gains make_gains(const Vehicle& vehicle, const Linearization& model,
+                               const LqrDesign& lqr, const StateFeedback& feedback);
+
+/// Poles of the loop as it flies: sampled if the law is, else continuous.
+[[nodiscard]] Eigen::VectorXcd flying_poles(const Linearization& model, const Gains& gains,
+                                            const RiccatiResult& riccati);
+
+/// The plant of gains that came from elsewhere: the vehicle about the trim in gains.x0.
+/// @throws NoSolution  if the vehicle has no such trim.
+[[nodiscard]] DiscreteLti sampled_plant(const Vehicle& vehicle, const Gains& gains);
+
+/// What the exporters need.
+[[nodiscard]] ExportContent export_content(const DesignOutcome& outcome);
+
+}  // namespace quadtune::cli

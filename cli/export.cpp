@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune export: a gain set or a design, written for another program.
+#include "quadtune/exports/export.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <ostream>
+
+#include "design_flow.hpp"
+#include "export_report.hpp"
+#include "program.hpp"
+#include "quadtune/exports/convert.hpp"
+#include "quadtune/exports/read_gains.hpp"
+#include "quadtune/internal/json.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+struct Options {
+  std::string source, to, directory, vehicle;
+};
+
+/// Gains from files, with the vehicle that they are for.
+ExportContent read_content(const Options& options) {
+  ExportContent content;
+  content.gains = read_gains(options.source);
+  const std::string vehicle =
+      options.vehicle.empty() ? content.gains->vehicle : options.vehicle;
+  if (vehicle.empty())
+    throw UsageError("quadtune export: the gains do not say for which vehicle they are, expected "
+                     "--vehicle V");
+  content.vehicle = load_vehicle(vehicle);
+  content.gains->vehicle = content.vehicle.name;
+  const std::filesystem::path manifest = std::filesystem::path(options.source) / kManifestName;
+  if (std::filesystem::exists(manifest)) content.evidence = read_manifest(options.source).evidence;
+  content.inputs = {{vehicle.ends_with(".toml")
+                         ? std::filesystem::path(vehicle).filename().string()
+                         : vehicle + ".toml",
+                     content.vehicle.text}};
+  return content;
+}
+
+bool is_design(const std::string& path) { return path.ends_with(".toml"); }
+
+ExportContent make_content(const Options& options, ExportKind kind) {
+  ExportContent content =
+      is_design(options.source) ? export_content(run_design(options.source)) : read_content(options);
+  if (content.gains && kind != ExportKind::json)
+    content.gains = in_convention(*content.gains,
+                                  convention(kind == ExportKind::uquad ? "uquad" : "mambo", "--to"));
+  if (content.gains && content.gains->dt > 0)
+    content.plant = sampled_plant(content.vehicle, *content.gains);
+  return content;
+}
+
+}  // namespace
+
+internal::Json to_json(const std::vector<ManifestFile>& files) {
+  internal::Json json = internal::Json::array();
+  for (const ManifestFile& file : files)
+    json.push_back({{"path", file.path}, {"sha256", file.sha256}});
+  return json;
+}
+
+Verb export_verb() {
+  return {"export", "DIR|FILE --to NAME -o DIR",
+          "write gains, or what a design gives, for another program",
+          "quadtune export designs/uquad-hover.toml --to json -o out/uquad-json",
+          [](CLI::App& app) -> Action {
+            auto options = std::make_shared<Options>();
+            app.add_option("SOURCE", options->source,
+                           "an export's directory, a gain file or a design file (.toml)");
+            app.add_option("--to", options->to, "uquad, mambo or json")->type_name("NAME");
+            app.add_option("-o", options->directory, "directory to write")->type_name("DIR");
+            app.add_option("--vehicle", options->vehicle, "the vehicle, where the gains do not say")
+                ->type_name("V");
+            return [options](Context& context) {
+              if (options->source.empty() || options->to.empty() || options->directory.empty())
+                throw UsageError("quadtune export: expected a source, --to NAME and -o DIR");
+              const ExportKind kind = export_kind(options->to, "--to");
+              const std::vector<ManifestFile> files = write_export(
+                  options->directory, kind, make_content(*options, kind), interrupted);
+              if (context.json) {
+                const internal::Json json = {{"files", to_json(files)}};
+                context.out << internal::readable(json) << "\n";
+                return;
+              }
+              for (const ManifestFile& file : files)
+                context.out << fmt::format("{}  {}/{}\n", file.sha256, options->directory,
+                                           file.path);
+            };
+          }};
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune kalman: the steady filter of matrices.
+#include "quadtune/synthesis/kalman.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <ostream>
+
+#include "matrix_arguments.hpp"
+#include "print.hpp"
+#include "program.hpp"
+#include "quadtune/internal/json.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+struct Options {
+  std::string A, G, C, Q, R, N;
+  bool discrete = false;
+  bool continuous = false;
+  double sampled = 0;
+};
+
+void check(const Options& options, bool sampled) {
+  if (static_cast<int>(options.discrete) + static_cast<int>(options.continuous) +
+          static_cast<int>(sampled) !=
+      1)
+    throw UsageError(
+        "quadtune kalman: expected one of --discrete (A is discrete), --continuous, --sampled DT");
+}
+
+KalmanResult solve(const Options& options, bool sampled) {
+  const auto need = [](const std::string& path, const char* option) {
+    return require_matrix(path, "kalman", option);
+  };
+  const KalmanNoise noise = {read_matrix(options.G), need(options.Q, "--Q"),
+                             need(options.R, "--R"), read_matrix(options.N)};
+  if (options.discrete) {
+    DiscreteLti model;
+    model.A = need(options.A, "--A");
+    model.C = need(options.C, "--C");
+    return kalman(model, noise);
+  }
+  ContinuousLti model;
+  model.A = need(options.A, "--A");
+  model.C = need(options.C, "--C");
+  return sampled ? kalman_sampled(model, noise, options.sampled) : kalman(model, noise);
+}
+
+internal::Json to_json(const KalmanResult& result, bool is_discrete) {
+  internal::Json json;
+  json["status"] = to_string(result.status);
+  if (is_discrete) json["M"] = internal::matrix_to_json(result.M, "M");
+  json["L"] = internal::matrix_to_json(result.L, "L");
+  json["P"] = internal::matrix_to_json(result.P, "P");
+  if (is_discrete) json["Z"] = internal::matrix_to_json(result.Z, "Z");
+  json["poles"] = internal::poles_to_json(result.poles, "poles");
+  json["residual"] = internal::number_to_json(result.residual, "residual");
+  json["rcond"] = internal::number_to_json(result.rcond, "rcond");
+  json["iterations"] = result.iterations;
+  return json;
+}
+
+void print(const KalmanResult& result, double dt, bool is_discrete, Context& context) {
+  if (context.json) {
+    context.out << internal::readable(to_json(result, is_discrete)) << "\n";
+    return;
+  }
+  if (is_discrete) context.out << section("filter M", plain(result.M));
+  context.out << section(is_discrete ? "predictor L" : "gain L", plain(result.L))
+              << section("P", plain(result.P));
+  if (is_discrete) context.out << section("Z", plain(result.Z));
+  context.out << section("poles", pole_table(result.poles, is_discrete ? dt : 0))
+              << section("evidence", fmt::format("residual {:.2g}, rcond {:.2g}", result.residual,
+                                                 result.rcond));
+}
+
+}  // namespace
+
+Verb kalman_verb() {
+  return {"kalman",
+          "--A FILE --C FILE --Q FILE --R FILE (--discrete | --continuous | --sampled DT)",
+          "design a steady-state Kalman filter",
+          "quadtune kalman --A docs/examples/A.txt --C docs/examples/C.txt --Q docs/examples/Q.txt "
+          "--R docs/examples/R.txt --sampled 0.01",
+          [](CLI::App& app) -> Action {
+            auto options = std::make_shared<Options>();
+            app.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
+            app.add_option("--G", options->G, "where the process noise enters (nx x nw); identity")
+                ->type_name("FILE");
+            app.add_option("--C", options->C, "measurements (ny x nx)")->type_name("FILE");
+            app.add_option("--Q", options->Q,
+                           "process noise: covariance per step, or density with --continuous and "
+                           "--sampled (nw x nw)")
+                ->type_name("FILE");
+            app.add_option("--R", options->R, "measurement noise, likewise (ny x ny)")
+                ->type_name("FILE");
+            app.add_option("--N", options->N, "cross-correlation (nw x ny); none")
+                ->type_name("FILE");
+            app.add_flag("--discrete", options->discrete, "A is discrete");
+            app.add_flag("--continuous", options->continuous, "A is continuous");
+            CLI::Option* dt = app.add_option("--sampled", options->sampled,
+                                             "sample the continuous model every DT seconds")
+                                  ->type_name("DT");
+            return [options, dt](Context& context) {
+              const bool sampled = dt->count() > 0;
+              check(*options, sampled);
+              if (sampled) require_positive(options->sampled, "kalman", "--sampled");
+              const KalmanResult result = solve(*options, sampled);
+              if (!result.solved())
+                throw NoSolution(
+                    fmt::format("kalman: {}: {}", to_string(result.status), result.culprit));
+              const bool is_discrete = !options->continuous;
+              print(result, sampled ? options->sampled : 1, is_discrete, context);
+            };
+          }};
+}
+
+}  // namespace quadtune::cli

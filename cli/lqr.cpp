@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune lqr: of matrices, or of a vehicle about a trim.
+#include "quadtune/synthesis/lqr.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <ostream>
+
+#include "design_flow.hpp"
+#include "matrix_arguments.hpp"
+#include "plant_arguments.hpp"
+#include "print.hpp"
+#include "program.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/synthesis/state_feedback.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+using internal::Json;
+
+struct Options {
+  PlantArguments plant;
+  std::string A, B, Q, R, N;
+  bool continuous = false;
+  bool discrete = false;
+  double sampled = 0;
+  std::string integral;
+  std::string method = "continuous";
+  double dt = 0;
+};
+
+/// Ends with status 4 and the culprit unless the equation was solved; passes on its warning.
+void require_solved(const RiccatiResult& result, const Context& context) {
+  if (!result.solved())
+    throw NoSolution(fmt::format("lqr: {}: {}", to_string(result.status), result.culprit));
+  if (!result.warning.empty()) context.note("lqr: warning: " + result.warning);
+}
+
+Json evidence_json(const RiccatiResult& result) {
+  Json json;
+  json["poles"] = internal::poles_to_json(result.poles, "poles");
+  json["residual"] = internal::number_to_json(result.residual, "residual");
+  json["rcond"] = internal::number_to_json(result.rcond, "rcond");
+  json["iterations"] = result.iterations;
+  json["culprit"] = result.culprit;
+  json["warning"] = result.warning;
+  return json;
+}
+
+std::string evidence_text(const RiccatiResult& result) {
+  return fmt::format("residual {:.2g}, rcond {:.2g}, {}", result.residual, result.rcond,
+                     result.used_schur ? "ordered Schur method"
+                                       : fmt::format("{} doubling steps", result.iterations));
+}
+
+// --- matrices ------------------------------------------------------------------------------------
+
+void run_matrices(const Options& options, bool sampled, Context& context) {
+  if (static_cast<int>(options.continuous) + static_cast<int>(options.discrete) +
+          static_cast<int>(sampled) >
+      1)
+    throw UsageError("quadtune lqr: expected one of --continuous, --discrete, --sampled DT");
+  const auto need = [](const std::string& path, const char* option) {
+    return require_matrix(path, "lqr", option);
+  };
+  if (sampled) require_positive(options.sampled, "lqr", "--sampled");
+  const ContinuousLti plant = {need(options.A, "--A"), need(options.B, "--B"), {}, {}, {}, {}, {}};
+  const LqrWeights weights = {need(options.Q, "--Q"), need(options.R, "--R"),
+                              read_matrix(options.N)};
+  RiccatiResult result;
+  double dt = 0;
+  if (options.discrete) {
+    dt = 1;
+    result = lqr(DiscreteLti{plant.A, plant.B, {}, {}, dt, {}, {}, {}}, weights);
+  } else if (sampled) {
+    dt = options.sampled;
+    const SampledLqr problem = sample(plant, weights, dt);
+    result = lqr(problem.plant, problem.weights);
+  } else {
+    result = lqr(plant, weights);
+  }
+  require_solved(result, context);
+  if (context.json) {
+    Json json = {{"status", to_string(result.status)},
+                 {"K", internal::matrix_to_json(result.K, "K")},
+                 {"S", internal::matrix_to_json(result.X, "S")}};
+    json.update(evidence_json(result));
+    context.out << internal::readable(json) << "\n";
+    return;
+  }
+  context.out << section("gain K", plain(result.K)) << section("cost S", plain(result.X))
+              << section("poles", pole_table(result.poles, dt))
+              << section("evidence", evidence_text(result));
+}
+
+// --- a vehicle -----------------------------------------------------------------------------------
+
+/// The weights of the states, then of the integrals, from one list; one number stands for all.
+void read_weights(const Options& options, LqrDesign& design) {
+  std::vector<std::string> weighted = design.states;
+  for (const std::string& name : design.integrals) weighted.push_back("int_" + name);
+  const Eigen::MatrixXd Q =
+      diagonal_weights(options.Q.empty() ? "1" : options.Q, weighted.size(),
+               fmt::format("states: {}", fmt::join(weighted, " ")), "lqr", "--Q");
+  const auto nx = static_cast<Eigen::Index>(design.states.size());
+  design.Q = Q.topLeftCorner(nx, nx);
+  design.Q_integral = Q.bottomRightCorner(Q.rows() - nx, Q.rows() - nx);
+  design.R = diagonal_weights(options.R.empty() ? "1" : options.R, design.inputs.size(),
+                      fmt::format("inputs: {}", fmt::join(design.inputs, " ")), "lqr", "--R");
+}
+
+LqrDesign make_design(const Options& options, const Linearization& model) {
+  LqrDesign design;
+  design.convention = options.plant.convention;
+  design.input_kind = input_kind(options.plant.inputs, "--inputs");
+  design.method = lqr_method(options.method, "--method");
+  design.dt = options.dt;
+  if (design.method != LqrMethod::continuous || options.dt != 0)
+    require_positive(options.dt, "lqr", "--dt");
+  for (const Signal& state : model.plant.states) design.states.push_back(state.name);
+  for (const Signal& input : model.plant.inputs) design.inputs.push_back(input.name);
+  design.integrals = word_list(options.integral);
+  read_weights(options, design);
+  return design;
+}
+
+void run_vehicle(const Options& options, Context& context) {
+  const Plant plant = make_plant(options.plant);
+  const LqrDesign design = make_design(options, plant.model);
+  const StateFeedback feedback = state_feedback(plant.model.plant, design);
+  const Gains gains = make_gains(plant.vehicle, plant.model, design, feedback);
+  require_solved(feedback.riccati, context);
+  for (const std::string& note : plant.model.notes) context.note("lqr: note: " + note);
+  if (context.json) {
+    Json json = {{"status", to_string(feedback.riccati.status)},
+                 {"K", internal::matrix_to_json(feedback.K, "K")},
+                 {"K_int", internal::matrix_to_json(feedback.K_int, "K_int")},
+                 {"S", internal::matrix_to_json(feedback.riccati.X, "S")}};
+    json.update(evidence_json(feedback.riccati));
+    json["states"] = internal::signals_to_json(plant.model.plant.states);
+    json["inputs"] = internal::signals_to_json(plant.model.plant.inputs);
+    json["integrals"] = design.integrals;
+    context.out << internal::readable(json) << "\n";
+    return;
+  }
+  context.out << section("gain K", table(feedback.K, design.inputs, design.states));
+  if (!design.integrals.empty())
+    context.out << section("integral K", table(feedback.K_int, design.inputs, design.integrals));
+  context.out << section("poles", pole_table(flying_poles(plant.model, gains, feedback.riccati), design.dt))
+              << section("evidence", evidence_text(feedback.riccati));
+}
+
+bool any_matrix_option(const Options& options) { return !options.A.empty() || !options.B.empty(); }
+
+}  // namespace
+
+Verb lqr_verb() {
+  return {"lqr", "V [options]   or   --A FILE --B FILE --Q FILE --R FILE [options]",
+          "design an LQR gain, for matrices or for a vehicle about a trim",
+          "quadtune lqr uquad --convention uquad --Q 1,1,1,1e3,1e3,1e3,1,1,1,1,1,1 --R 0.01 "
+          "--method discrete --dt 0.01",
+          [](CLI::App& app) -> Action {
+            auto options = std::make_shared<Options>();
+            add_plant_options(app, options->plant);
+            app.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
+            app.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");
+            app.add_option("--Q", options->Q,
+                           "state weights: a matrix file, or with V a list, integrals last; "
+                           "one number stands for all")
+                ->type_name("FILE|LIST");
+            app.add_option("--R", options->R, "input weights, likewise")->type_name("FILE|LIST");
+            app.add_option("--N", options->N, "cross weights (nx x nu); none")->type_name("FILE");
+            app.add_flag("--continuous", options->continuous, "A and B are continuous (default)");
+            app.add_flag("--discrete", options->discrete, "A and B are discrete");
+            CLI::Option* sampled =
+                app.add_option("--sampled", options->sampled,
+                               "continuous A, B, Q, R with the input held for DT seconds")
+                    ->type_name("DT");
+            app.add_option("--integral", options->integral, "with V: states to integrate")
+                ->type_name("LIST");
+            app.add_option("--method", options->method,
+                           "with V: continuous (default), discrete (weights per step) or sampled "
+                           "(exact cost)")
+                ->type_name("NAME");
+            app.add_option("--dt", options->dt, "with V: sample period [s]")->type_name("T");
+            return [options, sampled](Context& context) {
+              const bool has_vehicle = !options->plant.vehicle.empty();
+              if (has_vehicle && any_matrix_option(*options))
+                throw UsageError("quadtune lqr: a vehicle and --A or --B came together, expected "
+                                 "one or the other");
+              if (!has_vehicle && !any_matrix_option(*options))
+                throw UsageError("quadtune lqr: expected a vehicle, or --A, --B, --Q and --R");
+              if (has_vehicle)
+                run_vehicle(*options, context);
+              else
+                run_matrices(*options, sampled->count() > 0, context);
+            };
+          }};
+}
+
+}  // namespace quadtune::cli

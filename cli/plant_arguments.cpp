@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plant_arguments.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "program.hpp"
+
+namespace quadtune::cli {
+void add_plant_options(CLI::App& app, PlantArguments& arguments) {
+  app.add_option("V", arguments.vehicle, "a built-in vehicle's name or a vehicle file");
+  app.add_option("--at", arguments.at, "steady flight: hover (default), line or circle")
+      ->type_name("FLIGHT");
+  app.add_option("--speed", arguments.speed, "over the ground [m/s]; line and circle")
+      ->type_name("V");
+  app.add_option("--climb", arguments.climb, "upward [m/s]; line and circle")->type_name("V");
+  app.add_option("--radius", arguments.radius, "of the circle [m]; negative turns left")
+      ->type_name("R");
+  app.add_option("--yaw", arguments.yaw, "heading from north, clockwise from above [rad]")
+      ->type_name("ANGLE");
+  app.add_option("--convention", arguments.convention, "ned (default), uquad or mambo")
+      ->type_name("NAME");
+  app.add_option("--inputs", arguments.inputs,
+                 "rotor-speed (default), rotor-thrust, wrench or command")
+      ->type_name("KIND");
+  app.add_option("--states", arguments.states, "full (default), no-position or names")
+      ->type_name("LIST");
+}
+
+Linearization linearize_or_refuse(const Vehicle& vehicle, const FlightCondition& condition,
+                                  const LinearizeOptions& options) {
+  Linearization model = linearize(vehicle, condition, options);
+  if (!model.solved())
+    throw NoSolution(vehicle.name + ": no " + to_string(condition.kind) + " trim: " +
+                     model.trim.culprit);
+  return model;
+}
+
+Plant make_plant(const PlantArguments& arguments) {
+  Plant plant;
+  plant.vehicle = load_vehicle(arguments.vehicle);
+  const FlightCondition condition = {flight_kind(arguments.at, "--at"), arguments.yaw,
+                                     arguments.speed, arguments.climb, arguments.radius};
+  LinearizeOptions options;
+  options.convention = arguments.convention;
+  options.inputs = input_kind(arguments.inputs, "--inputs");
+  options.states = state_selection(arguments.states, "--states");
+  (void)convention(options.convention, "--convention");  // refused by its option's name
+  plant.model = linearize_or_refuse(plant.vehicle, condition, options);
+  return plant;
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Options that name a vehicle, its steady flight and how its linear model is written.
+#pragma once
+
+#include <string>
+
+#include "quadtune/linearize/linearize.hpp"
+#include "quadtune/model/vehicle.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace quadtune::cli {
+
+struct PlantArguments {
+  std::string vehicle;
+  std::string at = "hover";
+  double speed = 0;   // [m/s]
+  double climb = 0;   // [m/s]
+  double radius = 0;  // [m]
+  double yaw = 0;     // [rad]
+  std::string convention = "ned";
+  std::string inputs = "rotor-speed";
+  std::string states = "full";
+};
+
+/// Adds V and --at, --speed, --climb, --radius, --yaw, --convention, --inputs, --states.
+void add_plant_options(CLI::App& app, PlantArguments& arguments);
+
+/// A vehicle with its linear model.
+struct Plant {
+  Vehicle vehicle;
+  Linearization model;
+};
+
+/// Trims and linearizes.
+/// @throws NoSolution  with the trim's culprit.
+[[nodiscard]] Plant make_plant(const PlantArguments& arguments);
+
+/// The same for a vehicle in memory.
+[[nodiscard]] Linearization linearize_or_refuse(const Vehicle& vehicle,
+                                                const FlightCondition& condition,
+                                                const LinearizeOptions& options);
+
+}  // namespace quadtune::cli

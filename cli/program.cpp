@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "program.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <istream>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/version.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+std::atomic<bool> stop_asked{false};
+
+extern "C" void ask_to_stop(int) { stop_asked.store(true); }
+
+const Verb* find(const std::string& name) {
+  const auto& all = verbs();
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const Verb& verb) { return verb.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> verb_names() {
+  std::vector<std::string> names;
+  for (const Verb& verb : verbs()) names.push_back(verb.name);
+  return names;
+}
+
+/// Options that CLI11 could not place: the first is named, with the nearest that exists.
+[[noreturn]] void refuse_extras(const CLI::App& app, const std::string& verb) {
+  const std::string extra = app.remaining().front();
+  if (extra.empty() || extra[0] != '-')
+    throw UsageError(fmt::format("quadtune {}: unexpected argument '{}', expected: quadtune {} {}",
+                                 verb, extra, verb, find(verb)->usage));
+  std::vector<std::string> known;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  throw UsageError(fmt::format("quadtune {}: no option '{}'{}", verb,
+                               extra.substr(0, extra.find('=')),
+                               internal::did_you_mean(extra.substr(0, extra.find('=')), known)));
+}
+
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& context) {
+  CLI::App app(verb.summary, "quadtune " + verb.name);
+  app.set_help_flag();
+  app.allow_extras();
+  bool help = false;
+  app.add_flag("--json", context.json, "print one JSON object");
+  app.add_flag("--quiet", context.quiet, "no notes on the error stream");
+  app.add_flag("-h,--help", help, "show this help");
+  const Action action = verb.define(app);
+  if (std::find(args.begin(), args.end(), "--help") != args.end() ||
+      std::find(args.begin(), args.end(), "-h") != args.end()) {
+    run_verb(*find("help"), {verb.name}, context);
+    return;
+  }
+  try {
+    std::vector<std::string> reversed(args.rbegin(), args.rend());
+    app.parse(reversed);
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(fmt::format("quadtune {}: {}", verb.name, one_line(error.what())));
+  }
+  if (!app.remaining().empty()) refuse_extras(app, verb.name);
+  action(context);
+}
+
+void run_program(const std::vector<std::string>& args, Context& context) {
+  if (args.empty() || args[0] == "--help" || args[0] == "-h") {
+    run_verb(*find("help"), {}, context);
+    return;
+  }
+  if (args[0] == "--version") {
+    context.out << "quadtune " << kVersion << "\n";
+    return;
+  }
+  const Verb* verb = find(args[0]);
+  if (!verb) {
+    const std::string what = args[0][0] == '-' ? "option" : "command";
+    throw UsageError(fmt::format("quadtune: no {} '{}'{}", what, args[0],
+                                 args[0] == "synthesise" || args[0] == "synthesize"
+                                     ? "; did you mean 'lqr'?"
+                                     : internal::did_you_mean(args[0], verb_names())));
+  }
+  run_verb(*verb, {args.begin() + 1, args.end()}, context);
+}
+
+/// One line on the error stream and, for scripts, one object on the output.
+int fail(const Context& context, int status, const std::string& message, const std::string& where) {
+  context.err << one_line(message) << "\n";
+  if (context.json) {
+    const nlohmann::ordered_json error = {
+        {"error", {{"code", status}, {"message", one_line(message)}, {"where", where}}}};
+    context.out << error.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+  }
+  return status;
+}
+
+}  // namespace
+
+bool interrupted() { return stop_asked.load(); }
+
+void install_signal_handlers() {
+  struct sigaction action = {};
+  action.sa_handler = ask_to_stop;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+void Context::note(const std::string& line) const {
+  if (!quiet) err << line << "\n";
+}
+
+int run(const std::vector<std::string>& args, std::istream& in, std::ostream& out,
+        std::ostream& err) {
+  Context context{in, out, err};
+  context.json = std::find(args.begin(), args.end(), "--json") != args.end();
+  try {
+    run_program(args, context);
+    out.flush();
+    if (!out) return fail(context, kFile, "standard output: could not be written", "stdout");
+    return interrupted() ? kInterrupted : kDone;
+  } catch (const UsageError& error) {
+    return fail(context, kUsage, error.what(), "command line");
+  } catch (const InvalidInput& error) {
+    return fail(context, kBadInput, error.what(), error.where());
+  } catch (const FileError& error) {
+    return fail(context, kFile, error.what(), error.path());
+  } catch (const NoSolution& error) {
+    return fail(context, kNoSolution, error.what(), "");
+  } catch (const AnswerIsNo& error) {
+    err << one_line(error.what()) << "\n";
+    return kAnswerIsNo;
+  } catch (const Interrupted& error) {
+    return fail(context, kInterrupted, error.what(), "");
+  } catch (const std::bad_alloc&) {
+    return fail(context, kBadInput, "not enough memory for a problem of this size", "");
+  }
+}
+
+const std::vector<Verb>& verbs() {
+  static const std::vector<Verb> all = {
+      design_verb(),     vehicle_verb(), linearize_verb(), lqr_verb(),  kalman_verb(),
+      discretize_verb(), export_verb(),  verify_verb(),    diff_verb(), help_verb()};
+  return all;
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The program as a function: arguments and streams in, exit status out.
+#pragma once
+
+#include <functional>
+#include <iosfwd>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace quadtune::cli {
+
+/// What the process ends with; documented in docs/cli.md.
+enum ExitStatus : int {
+  kDone = 0,
+  kAnswerIsNo = 1,
+  kUsage = 2,
+  kBadInput = 3,
+  kNoSolution = 4,
+  kFile = 5,
+  kInterrupted = 130,
+};
+
+/// The command line is wrong.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// No solution exists or none was found; the message names the culprit.
+class NoSolution : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The answer is no: a verification or a gate failed. What failed has been printed already.
+class AnswerIsNo : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Where a verb reads and writes, and how.
+struct Context {
+  std::istream& in;
+  std::ostream& out;
+  std::ostream& err;
+  bool json = false;
+  bool quiet = false;
+
+  /// One line on the error stream that is not an error; silent with --quiet.
+  void note(const std::string& line) const;
+};
+
+/// Runs a verb whose options have been parsed.
+using Action = std::function<void(Context&)>;
+
+/// One verb: a row of the table from which help, man page and completion are made.
+struct Verb {
+  std::string name;
+  std::string usage;    ///< what follows the name, e.g. "V [options]"
+  std::string summary;  ///< one line
+  std::string example;  ///< a command that works as printed from the project's root
+  std::function<Action(CLI::App&)> define;  ///< adds the options, gives what to run
+};
+
+/// All verbs in the order in which the work flows.
+[[nodiscard]] const std::vector<Verb>& verbs();
+
+/// Runs `quadtune ARGS…` and returns its exit status.
+int run(const std::vector<std::string>& args, std::istream& in, std::ostream& out,
+        std::ostream& err);
+
+/// True once SIGINT or SIGTERM came; long work and file writing poll it.
+[[nodiscard]] bool interrupted();
+void install_signal_handlers();
+
+Verb design_verb();
+Verb vehicle_verb();
+Verb linearize_verb();
+Verb lqr_verb();
+Verb kalman_verb();
+Verb discretize_verb();
+Verb export_verb();
+Verb verify_verb();
+Verb diff_verb();
+Verb help_verb();
+
+}  // namespace quadtune::cli

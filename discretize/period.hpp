@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What every method of discretization refuses about its sample period.
+#pragma once
+
+#include <string>
+
+namespace quadtune::internal {
+
+/// @throws InvalidInput  "zoh: dt is -0.01 s, expected a positive, finite number of seconds".
+void require_period(double dt, const std::string& where);
+
+/// @throws InvalidInput  always: an entry of the discrete model exceeds the range of a double.
+[[noreturn]] void refuse_long_period(double dt, const std::string& where);
+
+}  // namespace quadtune::internal

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/exports/convert.hpp"
+
+#include <fmt/format.h>
+
+#include "quadtune/errors.hpp"
+
+namespace quadtune {
+namespace {
+
+// Where the columns of the target come from, and with which sign.
+struct Map {
+  std::vector<int> source;
+  std::vector<double> sign;
+  std::vector<Signal> signals;
+};
+
+Eigen::Index row_of(const std::string& name, const Convention& convention) {
+  for (std::size_t i = 0; i < convention.states.size(); ++i)
+    if (convention.states[i].name == name) return static_cast<Eigen::Index>(i);
+  throw InvalidInput("in_convention", fmt::format("no state '{}' in convention {}, expected {}",
+                                                  name, convention.name, names(convention.states)));
+}
+
+Map map_states(const std::vector<Signal>& signals, const Convention& from, const Convention& to) {
+  // x_to = T x_from
+  const Eigen::Matrix<double, 12, 12> T = to.from_ned * from.from_ned.transpose();
+  Map map;
+  for (Eigen::Index i = 0; i < 12; ++i)
+    for (std::size_t j = 0; j < signals.size(); ++j) {
+      const double sign = T(i, row_of(signals[j].name, from));
+      if (sign == 0) continue;
+      map.source.push_back(static_cast<int>(j));
+      map.sign.push_back(sign);
+      map.signals.push_back({to.states[static_cast<std::size_t>(i)].name, signals[j].unit});
+    }
+  return map;
+}
+
+Eigen::MatrixXd map_columns(const Eigen::MatrixXd& K, const Map& map) {
+  Eigen::MatrixXd result(K.rows(), static_cast<Eigen::Index>(map.source.size()));
+  for (Eigen::Index j = 0; j < result.cols(); ++j) {
+    const auto k = static_cast<std::size_t>(j);
+    result.col(j) = map.sign[k] * K.col(map.source[k]);
+  }
+  return result;
+}
+
+}  // namespace
+
+Gains in_convention(const Gains& gains, const Convention& target, SignLaw sign_law) {
+  validate(gains, "in_convention");
+  const Convention& source = convention(gains.convention, "in_convention");
+  const Map states = map_states(gains.states, source, target);
+  const Map integrals = map_states(gains.integrals, source, target);
+  Gains result = gains;
+  result.convention = target.name;
+  result.sign_law = sign_law;
+  result.states = states.signals;
+  result.integrals = integrals.signals;
+  const double law = sign_law == gains.sign_law ? 1 : -1;
+  result.K = law * map_columns(gains.K, states);
+  result.K_int = law * map_columns(gains.K_int, integrals);
+  result.x0 = map_columns(gains.x0.transpose(), states).transpose();
+  if (gains.input_kind == InputKind::wrench) {
+    // u_to = W u_from
+    const Eigen::MatrixXd W = target.wrench_from_ned * source.wrench_from_ned.transpose();
+    result.inputs = target.wrench;
+    result.K = W * result.K;
+    result.K_int = W * result.K_int;
+    result.u0 = W * gains.u0;
+  }
+  return result;
+}
+
+}  // namespace quadtune

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/exports/export.hpp"
+
+#include <fmt/format.h>
+#include <openssl/opensslv.h>
+
+#include <algorithm>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/mambo.hpp"
+#include "quadtune/exports/uquad.hpp"
+#include "quadtune/exports/verify.hpp"
+#include "quadtune/version.hpp"
+#include "to_json.hpp"
+
+namespace quadtune {
+namespace {
+
+using internal::Json;
+
+std::vector<FileContent> content_files(ExportKind kind, const ExportContent& content) {
+  switch (kind) {
+    case ExportKind::uquad:
+      if (!content.gains)
+        throw InvalidInput("uquad", "no gains came, expected a state feedback (section lqr)");
+      return uquad_files(*content.gains, content.Q, content.R);
+    case ExportKind::mambo:
+      return mambo_files(content);
+    case ExportKind::json:
+      return {{kGainsJsonName, gains_json_text(content)}};
+  }
+  return {};
+}
+
+ManifestFile listed(const FileContent& file) {
+  return {file.name, sha256(file.bytes), file.bytes.size()};
+}
+
+std::vector<std::pair<std::string, std::string>> own_versions() {
+  return {{"quadtune", kVersion},
+          {"Eigen",
+           fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+          {"nlohmann-json", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR,
+                                        NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH)},
+          {"fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100,
+                              FMT_VERSION % 100)},
+          {"OpenSSL", OPENSSL_VERSION_STR}};
+}
+
+Manifest make_manifest(ExportKind kind, const ExportContent& content,
+                       const std::vector<FileContent>& files) {
+  Manifest manifest;
+  manifest.kind = kind;
+  manifest.vehicle = content.vehicle.name;
+  manifest.versions = own_versions();
+  manifest.versions.insert(manifest.versions.end(), content.versions.begin(),
+                           content.versions.end());
+  manifest.made_at = content.made_at;
+  for (const FileContent& file : content.inputs) manifest.inputs.push_back(listed(file));
+  for (const FileContent& file : files) manifest.files.push_back(listed(file));
+  manifest.gains = content.gains;
+  manifest.evidence = content.evidence;
+  if (content.gains && content.plant)
+    manifest.closed_loop_poles = closed_loop_poles(*content.plant, *content.gains);
+  if (kind == ExportKind::mambo)
+    for (const FileContent& file : files)
+      for (NamedMatrix& number : parse_m_numbers(file.bytes, file.name))
+        manifest.numbers.push_back(std::move(number));
+  return manifest;
+}
+
+// What an earlier export of ours left in the directory. Files that no manifest lists are not ours.
+std::vector<std::string> left_behind(const std::filesystem::path& directory,
+                                     const std::vector<FileContent>& files) {
+  std::vector<std::string> stale;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(directory / kManifestName, ignored)) return stale;
+  try {
+    for (const ManifestFile& old : read_manifest(directory).files)
+      if (std::none_of(files.begin(), files.end(),
+                       [&](const FileContent& file) { return file.name == old.path; }))
+        stale.push_back(old.path);
+  } catch (const InvalidInput&) {
+    // A manifest that does not parse lists nothing of ours; it is replaced.
+  }
+  return stale;
+}
+
+}  // namespace
+
+std::vector<FileContent> export_files(ExportKind kind, const ExportContent& content) {
+  std::vector<FileContent> files = content_files(kind, content);
+  const Manifest manifest = make_manifest(kind, content, files);
+  files.push_back({kManifestName, manifest_text(manifest)});
+  return files;
+}
+
+std::vector<ManifestFile> write_export(const std::filesystem::path& directory, ExportKind kind,
+                                       const ExportContent& content,
+                                       const std::function<bool()>& interrupted) {
+  const std::vector<FileContent> files = export_files(kind, content);
+  write_files(directory, files, left_behind(directory, files), interrupted);
+  std::vector<ManifestFile> written;
+  for (const FileContent& file : files) written.push_back(listed(file));
+  return written;
+}
+
+std::string gains_json_text(const ExportContent& content) {
+  Json json;
+  json["format"] = "quadtune-gains";
+  json["format_version"] = 1;
+  if (content.gains) json["gains"] = exports::gains_to_json(*content.gains);
+  json["vehicle"] = exports::vehicle_to_json(content.vehicle);
+  json["filters"] = Json::array();
+  for (const KalmanFilter& filter : content.filters)
+    json["filters"].push_back(exports::filter_to_json(filter));
+  if (content.cascade) json["cascade"] = exports::cascade_to_json(*content.cascade);
+  if (content.Q.size() > 0) json["weights"]["Q"] = internal::matrix_to_json(content.Q, "Q");
+  if (content.R.size() > 0) json["weights"]["R"] = internal::matrix_to_json(content.R, "R");
+  return internal::readable(json) + "\n";
+}
+
+}  // namespace quadtune

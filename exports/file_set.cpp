@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/exports/file_set.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <openssl/evp.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <set>
+#include <utility>
+
+#include "quadtune/errors.hpp"
+
+namespace quadtune {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& path, int error, const std::string& what = "") {
+  throw FileError(path.string(), what + std::strerror(error));
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] int get() const { return fd_; }
+  [[nodiscard]] int close() { return ::close(std::exchange(fd_, -1)); }
+
+ private:
+  int fd_;
+};
+
+std::string temporary(const std::string& name) { return "." + name + ".quadtune-tmp"; }
+
+void sync_directory(const fs::path& path) {
+  const Descriptor fd(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (fd.get() < 0 || ::fsync(fd.get()) != 0) fail(path, errno);
+}
+
+// Makes the missing directories of a path; removes them again unless kept.
+class MadeDirectories {
+ public:
+  explicit MadeDirectories(const fs::path& directory) {
+    std::vector<fs::path> missing;
+    std::error_code ignored;  // what cannot be looked at is left to open(), which has the reason
+    for (fs::path p = directory;
+         !p.empty() && fs::symlink_status(p, ignored).type() == fs::file_type::not_found;
+         p = p.parent_path())
+      missing.push_back(p);
+    for (auto p = missing.rbegin(); p != missing.rend(); ++p) {
+      if (::mkdir(p->c_str(), 0777) == 0) {
+        made_.push_back(*p);
+      } else if (errno != EEXIST) {
+        const int error = errno;
+        remove();
+        fail(*p, error);
+      }
+    }
+  }
+  ~MadeDirectories() {
+    if (!kept_) remove();
+  }
+  MadeDirectories(const MadeDirectories&) = delete;
+  MadeDirectories& operator=(const MadeDirectories&) = delete;
+
+  void sync() const {
+    for (const fs::path& p : made_) sync_directory(p.has_parent_path() ? p.parent_path() : ".");
+  }
+  void keep() { kept_ = true; }
+
+ private:
+  void remove() {
+    for (auto p = made_.rbegin(); p != made_.rend(); ++p) ::rmdir(p->c_str());
+    made_.clear();
+  }
+
+  std::vector<fs::path> made_;
+  bool kept_ = false;
+};
+
+// The temporaries and the exchanges made so far; what is not committed is undone.
+class Transaction {
+ public:
+  Transaction(const fs::path& directory, int fd) : directory_(directory), fd_(fd) {}
+  ~Transaction() {
+    if (!committed_) undo();
+    // After an exchange the temporary name holds the old file.
+    for (const std::string& name : temporaries_) ::unlinkat(fd_, name.c_str(), 0);
+  }
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+
+  void write_temporary(const FileContent& file) {
+    const std::string name = temporary(file.name);
+    ::unlinkat(fd_, name.c_str(), 0);  // left by a crash; the lock says that nobody writes it now
+    Descriptor out(
+        ::openat(fd_, name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
+    if (out.get() < 0) fail(directory_ / file.name, errno);
+    temporaries_.push_back(name);
+    std::size_t done = 0;
+    while (done < file.bytes.size()) {
+      const ssize_t n = ::write(out.get(), file.bytes.data() + done, file.bytes.size() - done);
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) fail(directory_ / file.name, errno);
+      done += static_cast<std::size_t>(n);
+    }
+    if (::fsync(out.get()) != 0 || out.close() != 0) fail(directory_ / file.name, errno);
+  }
+
+  void put_in_place(const std::string& name) {
+    const std::string from = temporary(name);
+    if (::renameat2(fd_, from.c_str(), fd_, name.c_str(), RENAME_EXCHANGE) == 0) {
+      exchanged_.push_back({name, Step::exchanged});
+    } else if (errno == ENOENT &&
+               ::renameat2(fd_, from.c_str(), fd_, name.c_str(), RENAME_NOREPLACE) == 0) {
+      exchanged_.push_back({name, Step::created});
+    } else if (errno == EINVAL || errno == ENOSYS) {
+      // A file system without exchange: the plain rename is atomic too, but cannot be undone.
+      if (::renameat(fd_, from.c_str(), fd_, name.c_str()) != 0) fail(directory_ / name, errno);
+    } else {
+      fail(directory_ / name, errno);
+    }
+  }
+
+  void take_away(const std::string& name) {
+    struct stat info {};
+    if (::fstatat(fd_, name.c_str(), &info, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(info.st_mode))
+      return;  // gone already, or never a file of ours
+    const std::string to = temporary(name);
+    if (::renameat(fd_, name.c_str(), fd_, to.c_str()) == 0) {
+      exchanged_.push_back({name, Step::taken});
+      temporaries_.push_back(to);
+    } else if (errno != ENOENT) {
+      fail(directory_ / name, errno);
+    }
+  }
+
+  void commit() {
+    if (::fsync(fd_) != 0) fail(directory_, errno);
+    committed_ = true;
+  }
+
+ private:
+  enum class Step { exchanged, created, taken };
+
+  void undo() {
+    for (auto step = exchanged_.rbegin(); step != exchanged_.rend(); ++step) {
+      const std::string aside = temporary(step->first);
+      const char* name = step->first.c_str();
+      if (step->second == Step::exchanged)
+        ::renameat2(fd_, aside.c_str(), fd_, name, RENAME_EXCHANGE);
+      else if (step->second == Step::created)
+        ::renameat(fd_, name, fd_, aside.c_str());
+      else
+        ::renameat(fd_, aside.c_str(), fd_, name);
+    }
+  }
+
+  fs::path directory_;
+  int fd_;
+  std::vector<std::string> temporaries_;
+  std::vector<std::pair<std::string, Step>> exchanged_;
+  bool committed_ = false;
+};
+
+void require_plain_names(const std::vector<FileContent>& files) {
+  std::set<std::string> seen;
+  for (const FileContent& file : files)
+    if (file.name.empty() || file.name == "." || file.name == ".." ||
+        file.name.find('/') != std::string::npos || !seen.insert(file.name).second)
+      throw InvalidInput("write_files", fmt::format("'{}' is no file name or is given twice, "
+                                                    "expected distinct names without a slash",
+                                                    file.name));
+}
+
+void require_no_directory(int fd, const fs::path& directory, const std::string& name) {
+  struct stat info {};
+  if (::fstatat(fd, name.c_str(), &info, AT_SYMLINK_NOFOLLOW) == 0 && S_ISDIR(info.st_mode))
+    fail(directory / name, EISDIR);
+}
+
+}  // namespace
+
+void write_files(const fs::path& directory, const std::vector<FileContent>& files,
+                 const std::vector<std::string>& stale, const std::function<bool()>& interrupted) {
+  require_plain_names(files);
+  const auto stop_if_interrupted = [&] {
+    if (interrupted && interrupted()) throw Interrupted();
+  };
+  stop_if_interrupted();
+  // "out/" and "out" are the same directory; only the second has it as its last part.
+  const fs::path path = directory.has_filename() ? directory : directory.parent_path();
+  MadeDirectories made(path);
+  const Descriptor fd(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (fd.get() < 0)
+    fail(path, errno, errno == ENOTDIR ? "is a file, expected a directory to write into: " : "");
+  // Two writers at once would mix their temporaries. File systems without locks go unguarded.
+  if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    throw FileError(path.string(), "another quadtune is writing here");
+
+  Transaction transaction(path, fd.get());
+  for (const FileContent& file : files) {
+    require_no_directory(fd.get(), path, file.name);
+    stop_if_interrupted();
+    transaction.write_temporary(file);
+  }
+  stop_if_interrupted();  // the last chance: from here on it is a few renames
+  for (const FileContent& file : files) transaction.put_in_place(file.name);
+  for (const std::string& name : stale) transaction.take_away(name);
+  made.sync();
+  transaction.commit();
+  made.keep();
+}
+
+std::string sha256(const std::string& bytes) {
+  unsigned char digest[EVP_MAX_MD_SIZE];
+  unsigned int size = 0;
+  if (EVP_Digest(bytes.data(), bytes.size(), digest, &size, EVP_sha256(), nullptr) != 1)
+    throw std::runtime_error("sha256: libcrypto refused");
+  std::string hex;
+  for (unsigned int i = 0; i < size; ++i) hex += fmt::format("{:02x}", digest[i]);
+  return hex;
+}
+
+}  // namespace quadtune

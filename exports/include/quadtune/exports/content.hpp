@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What an export is made from.
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "quadtune/design.hpp"
+#include "quadtune/exports/file_set.hpp"
+#include "quadtune/filter.hpp"
+#include "quadtune/gains.hpp"
+#include "quadtune/lti.hpp"
+#include "quadtune/model/vehicle.hpp"
+
+namespace quadtune {
+
+/// That the gains are right, as the solver told it. NaN and empty mean not known; they are left
+/// out.
+struct ExportEvidence {
+  std::string method;  ///< e.g. "sampled-data LQR"
+  std::string status;  ///< e.g. "solved"
+  double residual = std::numeric_limits<double>::quiet_NaN();
+  double rcond = std::numeric_limits<double>::quiet_NaN();
+  int iterations = 0;
+  Eigen::VectorXcd poles;  ///< of the design, as the solver gave them
+};
+
+/// Everything that goes into the files and the manifest.
+struct ExportContent {
+  Vehicle vehicle;
+  std::optional<Gains> gains;  ///< in the convention of the flight program it is written for
+  Eigen::MatrixXd Q;           ///< weights of states, then integrals, in the gains' order; or empty
+  Eigen::MatrixXd R;           ///< weights of the inputs, or empty
+  std::optional<DiscreteLti> plant;   ///< the vehicle in the gains' states and inputs; its closed
+                                      ///< loop goes into the manifest, for `verify`
+  std::vector<KalmanFilter> filters;  ///< "altitude" and "velocity" for the Mambo
+  std::optional<CascadeDesign> cascade;
+  ExportEvidence evidence;
+  std::vector<FileContent> inputs;  ///< design and vehicle files: name without path, and bytes
+  std::vector<std::pair<std::string, std::string>>
+      versions;         ///< of further libraries: name, version
+  std::string made_at;  ///< a time to write into the manifest; empty, the default, writes none
+};
+
+}  // namespace quadtune

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The page that travels with an export: what is in it, from what it was made, how it is applied.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "quadtune/exports/content.hpp"
+#include "quadtune/gains.hpp"
+
+namespace quadtune {
+
+/// For whom the files are.
+enum class ExportKind { uquad, mambo, json };
+
+/// "uquad", "mambo" or "json", and back.
+[[nodiscard]] std::string to_string(ExportKind kind);
+/// @throws InvalidInput  naming the word, the kinds that exist, and the nearest.
+[[nodiscard]] ExportKind export_kind(const std::string& name, const std::string& where);
+
+/// One file by its hash.
+struct ManifestFile {
+  std::string path;  ///< name within the export, or of an input without its directory
+  std::string sha256;
+  std::size_t size = 0;  ///< [byte]
+};
+
+/// A matrix that stands in a file under a name, e.g. "Controller.StateFeedback.K".
+struct NamedMatrix {
+  std::string file;
+  std::string name;
+  Eigen::MatrixXd value;
+};
+
+/// manifest.json.
+struct Manifest {
+  ExportKind kind = ExportKind::json;
+  std::string vehicle;
+  std::vector<std::pair<std::string, std::string>> versions;  ///< quadtune and its libraries
+  std::string made_at;                                        ///< empty unless asked for
+  std::vector<ManifestFile> inputs;
+  std::vector<ManifestFile> files;  ///< all of the export but the manifest itself
+  std::optional<Gains> gains;
+  ExportEvidence evidence;
+  Eigen::VectorXcd closed_loop_poles;  ///< of the law as written with the plant; empty if not known
+  std::vector<NamedMatrix> numbers;    ///< what the files with names in them define
+};
+
+inline constexpr char kManifestName[] = "manifest.json";
+
+/// @throws InvalidInput  for a number that is not finite.
+[[nodiscard]] std::string manifest_text(const Manifest& manifest);
+
+/// @param origin  the file's name in messages
+/// @throws InvalidInput  "origin:line: …" or "origin: json path: …".
+[[nodiscard]] Manifest parse_manifest(const std::string& text, const std::string& origin);
+
+/// Reads manifest.json of a directory.
+/// @throws FileError     if it cannot be read.
+[[nodiscard]] Manifest read_manifest(const std::filesystem::path& directory);
+
+}  // namespace quadtune

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/exports/manifest.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "export_text.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "to_json.hpp"
+
+namespace quadtune {
+namespace {
+
+using internal::Json;
+using internal::member;
+
+constexpr char kFormat[] = "quadtune-export";
+
+Json files_to_json(const std::vector<ManifestFile>& files) {
+  Json json = Json::array();
+  for (const ManifestFile& file : files)
+    json.push_back({{"path", file.path}, {"sha256", file.sha256}, {"size", file.size}});
+  return json;
+}
+
+std::vector<ManifestFile> files_from_json(const Json& json, const std::string& where) {
+  if (!json.is_array()) throw InvalidInput(where, "is no array, expected a list of files");
+  std::vector<ManifestFile> files;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const std::string here = fmt::format("{}[{}]", where, i);
+    const Json& size = member(json[i], "size", here);
+    if (!size.is_number_unsigned())
+      throw InvalidInput(here + ".size", fmt::format("is {}, expected bytes", size.dump()));
+    files.push_back({internal::string_from_json(member(json[i], "path", here), here + ".path"),
+                     internal::string_from_json(member(json[i], "sha256", here), here + ".sha256"),
+                     size.get<std::size_t>()});
+    // A manifest from elsewhere must not make us read or remove files outside its directory.
+    const std::string& path = files.back().path;
+    if (path.empty() || path == "." || path == ".." || path.find('/') != std::string::npos)
+      throw InvalidInput(here + ".path",
+                         fmt::format("is '{}', expected a file name without a slash", path));
+  }
+  return files;
+}
+
+Json evidence_to_json(const ExportEvidence& evidence) {
+  Json json = Json::object();
+  if (!evidence.method.empty()) json["method"] = evidence.method;
+  if (!evidence.status.empty()) json["status"] = evidence.status;
+  if (!std::isnan(evidence.residual))
+    json["residual"] = internal::number_to_json(evidence.residual, "residual");
+  if (!std::isnan(evidence.rcond))
+    json["rcond"] = internal::number_to_json(evidence.rcond, "rcond");
+  if (evidence.iterations > 0) json["iterations"] = evidence.iterations;
+  if (evidence.poles.size() > 0)
+    json["poles"] = internal::poles_to_json(evidence.poles, "evidence.poles");
+  return json;
+}
+
+ExportEvidence evidence_from_json(const Json& json, const std::string& where) {
+  ExportEvidence evidence;
+  const auto with = [&](const char* key, auto use) {
+    if (json.contains(key)) use(json[key], where + "." + key);
+  };
+  using Where = const std::string&;
+  with("method",
+       [&](const Json& j, Where w) { evidence.method = internal::string_from_json(j, w); });
+  with("status",
+       [&](const Json& j, Where w) { evidence.status = internal::string_from_json(j, w); });
+  with("residual",
+       [&](const Json& j, Where w) { evidence.residual = internal::number_from_json(j, w); });
+  with("rcond", [&](const Json& j, Where w) { evidence.rcond = internal::number_from_json(j, w); });
+  with("iterations", [&](const Json& j, Where w) {
+    evidence.iterations = static_cast<int>(internal::number_from_json(j, w));
+  });
+  with("poles", [&](const Json& j, Where w) { evidence.poles = internal::poles_from_json(j, w); });
+  return evidence;
+}
+
+Json closed_loop_to_json(const Eigen::VectorXcd& poles) {
+  Json json;
+  json["about"] =
+      "the law as written with the sampled vehicle; integrals advance by dt times the error";
+  json["spectral_radius"] =
+      internal::number_to_json(poles.cwiseAbs().maxCoeff(), "closed_loop.spectral_radius");
+  json["poles"] = internal::poles_to_json(poles, "closed_loop.poles");
+  return json;
+}
+
+}  // namespace
+
+std::string to_string(ExportKind kind) {
+  switch (kind) {
+    case ExportKind::uquad:
+      return "uquad";
+    case ExportKind::mambo:
+      return "mambo";
+    case ExportKind::json:
+      return "json";
+  }
+  return "";
+}
+
+ExportKind export_kind(const std::string& name, const std::string& where) {
+  std::vector<std::string> known;
+  for (const ExportKind kind : {ExportKind::uquad, ExportKind::mambo, ExportKind::json}) {
+    if (to_string(kind) == name) return kind;
+    known.push_back(to_string(kind));
+  }
+  throw InvalidInput(where,
+                     fmt::format("no export '{}', expected {}{}", name, fmt::join(known, ", "),
+                                 internal::did_you_mean(name, known)));
+}
+
+std::string manifest_text(const Manifest& manifest) {
+  Json json;
+  json["format"] = kFormat;
+  json["format_version"] = 1;
+  json["kind"] = to_string(manifest.kind);
+  json["vehicle"] = manifest.vehicle;
+  if (!manifest.made_at.empty()) json["made_at"] = manifest.made_at;
+  json["versions"] = Json::object();
+  for (const auto& [name, version] : manifest.versions) json["versions"][name] = version;
+  json["inputs"] = files_to_json(manifest.inputs);
+  json["files"] = files_to_json(manifest.files);
+  if (manifest.gains) json["gains"] = exports::gains_to_json(*manifest.gains);
+  json["evidence"] = evidence_to_json(manifest.evidence);
+  if (manifest.closed_loop_poles.size() > 0)
+    json["closed_loop"] = closed_loop_to_json(manifest.closed_loop_poles);
+  json["numbers"] = Json::array();
+  for (const NamedMatrix& number : manifest.numbers)
+    json["numbers"].push_back({{"file", number.file},
+                               {"name", number.name},
+                               {"value", internal::matrix_to_json(number.value, number.name)}});
+  return internal::readable(json) + "\n";
+}
+
+Manifest parse_manifest(const std::string& text, const std::string& origin) {
+  const Json json = exports::parse_json(text, origin, kFormat);
+  const auto path = [&](const std::string& key) { return origin + ": " + key; };
+  Manifest manifest;
+  manifest.kind = export_kind(
+      internal::string_from_json(member(json, "kind", origin), path("kind")), path("kind"));
+  manifest.vehicle = internal::string_from_json(member(json, "vehicle", origin), path("vehicle"));
+  if (json.contains("made_at"))
+    manifest.made_at = internal::string_from_json(json["made_at"], path("made_at"));
+  for (const auto& [name, version] : member(json, "versions", origin).items())
+    manifest.versions.emplace_back(name,
+                                   internal::string_from_json(version, path("versions." + name)));
+  manifest.inputs = files_from_json(member(json, "inputs", origin), path("inputs"));
+  manifest.files = files_from_json(member(json, "files", origin), path("files"));
+  if (json.contains("gains"))
+    manifest.gains = exports::gains_from_json(json["gains"], path("gains"));
+  manifest.evidence = evidence_from_json(member(json, "evidence", origin), path("evidence"));
+  if (json.contains("closed_loop"))
+    manifest.closed_loop_poles = internal::poles_from_json(
+        member(json["closed_loop"], "poles", path("closed_loop")), path("closed_loop.poles"));
+  const Json& numbers = member(json, "numbers", origin);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::string here = path(fmt::format("numbers[{}]", i));
+    manifest.numbers.push_back(
+        {internal::string_from_json(member(numbers[i], "file", here), here + ".file"),
+         internal::string_from_json(member(numbers[i], "name", here), here + ".name"),
+         internal::matrix_from_json(member(numbers[i], "value", here), here + ".value")});
+  }
+  return manifest;
+}
+
+Manifest read_manifest(const std::filesystem::path& directory) {
+  const std::filesystem::path path = directory / kManifestName;
+  return parse_manifest(exports::export_text(path), path.string());
+}
+
+}  // namespace quadtune

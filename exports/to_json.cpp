@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "to_json.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "quadtune/errors.hpp"
+
+namespace quadtune::exports {
+
+using internal::matrix_to_json;
+using internal::number_to_json;
+using internal::signals_to_json;
+using internal::vector_to_json;
+
+namespace {
+
+void add_known(Json& json, const std::string& key, double number) {
+  if (!std::isnan(number)) json[key] = number_to_json(number, key);
+}
+
+Json rotor_to_json(const Rotor& rotor) {
+  Json json;
+  json["position_m"] = vector_to_json(rotor.position, "rotor.position");
+  json["spin"] = rotor.spin == Spin::clockwise ? "clockwise" : "counter-clockwise";
+  json["thrust_a2_N_s2_per_rad2"] = number_to_json(rotor.thrust_a2, "rotor.thrust_a2");
+  json["thrust_a1_N_s_per_rad"] = number_to_json(rotor.thrust_a1, "rotor.thrust_a1");
+  json["torque_d2_N_m_s2_per_rad2"] = number_to_json(rotor.torque_d2, "rotor.torque_d2");
+  json["torque_d1_N_m_s_per_rad"] = number_to_json(rotor.torque_d1, "rotor.torque_d1");
+  json["inertia_kg_m2"] = number_to_json(rotor.inertia, "rotor.inertia");
+  json["lag_s"] = number_to_json(rotor.lag, "rotor.lag");
+  add_known(json, "radius_m", rotor.radius);
+  add_known(json, "chord_m", rotor.chord);
+  add_known(json, "Ct", rotor.Ct);
+  add_known(json, "Cq", rotor.Cq);
+  if (rotor.blades > 0) json["blades"] = rotor.blades;
+  return json;
+}
+
+Json motor_to_json(const MotorCommand& motor) {
+  Json json;
+  json["law"] = motor.law == CommandLaw::speed ? "speed" : "speed-squared";
+  json["gain"] = number_to_json(motor.gain, "motor.gain");
+  json["unit"] = motor.unit;
+  json["min"] = number_to_json(motor.min, "motor.min");
+  json["max"] = number_to_json(motor.max, "motor.max");
+  json["direction"] = motor.direction;
+  return json;
+}
+
+}  // namespace
+
+Json gains_to_json(const Gains& gains) {
+  validate(gains, "json");
+  const Convention& c = convention(gains.convention, "json");
+  Json json;
+  json["vehicle"] = gains.vehicle;
+  json["convention"] = {{"name", c.name}, {"description", c.description}};
+  json["sign_law"] = to_string(gains.sign_law);
+  json["law"] = gains.sign_law == SignLaw::set_point_minus_state
+                    ? "u = u0 + K (x_sp - x) + K_int integral(x_sp - x)"
+                    : "u = u0 + K (x - x_sp) + K_int integral(x - x_sp)";
+  json["input_kind"] = to_string(gains.input_kind);
+  json["dt_s"] = gains.dt;
+  json["states"] = signals_to_json(gains.states);
+  json["inputs"] = signals_to_json(gains.inputs);
+  json["integrals"] = signals_to_json(gains.integrals);
+  json["x0"] = vector_to_json(gains.x0, "x0");
+  json["u0"] = vector_to_json(gains.u0, "u0");
+  json["K"] = matrix_to_json(gains.K, "K");
+  json["K_int"] = matrix_to_json(gains.K_int, "K_int");
+  return json;
+}
+
+Gains gains_from_json(const Json& json, const std::string& where) {
+  using internal::member;
+  const auto path = [&](const char* key) { return where + "." + key; };
+  const auto at = [&](const char* key) -> const Json& { return member(json, key, where); };
+  const auto text = [&](const char* key) { return internal::string_from_json(at(key), path(key)); };
+  Gains gains;
+  gains.vehicle = text("vehicle");
+  gains.convention = internal::string_from_json(
+      member(at("convention"), "name", path("convention")), path("convention.name"));
+  (void)convention(gains.convention, path("convention.name"));
+  gains.sign_law = sign_law(text("sign_law"), path("sign_law"));
+  gains.input_kind = input_kind(text("input_kind"), path("input_kind"));
+  gains.dt = internal::number_from_json(at("dt_s"), path("dt_s"));
+  gains.states = internal::signals_from_json(at("states"), path("states"));
+  gains.inputs = internal::signals_from_json(at("inputs"), path("inputs"));
+  gains.integrals = internal::signals_from_json(at("integrals"), path("integrals"));
+  gains.x0 = internal::vector_from_json(at("x0"), path("x0"));
+  gains.u0 = internal::vector_from_json(at("u0"), path("u0"));
+  gains.K = internal::matrix_from_json(at("K"), path("K"));
+  gains.K_int = internal::matrix_from_json(at("K_int"), path("K_int"));
+  if (gains.integrals.empty() && gains.K_int.size() == 0) gains.K_int.resize(gains.K.rows(), 0);
+  validate(gains, where);
+  return gains;
+}
+
+Json vehicle_to_json(const Vehicle& vehicle) {
+  Json json;
+  json["name"] = vehicle.name;
+  json["description"] = vehicle.description;
+  json["source"] = vehicle.source;
+  json["mass_kg"] = number_to_json(vehicle.mass, "mass");
+  json["inertia_kg_m2"] = matrix_to_json(vehicle.inertia, "inertia");
+  json["gravity_m_per_s2"] = number_to_json(vehicle.gravity, "gravity");
+  json["air_density_kg_per_m3"] = number_to_json(vehicle.air_density, "air_density");
+  json["drag_cda_m2"] = vector_to_json(vehicle.drag.cda, "drag.cda");
+  json["drag_linear_N_s_per_m"] = vector_to_json(vehicle.drag.linear, "drag.linear");
+  json["takeoff_gain"] = number_to_json(vehicle.takeoff_gain, "takeoff_gain");
+  json["altitude_thrust_fraction"] =
+      number_to_json(vehicle.altitude_thrust_fraction, "altitude_thrust_fraction");
+  add_known(json, "airframe_height_m", vehicle.airframe_height);
+  add_known(json, "airframe_diameter_m", vehicle.airframe_diameter);
+  json["motor"] = motor_to_json(vehicle.motor);
+  json["rotors"] = Json::array();
+  for (const Rotor& rotor : vehicle.rotors) json["rotors"].push_back(rotor_to_json(rotor));
+  return json;
+}
+
+Json filter_to_json(const KalmanFilter& filter) {
+  Json json;
+  json["name"] = filter.name;
+  json["dt_s"] = number_to_json(filter.model.dt, filter.name + ".dt");
+  json["states"] = signals_to_json(filter.model.states);
+  json["inputs"] = signals_to_json(filter.model.inputs);
+  json["outputs"] = signals_to_json(filter.model.outputs);
+  const auto add = [&](const char* key, const Eigen::MatrixXd& M) {
+    json[key] = matrix_to_json(M, filter.name + "." + key);
+  };
+  add("A", filter.model.A);
+  add("B", filter.model.B);
+  add("C", filter.model.C);
+  add("G", filter.G);
+  add("Q", filter.Q);
+  add("R", filter.R);
+  add("N", filter.N);
+  add("M", filter.M);
+  add("L", filter.L);
+  add("P", filter.P);
+  add("Z", filter.Z);
+  return json;
+}
+
+Json cascade_to_json(const CascadeDesign& cascade) {
+  Json json;
+  json["dt_s"] = number_to_json(cascade.gains.dt, "cascade.dt");
+  const auto add_finite = [&](const char* key, double value) {
+    if (!std::isinf(value)) json[key] = number_to_json(value, std::string("cascade.") + key);
+  };
+  add_finite("attitude_limit_rad", cascade.attitude_limit);
+  add_finite("integrator_limit", cascade.integrator_limit);
+  add_finite("back_calculation_per_s", cascade.back_calculation);
+  add_finite("takeoff_time_s", cascade.takeoff_time);
+  json["loops"] = Json::array();
+  for (const PidLoop& loop : cascade.gains.loops) {
+    const auto number = [&](const char* key, double value) {
+      return number_to_json(value, "cascade." + loop.name + "." + key);
+    };
+    json["loops"].push_back({{"name", loop.name},
+                             {"output", loop.output},
+                             {"unit", loop.unit},
+                             {"Kp", number("Kp", loop.Kp)},
+                             {"Ki", number("Ki", loop.Ki)},
+                             {"Kd", number("Kd", loop.Kd)}});
+  }
+  return json;
+}
+
+Json parse_json(const std::string& text, const std::string& origin, const std::string& format) {
+  Json json;
+  try {
+    json = Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
+    throw InvalidInput(fmt::format("{}:{}", origin, 1 + std::count(text.begin(), end, '\n')),
+                       "is not JSON: " + std::string(error.what()));
+  } catch (const Json::out_of_range& error) {  // 1e999
+    throw InvalidInput(origin, std::string("has a number beyond a double: ") + error.what());
+  }
+  const std::string came =
+      internal::string_from_json(internal::member(json, "format", origin), origin + ": format");
+  if (came != format)
+    throw InvalidInput(origin, fmt::format("format is '{}', expected '{}'", came, format));
+  const Json& version = internal::member(json, "format_version", origin);
+  if (version != 1)
+    throw InvalidInput(origin, fmt::format("format_version is {}, expected 1, the only one that "
+                                           "this version of quadtune knows",
+                                           version.dump()));
+  return json;
+}
+
+}  // namespace quadtune::exports

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The nouns as JSON, shared by gains.json and the manifest.
+#pragma once
+
+#include <string>
+
+#include "quadtune/design.hpp"
+#include "quadtune/filter.hpp"
+#include "quadtune/gains.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/model/vehicle.hpp"
+
+namespace quadtune::exports {
+
+using internal::Json;
+
+[[nodiscard]] Json gains_to_json(const Gains& gains);
+
+/// @param where  "file: path" for messages
+/// @throws InvalidInput  naming the JSON path, what came and what was expected.
+[[nodiscard]] Gains gains_from_json(const Json& json, const std::string& where);
+
+/// Numbers that are not known (NaN) are left out.
+[[nodiscard]] Json vehicle_to_json(const Vehicle& vehicle);
+
+[[nodiscard]] Json filter_to_json(const KalmanFilter& filter);
+
+[[nodiscard]] Json cascade_to_json(const CascadeDesign& cascade);
+
+/// Parses a JSON text whose member "format" must be `format` in version 1.
+/// @throws InvalidInput  "origin:line: …" for bad syntax or another format.
+[[nodiscard]] Json parse_json(const std::string& text, const std::string& origin,
+                              const std::string& format);
+
+}  // namespace quadtune::exports

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/exports/verify.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "export_text.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/diff.hpp"
+#include "quadtune/exports/export.hpp"
+#include "quadtune/exports/mambo.hpp"
+#include "quadtune/exports/read_gains.hpp"
+#include "quadtune/exports/uquad.hpp"
+
+namespace quadtune {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Poles of the same files and vehicle on another machine agree to about 1e-12; one gain that is off
+// by a thousandth moves them by more than this.
+constexpr double kPoleTolerance = 1e-7;
+
+VerifyCheck check_file(const fs::path& directory, const ManifestFile& file) {
+  VerifyCheck check{file.path + " matches the manifest", false, ""};
+  try {
+    const std::string bytes = exports::export_text(directory / file.path);
+    if (bytes.size() != file.size)
+      check.detail = fmt::format("has {} bytes, the manifest lists {}", bytes.size(), file.size);
+    else if (sha256(bytes) != file.sha256)
+      check.detail =
+          fmt::format("has SHA-256 {}, the manifest lists {}", sha256(bytes), file.sha256);
+    else
+      check.detail = "SHA-256 " + file.sha256;
+    check.ok = bytes.size() == file.size && sha256(bytes) == file.sha256;
+  } catch (const FileError& error) {
+    check.detail = error.what();
+  } catch (const InvalidInput& error) {
+    check.detail = error.what();
+  }
+  return check;
+}
+
+// Every name under which a flight program of ours would find gains.
+std::vector<std::string> gain_file_names() {
+  std::vector<std::string> all = {"vehicleVars.m", "controllerVars.m", "estimatorVars.m",
+                                  kGainsJsonName,  "lqr-Q.txt",        "lqr-R.txt"};
+  for (const UquadFileSet& set : uquad_file_sets()) {
+    all.push_back(set.proportional);
+    if (!set.integral.empty()) all.push_back(set.integral);
+  }
+  return all;
+}
+
+VerifyCheck check_no_others(const fs::path& directory, const Manifest& manifest) {
+  std::vector<std::string> others;
+  for (const std::string& name : gain_file_names())
+    if (fs::exists(directory / name) &&
+        std::none_of(manifest.files.begin(), manifest.files.end(),
+                     [&](const ManifestFile& file) { return file.path == name; }))
+      others.push_back(name);
+  if (others.empty()) return {"no other gain files", true, "none"};
+  return {"no other gain files", false,
+          fmt::format("{} not listed in the manifest, but a flight program would load it",
+                      fmt::join(others, ", "))};
+}
+
+// The weights that travel with uquad's gains, in the same plain format.
+void read_weights(const fs::path& directory, const Manifest& manifest, const Gains& gains) {
+  const auto n = static_cast<Eigen::Index>(gains.states.size() + gains.integrals.size());
+  const auto nu = static_cast<Eigen::Index>(gains.inputs.size());
+  for (const ManifestFile& file : manifest.files) {
+    const bool is_Q = file.path == "lqr-Q.txt";
+    if (!is_Q && file.path != "lqr-R.txt") continue;
+    const fs::path path = directory / file.path;
+    (void)parse_uquad_matrix(exports::export_text(path), is_Q ? n : nu, is_Q ? n : nu,
+                             path.string());
+  }
+}
+
+void check_readable(const fs::path& directory, const Manifest* manifest, VerifyReport& report) {
+  VerifyCheck check{"files read as the flight program reads them", false, ""};
+  try {
+    if (manifest != nullptr && manifest->kind == ExportKind::mambo && !manifest->gains) {
+      check.detail = "no state feedback in this export";  // its numbers are compared one by one
+    } else {
+      report.gains = read_gains(directory);
+      const Gains& gains = *report.gains;
+      if (manifest != nullptr && manifest->kind == ExportKind::uquad)
+        read_weights(directory, *manifest, gains);
+      check.detail = fmt::format("K {}x{}, K_int {}x{}, all finite", gains.K.rows(), gains.K.cols(),
+                                 gains.K_int.rows(), gains.K_int.cols());
+    }
+    check.ok = true;
+  } catch (const InvalidInput& error) {
+    check.detail = error.what();
+    report.gains.reset();
+  } catch (const FileError& error) {
+    check.detail = error.what();
+    report.gains.reset();
+  }
+  report.checks.push_back(check);
+}
+
+VerifyCheck check_same_gains(const Gains& read, const Gains& expected) {
+  VerifyCheck check{"gains are those of the manifest", false, ""};
+  try {
+    const GainsDiff difference = diff(read, expected);
+    check.ok = difference.entries.empty();
+    check.detail = "every entry is the same double";
+    if (!check.ok) {
+      const DiffEntry& worst = difference.entries.front();
+      check.detail = fmt::format(
+          "{} entries differ, most {}({}, {}): {} in the file, {} in the "
+          "manifest",
+          difference.entries.size(), worst.matrix, worst.input, worst.state, worst.a, worst.b);
+    }
+  } catch (const InvalidInput& error) {
+    check.detail = error.what();
+  }
+  return check;
+}
+
+VerifyCheck check_numbers(const fs::path& directory, const Manifest& manifest) {
+  VerifyCheck check{"numbers are those of the manifest", false, ""};
+  try {
+    std::vector<NamedMatrix> found;
+    for (const ManifestFile& file : manifest.files)
+      for (NamedMatrix& number : parse_m_numbers(exports::export_text(directory / file.path),
+                                                 (directory / file.path).string())) {
+        number.file = file.path;
+        found.push_back(std::move(number));
+      }
+    for (const NamedMatrix& expected : manifest.numbers) {
+      const auto same_name = [&](const NamedMatrix& number) {
+        return number.file == expected.file && number.name == expected.name;
+      };
+      const auto at = std::find_if(found.begin(), found.end(), same_name);
+      const std::string name = expected.file + ": " + expected.name;
+      if (at == found.end()) {
+        check.detail = name + " is no plain number or matrix any more";
+        return check;
+      }
+      if (at->value.rows() != expected.value.rows() || at->value.cols() != expected.value.cols() ||
+          at->value != expected.value) {
+        check.detail = name + " differs";
+        return check;
+      }
+    }
+    check.ok = found.size() == manifest.numbers.size();
+    check.detail =
+        fmt::format("{} in the files, {} in the manifest", found.size(), manifest.numbers.size());
+  } catch (const InvalidInput& error) {
+    check.detail = error.what();
+  } catch (const FileError& error) {
+    check.detail = error.what();
+  }
+  return check;
+}
+
+// Largest distance when each pole is paired with the nearest that is left.
+double pole_distance(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
+  std::vector<std::complex<double>> left(b.begin(), b.end());
+  double worst = 0;
+  for (const std::complex<double>& pole : a) {
+    const auto nearest = std::min_element(left.begin(), left.end(), [&](auto x, auto y) {
+      return std::abs(x - pole) < std::abs(y - pole);
+    });
+    worst = std::max(worst, std::abs(*nearest - pole));
+    left.erase(nearest);
+  }
+  return worst;
+}
+
+void check_closed_loop(const std::optional<DiscreteLti>& plant, const Manifest* manifest,
+                       VerifyReport& report) {
+  VerifyCheck stable{"closed loop is stable", false, "no gains could be read"};
+  if (report.gains && !plant) stable.detail = "not computed: no vehicle to close the loop with";
+  if (report.gains && plant) {
+    try {
+      report.poles = closed_loop_poles(*plant, *report.gains);
+      const double radius = report.poles.cwiseAbs().maxCoeff();
+      stable.ok = radius < 1;
+      stable.detail = fmt::format(
+          "spectral radius {:.9f} with u = u0 + K {}, dt {} s", radius,
+          report.gains->sign_law == SignLaw::set_point_minus_state ? "(x_sp - x)" : "(x - x_sp)",
+          plant->dt);
+    } catch (const InvalidInput& error) {
+      stable.detail = error.what();
+    }
+  }
+  report.checks.push_back(stable);
+  if (report.gains && plant && report.gains->dt > 0)
+    report.checks.push_back({"sample time is the vehicle model's",
+                             std::abs(plant->dt - report.gains->dt) <= 1e-12,
+                             fmt::format("gains {} s, model {} s", report.gains->dt, plant->dt)});
+  if (manifest == nullptr || manifest->closed_loop_poles.size() == 0) return;
+  VerifyCheck poles{"poles are those of the manifest", false, "no poles could be computed"};
+  if (report.poles.size() == manifest->closed_loop_poles.size()) {
+    const double distance = pole_distance(report.poles, manifest->closed_loop_poles);
+    poles.ok = distance <= kPoleTolerance;
+    poles.detail = fmt::format("largest distance {:.3g}, at most {:g}", distance, kPoleTolerance);
+  } else if (report.poles.size() > 0) {
+    poles.detail = fmt::format("{} poles, the manifest lists {}", report.poles.size(),
+                               manifest->closed_loop_poles.size());
+  }
+  report.checks.push_back(poles);
+}
+
+std::optional<Manifest> check_manifest(const fs::path& directory, VerifyReport& report) {
+  VerifyCheck check{"manifest", false, ""};
+  std::optional<Manifest> manifest;
+  try {
+    manifest = read_manifest(directory);
+    check.ok = true;
+    check.detail = fmt::format("{} export of {}, {} files", to_string(manifest->kind),
+                               manifest->vehicle, manifest->files.size());
+  } catch (const InvalidInput& error) {
+    check.detail = error.what();
+  } catch (const FileError& error) {
+    check.detail = error.what();
+  }
+  report.checks.push_back(check);
+  return manifest;
+}
+
+}  // namespace
+
+bool VerifyReport::ok() const {
+  return !checks.empty() &&
+         std::all_of(checks.begin(), checks.end(), [](const VerifyCheck& c) { return c.ok; });
+}
+
+VerifyReport verify_export(const fs::path& directory, const std::optional<DiscreteLti>& plant) {
+  std::error_code error;
+  if (!fs::is_directory(directory, error))
+    throw FileError(directory.string(),
+                    error ? error.message() : "is no directory, expected that of an export");
+  VerifyReport report;
+  const std::optional<Manifest> manifest = check_manifest(directory, report);
+  if (manifest) {
+    for (const ManifestFile& file : manifest->files)
+      report.checks.push_back(check_file(directory, file));
+    report.checks.push_back(check_no_others(directory, *manifest));
+  }
+  check_readable(directory, manifest ? &*manifest : nullptr, report);
+  if (manifest && manifest->gains && report.gains)
+    report.checks.push_back(check_same_gains(*report.gains, *manifest->gains));
+  if (manifest && manifest->kind == ExportKind::mambo)
+    report.checks.push_back(check_numbers(directory, *manifest));
+  if (!manifest || manifest->gains)
+    check_closed_loop(plant, manifest ? &*manifest : nullptr, report);
+  return report;
+}
+
+}  // namespace quadtune

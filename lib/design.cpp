@@ -1,0 +1,406 @@
+// SPDX-License-Identifier: Apache-2.0
+// Design files: docs/formats.md says what they hold.
+#include "quadtune/design.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/internal/toml_reader.hpp"
+#include "quadtune/matrix_checks.hpp"
+
+namespace quadtune {
+namespace {
+
+using internal::Range;
+using internal::TomlKey;
+using internal::TomlTable;
+
+std::string joined(const std::vector<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, " "));
+}
+
+std::vector<std::string> names_of(const std::vector<Signal>& signals) {
+  std::vector<std::string> all;
+  for (const Signal& signal : signals) all.push_back(signal.name);
+  return all;
+}
+
+// "lqr.Q": how messages call a key of a design.
+std::string dotted(const TomlTable& table, const std::string& key) {
+  const std::string& title = table.title();
+  if (title.empty()) return key;
+  if (title.rfind("[[", 0) == 0) return key + " in " + title;
+  return title.substr(1, title.size() - 2) + "." + key;
+}
+
+// A symmetric matrix of one row per name: a list is its diagonal, a list of lists is all of it.
+// @param names  of the rows, for messages: "inputs: w1 w2 w3 w4".
+Eigen::MatrixXd read_weight(const TomlTable& table, const std::string& key, Eigen::Index size,
+                            const std::string& names, const Range& range) {
+  const std::string name = dotted(table, key);
+  if (table.is_list_of_lists(key)) {
+    Eigen::MatrixXd M = table.matrix(key);
+    if (M.rows() != size || M.cols() != size)
+      throw InvalidInput(table.where(key), fmt::format("{} is {}x{}, expected {}x{} ({})", name,
+                                                       M.rows(), M.cols(), size, size, names));
+    require_symmetric(M, table.where(key), name);
+    return M;
+  }
+  const Eigen::VectorXd diagonal = table.vector(key, range);
+  if (diagonal.size() != size)
+    throw InvalidInput(table.where(key), fmt::format("{} has {} entries, expected {} ({})", name,
+                                                     diagonal.size(), size, names));
+  return diagonal.asDiagonal();
+}
+
+Eigen::MatrixXd read_shaped(const TomlTable& table, const std::string& key, Eigen::Index rows,
+                            Eigen::Index cols, const std::string& why) {
+  Eigen::MatrixXd M = table.matrix(key);
+  require_shape(M, rows, cols, table.where(key), dotted(table, key), why);
+  return M;
+}
+
+// Names of a list, each known and none twice.
+std::vector<std::string> read_names(const TomlTable& table, const std::string& key,
+                                    const std::vector<std::string>& known) {
+  const std::vector<std::string> words = table.texts(key);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (std::find(known.begin(), known.end(), words[i]) == known.end())
+      throw InvalidInput(table.where(key),
+                         fmt::format("{} has '{}', expected some of {}{}", dotted(table, key),
+                                     internal::printable(words[i]), joined(known),
+                                     internal::did_you_mean(words[i], known)));
+    if (std::find(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(i), words[i]) !=
+        words.begin() + static_cast<std::ptrdiff_t>(i))
+      throw InvalidInput(table.where(key), fmt::format("{} has '{}' twice, expected it once",
+                                                       dotted(table, key), words[i]));
+  }
+  return words;
+}
+
+// All states but the horizontal position and velocity, which need a position sensor.
+std::vector<std::string> states_without_position(const Convention& convention) {
+  std::vector<std::string> kept;
+  for (Eigen::Index i = 0; i < 12; ++i) {
+    Eigen::Index source = 0;
+    convention.from_ned.row(i).cwiseAbs().maxCoeff(&source);
+    const std::string& name = ned_convention().states[static_cast<std::size_t>(source)].name;
+    if (name != "px" && name != "py" && name != "u" && name != "v")
+      kept.push_back(convention.states[static_cast<std::size_t>(i)].name);
+  }
+  return kept;
+}
+
+// "full", "no-position" or a list of names.
+std::vector<std::string> read_states(const TomlTable& table, const Convention& convention) {
+  const std::vector<std::string> all = names_of(convention.states);
+  if (!table.has("states")) return all;
+  if (!table.is_text("states")) {
+    const std::vector<std::string> states = read_names(table, "states", all);
+    if (!states.empty()) return states;
+    throw InvalidInput(table.where("states"), "lqr.states is empty, expected at least one state");
+  }
+  const std::string word = table.text("states");
+  if (word == "full") return all;
+  if (word == "no-position") return states_without_position(convention);
+  throw InvalidInput(table.where("states"),
+                     fmt::format("lqr.states is '{}', expected 'full', 'no-position' or a list of "
+                                 "{}{}",
+                                 internal::printable(word), joined(all),
+                                 internal::did_you_mean(word, {"full", "no-position"})));
+}
+
+LqrDesign read_lqr(const TomlTable& table, const Vehicle& vehicle) {
+  table.allow({{"convention"},
+               {"inputs"},
+               {"states"},
+               {"Q"},
+               {"R"},
+               {"integral"},
+               {"Q_integral"},
+               {"method"},
+               {"dt", "s"}});
+  LqrDesign lqr;
+  lqr.convention = table.text_or("convention", "ned");
+  const Convention& words = convention(lqr.convention, table.where("convention"));
+  lqr.input_kind = input_kind(table.text("inputs"), table.where("inputs"));
+  lqr.inputs = names_of(input_signals(words, lqr.input_kind,
+                                      static_cast<int>(vehicle.rotors.size()), vehicle.motor.unit));
+  lqr.states = read_states(table, words);
+  lqr.Q = read_weight(table, "Q", static_cast<Eigen::Index>(lqr.states.size()),
+                      "states: " + joined(lqr.states), Range::not_negative());
+  lqr.R = read_weight(table, "R", static_cast<Eigen::Index>(lqr.inputs.size()),
+                      "inputs: " + joined(lqr.inputs), Range::positive());
+  if (table.has("integral")) lqr.integrals = read_names(table, "integral", lqr.states);
+  const auto ni = static_cast<Eigen::Index>(lqr.integrals.size());
+  if (ni == 0 && table.has("Q_integral"))
+    throw InvalidInput(table.where("Q_integral"),
+                       "lqr.Q_integral weighs no integral, expected "
+                       "lqr.integral to name the integrated states");
+  lqr.Q_integral = ni == 0
+                       ? Eigen::MatrixXd(0, 0)
+                       : read_weight(table, "Q_integral", ni, "integrals: " + joined(lqr.integrals),
+                                     Range::not_negative());
+  lqr.method = lqr_method(table.text("method"), table.where("method"));
+  if (lqr.method != LqrMethod::continuous || table.has("dt_s"))
+    lqr.dt = table.number("dt_s", Range::positive());
+  return lqr;
+}
+
+std::vector<Signal> read_signals(const TomlTable& table, const std::string& key) {
+  std::vector<Signal> signals;
+  for (const TomlTable& signal : table.tables(key)) {
+    signal.allow({{"name"}, {"unit"}});
+    signals.push_back({signal.text("name"), signal.text_or("unit", "")});
+  }
+  return signals;
+}
+
+KalmanDesign read_kalman(const TomlTable& table) {
+  table.allow({{"name"},
+               {"dt", "s"},
+               {"states"},
+               {"inputs"},
+               {"measurements"},
+               {"A"},
+               {"B"},
+               {"C"},
+               {"G"},
+               {"Q"},
+               {"R"},
+               {"N"}});
+  KalmanDesign kalman;
+  kalman.name = table.word("name");
+  DiscreteLti& model = kalman.model;
+  model.dt = table.number("dt_s", Range::positive());
+  model.states = read_signals(table, "states");
+  model.inputs = read_signals(table, "inputs");
+  model.outputs = read_signals(table, "measurements");
+  const auto nx = static_cast<Eigen::Index>(model.states.size());
+  const auto nu = static_cast<Eigen::Index>(model.inputs.size());
+  const auto ny = static_cast<Eigen::Index>(model.outputs.size());
+  for (const char* key : {"states", "measurements"})
+    if (!table.has(key) || table.tables(key).empty())
+      throw InvalidInput(table.where(key), fmt::format("{} has no {}, expected at least one {{ "
+                                                       "name, unit }}",
+                                                       table.title(), key));
+  const std::string states = "states: " + names(model.states);
+  const std::string measurements = "measurements: " + names(model.outputs);
+  model.A = read_shaped(table, "A", nx, nx, states);
+  model.B = nu == 0 && !table.has("B")
+                ? Eigen::MatrixXd(nx, 0)
+                : read_shaped(table, "B", nx, nu, states + "; inputs: " + names(model.inputs));
+  model.C = read_shaped(table, "C", ny, nx, measurements + "; " + states);
+  model.D = Eigen::MatrixXd::Zero(ny, nu);
+  kalman.G = table.matrix("G");
+  const Eigen::Index nw = kalman.G.cols();
+  require_shape(kalman.G, nx, nw, table.where("G"), dotted(table, "G"), states);
+  kalman.Q = read_weight(table, "Q", nw, "columns of G", Range::not_negative());
+  kalman.R = read_weight(table, "R", ny, measurements, Range::positive());
+  kalman.N = table.has("N") ? read_shaped(table, "N", nw, ny, "columns of G by measurements")
+                            : Eigen::MatrixXd(Eigen::MatrixXd::Zero(nw, ny));
+  return kalman;
+}
+
+// Loops of the cascade in order, what they command and in which unit.
+struct CascadeLoop {
+  const char* name;
+  const char* output;
+  const char* unit;
+};
+constexpr std::array<CascadeLoop, 6> kCascadeLoops = {{{"x", "pitch reference", "rad/m"},
+                                                       {"y", "roll reference", "rad/m"},
+                                                       {"pitch", "tau_y", "N m/rad"},
+                                                       {"roll", "tau_x", "N m/rad"},
+                                                       {"yaw", "tau_z", "N m/rad"},
+                                                       {"altitude", "T", "N/m"}}};
+
+CascadeDesign read_cascade(const TomlTable& table) {
+  std::vector<TomlKey> keys = {{"dt", "s"},
+                               {"attitude_limit", "rad"},
+                               {"integrator_limit"},
+                               {"back_calculation", "per_s"},
+                               {"takeoff_time", "s"}};
+  for (const CascadeLoop& loop : kCascadeLoops) keys.push_back({loop.name});
+  table.allow(keys);
+  CascadeDesign cascade;
+  cascade.gains.dt = table.number("dt_s", Range::positive());
+  for (const CascadeLoop& known : kCascadeLoops) {
+    const TomlTable loop = table.table(known.name);
+    loop.allow({{"Kp"}, {"Ki"}, {"Kd"}});
+    cascade.gains.loops.push_back({known.name, known.output, known.unit, loop.number("Kp"),
+                                   loop.number_or("Ki", 0), loop.number_or("Kd", 0)});
+  }
+  cascade.attitude_limit =
+      table.number_or("attitude_limit_rad", cascade.attitude_limit, Range::positive());
+  cascade.integrator_limit =
+      table.number_or("integrator_limit", cascade.integrator_limit, Range::positive());
+  cascade.back_calculation = table.number_or("back_calculation_per_s", 0, Range::not_negative());
+  cascade.takeoff_time = table.number_or("takeoff_time_s", 0, Range::not_negative());
+  return cascade;
+}
+
+FlightCondition read_trim(const TomlTable& table) {
+  FlightCondition condition;
+  condition.kind = flight_kind(table.text("at"), table.where("at"));
+  std::vector<TomlKey> keys = {{"at"}, {"yaw", "rad"}};
+  if (condition.kind != FlightKind::hover)
+    keys.insert(keys.end(), {{"speed", "m_per_s"}, {"climb", "m_per_s"}});
+  if (condition.kind == FlightKind::circle) keys.push_back({"radius", "m"});
+  table.allow(keys);
+  condition.yaw = table.number_or("yaw_rad", 0);
+  condition.speed = table.number_or("speed_m_per_s", 0, Range::not_negative());
+  condition.climb = table.number_or("climb_m_per_s", 0);
+  if (condition.kind == FlightKind::circle) {
+    condition.speed = table.number("speed_m_per_s", Range::positive());
+    condition.radius = table.number("radius_m");
+    if (condition.radius == 0)
+      throw InvalidInput(table.where("radius_m"),
+                         "trim.radius_m is 0, expected more (to the "
+                         "right) or less (to the left)");
+  }
+  return condition;
+}
+
+std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& design) {
+  const std::vector<std::string> known = {"uquad", "mambo", "json"};
+  std::vector<ExportRequest> exports;
+  for (const TomlTable& table : file.tables("export")) {
+    table.allow({{"to"}});
+    const ExportRequest request{table.text("to")};
+    const std::string where = table.where("to");
+    if (std::find(known.begin(), known.end(), request.to) == known.end())
+      throw InvalidInput(
+          where, fmt::format("no export to '{}', expected {}{}", internal::printable(request.to),
+                             fmt::join(known, ", "), internal::did_you_mean(request.to, known)));
+    for (const ExportRequest& earlier : exports)
+      if (earlier.to == request.to)
+        throw InvalidInput(where, "export to '" + request.to + "' stands twice, expected once");
+    if (request.to == "uquad" && !design.lqr)
+      throw InvalidInput(where, "export to 'uquad' has no gains to write, expected an [lqr] table");
+    exports.push_back(request);
+  }
+  return exports;
+}
+
+PublishedGains read_published(const TomlTable& table, const std::optional<LqrDesign>& lqr) {
+  table.allow({{"source"}, {"note"}, {"K"}, {"K_int"}});
+  if (!lqr)
+    throw InvalidInput(table.where(),
+                       "[published] has nothing to be compared with, expected an "
+                       "[lqr] table");
+  PublishedGains published;
+  published.source = table.text("source");
+  published.note = table.text_or("note", "");
+  published.K = table.matrix("K");
+  const auto nx = static_cast<Eigen::Index>(lqr->states.size());
+  const auto nu = static_cast<Eigen::Index>(lqr->inputs.size());
+  const auto ni = static_cast<Eigen::Index>(lqr->integrals.size());
+  const Eigen::Index rows = published.K.rows();
+  if (rows > nu || published.K.cols() != nx)
+    throw InvalidInput(
+        table.where("K"),
+        fmt::format("published.K is {}, expected up to {} rows (inputs: {}) of {} "
+                    "(states: {})",
+                    shape(published.K), nu, joined(lqr->inputs), nx, joined(lqr->states)));
+  published.K_int = Eigen::MatrixXd(rows, 0);
+  if (ni > 0 || table.has("K_int"))
+    published.K_int = read_shaped(table, "K_int", rows, ni,
+                                  "rows as published.K; integrals: " + joined(lqr->integrals));
+  return published;
+}
+
+Vehicle read_vehicle(const TomlTable& file, const std::filesystem::path& folder) {
+  const std::string word = file.text("vehicle");
+  const std::vector<std::string> known = built_in_vehicles();
+  if (std::find(known.begin(), known.end(), word) != known.end()) return load_vehicle(word);
+  const std::filesystem::path path = folder / word;
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored)) {
+    // A word without a slash could be taken for a name.
+    return load_vehicle(path.has_parent_path() ? path.string() : "./" + path.string());
+  }
+  throw InvalidInput(file.where("vehicle"),
+                     fmt::format("no vehicle '{}' and no such file, expected {} or a vehicle file "
+                                 "beside the design{}",
+                                 internal::printable(word), fmt::join(known, ", "),
+                                 internal::did_you_mean(word, known)));
+}
+
+}  // namespace
+
+std::string to_string(LqrMethod method) {
+  switch (method) {
+    case LqrMethod::continuous:
+      return "continuous";
+    case LqrMethod::discrete:
+      return "discrete";
+    case LqrMethod::sampled:
+      return "sampled";
+  }
+  return "";
+}
+
+LqrMethod lqr_method(const std::string& name, const std::string& where) {
+  std::vector<std::string> known;
+  for (const LqrMethod method : {LqrMethod::continuous, LqrMethod::discrete, LqrMethod::sampled}) {
+    if (to_string(method) == name) return method;
+    known.push_back(to_string(method));
+  }
+  throw InvalidInput(where,
+                     fmt::format("no method '{}', expected {}{}", internal::printable(name),
+                                 fmt::join(known, ", "), internal::did_you_mean(name, known)));
+}
+
+Design parse_design(const std::string& text, const std::string& origin,
+                    const std::filesystem::path& folder) {
+  const TomlTable file = TomlTable::parse(text, origin);
+  file.allow({{"name"},
+              {"description"},
+              {"vehicle"},
+              {"trim"},
+              {"lqr"},
+              {"kalman"},
+              {"cascade"},
+              {"export"},
+              {"published"}});
+  Design design;
+  design.text = text;
+  design.name = file.word("name");
+  design.description = file.text_or("description", "");
+  design.vehicle = read_vehicle(file, folder);
+  if (const auto table = file.maybe_table("trim")) design.condition = read_trim(*table);
+  if (const auto table = file.maybe_table("lqr")) design.lqr = read_lqr(*table, design.vehicle);
+  for (const TomlTable& table : file.tables("kalman")) {
+    design.kalman.push_back(read_kalman(table));
+    for (std::size_t i = 0; i + 1 < design.kalman.size(); ++i)
+      if (design.kalman[i].name == design.kalman.back().name)
+        throw InvalidInput(table.where("name"), fmt::format("filter '{}' stands twice, expected "
+                                                            "names that differ",
+                                                            design.kalman[i].name));
+  }
+  if (const auto table = file.maybe_table("cascade")) design.cascade = read_cascade(*table);
+  if (!design.lqr && design.kalman.empty() && !design.cascade)
+    throw InvalidInput(file.where(),
+                       "the file asks for nothing, expected [lqr], [[kalman]] or "
+                       "[cascade]");
+  if (const auto table = file.maybe_table("published"))
+    design.published = read_published(*table, design.lqr);
+  design.exports = read_exports(file, design);
+  return design;
+}
+
+Design load_design(const std::filesystem::path& path) {
+  Design design = parse_design(internal::read_text_file(path.string(), internal::kTomlLimit),
+                               path.string(), path.parent_path());
+  design.file = path;
+  return design;
+}
+
+}  // namespace quadtune

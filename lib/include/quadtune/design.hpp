@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What `quadtune design FILE` is asked to do: the content of a design file, read and checked.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "quadtune/cascade.hpp"
+#include "quadtune/convention.hpp"
+#include "quadtune/flight_condition.hpp"
+#include "quadtune/lti.hpp"
+#include "quadtune/model/vehicle.hpp"
+
+namespace quadtune {
+
+/// In which time the weights are meant.
+enum class LqrMethod {
+  continuous,  ///< cost ∫ xᵀQx + uᵀRu dt of the continuous plant; the gain is used as it is
+  discrete,  ///< cost Σ xᵀQx + uᵀRu per step, on the zero-order-hold plant (integrals sampled too)
+  sampled,  ///< the continuous cost, exactly, for inputs that are held between samples
+};
+
+/// "continuous", "discrete" or "sampled", and back.
+[[nodiscard]] std::string to_string(LqrMethod method);
+[[nodiscard]] LqrMethod lqr_method(const std::string& name, const std::string& where);
+
+/// An LQR problem about the trim, in the words of a convention.
+struct LqrDesign {
+  std::string convention = "ned";                 ///< name of the convention
+  InputKind input_kind = InputKind::rotor_speed;  ///< what the law commands
+  std::vector<std::string> states;                ///< nx names of the convention
+  std::vector<std::string> inputs;                ///< nu names
+  Eigen::MatrixXd Q;                   ///< (nx × nx) symmetric, in the order of `states`
+  Eigen::MatrixXd R;                   ///< (nu × nu) symmetric
+  std::vector<std::string> integrals;  ///< ni names of integrated states; may be empty
+  Eigen::MatrixXd Q_integral;          ///< (ni × ni) symmetric
+  LqrMethod method = LqrMethod::continuous;
+  double dt = 0;  ///< sample period of the law [s]; 0 only with LqrMethod::continuous
+};
+
+/// A steady-state Kalman filter to design: x[k+1] = A x + B u + G w, y = C x + v.
+struct KalmanDesign {
+  std::string name;   ///< e.g. "altitude"
+  DiscreteLti model;  ///< A, B, C, D (zero), dt and the names of states, inputs and measurements
+  Eigen::MatrixXd G;  ///< (nx × nw)
+  Eigen::MatrixXd Q;  ///< (nw × nw) covariance of w per step
+  Eigen::MatrixXd R;  ///< (ny × ny) covariance of v
+  Eigen::MatrixXd N;  ///< (nw × ny) covariance of w and v; zero where the file has none
+};
+
+/// A PID cascade that flies as it stands: its gains are written, not designed.
+///
+/// x and y give pitch and roll references [rad] from position errors [m]; pitch, roll and yaw give
+/// torques [N m] from angles [rad]; altitude gives thrust [N] from [m].
+struct CascadeDesign {
+  CascadeGains gains;  ///< loops x, y, pitch, roll, yaw, altitude, in this order
+  double attitude_limit = std::numeric_limits<double>::infinity();    ///< of the references [rad]
+  double integrator_limit = std::numeric_limits<double>::infinity();  ///< of each integral's output
+  double back_calculation = 0;  ///< anti-windup gain of the integrators [1/s]
+  double takeoff_time = 0;      ///< constant thrust (1 + takeoff_gain) m g at the start [s]
+};
+
+/// Files that the design writes.
+struct ExportRequest {
+  std::string to;  ///< "uquad", "mambo" or "json"
+};
+
+/// Gains published elsewhere, to say how far the design is from them and why.
+struct PublishedGains {
+  std::string source;     ///< where they were published
+  std::string note;       ///< what is known of how they came to be; may be empty
+  Eigen::MatrixXd K;      ///< (m × nx) the first m ≤ nu rows, in the order of LqrDesign::states
+  Eigen::MatrixXd K_int;  ///< (m × ni); empty where nothing is integrated
+};
+
+/// A design file.
+struct Design {
+  std::string name;
+  std::string description;
+  Vehicle vehicle;
+  FlightCondition condition;
+  std::optional<LqrDesign> lqr;
+  std::vector<KalmanDesign> kalman;
+  std::optional<CascadeDesign> cascade;
+  std::vector<ExportRequest> exports;
+  std::optional<PublishedGains> published;
+  std::filesystem::path file;  ///< it was read from; empty when parsed from text
+  std::string text;            ///< the file's bytes, for the manifest's hash
+};
+
+/// Reads a design file (docs/formats.md). A vehicle file that it names is found beside it.
+/// @throws InvalidInput  "file:line: …" for whatever is wrong in it or in its vehicle.
+/// @throws FileError     if a file cannot be read.
+[[nodiscard]] Design load_design(const std::filesystem::path& path);
+
+/// Parses a design from the text of a file.
+/// @param origin  what messages call the file.
+/// @param folder  where a vehicle file that the design names lies.
+[[nodiscard]] Design parse_design(const std::string& text, const std::string& origin,
+                                  const std::filesystem::path& folder = {});
+
+}  // namespace quadtune

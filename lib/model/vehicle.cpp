@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/model/vehicle.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/model/inertia.hpp"
+
+namespace quadtune {
+namespace {
+
+// Collects the checks of one vehicle under one place.
+class Checker {
+ public:
+  explicit Checker(std::string where) : where_(std::move(where)) {}
+
+  [[noreturn]] void refuse(const std::string& message) const {
+    throw InvalidInput(where_, message);
+  }
+
+  void positive(double value, const std::string& what, const std::string& unit) const {
+    if (!(value > 0) || !std::isfinite(value))
+      refuse(fmt::format("{} is {} {}, expected more than 0", what, value, unit));
+  }
+
+  void not_negative(double value, const std::string& what, const std::string& unit) const {
+    if (!(value >= 0) || !std::isfinite(value))
+      refuse(fmt::format("{} is {} {}, expected 0 or more", what, value, unit));
+  }
+
+  void finite(double value, const std::string& what, const std::string& unit) const {
+    if (!std::isfinite(value))
+      refuse(fmt::format("{} is {} {}, expected a finite number", what, value, unit));
+  }
+
+ private:
+  std::string where_;
+};
+
+void check_motor(const MotorCommand& motor, std::size_t rotors, const Checker& check) {
+  check.positive(motor.gain, "motor gain", "rad/s or rad2/s2 per " + motor.unit);
+  check.not_negative(motor.min, "lowest motor command", motor.unit);
+  check.positive(motor.max, "greatest motor command", motor.unit);
+  if (motor.min >= motor.max)
+    check.refuse(
+        fmt::format("lowest motor command {} is not below the greatest {} {}, expected "
+                    "lowest < greatest",
+                    motor.min, motor.max, motor.unit));
+  if (!motor.direction.empty() && motor.direction.size() != rotors)
+    check.refuse(fmt::format("motor direction has {} entries, expected {}, one per rotor",
+                             motor.direction.size(), rotors));
+  for (const int sign : motor.direction)
+    if (sign != 1 && sign != -1)
+      check.refuse(fmt::format("motor direction has {}, expected 1 or -1", sign));
+}
+
+void check_rotor(const Rotor& rotor, std::size_t number, double greatest_speed,
+                 const Checker& check) {
+  const std::string name = fmt::format("rotor {}", number);
+  if (!rotor.position.allFinite())
+    check.refuse(name + " position is not finite, expected finite numbers");
+  check.positive(rotor.thrust_a2, name + " thrust a2", "N s2/rad2");
+  check.finite(rotor.thrust_a1, name + " thrust a1", "N s/rad");
+  check.not_negative(rotor.torque_d2, name + " torque d2", "N m s2/rad2");
+  check.finite(rotor.torque_d1, name + " torque d1", "N m s/rad");
+  check.not_negative(rotor.inertia, name + " inertia", "kg m2");
+  check.not_negative(rotor.lag, name + " lag", "s");
+  if (!std::isnan(rotor.radius)) check.positive(rotor.radius, name + " radius", "m");
+  const double thrust = rotor_thrust(rotor, greatest_speed);
+  if (!(thrust > 0) || !std::isfinite(thrust))
+    check.refuse(
+        fmt::format("{} gives {:.6g} N at its greatest speed of {:.6g} rad/s, expected "
+                    "more than 0, as thrust must lift",
+                    name, thrust, greatest_speed));
+  const double torque = rotor_torque(rotor, greatest_speed);
+  if (!(torque >= 0) || !std::isfinite(torque))
+    check.refuse(
+        fmt::format("{} drags with {:.6g} N m at its greatest speed of {:.6g} rad/s, "
+                    "expected 0 or more, as drag opposes the spin",
+                    name, torque, greatest_speed));
+}
+
+// Rotors that all turn one way drag the body round the other way at whatever speeds lift it.
+void check_yaw_balance(const Vehicle& vehicle, const Checker& check) {
+  double torque = 0;
+  for (const Rotor& rotor : vehicle.rotors) {
+    if (rotor.spin != vehicle.rotors.front().spin) return;
+    const double share =
+        vehicle.mass * vehicle.gravity / static_cast<double>(vehicle.rotors.size());
+    torque += rotor_torque(rotor, rotor_speed_for_thrust(rotor, share));
+  }
+  if (torque == 0) return;
+  const bool clockwise = vehicle.rotors.front().spin == Spin::clockwise;
+  check.refuse(fmt::format(
+      "rotors cannot balance yaw: all {} turn {}, which leaves {:.3g} N m of drag torque in hover, "
+      "expected both senses of spin",
+      vehicle.rotors.size(), clockwise ? "clockwise" : "counter-clockwise", torque));
+}
+
+}  // namespace
+
+std::string to_string(Spin spin) { return spin == Spin::clockwise ? "cw" : "ccw"; }
+
+std::string to_string(CommandLaw law) {
+  return law == CommandLaw::speed ? "speed" : "speed-squared";
+}
+
+double rotor_speed_for_thrust(const Rotor& rotor, double thrust) {
+  if (!(thrust >= 0) || !std::isfinite(thrust))
+    throw InvalidInput("rotor_speed_for_thrust",
+                       fmt::format("thrust is {} N, expected 0 or more", thrust));
+  const double a2 = rotor.thrust_a2;
+  const double a1 = rotor.thrust_a1;
+  // a2 w² + a1 w - T = 0, each form where it does not subtract near-equal numbers.
+  const double root = std::sqrt(a1 * a1 + 4 * a2 * thrust);
+  if (a1 > 0) return 2 * thrust / (a1 + root);
+  return (root - a1) / (2 * a2);
+}
+
+double speed_of_command(const MotorCommand& motor, double command) {
+  if (!(command >= 0) || !std::isfinite(command))
+    throw InvalidInput("speed_of_command",
+                       fmt::format("command is {} {}, expected 0 or more", command, motor.unit));
+  const double product = motor.gain * command;
+  return motor.law == CommandLaw::speed ? product : std::sqrt(product);
+}
+
+double command_of_speed(const MotorCommand& motor, double speed) {
+  if (!(speed >= 0) || !std::isfinite(speed))
+    throw InvalidInput("command_of_speed",
+                       fmt::format("speed is {} rad/s, expected 0 or more", speed));
+  return (motor.law == CommandLaw::speed ? speed : speed * speed) / motor.gain;
+}
+
+void validate(const Vehicle& vehicle, const std::string& where) {
+  const Checker check(where);
+  check.positive(vehicle.mass, "mass", "kg");
+  require_inertia(vehicle.inertia, where, vehicle.inertia_tolerance);
+  check.positive(vehicle.gravity, "gravity", "m/s2");
+  check.positive(vehicle.air_density, "air density", "kg/m3");
+  check.not_negative(vehicle.takeoff_gain, "take-off gain", "");
+  if (!(vehicle.altitude_thrust_fraction > 0 && vehicle.altitude_thrust_fraction <= 1))
+    check.refuse(fmt::format("altitude thrust fraction is {}, expected more than 0 and 1 or less",
+                             vehicle.altitude_thrust_fraction));
+  for (int axis = 0; axis < 3; ++axis) {
+    check.not_negative(vehicle.drag.cda(axis), "drag area", "m2");
+    check.not_negative(vehicle.drag.linear(axis), "linear drag", "N s/m");
+  }
+  if (vehicle.rotors.empty()) check.refuse("has no rotors, expected at least one to hold it up");
+  check_motor(vehicle.motor, vehicle.rotors.size(), check);
+  const double greatest_speed = speed_of_command(vehicle.motor, vehicle.motor.max);
+  for (std::size_t i = 0; i < vehicle.rotors.size(); ++i)
+    check_rotor(vehicle.rotors[i], i + 1, greatest_speed, check);
+  check_yaw_balance(vehicle, check);
+}
+
+}  // namespace quadtune

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/linearize/linearize.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "jets.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/model/rigid_body.hpp"
+
+namespace quadtune {
+namespace {
+
+using internal::Jet;
+using internal::JetVector;
+
+// Entries of A below this share of the largest are rounding of the trim, not dependence.
+constexpr double kNoDependence = 1e-10;
+
+// The model in ned_convention() with all states.
+struct NedModel {
+  Eigen::MatrixXd A;        // (12 × 12)
+  Eigen::MatrixXd B;        // (12 × nu)
+  Eigen::VectorXd x0_rate;  // (12)
+  Eigen::VectorXd u0;       // (nu)
+};
+
+NedModel split(const internal::ValueAndJacobian& at, const Eigen::VectorXd& u0) {
+  return {at.jacobian.leftCols(12), at.jacobian.rightCols(u0.size()), at.value, u0};
+}
+
+NedModel by_rotor_speeds(const RigidBody& body, const TrimResult& trim) {
+  Eigen::VectorXd z(12 + trim.u.size());
+  z << trim.x, trim.u;
+  const auto f = [&](const JetVector& zj) -> StateVector<Jet> {
+    const RotorSpeeds<Jet> speeds = zj.tail(trim.u.size());
+    const StateVector<Jet> x = zj.head<12>();
+    return state_derivative(body, x, rotor_loads(body, speeds));
+  };
+  return split(internal::differentiate(f, z, 12), trim.u);
+}
+
+NedModel by_wrench(const RigidBody& body, const TrimResult& trim) {
+  const RotorLoads<double> loads = rotor_loads<double>(body, trim.u);
+  Eigen::VectorXd u0(4);
+  u0 << -loads.force.z(), loads.torque;
+  Eigen::VectorXd z(16);
+  z << trim.x, u0;
+  const auto f = [&](const JetVector& zj) -> StateVector<Jet> {
+    const Eigen::Matrix<Jet, 4, 1> wrench = zj.tail<4>();
+    const StateVector<Jet> x = zj.head<12>();
+    return state_derivative(body, x, wrench_loads(wrench, loads.angular_momentum.z()));
+  };
+  return split(internal::differentiate(f, z, 12), u0);
+}
+
+// ∂w/∂T of one rotor at speed w: 1/(2 a2 w + a1).
+double speed_per_thrust(const Rotor& rotor, double w, double density_ratio) {
+  return 1 / ((2 * rotor.thrust_a2 * w + rotor.thrust_a1) * density_ratio);
+}
+
+// ∂w/∂c at speed w.
+double speed_per_command(const MotorCommand& motor, double w) {
+  return motor.law == CommandLaw::speed ? motor.gain : motor.gain / (2 * w);  // w² = gain c
+}
+
+NedModel by_inputs(const Vehicle& vehicle, const RigidBody& body, const TrimResult& trim,
+                   InputKind kind) {
+  if (kind == InputKind::wrench) return by_wrench(body, trim);
+  NedModel model = by_rotor_speeds(body, trim);
+  for (Eigen::Index i = 0; i < trim.u.size(); ++i) {
+    const double w = trim.u(i);
+    if (kind == InputKind::rotor_thrust) {
+      model.B.col(i) *=
+          speed_per_thrust(body.rotors[static_cast<std::size_t>(i)], w, body.density_ratio);
+      model.u0(i) = trim.thrust(i);
+    } else if (kind == InputKind::command) {
+      model.B.col(i) *= speed_per_command(vehicle.motor, w);
+      model.u0(i) = command_of_speed(vehicle.motor, w);
+    }
+  }
+  return model;
+}
+
+// In a circle the position's deviation e is measured along axes that turn with the heading:
+// e = Rz(-Ωt) δp, hence e' = Rz(-Ωt) δp' - Ω ẑ × e, and with that A no longer depends on time.
+void turn_position_axes(double yaw_rate, NedModel& model) {
+  model.A(kPosition, kPosition + 1) += yaw_rate;
+  model.A(kPosition + 1, kPosition) -= yaw_rate;
+}
+
+std::vector<std::string> missing_states(const Eigen::MatrixXd& A,
+                                        const std::vector<Eigen::Index>& kept,
+                                        const std::vector<Signal>& states) {
+  std::vector<bool> is_kept(12, false);
+  for (const Eigen::Index i : kept) is_kept[static_cast<std::size_t>(i)] = true;
+  const double least = kNoDependence * A.cwiseAbs().maxCoeff();
+  std::vector<std::string> notes;
+  for (const Eigen::Index i : kept)
+    for (Eigen::Index j = 0; j < 12; ++j)
+      if (!is_kept[static_cast<std::size_t>(j)] && std::abs(A(i, j)) > least)
+        notes.push_back(fmt::format("{} depends on {}, which is not among the states",
+                                    states[static_cast<std::size_t>(i)].name,
+                                    states[static_cast<std::size_t>(j)].name));
+  return notes;
+}
+
+void note_turning_axes(const Convention& convention, const std::vector<Eigen::Index>& kept,
+                       double yaw_rate, std::vector<std::string>& notes) {
+  std::string named;
+  for (const Eigen::Index i : kept)
+    if (convention.from_ned(i, 0) != 0 || convention.from_ned(i, 1) != 0)
+      named += (named.empty() ? "" : ", ") + convention.states[static_cast<std::size_t>(i)].name;
+  if (yaw_rate != 0 && !named.empty())
+    notes.push_back(
+        fmt::format("deviations of {} are along axes that turn with the heading, at "
+                    "{:.6g} rad/s clockwise seen from above",
+                    named, yaw_rate));
+}
+
+}  // namespace
+
+Linearization linearize(const Vehicle& vehicle, const TrimResult& trimmed,
+                        const LinearizeOptions& options) {
+  const Convention& c = convention(options.convention, "linearize");
+  const std::vector<Eigen::Index> kept = selected_states(c, options.states, "linearize");
+  const int rotors = static_cast<int>(vehicle.rotors.size());
+  Linearization result;
+  result.trim = trimmed;
+  result.convention = c.name;
+  result.input_kind = options.inputs;
+  result.plant.inputs = input_signals(c, options.inputs, rotors, vehicle.motor.unit);
+  for (const Eigen::Index i : kept)
+    result.plant.states.push_back(c.states[static_cast<std::size_t>(i)]);
+
+  const auto nx = static_cast<Eigen::Index>(kept.size());
+  const auto nu = static_cast<Eigen::Index>(result.plant.inputs.size());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  result.plant.A = Eigen::MatrixXd::Constant(nx, nx, nan);
+  result.plant.B = Eigen::MatrixXd::Constant(nx, nu, nan);
+  result.x0 = result.x0_rate = Eigen::VectorXd::Constant(nx, nan);
+  result.u0 = Eigen::VectorXd::Constant(nu, nan);
+  if (!trimmed.solved()) return result;
+  if (trimmed.u.size() != rotors)
+    throw InvalidInput("linearize",
+                       fmt::format("the trim has {} rotor speeds, expected {} because the vehicle "
+                                   "has so many rotors",
+                                   trimmed.u.size(), rotors));
+
+  const RigidBody body(vehicle, trimmed.density_ratio);
+  NedModel model = by_inputs(vehicle, body, trimmed, options.inputs);
+  turn_position_axes(trimmed.yaw_rate, model);
+  // x = M x_ned, u = N u_ned, both orthogonal.
+  const Eigen::MatrixXd M = c.from_ned;
+  const Eigen::MatrixXd N = input_from_ned(c, options.inputs, rotors);
+  const Eigen::MatrixXd A = M * model.A * M.transpose();
+  const Eigen::MatrixXd B = M * model.B * N.transpose();
+  result.plant.A = A(kept, kept);
+  result.plant.B = B(kept, Eigen::all);
+  result.x0 = (M * trimmed.x)(kept);
+  result.x0_rate = (M * model.x0_rate)(kept);
+  result.u0 = N * model.u0;
+  result.notes = missing_states(A, kept, c.states);
+  note_turning_axes(c, kept, trimmed.yaw_rate, result.notes);
+  return result;
+}
+
+Linearization linearize(const Vehicle& vehicle, const FlightCondition& condition,
+                        const LinearizeOptions& options, const TrimOptions& trim_options) {
+  return linearize(vehicle, trim(vehicle, condition, trim_options), options);
+}
+
+}  // namespace quadtune

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/linearize/trim.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <cmath>
+#include <numbers>
+
+#include "least_norm.hpp"
+#include "quadtune/errors.hpp"
+#include "trim_newton.hpp"
+
+namespace quadtune {
+namespace {
+
+using internal::NewtonResult;
+using internal::RotorCurve;
+using internal::TrimProblem;
+
+// Speeds beyond a limit by less than this share of it are rounding.
+constexpr double kAtLimit = 1e-9;
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+void require(bool ok, const std::string& message) {
+  if (!ok) throw InvalidInput("trim", message);
+}
+
+void check(const Vehicle& vehicle, const FlightCondition& c, const TrimOptions& options) {
+  const std::string kind = to_string(c.kind);
+  require(std::isfinite(c.yaw), fmt::format("yaw is {} rad, expected a finite number", c.yaw));
+  require(std::isfinite(c.climb),
+          fmt::format("climb is {} m/s, expected a finite number", c.climb));
+  require(c.speed >= 0 && std::isfinite(c.speed),
+          fmt::format("speed is {} m/s, expected a finite number that is not negative (the "
+                      "direction of flight is yaw)",
+                      c.speed));
+  require(std::isfinite(c.radius),
+          fmt::format("radius is {} m, expected a finite number", c.radius));
+  if (c.kind == FlightKind::hover)
+    require(c.speed == 0 && c.climb == 0,
+            fmt::format("a hover at speed {} m/s and climb {} m/s, expected 0 for both because a "
+                        "hover rests",
+                        c.speed, c.climb));
+  if (c.kind == FlightKind::circle) {
+    require(c.radius != 0,
+            "radius is 0 m, expected a positive number (turns right) or a negative one (left)");
+    require(c.speed > 0, "speed is 0 m/s, expected a positive number because a circle is flown");
+  } else {
+    require(c.radius == 0, fmt::format("radius is {} m, expected none for a {}", c.radius, kind));
+  }
+  require(vehicle.gravity > 0,
+          fmt::format("gravity is {} m/s², expected a positive number", vehicle.gravity));
+  require(options.density_ratio > 0,
+          fmt::format("density ratio is {}, expected a positive number", options.density_ratio));
+  require(options.tolerance > 0,
+          fmt::format("tolerance is {}, expected a positive number", options.tolerance));
+  require(options.max_iterations >= 1,
+          fmt::format("max_iterations is {}, expected at least 1", options.max_iterations));
+}
+
+std::string in_words(const FlightCondition& c) {
+  std::string words = to_string(c.kind);
+  if (c.kind == FlightKind::circle) words += fmt::format(" of {:.4g} m", c.radius);
+  if (c.kind != FlightKind::hover) words += fmt::format(" at {:.4g} m/s", c.speed);
+  if (c.climb != 0) words += fmt::format(" climbing {:.4g} m/s", c.climb);
+  return words;
+}
+
+double tilt(const Eigen::VectorXd& z) { return std::acos(std::cos(z(0)) * std::cos(z(1))); }
+
+// Greatest violation of the limits, as a share of the limit's speed or thrust; ≤ kAtLimit: none.
+struct Violation {
+  Eigen::Index rotor = 0;
+  double by = 0;
+  bool above = false;
+};
+
+Violation worst_violation(const TrimProblem& problem, const Eigen::VectorXd& z) {
+  Violation worst;
+  for (Eigen::Index i = 0; i < problem.rotors(); ++i) {
+    const RotorCurve& curve = problem.curves()[static_cast<std::size_t>(i)];
+    const double thrust = z(2 + i) * problem.weight();
+    const double above = thrust / curve.greatest_thrust() - 1;
+    const double below = (curve.least_thrust() - thrust) / curve.greatest_thrust();
+    if (above > worst.by) worst = {i, above, true};
+    if (below > worst.by) worst = {i, below, false};
+  }
+  return worst;
+}
+
+double greatest_thrust(const TrimProblem& problem) {
+  double sum = 0;
+  for (const RotorCurve& curve : problem.curves()) sum += curve.greatest_thrust();
+  return sum;
+}
+
+// The balance is met at z, but not within the limits.
+void tell_limit(const TrimProblem& problem, const NewtonResult& found, TrimResult& result) {
+  const Eigen::VectorXd& z = found.z;
+  const Violation worst = worst_violation(problem, z);
+  const RotorCurve& curve = problem.curves()[static_cast<std::size_t>(worst.rotor)];
+  const double needed = z.tail(problem.rotors()).sum() * problem.weight();
+  const double available = greatest_thrust(problem);
+  const std::string flight = in_words(result.condition);
+  const std::string leaning =
+      tilt(z) * kDegrees < 0.05 ? "" : fmt::format(" a tilt of {:.1f}° and", tilt(z) * kDegrees);
+  const double thrust = z(2 + worst.rotor) * problem.weight();
+  if (needed > available) {
+    result.status = TrimStatus::not_enough_thrust;
+    result.culprit = fmt::format(
+        "{} needs{} {:.2f} N, the rotors give at most {:.2f} N at {:.0f} rad/s: {:.2f} N short",
+        flight, leaning, needed, available, curve.greatest_speed(), needed - available);
+    return;
+  }
+  result.status = worst.above ? TrimStatus::rotor_too_fast : TrimStatus::rotor_too_slow;
+  result.culprit = fmt::format("{} needs{} {:.2f} N in all, and rotor {} would have to ", flight,
+                               leaning, needed, worst.rotor + 1);
+  if (worst.above)
+    result.culprit += fmt::format("turn at {:.1f} rad/s, limit {:.1f} rad/s: {:.1f} rad/s too fast",
+                                  curve.speed(thrust), curve.greatest_speed(),
+                                  curve.speed(thrust) - curve.greatest_speed());
+  else if (thrust < 0)
+    result.culprit +=
+        fmt::format("push down with {:.3g} N, it can only lift, with at least {:.3g} N", -thrust,
+                    curve.least_thrust());
+  else
+    result.culprit += fmt::format("turn at {:.1f} rad/s, least {:.1f} rad/s: {:.1f} rad/s too slow",
+                                  curve.speed(thrust), curve.least_speed(),
+                                  curve.least_speed() - curve.speed(thrust));
+}
+
+// No balance was found: is it that thrusts which carry the weight cannot cancel the torques?
+void tell_imbalance(const TrimProblem& problem, const NewtonResult& found, TrimResult& result) {
+  const Eigen::Index n = problem.rotors();
+  const TrimProblem at_rest = problem.slowed(0);
+  const internal::ValueAndJacobian at = at_rest.balance(at_rest.first_guess());
+  const Eigen::MatrixXd torques = at.jacobian.bottomRightCorner(3, n);
+  // Changes of thrust that keep the sum: I - 1 1ᵀ/n.
+  const Eigen::MatrixXd keep_sum = Eigen::MatrixXd::Identity(n, n) -
+                                   Eigen::MatrixXd::Constant(n, n, 1.0 / static_cast<double>(n));
+  const Eigen::MatrixXd M = torques * keep_sum;
+  const Eigen::Vector3d left =
+      at.value.tail<3>() + M * internal::least_norm(M, -at.value.tail<3>());
+  Eigen::Index axis = 0;
+  const double worst = left.cwiseAbs().maxCoeff(&axis);
+  static constexpr const char* kAxes[] = {"roll", "pitch", "yaw"};
+  if (worst > 1e-6) {
+    result.status = TrimStatus::no_authority;
+    result.culprit =
+        fmt::format("{} cannot be balanced: rotors that carry the weight leave {:.3g} N m about it",
+                    kAxes[axis], worst * problem.weight() * problem.arm());
+    return;
+  }
+  result.status = TrimStatus::no_convergence;
+  result.culprit = fmt::format("{}: Newton's method stopped at residual {:.2g} after {} steps",
+                               in_words(result.condition), found.residual, found.iterations);
+}
+
+// Straight to the flight, or from a hover to it in small steps where that fails.
+NewtonResult search(const TrimProblem& problem, const TrimOptions& options) {
+  NewtonResult found = newton(problem, problem.first_guess(), options, false);
+  if (found.residual <= options.tolerance && tilt(found.z) < std::numbers::pi / 2) return found;
+  int iterations = found.iterations;
+  constexpr int kSteps = 20;
+  Eigen::VectorXd z = problem.slowed(0).first_guess();
+  for (int k = 0; k <= kSteps; ++k) {
+    found = newton(problem.slowed(static_cast<double>(k) / kSteps), z, options, false);
+    iterations += found.iterations;
+    if (!(found.residual <= options.tolerance)) break;
+    z = found.z;
+  }
+  found.residual = problem.residual(found.z).cwiseAbs().maxCoeff();
+  found.iterations = iterations;
+  return found;
+}
+
+void accept(const TrimProblem& problem, const Eigen::VectorXd& z, TrimResult& result) {
+  result.status = TrimStatus::solved;
+  result.x = problem.state(z, result.condition.yaw);
+  result.u = problem.speeds(z);
+  result.thrust = z.tail(problem.rotors()) * problem.weight();
+  result.tilt = tilt(z);
+}
+
+}  // namespace
+
+std::string to_string(TrimStatus status) {
+  switch (status) {
+    case TrimStatus::not_run:
+      return "not run";
+    case TrimStatus::solved:
+      return "solved";
+    case TrimStatus::not_enough_thrust:
+      return "not enough thrust";
+    case TrimStatus::rotor_too_fast:
+      return "rotor too fast";
+    case TrimStatus::rotor_too_slow:
+      return "rotor too slow";
+    case TrimStatus::no_authority:
+      return "no authority";
+    case TrimStatus::no_convergence:
+      return "no convergence";
+  }
+  return "";
+}
+
+TrimResult trim(const Vehicle& vehicle, const FlightCondition& condition,
+                const TrimOptions& options) {
+  check(vehicle, condition, options);
+  const TrimProblem problem(vehicle, condition, options.density_ratio);
+  TrimResult result;
+  result.condition = condition;
+  result.density_ratio = options.density_ratio;
+  result.yaw_rate = problem.yaw_rate();
+  result.thrust_to_weight = greatest_thrust(problem) / problem.weight();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  result.x = Eigen::VectorXd::Constant(12, nan);
+  result.u = Eigen::VectorXd::Constant(problem.rotors(), nan);
+  result.thrust = result.u;
+
+  const NewtonResult unlimited = search(problem, options);
+  result.residual = unlimited.residual;
+  result.iterations = unlimited.iterations;
+  if (!(unlimited.residual <= options.tolerance)) {
+    tell_imbalance(problem, unlimited, result);
+    return result;
+  }
+  if (worst_violation(problem, unlimited.z).by <= kAtLimit) {
+    accept(problem, unlimited.z, result);
+    return result;
+  }
+  if (unlimited.freedom > 0) {
+    // More rotors than the balance needs: let those at a limit stay there and the others share.
+    Eigen::VectorXd start = unlimited.z;
+    start.tail(problem.rotors()) =
+        start.tail(problem.rotors()).cwiseMax(problem.low()).cwiseMin(problem.high());
+    const NewtonResult limited = newton(problem, start, options, true);
+    result.iterations += limited.iterations;
+    if (limited.residual <= options.tolerance &&
+        worst_violation(problem, limited.z).by <= kAtLimit) {
+      result.residual = limited.residual;
+      accept(problem, limited.z, result);
+      return result;
+    }
+  }
+  tell_limit(problem, unlimited, result);
+  return result;
+}
+
+}  // namespace quadtune

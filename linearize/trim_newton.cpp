@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "trim_newton.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "least_norm.hpp"
+#include "quadtune/errors.hpp"
+
+namespace quadtune::internal {
+namespace {
+
+// A rotor below this share of its greatest speed stands.
+constexpr double kStandingSpeed = 1e-3;
+// A thrust curve with a1 < 0 starts at -a1/a2; the line takes over a little above.
+constexpr double kAboveZeroThrust = 1.05;
+
+double longest_arm(const Vehicle& vehicle) {
+  double arm = 0;
+  for (const Rotor& rotor : vehicle.rotors) arm = std::max(arm, rotor.position.head<2>().norm());
+  return arm > 0 ? arm : 1;  // rotors all on the axis: torques per metre
+}
+
+}  // namespace
+
+RotorCurve::RotorCurve(const Rotor& rotor, const MotorCommand& motor, double density_ratio,
+                       int number)
+    : rotor_(rotor), density_ratio_(density_ratio) {
+  greatest_speed_ = speed_of_command(motor, motor.max);
+  greatest_thrust_ = rotor_thrust(rotor, greatest_speed_, density_ratio);
+  join_speed_ = kStandingSpeed * greatest_speed_;
+  if (rotor.thrust_a1 < 0)
+    join_speed_ = std::max(join_speed_, -kAboveZeroThrust * rotor.thrust_a1 / rotor.thrust_a2);
+  if (!(rotor.thrust_a2 >= 0) || !(greatest_thrust_ > 0) || !std::isfinite(greatest_thrust_) ||
+      !(join_speed_ < greatest_speed_))
+    throw InvalidInput(
+        fmt::format("rotor {}", number),
+        fmt::format("thrust {} w² + {} w is {} N at the greatest speed of {} rad/s, expected a "
+                    "thrust that rises up to there",
+                    rotor.thrust_a2, rotor.thrust_a1, greatest_thrust_, greatest_speed_));
+  join_thrust_ = rotor_thrust(rotor, join_speed_, density_ratio);
+  slope_ = (2 * rotor.torque_d2 * join_speed_ + rotor.torque_d1) /
+           (2 * rotor.thrust_a2 * join_speed_ + rotor.thrust_a1);
+  least_speed_ = std::max(join_speed_, speed_of_command(motor, motor.min));
+  least_thrust_ = rotor_thrust(rotor, least_speed_, density_ratio);
+}
+
+template <class T>
+T RotorCurve::speed(const T& thrust) const {
+  using std::sqrt;
+  if (thrust <= T(join_thrust_)) return T(join_speed_);
+  // The larger root of a2 w² + a1 w = T, written so that nothing cancels.
+  const T F = thrust / density_ratio_;
+  const double a1 = rotor_.thrust_a1, a2 = rotor_.thrust_a2;
+  const T root = sqrt(a1 * a1 + 4 * a2 * F);
+  return a1 > 0 ? T(2.0 * F / (a1 + root)) : T((root - a1) / (2 * a2));
+}
+
+template <class T>
+T RotorCurve::torque(const T& thrust) const {
+  const T at_speed(rotor_torque(rotor_, speed(thrust), density_ratio_));
+  return thrust <= T(join_thrust_) ? T(at_speed + slope_ * (thrust - join_thrust_)) : at_speed;
+}
+
+template double RotorCurve::speed(const double&) const;
+
+TrimProblem::TrimProblem(const Vehicle& vehicle, const FlightCondition& condition,
+                         double density_ratio)
+    : body_(vehicle, density_ratio),
+      arm_(longest_arm(vehicle)),
+      velocity_(condition.speed, 0, -condition.climb),
+      yaw_rate_(condition.kind == FlightKind::circle ? condition.speed / condition.radius : 0) {
+  int number = 0;
+  for (const Rotor& rotor : vehicle.rotors)
+    curves_.emplace_back(rotor, vehicle.motor, density_ratio, ++number);
+}
+
+Eigen::VectorXd TrimProblem::low() const {
+  Eigen::VectorXd f(rotors());
+  for (Eigen::Index i = 0; i < f.size(); ++i)
+    f(i) = curves_[static_cast<std::size_t>(i)].least_thrust() / weight();
+  return f;
+}
+
+Eigen::VectorXd TrimProblem::high() const {
+  Eigen::VectorXd f(rotors());
+  for (Eigen::Index i = 0; i < f.size(); ++i)
+    f(i) = curves_[static_cast<std::size_t>(i)].greatest_thrust() / weight();
+  return f;
+}
+
+TrimProblem TrimProblem::slowed(double fraction) const {
+  TrimProblem slower = *this;
+  slower.velocity_ *= fraction;
+  slower.yaw_rate_ *= fraction;
+  return slower;
+}
+
+Eigen::VectorXd TrimProblem::first_guess() const {
+  Eigen::VectorXd z(2 + rotors());
+  z(0) = std::atan(velocity_.x() * yaw_rate_ / body_.gravity);  // tan(roll) = V ψ' / g
+  z(1) = 0;
+  z.tail(rotors()).setConstant(1 / (std::cos(z(0)) * static_cast<double>(rotors())));
+  return z;
+}
+
+template <class T>
+Eigen::Matrix<T, 6, 1> TrimProblem::evaluate(const Eigen::Matrix<T, Eigen::Dynamic, 1>& z) const {
+  const T &roll = z(0), &pitch = z(1);
+  const Matrix3<T> R = rotation_of_euler(roll, pitch, T(0));
+  const Vector3<T> velocity = R.transpose() * velocity_.cast<T>();
+  const Vector3<T> rates = body_rate_matrix(roll, pitch) * Vector3<T>(T(0), T(0), T(yaw_rate_));
+  RotorLoads<T> loads;
+  for (Eigen::Index i = 0; i < rotors(); ++i) {
+    const RotorCurve& curve = curves_[static_cast<std::size_t>(i)];
+    const T thrust = z(2 + i) * T(weight());
+    add_rotor(body_.rotors[static_cast<std::size_t>(i)], thrust, curve.torque(thrust),
+              curve.speed(thrust), loads);
+  }
+  const Vector3<T> down = R.row(2).transpose();
+  const NetLoad<T> net = net_load(body_, down, velocity, rates, loads);
+  Eigen::Matrix<T, 6, 1> balance;
+  balance << net.force * T(1 / weight()), net.torque * T(1 / (weight() * arm_));
+  return balance;
+}
+
+ValueAndJacobian TrimProblem::balance(const Eigen::VectorXd& z) const {
+  return differentiate([this](const JetVector& zj) { return evaluate<Jet>(zj); }, z, 6);
+}
+
+Eigen::VectorXd TrimProblem::residual(const Eigen::VectorXd& z) const {
+  return evaluate<double>(z);
+}
+
+Eigen::VectorXd TrimProblem::state(const Eigen::VectorXd& z, double yaw) const {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(12);
+  x.segment<3>(kAttitude) << z(0), z(1), yaw;
+  x.segment<3>(kVelocity) = rotation_of_euler(z(0), z(1), 0.0).transpose() * velocity_;
+  x.segment<3>(kRates) = body_rate_matrix(z(0), z(1)) * Eigen::Vector3d(0, 0, yaw_rate_);
+  return x;
+}
+
+Eigen::VectorXd TrimProblem::speeds(const Eigen::VectorXd& z) const {
+  Eigen::VectorXd w(rotors());
+  for (Eigen::Index i = 0; i < w.size(); ++i)
+    w(i) = curves_[static_cast<std::size_t>(i)].speed(z(2 + i) * weight());
+  return w;
+}
+
+namespace {
+
+struct Step {
+  Eigen::VectorXd dz;
+  Eigen::Index freedom;
+};
+
+// Solves J_a da + J_f (f - f0) = -r: what roll and pitch cannot do (the complement of J_a's range)
+// fixes the thrusts f, of least norm; roll and pitch then take up the rest.
+Step newton_step(const TrimProblem& problem, const Eigen::VectorXd& z, const ValueAndJacobian& at,
+                 bool within_limits) {
+  const Eigen::MatrixXd J_a = at.jacobian.leftCols(2);
+  const Eigen::MatrixXd J_f = at.jacobian.rightCols(problem.rotors());
+  const Eigen::VectorXd f0 = z.tail(problem.rotors());
+  const Eigen::MatrixXd Q = Eigen::HouseholderQR<Eigen::MatrixXd>(J_a).householderQ();
+  const Eigen::MatrixXd C = Q.rightCols(4).transpose() * J_f;
+  const Eigen::VectorXd d = Q.rightCols(4).transpose() * (J_f * f0 - at.value);
+  const Eigen::VectorXd f =
+      within_limits ? bounded_least_norm(C, d, problem.low(), problem.high()) : least_norm(C, d);
+  Step step;
+  step.dz.resize(z.size());
+  step.dz << least_norm(J_a, -at.value - J_f * (f - f0)), f - f0;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> rank(C);
+  rank.setThreshold(kRankTolerance);
+  step.freedom = problem.rotors() - rank.rank();
+  return step;
+}
+
+}  // namespace
+
+NewtonResult newton(const TrimProblem& problem, Eigen::VectorXd z, const TrimOptions& options,
+                    bool within_limits) {
+  constexpr double kRounding = 1e-13;  // below this the balance is as good as it gets
+  constexpr double kStepDone = 1e-10;  // and the sharing of thrust has settled
+  constexpr double kLeastStep = 1e-6;  // share of a Newton step
+  constexpr double kDecrease = 1e-4;   // sufficient decrease (Armijo)
+  NewtonResult result;
+  double merit = problem.residual(z).norm();
+  while (result.iterations < options.max_iterations && std::isfinite(merit)) {
+    const Step step = newton_step(problem, z, problem.balance(z), within_limits);
+    result.freedom = step.freedom;
+    if (!step.dz.allFinite()) break;
+    ++result.iterations;
+    double share = 1;
+    double next = problem.residual(z + step.dz).norm();
+    while (!(next <= std::max((1 - kDecrease * share) * merit, kRounding)) && share > kLeastStep) {
+      share /= 2;
+      next = problem.residual(z + share * step.dz).norm();
+    }
+    if (share <= kLeastStep) break;
+    z += share * step.dz;
+    merit = next;
+    if (merit <= kRounding && step.dz.norm() <= kStepDone) break;
+  }
+  result.z = z;
+  result.residual = problem.residual(z).cwiseAbs().maxCoeff();
+  return result;
+}
+
+}  // namespace quadtune::internal

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/synthesis/kalman.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "quadtune/discretize/van_loan.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/matrix_checks.hpp"
+
+namespace quadtune {
+namespace {
+
+/// The noise seen through G: W = G Q Gᵀ and the cross term G N.
+struct StateNoise {
+  Eigen::MatrixXd W;   // (nx × nx)
+  Eigen::MatrixXd GN;  // (nx × ny), or empty
+};
+
+template <class Lti>
+StateNoise check_and_map(const Lti& model, const KalmanNoise& noise) {
+  const char* where = "kalman";
+  const Eigen::Index nx = model.A.rows();
+  if (nx == 0) throw InvalidInput(where, "A is empty, expected at least one state");
+  require_shape(model.A, nx, nx, where, "A", "A must be square");
+  const Eigen::Index ny = model.C.rows();
+  if (ny == 0) throw InvalidInput(where, "C is empty, expected at least one measurement");
+  require_shape(model.C, ny, nx, where, "C", "A is " + shape(model.A));
+  const Eigen::MatrixXd G =
+      noise.G.size() ? noise.G : Eigen::MatrixXd(Eigen::MatrixXd::Identity(nx, nx));
+  require_shape(G, nx, G.cols(), where, "G", "A is " + shape(model.A));
+  const Eigen::Index nw = G.cols();
+  require_shape(noise.Q, nw, nw, where, "Q", fmt::format("G has {} columns", nw));
+  require_shape(noise.R, ny, ny, where, "R", fmt::format("C has {} rows", ny));
+  if (noise.N.size())
+    require_shape(noise.N, nw, ny, where, "N", "one row per w, one column per measurement");
+  require_finite(model.A, where, "A");
+  require_finite(model.C, where, "C");
+  require_finite(G, where, "G");
+  require_finite(noise.Q, where, "Q");
+  require_finite(noise.R, where, "R");
+  require_finite(noise.N, where, "N");
+  require_symmetric(noise.Q, where, "Q");
+  require_symmetric(noise.R, where, "R");
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(noise.Q, Eigen::EigenvaluesOnly);
+  const double least = eigen.eigenvalues().minCoeff();
+  if (least < -1e-12 * eigen.eigenvalues().cwiseAbs().maxCoeff())
+    throw InvalidInput(where, fmt::format("Q has eigenvalue {:.6g}, expected Q >= 0 because it is "
+                                          "a covariance",
+                                          least));
+  StateNoise mapped;
+  mapped.W = G * noise.Q * G.transpose();
+  mapped.W = 0.5 * (mapped.W + mapped.W.transpose()).eval();
+  if (noise.N.size()) mapped.GN = G * noise.N;
+  return mapped;
+}
+
+/// The regulator of (Aᵀ, Cᵀ) is the filter of (A, C).
+template <class Lti>
+RiccatiOptions filter_options(const Lti& model) {
+  RiccatiOptions options;
+  options.problem = RiccatiProblem::filter;
+  if (!model.states.empty()) options.state_names = names_or_numbers(model.states, model.A.rows());
+  return options;
+}
+
+KalmanResult from_dual(const RiccatiResult& dual) {
+  KalmanResult result;
+  result.status = dual.status;
+  result.P = dual.X;
+  result.L = dual.K.transpose();
+  result.poles = dual.poles;
+  result.residual = dual.residual;
+  result.rcond = dual.rcond;
+  result.iterations = dual.iterations;
+  result.culprit = dual.culprit;
+  return result;
+}
+
+}  // namespace
+
+KalmanResult kalman(const DiscreteLti& model, const KalmanNoise& noise) {
+  const StateNoise mapped = check_and_map(model, noise);
+  KalmanResult result = from_dual(dare(model.A.transpose(), model.C.transpose(), mapped.W, noise.R,
+                                       mapped.GN, filter_options(model)));
+  const Eigen::Index nx = model.A.rows();
+  if (!result.solved()) {
+    result.M = Eigen::MatrixXd::Constant(nx, model.C.rows(),
+                                         std::numeric_limits<double>::quiet_NaN());
+    result.Z = result.P;
+    return result;
+  }
+  // M = P Cᵀ (C P Cᵀ + R)⁻¹
+  const Eigen::MatrixXd PCt = result.P * model.C.transpose();
+  const Eigen::MatrixXd S = model.C * PCt + noise.R;
+  result.M = S.ldlt().solve(PCt.transpose()).transpose();
+  // Z = (I - M C) P (I - M C)ᵀ + M R Mᵀ: Joseph's form stays symmetric and ≥ 0.
+  const Eigen::MatrixXd T = Eigen::MatrixXd::Identity(nx, nx) - result.M * model.C;
+  result.Z = T * result.P * T.transpose() + result.M * noise.R * result.M.transpose();
+  result.Z = 0.5 * (result.Z + result.Z.transpose()).eval();
+  return result;
+}
+
+KalmanResult kalman(const ContinuousLti& model, const KalmanNoise& noise) {
+  const StateNoise mapped = check_and_map(model, noise);
+  return from_dual(care(model.A.transpose(), model.C.transpose(), mapped.W, noise.R, mapped.GN,
+                        filter_options(model)));
+}
+
+KalmanResult kalman_sampled(const ContinuousLti& model, const KalmanNoise& noise, double dt) {
+  const StateNoise mapped = check_and_map(model, noise);
+  if (noise.N.size() && noise.N.cwiseAbs().maxCoeff() > 0)
+    throw InvalidInput("kalman", "N is not zero, expected none with --sampled because white noise "
+                                 "held over a sample has no cross term of its own");
+  const SampledNoise sampled = sampled_noise(model.A, mapped.W, dt);
+  DiscreteLti discrete;
+  discrete.A = sampled.A;
+  discrete.C = model.C;
+  discrete.dt = dt;
+  discrete.states = model.states;
+  return kalman(discrete, {{}, sampled.Q, noise.R / dt, {}});
+}
+
+}  // namespace quadtune

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+/// LAPACKE with C++'s complex numbers.
+#pragma once
+
+#include <complex>
+
+#define lapack_complex_float std::complex<float>
+#define lapack_complex_double std::complex<double>
+#include <lapacke.h>

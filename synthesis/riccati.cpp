@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/synthesis/riccati.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ostream.h>
+
+#include <ostream>
+
+#include "mode_names.hpp"
+#include "quadtune/errors.hpp"
+#include "riccati_parts.hpp"
+
+namespace quadtune {
+
+using internal::Candidate;
+using internal::ConstRef;
+using internal::Culprit;
+using internal::RiccatiEquation;
+using internal::Time;
+using internal::WeightR;
+
+namespace {
+
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+/// Couplings below this part of the matrices' size are rounding.
+constexpr double kNoCoupling = 1e-14;
+/// What is called a culprit after every method has failed.
+constexpr double kWeakCoupling = 1e-9;
+
+void check_options(const RiccatiOptions& options, Eigen::Index nx, const std::string& where) {
+  if (!(options.relative_tolerance > 0 && options.relative_tolerance < 1))
+    throw InvalidInput(where, fmt::format("relative_tolerance is {}, expected 0 < it < 1",
+                                          options.relative_tolerance));
+  if (options.max_iterations < 1)
+    throw InvalidInput(where,
+                       fmt::format("max_iterations is {}, expected >= 1", options.max_iterations));
+  const auto count = static_cast<Eigen::Index>(options.state_names.size());
+  if (count != 0 && count != nx)
+    throw InvalidInput(
+        where, fmt::format("state_names has {} names, expected {} (A is {}x{})", count, nx, nx, nx));
+}
+
+void fill_with_nan(RiccatiResult& result, Eigen::Index nx, Eigen::Index nu) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  result.X.setConstant(nx, nx, nan);
+  result.K.setConstant(nu, nx, nan);
+  result.residual = nan;
+  result.rcond = nan;
+  result.iterations = 0;
+}
+
+void fail(const RiccatiEquation& problem, Culprit culprit, RiccatiResult& result) {
+  result.status = culprit.status;
+  result.culprit = std::move(culprit.text);
+  fill_with_nan(result, problem.A.rows(), problem.B.cols());
+}
+
+/// Whether the residual is no more than the tolerance, or than the equation's condition explains.
+bool residual_is_small(const Candidate& found, const RiccatiOptions& options) {
+  const double unavoidable = std::min(1e-6, 100 * kEps / found.rcond);
+  return found.residual <= std::max(options.relative_tolerance, unavoidable);
+}
+
+Culprit culprit_after_all(const RiccatiEquation& problem, const internal::SchurOutcome& schur,
+                          const RiccatiOptions& options) {
+  Culprit culprit = internal::find_culprit(problem, kWeakCoupling, options);
+  if (culprit.status != RiccatiStatus::no_convergence) return culprit;
+  constexpr double kOnBoundary = 1e-6;
+  if (schur.distance < kOnBoundary)
+    return {RiccatiStatus::boundary_pair,
+            fmt::format("closed-loop eigenvalue at {} is on the {}",
+                        internal::format_mode(schur.nearest),
+                        problem.time == Time::continuous ? "imaginary axis" : "unit circle")};
+  culprit.text = "neither doubling nor the Schur method reached the tolerance";
+  return culprit;
+}
+
+}  // namespace
+
+struct RiccatiSolver::State {
+  Eigen::Index nx;
+  Eigen::Index nu;
+  RiccatiOptions options;
+  std::unique_ptr<internal::DoublingSolver> doubling;
+  internal::CheckBuffers buffers;
+  Candidate found;
+  RiccatiResult result;
+
+  State(Eigen::Index nx_, Eigen::Index nu_, RiccatiOptions options_)
+      : nx(nx_), nu(nu_), options(std::move(options_)),
+        doubling(internal::make_doubling_solver(nx, nu)) {
+    buffers.factor_Q.resize(nx, nx);
+    buffers.factor_R.resize(nu, nu);
+    found.X.resize(nx, nx);
+    found.K.resize(nu, nx);
+    fill_with_nan(result, nx, nu);
+  }
+
+  const RiccatiResult& solve(const RiccatiEquation& problem) {
+    result.status = RiccatiStatus::not_run;
+    result.used_schur = false;
+    result.culprit.clear();
+    result.warning.clear();
+    if (result.poles.size() > 0) result.poles.resize(0);
+    if (problem.A.rows() != nx || problem.B.cols() != nu) refuse_sizes(problem);
+    const WeightR weight_R = internal::check_problem(problem, buffers, result.warning);
+    if (options.refuse_indefinite_Q && !result.warning.empty())
+      throw InvalidInput(internal::equation_name(problem.time), result.warning);
+    const bool want_poles = options.evidence == RiccatiEvidence::full;
+    if (weight_R == WeightR::well_conditioned &&
+        doubling->solve(problem, buffers.factor_R, options, found) &&
+        residual_is_small(found, options)) {
+      if (want_poles) result.poles = internal::closed_loop_poles(problem, found.K);
+      if (!want_poles || internal::all_stable(problem.time, result.poles)) {
+        succeed();
+        return result;
+      }
+    }
+    solve_slowly(problem, weight_R, want_poles);
+    return result;
+  }
+
+ private:
+  void refuse_sizes(const RiccatiEquation& problem) {
+    fill_with_nan(result, nx, nu);
+    throw InvalidInput(
+        internal::equation_name(problem.time),
+        fmt::format("A is {}x{} and B is {}x{}, expected the sizes of this solver, A {}x{} and B "
+                    "{}x{}",
+                    problem.A.rows(), problem.A.cols(), problem.B.rows(), problem.B.cols(), nx, nx,
+                    nx, nu));
+  }
+
+  void succeed() {
+    result.status = RiccatiStatus::solved;
+    result.X = found.X;
+    result.K = found.K;
+    result.residual = found.residual;
+    result.rcond = found.rcond;
+    result.iterations = found.iterations;
+  }
+
+  /// Asks first whether there is a solution at all: the Schur method does not tell.
+  void solve_slowly(const RiccatiEquation& problem, WeightR weight_R, bool want_poles) {
+    const double rounding = kNoCoupling * static_cast<double>(nx);
+    Culprit culprit = internal::find_culprit(problem, rounding, options);
+    if (culprit.status != RiccatiStatus::no_convergence) {
+      fail(problem, std::move(culprit), result);
+      return;
+    }
+    const internal::SchurOutcome schur = internal::solve_by_schur(problem, weight_R, found);
+    if (schur.found) {
+      result.poles = internal::estimate_condition(problem, found);
+      if (internal::all_stable(problem.time, result.poles) && residual_is_small(found, options)) {
+        succeed();
+        result.used_schur = true;
+        if (!want_poles) result.poles.resize(0);
+        return;
+      }
+    }
+    result.poles.resize(0);
+    fail(problem, culprit_after_all(problem, schur, options), result);
+  }
+};
+
+RiccatiSolver::RiccatiSolver(Eigen::Index nx, Eigen::Index nu, RiccatiOptions options) {
+  if (nx < 1 || nu < 1)
+    throw InvalidInput("RiccatiSolver",
+                       fmt::format("sizes are nx = {}, nu = {}, expected both >= 1", nx, nu));
+  check_options(options, nx, "RiccatiSolver");
+  state_ = std::make_unique<State>(nx, nu, std::move(options));
+}
+
+RiccatiSolver::~RiccatiSolver() = default;
+RiccatiSolver::RiccatiSolver(RiccatiSolver&&) noexcept = default;
+RiccatiSolver& RiccatiSolver::operator=(RiccatiSolver&&) noexcept = default;
+
+const RiccatiResult& RiccatiSolver::care(const ConstRef& A, const ConstRef& B, const ConstRef& Q,
+                                         const ConstRef& R, const ConstRef& N) {
+  return state_->solve({Time::continuous, A, B, Q, R, N});
+}
+
+const RiccatiResult& RiccatiSolver::dare(const ConstRef& A, const ConstRef& B, const ConstRef& Q,
+                                         const ConstRef& R, const ConstRef& N) {
+  return state_->solve({Time::discrete, A, B, Q, R, N});
+}
+
+namespace {
+
+RiccatiResult solve_once(const RiccatiEquation& problem, const RiccatiOptions& options) {
+  const Eigen::Index nx = problem.A.rows();
+  const Eigen::Index nu = problem.B.cols();
+  if (nx == 0 || nu == 0 || problem.A.cols() != nx) {
+    internal::CheckBuffers unused;
+    std::string unused_warning;
+    internal::check_problem(problem, unused, unused_warning);
+  }
+  check_options(options, nx, internal::equation_name(problem.time));
+  RiccatiSolver solver(nx, nu, options);
+  return problem.time == Time::continuous
+             ? solver.care(problem.A, problem.B, problem.Q, problem.R, problem.N)
+             : solver.dare(problem.A, problem.B, problem.Q, problem.R, problem.N);
+}
+
+}  // namespace
+
+RiccatiResult care(const ConstRef& A, const ConstRef& B, const ConstRef& Q, const ConstRef& R,
+                   const ConstRef& N, const RiccatiOptions& options) {
+  return solve_once({Time::continuous, A, B, Q, R, N}, options);
+}
+
+RiccatiResult dare(const ConstRef& A, const ConstRef& B, const ConstRef& Q, const ConstRef& R,
+                   const ConstRef& N, const RiccatiOptions& options) {
+  return solve_once({Time::discrete, A, B, Q, R, N}, options);
+}
+
+std::string to_string(RiccatiStatus status) {
+  switch (status) {
+    case RiccatiStatus::not_run: return "not run";
+    case RiccatiStatus::solved: return "solved";
+    case RiccatiStatus::not_stabilizable: return "not stabilizable";
+    case RiccatiStatus::not_detectable: return "not detectable";
+    case RiccatiStatus::boundary_pair: return "eigenvalues on the boundary";
+    case RiccatiStatus::no_convergence: return "no convergence";
+  }
+  return "unknown";
+}
+
+std::ostream& operator<<(std::ostream& out, const RiccatiResult& result) {
+  out << to_string(result.status);
+  if (!result.culprit.empty()) out << " (" << result.culprit << ")";
+  if (result.solved())
+    out << fmt::format(", residual {:.2g}, rcond {:.2g}, {}", result.residual, result.rcond,
+                       result.used_schur ? "Schur method"
+                                         : fmt::format("{} doublings", result.iterations));
+  return out;
+}
+
+}  // namespace quadtune

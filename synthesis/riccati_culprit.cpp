@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+#include "lapack.hpp"
+#include "mode_names.hpp"
+#include "riccati_parts.hpp"
+
+namespace quadtune::internal {
+namespace {
+
+/// What B cannot reach: rows of P are orthonormal, P A = F P and P B = 0.
+struct Unreachable {
+  Eigen::MatrixXd P;
+  Eigen::MatrixXd F;
+  double size;  ///< ‖A‖, against which eigenvalues of F count as 0
+};
+
+/// Staircase form by singular values (Paige 1981; Van Dooren 1981). Unlike a rank test at computed
+/// eigenvalues it does not mind repeated ones, which rounding scatters.
+Unreachable unreachable_part(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double tolerance) {
+  const Eigen::Index n = A.rows();
+  Eigen::MatrixXd P = Eigen::MatrixXd::Identity(n, n);
+  Eigen::MatrixXd F = A;
+  Eigen::MatrixXd entry = B;
+  double threshold = tolerance * B.norm();
+  while (F.rows() > 0) {
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(entry, Eigen::ComputeFullU);
+    const Eigen::Index rank = (svd.singularValues().array() > threshold).count();
+    if (rank == 0) break;
+    const Eigen::MatrixXd U = svd.matrixU();
+    const Eigen::Index rest = F.rows() - rank;
+    const Eigen::MatrixXd turned = U.transpose() * F * U;
+    P = (U.transpose() * P).bottomRows(rest).eval();
+    entry = turned.bottomLeftCorner(rest, rank);
+    F = turned.bottomRightCorner(rest, rest).eval();
+    threshold = tolerance * A.norm();
+  }
+  return {P, F, A.norm()};
+}
+
+thread_local std::complex<double> wanted;
+thread_local double within;
+lapack_logical in_cluster(const double* real, const double* imaginary) {
+  return std::abs(std::complex<double>(*real, std::abs(*imaginary)) - wanted) <= within;
+}
+
+/// A mode of `part` that must not be there, and the states that carry it.
+struct Mode {
+  bool found = false;
+  std::complex<double> value;
+  std::vector<std::string> states;
+};
+
+double excess(Time time, std::complex<double> value) {
+  return time == Time::continuous ? value.real() : std::abs(value) - 1;
+}
+
+/// The states with the largest entries in the invariant subspace of the cluster around `mode.value`.
+void name_states(const Unreachable& part, double width, const std::vector<std::string>& names,
+                 Mode& mode) {
+  const auto k = static_cast<lapack_int>(part.F.rows());
+  Eigen::MatrixXd T = part.F.transpose();
+  Eigen::MatrixXd U(k, k);
+  Eigen::VectorXd real(k);
+  Eigen::VectorXd imaginary(k);
+  lapack_int chosen = 0;
+  wanted = {mode.value.real(), std::abs(mode.value.imag())};
+  within = width;
+  LAPACKE_dgees(LAPACK_COL_MAJOR, 'V', 'S', in_cluster, k, T.data(), k, &chosen, real.data(),
+                imaginary.data(), U.data(), k);
+  const Eigen::MatrixXd carriers = part.P.transpose() * U.leftCols(std::max<lapack_int>(chosen, 1));
+  const Eigen::VectorXd weight = carriers.rowwise().norm();
+  constexpr double kCarries = 0.3;
+  for (Eigen::Index i = 0; i < weight.size(); ++i)
+    if (weight[i] >= kCarries * weight.maxCoeff())
+      mode.states.push_back(names.empty() ? fmt::format("state {}", i + 1)
+                                          : names[static_cast<std::size_t>(i)]);
+}
+
+/// Looks for an eigenvalue of `part` on the boundary, or, with `beyond`, outside as well.
+Mode find_mode(Time time, const Unreachable& part, bool beyond, double boundary,
+               const std::vector<std::string>& names) {
+  Mode mode;
+  const auto k = static_cast<lapack_int>(part.F.rows());
+  if (k == 0) return mode;
+  const double size = time == Time::continuous ? part.size : 1.0;
+  Eigen::MatrixXd F = part.F;
+  Eigen::VectorXd real(k);
+  Eigen::VectorXd imaginary(k);
+  double unused = 0;
+  if (LAPACKE_dgeev(LAPACK_COL_MAJOR, 'N', 'N', k, F.data(), k, real.data(), imaginary.data(),
+                    &unused, 1, &unused, 1) != 0)
+    return mode;
+  const double near = boundary * size;
+  double worst = -std::numeric_limits<double>::infinity();
+  for (Eigen::Index i = 0; i < k; ++i) {
+    const std::complex<double> value(real[i], imaginary[i]);
+    const double out = excess(time, value);
+    if (out < -near || (!beyond && out > near) || out <= worst) continue;
+    worst = out;
+    mode.value = value;
+    mode.found = true;
+  }
+  if (!mode.found) return mode;
+  const double width = std::max(100 * near, 1e-300);
+  // The mean of a scattered cluster is far more exact than its members.
+  std::complex<double> sum = 0;
+  int count = 0;
+  for (Eigen::Index i = 0; i < k; ++i) {
+    const std::complex<double> value(real[i], std::abs(imaginary[i]));
+    if (std::abs(value - std::complex<double>(mode.value.real(), std::abs(mode.value.imag()))) >
+        width)
+      continue;
+    sum += value;
+    ++count;
+  }
+  name_states(part, width, names, mode);
+  mode.value = sum / static_cast<double>(count);
+  const auto snap = [&](double x, double to) { return std::abs(x - to) <= 10 * near ? to : x; };
+  if (time == Time::continuous)
+    mode.value = {snap(mode.value.real(), 0), snap(mode.value.imag(), 0)};
+  else
+    mode.value = {snap(mode.value.real(), 1), snap(mode.value.imag(), 0)};
+  return mode;
+}
+
+}  // namespace
+
+Culprit find_culprit(const RiccatiEquation& p, double tolerance, const RiccatiOptions& options) {
+  PlainProblem plain = without_cross_term(p);
+  const Eigen::VectorXd d = balancing(plain.A, plain.B * plain.B.transpose(), plain.Q);
+  const Eigen::VectorXd e = d.cwiseInverse();
+  plain.A = (e.asDiagonal() * plain.A * d.asDiagonal()).eval();
+  plain.B = (e.asDiagonal() * plain.B).eval();
+  plain.Q = (d.asDiagonal() * plain.Q * d.asDiagonal()).eval();
+  const bool filter = options.problem == RiccatiProblem::filter;
+  const double boundary = std::max(1e-8, std::sqrt(tolerance));
+  const auto sentence = [](const Mode& mode, const std::string& one, const std::string& many) {
+    return fmt::format("mode at {}: {} {}", format_mode(mode.value), join_names(mode.states),
+                       mode.states.size() == 1 ? one : many);
+  };
+  const Mode unsteered = find_mode(p.time, unreachable_part(plain.A, plain.B, tolerance), true,
+                                   boundary, options.state_names);
+  if (unsteered.found) {
+    const std::string words =
+        filter ? "cannot be seen by the measurements" : "cannot be steered";
+    return {RiccatiStatus::not_stabilizable, sentence(unsteered, words, words)};
+  }
+  const Mode unseen =
+      find_mode(p.time, unreachable_part(plain.A.transpose(), plain.Q, tolerance), false, boundary,
+                options.state_names);
+  if (unseen.found)
+    return {RiccatiStatus::not_detectable,
+            filter ? sentence(unseen, "is not driven by the noise", "are not driven by the noise")
+                   : sentence(unseen, "is not seen by Q", "are not seen by Q")};
+  return {};
+}
+
+}  // namespace quadtune::internal

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Structure-preserving doubling for both Riccati equations, written once over the kernels that do
+/// the arithmetic (`Ops`: sizes known to the compiler, or Eigen).
+///
+/// In scaled states z, x = D z. Doubling: Chu, Fan, Lin 2005 (continuous) and Chu, Fan, Lin, Wang
+/// 2004 (discrete). The closed loop's Lyapunov equation, solved by squaring (Smith 1968), gives the
+/// Newton step; that its powers vanish is the proof that X is stabilizing.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "riccati_parts.hpp"
+
+namespace quadtune::internal {
+
+template <class Ops>
+class Doubling final : public DoublingSolver {
+  using Square = typename Ops::Square;
+  using Panel = typename Ops::Panel;
+
+ public:
+  Doubling(Eigen::Index nx, Eigen::Index nu) : ops_(nx, nu) {}
+
+  bool solve(const RiccatiEquation& problem, const Eigen::MatrixXd& factor_R,
+             const RiccatiOptions& options, Candidate& found) override {
+    load(problem, factor_R);
+    const bool continuous = problem.time == Time::continuous;
+    if (continuous && !start_continuous()) return false;
+    if (!continuous) start_discrete();
+    if (!iterate(options, found.iterations)) return false;
+    return polish(continuous, found);
+  }
+
+ private:
+  /// Fills the scaled matrices: A, B, Q, N as given; A_, Q_ of the problem without cross term.
+  void load(const RiccatiEquation& problem, const Eigen::MatrixXd& factor_R) {
+    cross_ = problem.has_cross_term();
+    ops_.load_square(problem.A, A_);
+    ops_.load_square(problem.Q, Q_);
+    ops_.load_panel(problem.B, B_);
+    ops_.load_small(problem.R, R_);
+    ops_.invert_factor(factor_R, Linv_);
+    ops_.times_small_transposed(B_, Linv_, Bs_);  // Bs = B L⁻ᵀ, so that G = Bs Bsᵀ
+    ops_.outer(Bs_, Bs_, G_);
+    if (cross_) {
+      ops_.load_panel(problem.N, N_);
+      ops_.times_small_transposed(N_, Linv_, Ns_);
+      ops_.outer(Bs_, Ns_, T_);
+      ops_.subtract(A_, T_, At_);  // A - B R⁻¹ Nᵀ
+      ops_.outer(Ns_, Ns_, T_);
+      ops_.subtract(Q_, T_, Qt_);  // Q - N R⁻¹ Nᵀ
+    } else {
+      ops_.copy(A_, At_);
+      ops_.copy(Q_, Qt_);
+    }
+    norm_A_ = ops_.norm_frobenius(At_);
+    norm_G_ = ops_.norm_frobenius(G_);
+    norm_Q_ = ops_.norm_frobenius(Qt_);
+    ops_.balance(At_, G_, Qt_);
+    ops_.scale_square(At_, -1, 1);
+    ops_.scale_square(G_, -1, -1);
+    ops_.scale_square(Qt_, 1, 1);
+    ops_.scale_panel(B_, -1);
+    ops_.scale_panel(Bs_, -1);
+    if (cross_) {
+      ops_.scale_square(A_, -1, 1);
+      ops_.scale_square(Q_, 1, 1);
+      ops_.scale_panel(N_, 1);
+      ops_.scale_panel(Ns_, 1);
+    } else {
+      ops_.copy(At_, A_);
+      ops_.copy(Qt_, Q_);
+    }
+  }
+
+  /// Cayley transform of the Hamiltonian matrix at γ: E_, G_, H_ of the doubling.
+  /// A γ near an eigenvalue shows in the condition of the two matrices solved with; then it moves.
+  bool start_continuous() {
+    gamma_ = ops_.speed(At_, G_, Qt_);
+    if (!(gamma_ > 0) || !std::isfinite(gamma_)) return false;
+    double best_gamma = gamma_;
+    double best = std::numeric_limits<double>::infinity();
+    for (const double factor : {1.0, 1.6, 0.62, 2.7, 0.37, 5.0, 0.2}) {
+      const double condition = cayley(gamma_ * factor);
+      if (condition < best) {
+        best = condition;
+        best_gamma = gamma_ * factor;
+      }
+      if (condition < kGoodCondition) break;
+    }
+    if (!std::isfinite(best)) return false;
+    if (best >= kGoodCondition) cayley(best_gamma);
+    gamma_ = best_gamma;
+    ops_.swap(G_, next_);
+    return true;
+  }
+
+  /// With A_γ = A - γI and W = A_γᵀ + Q A_γ⁻¹ G:
+  /// E = I + 2γ W⁻ᵀ, G = 2γ A_γ⁻¹ G W⁻¹ (left in next_), H = 2γ W⁻¹ Q A_γ⁻¹.
+  /// @return  the worse of the conditions of A_γ and W, 1-norm; infinite when one is singular
+  double cayley(double gamma) {
+    const double infinite = std::numeric_limits<double>::infinity();
+    ops_.set_padding(At_, -gamma);
+    ops_.copy(At_, W_);
+    ops_.add_diagonal(W_, -gamma);
+    const double norm_A = ops_.norm1(W_);
+    if (!ops_.factor(W_)) return infinite;
+    ops_.identity(V_);
+    ops_.solve(V_);  // V = A_γ⁻¹
+    const double condition_A = norm_A * ops_.norm1(V_);
+    ops_.multiply(Qt_, V_, H_);
+    ops_.multiply(V_, G_, U_);
+    ops_.multiply(H_, G_, T_);
+    ops_.transpose(At_, W_);
+    ops_.add_diagonal(W_, -gamma);
+    ops_.add(W_, T_);
+    const double norm_W = ops_.norm1(W_);
+    if (!ops_.factor(W_)) return infinite;
+    ops_.identity(V_);
+    ops_.solve(V_, H_);  // V = W⁻¹, H = W⁻¹ Q A_γ⁻¹
+    const double condition = std::max(condition_A, norm_W * ops_.norm1(V_));
+    if (!std::isfinite(condition)) return infinite;
+    ops_.multiply(U_, V_, T_);
+    ops_.scaled_symmetric(T_, 2 * gamma, next_);
+    ops_.copy(H_, T_);
+    ops_.scaled_symmetric(T_, 2 * gamma, H_);
+    ops_.transpose(V_, E_);
+    ops_.multiply_by(E_, 2 * gamma);
+    ops_.add_diagonal(E_, 1);
+    return condition;
+  }
+
+  void start_discrete() {
+    ops_.set_padding(At_, 0);
+    ops_.copy(At_, E_);
+    ops_.copy(Qt_, H_);
+  }
+
+  /// E ← E (I+GH)⁻¹ E, G ← G + E (I+GH)⁻¹ G Eᵀ, H ← H + Eᵀ H (I+GH)⁻¹ E until H stands.
+  bool iterate(const RiccatiOptions& options, int& iterations) {
+    for (iterations = 1; iterations <= options.max_iterations; ++iterations) {
+      ops_.multiply(G_, H_, W_);
+      ops_.add_diagonal(W_, 1);
+      if (!ops_.factor(W_)) return false;
+      ops_.copy(E_, V_);
+      ops_.copy(G_, U_);
+      ops_.solve(V_, U_);  // V = (I+GH)⁻¹ E, U = (I+GH)⁻¹ G
+      ops_.multiply(H_, V_, T_);
+      ops_.multiply_transposed(E_, T_, next_);
+      const auto [change, size] = ops_.add_symmetric(next_, H_);
+      if (!std::isfinite(size)) return false;
+      // Convergence is quadratic: the change after this one is lost in rounding.
+      if (change <= kStands * size) return true;
+      ops_.multiply(E_, U_, T_);
+      ops_.transpose(E_, W_);
+      ops_.multiply(T_, W_, next_);
+      ops_.add_symmetric(next_, G_);
+      ops_.multiply(E_, V_, T_);
+      ops_.swap(E_, T_);
+    }
+    return false;
+  }
+
+  /// Judges X = H; takes Newton steps while they pay; writes X, K and the residual back.
+  bool polish(bool continuous, Candidate& found) {
+    Residual now = residual(continuous);
+    if (!std::isfinite(now.worst())) return false;
+    for (int step = 0; step < kMaxNewtonSteps; ++step) {
+      if (now.worst() <= kWorthRefining) break;
+      if (!newton_correction(continuous)) return false;
+      ops_.copy(H_, G_);  // to go back to
+      ops_.add(H_, next_);
+      const Residual then = residual(continuous);
+      const bool paid = then.worst() < 0.5 * now.worst();
+      if (!(then.worst() < now.worst())) {
+        ops_.copy(G_, H_);
+        residual(continuous);
+        break;
+      }
+      now = then;
+      if (!paid) break;
+    }
+    if (!prove_stable(continuous, found.rcond)) return false;
+    found.residual = now.original;
+    ops_.times_small(Y_, continuous ? Linv_ : Sinv_, Kt_);
+    ops_.store_solution(H_, Kt_, found.X, found.K);
+    return true;
+  }
+
+  /// ‖residual‖ over the sum of the norms of the terms, in the caller's units and in scaled ones.
+  struct Residual {
+    double original;
+    double scaled;
+    [[nodiscard]] double worst() const { return std::max(original, scaled); }
+  };
+
+  /// Leaves the residual matrix in residual_, Y_ with Y Yᵀ the quadratic term, and, for the
+  /// discrete equation, B K's factor; all by the caller's data, scaled by exact powers of two.
+  Residual residual(bool continuous) {
+    ops_.panel(H_, B_, XB_);
+    if (continuous) {
+      // Y = X Bs + Ns; residual = AᵀX + XA - Y Yᵀ + Q
+      ops_.times_small_transposed(XB_, Linv_, Y_);
+      if (cross_) ops_.add_panel(Y_, Ns_);
+      ops_.multiply_transposed(A_, H_, T_);
+      ops_.outer(Y_, Y_, U_);
+      const auto r = ops_.residual_continuous(T_, U_, Q_, residual_);
+      return {r.first, r.second};
+    }
+    // S = R + BᵀXB, F = BᵀXA + Nᵀ, Y = Fᵀ L⁻ᵀ with L Lᵀ = S; residual = AᵀXA - X - Y Yᵀ + Q
+    if (!ops_.invert_inner(R_, B_, XB_, Sinv_)) return {kNaN_, kNaN_};
+    ops_.panel_transposed(A_, XB_, Kt_);
+    if (cross_) ops_.add_panel(Kt_, N_);
+    ops_.times_small_transposed(Kt_, Sinv_, Y_);
+    ops_.multiply(H_, A_, V_);
+    ops_.multiply_transposed(A_, V_, T_);
+    ops_.outer(Y_, Y_, U_);
+    const auto r = ops_.residual_discrete(T_, H_, U_, Q_, residual_);
+    return {r.first, r.second};
+  }
+
+  /// Leaves in E_ the closed loop A - B K, or, continuous, its Cayley transform I + 2γ F with
+  /// F = (A - B K - γI)⁻¹ left in F_. All poles are stable exactly when the powers of E_ vanish.
+  bool close_loop(bool continuous) {
+    if (!continuous) {
+      ops_.times_small(Y_, Sinv_, Kt_);
+      ops_.outer(B_, Kt_, T_);  // B K
+      ops_.subtract(A_, T_, E_);
+      return true;
+    }
+    ops_.outer(Bs_, Y_, T_);  // B K
+    ops_.subtract(A_, T_, W_);
+    ops_.add_diagonal(W_, -gamma_);
+    ops_.set_padding(W_, -2 * gamma_);
+    if (!ops_.factor(W_)) return false;
+    ops_.identity(F_);
+    ops_.solve(F_);
+    ops_.copy(F_, E_);
+    ops_.multiply_by(E_, 2 * gamma_);
+    ops_.add_diagonal(E_, 1);
+    return true;
+  }
+
+  /// First term of the sum Σ (Eᵏ)ᵀ M₀ Eᵏ that solves the closed loop's Lyapunov equation for M:
+  /// M₀ = 2γ Fᵀ M F, or M itself when discrete.
+  void start_sum(bool continuous, Square& M) {
+    if (!continuous) return;
+    ops_.multiply(M, F_, T_);
+    ops_.multiply_transposed(F_, T_, M);
+    ops_.multiply_by(M, 2 * gamma_);
+  }
+
+  /// Doubles the number of terms of the sum: M ← M + Eᵀ M E.
+  void double_sum(Square& M) {
+    ops_.multiply(M, E_, T_);
+    ops_.multiply_transposed(E_, T_, U_);
+    ops_.add_symmetric(U_, M);
+  }
+
+  /// Squares E_, with `each` before every squaring, until ‖E‖ ≤ small. False when it does not fall.
+  template <class Each>
+  bool square_until(double small, const Each& each) {
+    for (int i = 0; i < kMaxSquarings; ++i) {
+      const double size = ops_.norm_frobenius(E_);
+      if (!(size < 1e100)) return false;
+      if (size <= small) return true;
+      each();
+      ops_.multiply(E_, E_, T_);
+      ops_.swap(E_, T_);
+    }
+    return false;
+  }
+
+  /// Newton's correction of X into next_. False when the closed loop is not stable.
+  bool newton_correction(bool continuous) {
+    if (!close_loop(continuous)) return false;
+    ops_.copy(residual_, next_);
+    start_sum(continuous, next_);
+    return square_until(1e-6, [this] { double_sum(next_); });
+  }
+
+  /// Proves X stabilizing, and from the same powers estimates the condition of the equation:
+  /// Kenney and Hewer 1990 by the solutions for I and X² (discrete AcᵀX²Ac) in the caller's units.
+  bool prove_stable(bool continuous, double& rcond) {
+    if (!close_loop(continuous)) return false;
+    ops_.squared_scales(next_);  // D I D
+    ops_.divide_rows_twice(H_, T_);
+    ops_.multiply(H_, T_, W_);  // D X² D = X_z D⁻² X_z
+    if (!continuous) {
+      ops_.multiply(W_, E_, T_);
+      ops_.multiply_transposed(E_, T_, W_);
+    }
+    start_sum(continuous, next_);
+    start_sum(continuous, W_);
+    const bool stable = square_until(1e-2, [this] {
+      double_sum(next_);
+      double_sum(W_);
+    });
+    if (!stable) return false;
+    rcond = reciprocal_condition(norm_A_, norm_G_, norm_Q_, ops_.weighted_norm(H_),
+                                 ops_.weighted_norm(next_), ops_.weighted_norm(W_));
+    return true;
+  }
+
+  static constexpr double kNaN_ = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double kGoodCondition = 1e6;
+  static constexpr double kStands = 1e-9;
+  static constexpr double kWorthRefining = 4e-15;
+  static constexpr int kMaxNewtonSteps = 3;
+  static constexpr int kMaxSquarings = 45;
+
+  Ops ops_;
+  bool cross_ = false;
+  double gamma_ = 1;
+  double norm_A_ = 0;
+  double norm_G_ = 0;
+  double norm_Q_ = 0;
+  Square A_ = ops_.square(), Q_ = ops_.square(), At_ = ops_.square(), Qt_ = ops_.square();
+  Square E_ = ops_.square(), G_ = ops_.square(), H_ = ops_.square(), W_ = ops_.square();
+  Square T_ = ops_.square(), U_ = ops_.square(), V_ = ops_.square(), next_ = ops_.square();
+  Square residual_ = ops_.square(), F_ = ops_.square();
+  Panel B_ = ops_.panel(), Bs_ = ops_.panel(), N_ = ops_.panel(), Ns_ = ops_.panel();
+  Panel XB_ = ops_.panel(), Y_ = ops_.panel(), Kt_ = ops_.panel();
+  Panel R_ = ops_.small(), Linv_ = ops_.small(), Sinv_ = ops_.small();
+};
+
+}  // namespace quadtune::internal

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What a user gets for a mistake: one line, the documented exit status, no output file.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "run_program.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+using testing::ProgramResult;
+using testing::run_program;
+using testing::TemporaryDirectory;
+using ::testing::HasSubstr;
+
+std::string read_source(const std::string& name) {
+  std::ifstream file(std::string(QUADTUNE_SOURCE_DIR) + "/" + name);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// `text` with the first `from` replaced.
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << "'" << from << "' is not in the file to be broken";
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+/// One mistake. "@" in an argument stands for the temporary directory.
+struct Mistake {
+  std::string name;
+  std::vector<std::string> args;
+  int status;
+  std::vector<std::string> said;  ///< parts of the one line
+  std::vector<std::pair<std::string, std::string>> files = {};
+};
+
+std::string mambo_with(const std::string& from, const std::string& to) {
+  return replaced(read_source("vehicles/mambo.toml"), from, to);
+}
+
+std::string hover_with(const std::string& from, const std::string& to) {
+  return replaced(read_source("designs/uquad-hover.toml"), from, to);
+}
+
+Mistake vehicle_mistake(const std::string& name, const std::string& from, const std::string& to,
+                        int status, const std::vector<std::string>& said) {
+  return {name, {"vehicle", "check", "@/v.toml"}, status, said, {{"v.toml", mambo_with(from, to)}}};
+}
+
+Mistake design_mistake(const std::string& name, const std::string& from, const std::string& to,
+                       int status, const std::vector<std::string>& said) {
+  return {name,
+          {"design", "@/d.toml", "-o", "@/out"},
+          status,
+          said,
+          {{"d.toml", hover_with(from, to)}}};
+}
+
+/// lqr on matrix files: good ones, but for those that the mistake replaces.
+Mistake matrix_mistake(const std::string& name, int status, const std::vector<std::string>& said,
+                       const std::vector<std::pair<std::string, std::string>>& bad,
+                       const std::vector<std::string>& extra = {}) {
+  std::vector<std::pair<std::string, std::string>> files = {
+      {"A", "0 1\n0 0\n"}, {"B", "0\n1\n"}, {"Q", "1 0\n0 1\n"}, {"R", "1\n"}};
+  for (const auto& [file, text] : bad)
+    for (auto& [good, content] : files)
+      if (good == file) content = text;
+  std::vector<std::string> args = {"lqr", "--A", "@/A", "--B", "@/B", "--Q", "@/Q", "--R", "@/R"};
+  args.insert(args.end(), extra.begin(), extra.end());
+  return {name, args, status, said, files};
+}
+
+std::string huge_matrix() {
+  std::string text;
+  text.reserve(17u << 20);
+  while (text.size() <= (16u << 20)) text += "1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16\n";
+  return text;
+}
+
+std::vector<Mistake> file_mistakes() {
+  return {
+      {"MissingFile", {"vehicle", "check", "@/none.toml"}, 5, {"none.toml", "No such file"}},
+      {"MissingMatrixFile", {"discretize", "--A", "@/none", "--B", "@/none", "--dt", "1"}, 5,
+       {"none", "No such file"}},
+      {"VehicleIsADirectory", {"vehicle", "check", "@"}, 5, {"directory"}},
+      {"EmptyVehicle", {"vehicle", "check", "@/v.toml"}, 3, {"v.toml"}, {{"v.toml", ""}}},
+      {"BinaryVehicle", {"vehicle", "check", "@/v.toml"}, 3, {"v.toml"},
+       {{"v.toml", std::string("\x7f" "ELF\0\1\2\3", 8)}}},
+      {"HugeVehicle", {"vehicle", "check", "@/v.toml"}, 3, {"v.toml", "1048576"},
+       {{"v.toml", std::string(2u << 20, '#')}}},
+      matrix_mistake("EmptyMatrix", 3, {"A", "no numbers"}, {{"A", "# nothing\n"}}),
+      matrix_mistake("HugeMatrix", 3, {"A", "16777216"}, {{"A", huge_matrix()}}),
+      {"OutputIsAFile", {"design", std::string(QUADTUNE_SOURCE_DIR) + "/designs/uquad-hover.toml", "-o", "@/taken"}, 5,
+       {"taken", "irectory"}, {{"taken", "a file\n"}}},
+      {"VerifyWithoutExport", {"verify", "@"}, 5, {"manifest.json"}},
+  };
+}
+
+std::vector<Mistake> vehicle_mistakes() {
+  return {
+      vehicle_mistake("UnknownKey", "mass_kg", "masss_kg", 3, {"v.toml:", "masss_kg", "did you mean 'mass_kg'"}),
+      vehicle_mistake("WrongUnit", "mass_kg", "mass_g", 3, {"v.toml:", "mass_g", "mass_kg"}),
+      vehicle_mistake("MissingKey", "mass_kg = 0.063", "", 3, {"v.toml:", "mass_kg"}),
+      vehicle_mistake("DuplicateKey", "mass_kg = 0.063", "mass_kg = 0.063\nmass_kg = 0.1", 3, {"v.toml:", "mass_kg"}),
+      vehicle_mistake("StringForNumber", "mass_kg = 0.063", "mass_kg = \"0.063\"", 3, {"v.toml:", "mass_kg", "string"}),
+      vehicle_mistake("NegativeMass", "mass_kg = 0.063", "mass_kg = -0.063", 3, {"v.toml:", "mass", "-0.063"}),
+      vehicle_mistake("NanMass", "mass_kg = 0.063", "mass_kg = nan", 3, {"v.toml:", "mass", "nan"}),
+      vehicle_mistake("DecimalComma", "mass_kg = 0.063", "mass_kg = 0,063", 3, {"v.toml:"}),
+      vehicle_mistake("InertiaNoBodyHas", "[5.82857e-5, 7.16914e-5, 1.0e-4]", "[1e-5, 1e-5, 9e-5]", 3, {"v.toml:", "inertia", "triangle"}),
+      vehicle_mistake("ZeroRotors", read_source("vehicles/mambo.toml").substr(read_source("vehicles/mambo.toml").find("# Arm of"), read_source("vehicles/mambo.toml").find("[motor]") - read_source("vehicles/mambo.toml").find("# Arm of")), "", 3, {"v.toml", "rotor"}),
+      {"CannotBalanceYaw", {"vehicle", "check", "@/v.toml"}, 3, {"v.toml", "yaw"},
+       {{"v.toml", [] {
+           std::string text = read_source("vehicles/mambo.toml");
+           for (std::size_t at; (at = text.find("\"ccw\"")) != std::string::npos;) text.replace(at, 5, "\"cw\"");
+           return text;
+         }()}}},
+      vehicle_mistake("CannotHover", "mass_kg = 0.063", "mass_kg = 6.3", 4, {"v.toml", "short"}),
+  };
+}
+
+std::vector<Mistake> matrix_mistakes() {
+  return {
+      matrix_mistake("NonSquareA", 3, {"A is 1x2"}, {{"A", "0 1\n"}}),
+      matrix_mistake("MismatchedB", 3, {"B is 3x1", "2"}, {{"B", "0\n1\n2\n"}}),
+      matrix_mistake("AsymmetricQ", 3, {"Q is not symmetric", "0.5"}, {{"Q", "1 0.5\n0 1\n"}}),
+      matrix_mistake("IndefiniteR", 3, {"R has eigenvalue -1"}, {{"R", "-1\n"}}),
+      matrix_mistake("MismatchedR", 3, {"R is 2x2", "1x1"}, {{"R", "1 0\n0 1\n"}}),
+      matrix_mistake("NanInA", 3, {"A:1", "nan"}, {{"A", "0 nan\n0 0\n"}}),
+      matrix_mistake("InfinityInQ", 3, {"Q:2", "inf"}, {{"Q", "1 0\n0 inf\n"}}),
+      matrix_mistake("NumberTooLarge", 3, {"B:1", "1e999"}, {{"B", "1e999\n1\n"}}),
+      matrix_mistake("RaggedMatrix", 3, {"A:2", "expected 2"}, {{"A", "0 1\n0 0 0\n"}}),
+      matrix_mistake("DecimalCommaInMatrix", 3, {"A:1", "decimal"}, {{"A", "0,5 1\n0 0\n"}}),
+      matrix_mistake("WordInMatrix", 3, {"A:1", "one"}, {{"A", "0 one\n0 0\n"}}),
+      matrix_mistake("NegativeSampleTime", 2, {"--sampled is -0.01"}, {}, {"--sampled", "-0.01"}),
+      matrix_mistake("ZeroSampleTime", 2, {"--sampled is 0"}, {}, {"--sampled", "0"}),
+      matrix_mistake("CannotBeSteered", 4, {"not stabilizable", "cannot be steered"}, {{"B", "1\n0\n"}}),
+      matrix_mistake("NotSeen", 4, {"not seen by Q"}, {{"Q", "0 0\n0 0\n"}}),
+  };
+}
+
+std::vector<Mistake> design_mistakes() {
+  return {
+      design_mistake("NegativeDesignSampleTime", "dt_s = 0.01", "dt_s = -0.01", 3, {"d.toml:", "dt_s", "-0.01"}),
+      design_mistake("UnknownState", "\"theta\"]", "\"thata\"]", 3, {"d.toml:", "thata", "theta"}),
+      design_mistake("UnknownVehicle", "vehicle = \"uquad\"", "vehicle = \"uqad\"", 3, {"d.toml:", "uqad", "uquad"}),
+      design_mistake("UnknownConvention", "convention = \"uquad\"", "convention = \"enu\"", 3, {"d.toml:", "enu", "ned"}),
+  };
+}
+
+std::vector<Mistake> command_line_mistakes() {
+  return {
+      {"UnknownVerb", {"synthesise"}, 2, {"quadtune: no command 'synthesise'", "did you mean 'lqr'?"}},
+      {"MisspelledVerb", {"lineariz", "uquad"}, 2, {"did you mean 'linearize'?"}},
+      {"UnknownOption", {"linearize", "uquad", "--conventoin", "uquad"}, 2, {"--conventoin", "did you mean '--convention'?"}},
+      {"SurplusArgument", {"linearize", "uquad", "mambo"}, 2, {"unexpected argument 'mambo'"}},
+      {"MissingVehicle", {"linearize"}, 2, {"expected a vehicle"}},
+      {"UnknownBuiltIn", {"vehicle", "show", "manbo"}, 3, {"manbo", "mambo"}},
+      {"WordForNumber", {"linearize", "uquad", "--yaw", "north"}, 2, {"--yaw", "north"}},
+      {"UnknownFlight", {"linearize", "uquad", "--at", "loop"}, 3, {"--at", "loop", "hover"}},
+      {"UnknownStateInList", {"linearize", "uquad", "--states", "px,altitude"}, 3, {"altitude", "px"}},
+      {"WrongNumberOfWeights", {"lqr", "uquad", "--Q", "1,2,3"}, 2, {"--Q has 3 entries, expected 12"}},
+      {"NegativeWeight", {"lqr", "uquad", "--Q", "-1"}, 2, {"--Q", "-1", "weights"}},
+      {"TooFast", {"linearize", "mambo", "--at", "circle", "--speed", "50", "--radius", "1"}, 4, {"mambo"}},
+      {"ZeroRadius", {"linearize", "mambo", "--at", "circle", "--speed", "1", "--radius", "0"}, 3, {"radius"}},
+      {"UnknownMethod", {"discretize", "--A", "@/A", "--B", "@/A", "--dt", "1", "--method", "tustn"}, 3, {"--method", "tustn", "tustin"}, {{"A", "1\n"}}},
+      {"TustinPole", {"discretize", "--A", "@/A", "--B", "@/B", "--dt", "1", "--method", "tustin"}, 3, {"pole", "2"}, {{"A", "2\n"}, {"B", "1\n"}}},
+      {"VehicleAndMatrices", {"lqr", "uquad", "--A", "@/A"}, 2, {"one or the other"}},
+  };
+}
+
+class BadInput : public ::testing::TestWithParam<Mistake> {};
+
+TEST_P(BadInput, GetsOneLineAndTheDocumentedStatus) {
+  const Mistake& mistake = GetParam();
+  const TemporaryDirectory folder;
+  for (const auto& [name, text] : mistake.files) folder.write(name, text);
+  std::vector<std::string> args = mistake.args;
+  for (std::string& arg : args)
+    if (!arg.empty() && arg[0] == '@') arg.replace(0, 1, folder.path().string());
+
+  const ProgramResult text = run_program(args);
+  EXPECT_EQ(text.status, mistake.status) << text.err;
+  EXPECT_EQ(std::count(text.err.begin(), text.err.end(), '\n'), 1) << text.err;
+  for (const std::string& part : mistake.said) EXPECT_THAT(text.err, HasSubstr(part));
+  EXPECT_EQ(text.out, "");
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
+
+  args.push_back("--json");
+  const ProgramResult json = run_program(args);
+  EXPECT_EQ(json.status, mistake.status);
+  const nlohmann::json error = nlohmann::json::parse(json.out).at("error");
+  EXPECT_EQ(error.at("code"), mistake.status);
+  EXPECT_EQ(error.at("message").get<std::string>() + "\n", text.err);
+  EXPECT_TRUE(error.contains("where"));
+}
+
+std::string name_of(const ::testing::TestParamInfo<Mistake>& info) { return info.param.name; }
+
+INSTANTIATE_TEST_SUITE_P(Files, BadInput, ::testing::ValuesIn(file_mistakes()), name_of);
+INSTANTIATE_TEST_SUITE_P(Vehicles, BadInput, ::testing::ValuesIn(vehicle_mistakes()), name_of);
+INSTANTIATE_TEST_SUITE_P(Matrices, BadInput, ::testing::ValuesIn(matrix_mistakes()), name_of);
+INSTANTIATE_TEST_SUITE_P(Designs, BadInput, ::testing::ValuesIn(design_mistakes()), name_of);
+INSTANTIATE_TEST_SUITE_P(CommandLine, BadInput, ::testing::ValuesIn(command_line_mistakes()),
+                         name_of);
+
+}  // namespace
+}  // namespace quadtune

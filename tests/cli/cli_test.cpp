@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The program as a user runs it: results, JSON keys, help.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "hover_model.hpp"
+#include "matrix_near.hpp"
+#include "program.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/version.hpp"
+#include "run_program.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+using testing::MatrixNear;
+using testing::MatrixRelativelyNear;
+using testing::ProgramResult;
+using testing::run_program;
+using testing::TemporaryDirectory;
+using ::testing::HasSubstr;
+
+const std::string kSource = QUADTUNE_SOURCE_DIR;
+
+/// Runs with --json and parses what came.
+internal::Json json_of(std::vector<std::string> args) {
+  args.push_back("--json");
+  const ProgramResult result = run_program(args);
+  EXPECT_EQ(result.status, 0) << result.err;
+  return internal::Json::parse(result.out);
+}
+
+Eigen::MatrixXd matrix(const internal::Json& json, const char* key) {
+  return internal::matrix_from_json(json.at(key), key);
+}
+
+/// Examples run as printed from the project's root; what they write goes to a temporary directory.
+class Examples : public ::testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::current_path(kSource); }
+
+  std::vector<std::string> arguments(const std::string& example) const {
+    std::istringstream words(example);
+    std::vector<std::string> args;
+    for (std::string word; words >> word;)
+      args.push_back(word.starts_with("out/") ? (folder_.path() / word.substr(4)).string() : word);
+    args.erase(args.begin());  // "quadtune"
+    return args;
+  }
+
+  TemporaryDirectory folder_;
+};
+
+TEST_F(Examples, OfTheHelpPagesWorkAsPrinted) {
+  for (const cli::Verb& verb : cli::verbs()) {  // design comes first and writes what others read
+    const ProgramResult result = run_program(arguments(verb.example));
+    EXPECT_EQ(result.status, 0) << verb.example << "\n" << result.err;
+    EXPECT_NE(result.out, "") << verb.example;
+    EXPECT_THAT(verb.example, ::testing::StartsWith("quadtune " + verb.name));
+  }
+}
+
+TEST_F(Examples, PrintJsonToo) {
+  for (const cli::Verb& verb : cli::verbs()) {
+    if (verb.name == "help") continue;
+    std::vector<std::string> args = arguments(verb.example);
+    args.push_back("--json");
+    const ProgramResult result = run_program(args);
+    EXPECT_EQ(result.status, 0) << verb.example << "\n" << result.err;
+    EXPECT_TRUE(nlohmann::json::parse(result.out).is_object()) << verb.example;
+  }
+}
+
+TEST(Help, ListsEveryVerbAndEveryOption) {
+  const std::string overview = run_program({"help"}).out;
+  const std::string man = run_program({"help", "--man"}).out;
+  const std::string completion = run_program({"help", "--completion"}).out;
+  for (const cli::Verb& verb : cli::verbs()) {
+    EXPECT_THAT(overview, HasSubstr(verb.name));
+    EXPECT_THAT(man, HasSubstr(".SS " + verb.name));
+    EXPECT_THAT(completion, HasSubstr(verb.name + ") words=\""));
+    EXPECT_THAT(run_program({"help", verb.name}).out, HasSubstr(verb.example));
+    EXPECT_EQ(run_program({verb.name, "--help"}).out, run_program({"help", verb.name}).out);
+  }
+  EXPECT_THAT(man, HasSubstr("\\-\\-convention"));
+  EXPECT_EQ(run_program({"--version"}).out, std::string("quadtune ") + kVersion + "\n");
+}
+
+TEST(Linearize, GivesThePublicHoverModelOfTheUquad) {
+  const internal::Json json = json_of({"linearize", "uquad", "--at", "hover", "--convention", "uquad",
+                                       "--inputs", "rotor-speed"});
+  const ContinuousLti reference = testing::uquad_hover();
+  EXPECT_THAT(matrix(json, "A"), MatrixNear(reference.A, 1e-12));
+  EXPECT_THAT(matrix(json, "B"), MatrixRelativelyNear(reference.B, 1e-12));
+  EXPECT_NEAR(json["trim"]["u"][0].get<double>(), 316.103650939028, 1e-9);
+  EXPECT_LE(json["trim"]["residual"].get<double>(), 1e-10);
+  EXPECT_EQ(json["states"][3]["name"], "psi");
+  EXPECT_EQ(json["inputs"][0]["unit"], "rad/s");
+}
+
+TEST(Lqr, OfMatricesGivesKeysOfTheContract) {
+  const std::string examples = kSource + "/docs/examples/";
+  const internal::Json json = json_of({"lqr", "--A", examples + "A.txt", "--B", examples + "B.txt",
+                                       "--Q", examples + "Q.txt", "--R", examples + "R.txt"});
+  for (const char* key : {"status", "K", "S", "poles", "residual", "rcond", "iterations", "culprit"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  EXPECT_THAT(matrix(json, "S"), MatrixNear((Eigen::Matrix2d() << 2, 1, 1, 2).finished(), 1e-13));
+}
+
+TEST(Lqr, ReadsStandardInput) {
+  const std::string examples = kSource + "/docs/examples/";
+  const ProgramResult result =
+      run_program({"lqr", "--A", examples + "A.txt", "--B", examples + "B.txt", "--Q",
+                   examples + "Q.txt", "--R", "-", "--json"},
+                  "1\n");
+  EXPECT_EQ(result.status, 0) << result.err;
+}
+
+// The converged row of docs/uquad-gains.md, through the program.
+TEST(Lqr, OfTheUquadMatchesTheConvergedRow) {
+  const internal::Json json =
+      json_of({"lqr", "uquad", "--convention", "uquad", "--Q", "1,1,1,1e3,1e3,1e3,1,1,1,1,1,1",
+               "--R", "0.01", "--method", "discrete", "--dt", "0.01"});
+  Eigen::RowVectorXd row(12);
+  row << -6.4229039009, 0, 4.9784193008, 0, -224.5832238898, -152.0766955622, -18.3121970818, 0,
+      13.3890015616, 0, -26.0617723279, -40.4123483715;
+  EXPECT_THAT(matrix(json, "K").row(0), MatrixNear(row, 1e-9));
+}
+
+TEST(Kalman, SampledKeepsTheMeaningOfDensities) {
+  const std::string examples = kSource + "/docs/examples/";
+  const auto gain = [&](const char* dt) {
+    return matrix(json_of({"kalman", "--A", examples + "A.txt", "--C", examples + "C.txt", "--Q",
+                           examples + "Q.txt", "--R", examples + "R.txt", "--sampled", dt}),
+                  "L") /
+           std::stod(dt);
+  };
+  EXPECT_THAT(gain("0.001"), MatrixRelativelyNear(gain("0.0005"), 2e-3));
+}
+
+TEST(Discretize, TustinOfTheDoubleIntegrator) {
+  const std::string examples = kSource + "/docs/examples/";
+  const internal::Json json = json_of({"discretize", "--A", examples + "A.txt", "--B",
+                                       examples + "B.txt", "--dt", "0.1", "--method", "tustin"});
+  EXPECT_THAT(matrix(json, "A"), MatrixNear((Eigen::Matrix2d() << 1, 0.1, 0, 1).finished(), 1e-15));
+  EXPECT_EQ(json["method"], "tustin");
+}
+
+TEST(Vehicle, ShowsDerivedHoverSpeed) {
+  const internal::Json json = json_of({"vehicle", "show", "uquad"});
+  EXPECT_NEAR(json["derived"]["hover_speed_rad_s"].get<double>(), 316.103650939028, 1e-9);
+  EXPECT_EQ(json_of({"vehicle", "list"})["vehicles"].size(), 4u);
+}
+
+class DesignTest : public ::testing::Test {
+ protected:
+  ProgramResult design(const std::string& name, const std::string& to) {
+    return run_program({"design", kSource + "/designs/" + name, "-o", (folder_.path() / to).string()});
+  }
+  TemporaryDirectory folder_;
+};
+
+TEST_F(DesignTest, GivesTheSameBytesTwice) {
+  for (const std::string name : {"uquad-hover.toml", "mambo-hover.toml"}) {
+    ASSERT_EQ(design(name, "a").status, 0);
+    ASSERT_EQ(design(name, "b").status, 0);
+    int files = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path() / "a")) {
+      const std::string file = entry.path().filename().string();
+      EXPECT_EQ(folder_.read("a/" + file), folder_.read("b/" + file)) << file;
+      ++files;
+    }
+    EXPECT_GE(files, 4);
+  }
+}
+
+TEST_F(DesignTest, WritesWhatVerifies) {
+  for (const auto& [name, file] : {std::pair{"uquad-hover.toml", "K_prop_full.txt"},
+                                   std::pair{"mambo-hover.toml", "controllerVars.m"}}) {
+    const ProgramResult result = design(name, "out");
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_TRUE(std::filesystem::exists(folder_.path() / "out" / file));
+    EXPECT_EQ(run_program({"verify", (folder_.path() / "out").string()}).status, 0);
+  }
+}
+
+// A flipped sign flies into the ground: the file's hash and the closed loop both tell.
+TEST_F(DesignTest, VerifyAnswersNoToATamperedFile) {
+  ASSERT_EQ(design("uquad-hover.toml", "out").status, 0);
+  std::string text = folder_.read("out/K_prop_full.txt");
+  for (char& c : text) c = c == '-' ? ' ' : c;
+  folder_.write("out/K_prop_full.txt", text);
+  const ProgramResult result = run_program({"verify", (folder_.path() / "out").string(), "--json"});
+  EXPECT_EQ(result.status, 1);
+  EXPECT_EQ(nlohmann::json::parse(result.out)["verdict"], "fail");
+}
+
+TEST_F(DesignTest, ExportsToJsonAndDiffsAsEqual) {
+  ASSERT_EQ(design("uquad-hover.toml", "a").status, 0);
+  const std::string a = (folder_.path() / "a").string();
+  const std::string b = (folder_.path() / "b").string();
+  ASSERT_EQ(run_program({"export", a, "--to", "json", "-o", b}).status, 0);
+  EXPECT_EQ(json_of({"diff", a, b})["max_relative"], 0);
+}
+
+}  // namespace
+}  // namespace quadtune

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/exports/convert.hpp"
+
+#include <gmock/gmock.h>
+
+#include "export_models.hpp"
+#include "matrix_near.hpp"
+#include "quadtune/errors.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::hover_gains;
+using testing::MatrixNear;
+using testing::sampled_mambo;
+using testing::sampled_uquad;
+using ::testing::ThrowsMessage;
+
+Gains uquad_gains() {
+  return hover_gains(sampled_uquad(), "uquad", InputKind::rotor_speed, 0.01,
+                     {"x", "y", "z", "theta"});
+}
+
+// 1 m too far north: the rotors must do the same whatever the axes are called.
+TEST(InConvention, CommandsTheSameMotorsInTheSameFlight) {
+  const Gains uquad = uquad_gains();
+  const Gains ned = in_convention(uquad, ned_convention());
+  EXPECT_EQ(names(ned.states), "px py pz roll pitch yaw u v w p q r");
+  EXPECT_EQ(names(ned.integrals), "px py pz yaw");
+  Eigen::VectorXd x_ned(12);
+  x_ned << 1, 2, -3, 0.1, 0.2, 0.3, 4, 5, 6, 7, 8, 9;
+  const Eigen::VectorXd x_uquad = convention("uquad", "test").from_ned * x_ned;
+  EXPECT_THAT(ned.K * x_ned, MatrixNear(uquad.K * x_uquad, 1e-10));
+}
+
+TEST(InConvention, TurnsAWrenchAndComesBack) {
+  Gains mambo = hover_gains(sampled_mambo(), "mambo", InputKind::wrench, 1, {"pz", "psi"});
+  mambo.u0 << 0.618, 0.1, 0.2, 0.3;
+  mambo.x0.setLinSpaced(1, 12);
+  const Gains uquad = in_convention(mambo, convention("uquad", "test"));
+  EXPECT_THAT(uquad.u0, MatrixNear(Eigen::Vector4d(0.618, 0.1, -0.2, -0.3), 0));
+  const Gains back = in_convention(uquad, convention("mambo", "test"));
+  EXPECT_THAT(back.K, MatrixNear(mambo.K, 0));
+  EXPECT_THAT(back.K_int(Eigen::all, {1, 0}), MatrixNear(mambo.K_int, 0));  // the states' order
+  EXPECT_EQ(names(back.integrals), "psi pz");
+  EXPECT_THAT(back.x0, MatrixNear(mambo.x0, 0));
+}
+
+TEST(InConvention, NegatesTheGainForTheOtherSignLaw) {
+  const Gains gains = uquad_gains();
+  const Gains other =
+      in_convention(gains, convention("uquad", "test"), SignLaw::state_minus_set_point);
+  EXPECT_THAT(other.K, MatrixNear(-gains.K, 0));
+  EXPECT_THAT(other.K_int, MatrixNear(-gains.K_int, 0));
+}
+
+TEST(InConvention, RefusesAStateThatTheConventionDoesNotHave) {
+  Gains gains = uquad_gains();
+  gains.states[2].name = "altitude";
+  EXPECT_THAT([&] { (void)in_convention(gains, ned_convention()); },
+              ThrowsMessage<InvalidInput>(HasSubstr("no state 'altitude' in convention uquad")));
+}
+
+}  // namespace
+}  // namespace quadtune

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/exports/diff.hpp"
+
+#include <gmock/gmock.h>
+
+#include "export_models.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/convert.hpp"
+#include "quadtune/exports/uquad.hpp"
+#include "shared_data.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::hover_gains;
+using testing::sampled_uquad;
+using ::testing::ThrowsMessage;
+using testing::without_horizontal_position;
+
+Gains uquad_gains(double R = 0.01) {
+  return hover_gains(sampled_uquad(), "uquad", InputKind::rotor_speed, R, {"x", "y", "z", "theta"});
+}
+
+TEST(Diff, FindsNothingBetweenConventionsAndSignLaws) {
+  const Gains a = uquad_gains();
+  EXPECT_TRUE(diff(a, a).entries.empty());
+  const Gains b = in_convention(a, convention("mambo", "test"), SignLaw::state_minus_set_point);
+  EXPECT_EQ(diff(a, b).max_relative, 0);
+  EXPECT_EQ(diff(b, a).max_relative, 0);
+}
+
+TEST(Diff, NamesTheLargestDifferenceFirst) {
+  const Gains a = uquad_gains();
+  Gains b = in_convention(a, ned_convention());
+  b.K(1, 1) *= 1.5;       // py of w2, which is -y there
+  b.K_int(0, 2) += 1e-3;  // pz of w1
+  const GainsDiff difference = diff(a, b);
+  ASSERT_EQ(difference.entries.size(), 2U);
+  const DiffEntry& first = difference.entries[0];
+  EXPECT_EQ(first.matrix + " " + first.input + " " + first.state, "K w2 y");
+  EXPECT_DOUBLE_EQ(first.a, a.K(1, 1));
+  EXPECT_DOUBLE_EQ(first.b, 1.5 * a.K(1, 1));
+  const DiffEntry& second = difference.entries[1];
+  EXPECT_EQ(second.matrix + " " + second.input + " " + second.state, "K_int w1 z");
+  EXPECT_NEAR(second.difference, -1e-3, 1e-15);
+  EXPECT_EQ(difference.max_relative, first.relative);
+}
+
+// w1 does nothing for y: 1e-16 there is rounding, not a difference of 100 %.
+TEST(Diff, MeasuresRoundingAgainstTheRowAndColumn) {
+  Gains a = uquad_gains();
+  a.K(0, 1) = 0;
+  Gains b = a;
+  b.K(0, 1) = 1e-16;
+  EXPECT_LT(diff(a, b).max_relative, 1e-16);
+  b = a;
+  b.K(0, 0) *= 1.01;
+  EXPECT_NEAR(diff(a, b).max_relative, 0.01 / 1.01, 1e-6);  // against its own column
+}
+
+TEST(Diff, RefusesWhatCannotBeCompared) {
+  const auto refusal = [](const Gains& a, const Gains& b, const std::string& message) {
+    EXPECT_THAT([&] { (void)diff(a, b); }, ThrowsMessage<InvalidInput>(HasSubstr(message)));
+  };
+  const Gains a = uquad_gains();
+  const Gains fewer = hover_gains(without_horizontal_position(sampled_uquad()), "uquad",
+                                  InputKind::rotor_speed, 0.01, {"z", "theta"});
+  refusal(a, fewer, "different states (only in the first: x y vqx vqy; only in the second: )");
+  Gains other = a;
+  other.input_kind = InputKind::rotor_thrust;
+  refusal(a, other, "the first gain commands rotor-speed, the second rotor-thrust");
+  other = a;
+  other.inputs[1].unit = "rpm";
+  refusal(a, other, "w2 is in 'rad/s' in the first and in 'rpm' in the second");
+  other = a;
+  other.integrals.clear();
+  other.K_int.resize(4, 0);
+  refusal(a, other, "different integrals (only in the first: x y z theta");
+}
+
+// The published recursion stopped early: docs/uquad-gains.md.
+TEST(Diff, MeasuresThePublishedGainsAgainstConvergedOnes) {
+  QUADTUNE_REQUIRE_DATA(path);
+  const GainsDiff difference =
+      diff(read_uquad_gains(path / "uquad" / "K_full.txt"),
+           hover_gains(sampled_uquad(), "uquad", InputKind::rotor_speed, 0.01));
+  EXPECT_GT(difference.max_relative, 1e-5);
+  EXPECT_LT(difference.max_relative, 1e-3);
+}
+
+}  // namespace
+}  // namespace quadtune

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/exports/mambo.hpp"
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+#include "export_models.hpp"
+#include "matrix_near.hpp"
+#include "quadtune/errors.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::hover_gains;
+using testing::mambo_content;
+using testing::MatrixNear;
+using testing::sampled_mambo;
+using ::testing::ThrowsMessage;
+
+std::string text_of(const ExportContent& content, const std::string& name) {
+  for (const FileContent& file : mambo_files(content))
+    if (file.name == name) return file.bytes;
+  return "";
+}
+
+void expect_refusal(const ExportContent& content, const std::string& message) {
+  EXPECT_THAT([&] { (void)mambo_files(content); }, ThrowsMessage<InvalidInput>(HasSubstr(message)));
+}
+
+TEST(Mambo, WritesTheThreeFiles) {
+  std::vector<std::string> names;
+  for (const FileContent& file : mambo_files(mambo_content())) names.push_back(file.name);
+  EXPECT_THAT(names, ElementsAre("vehicleVars.m", "controllerVars.m", "estimatorVars.m"));
+}
+
+TEST(Mambo, StateFeedbackReadsBack) {
+  const ExportContent content = mambo_content();
+  const Gains read =
+      parse_controller_vars(text_of(content, "controllerVars.m"), "controllerVars.m");
+  EXPECT_THAT(read.K, MatrixNear(content.gains->K, 0));
+  EXPECT_THAT(read.K_int, MatrixNear(content.gains->K_int, 0));
+  EXPECT_THAT(read.u0, MatrixNear(content.gains->u0, 0));
+  EXPECT_EQ(read.states, content.gains->states);
+  EXPECT_EQ(read.inputs, content.gains->inputs);
+  EXPECT_EQ(read.integrals, content.gains->integrals);
+  EXPECT_EQ(read.dt, 0.005);
+  EXPECT_EQ(read.sign_law, SignLaw::set_point_minus_state);
+}
+
+// What a name says must not become code that the model project runs.
+TEST(Mambo, KeepsNamesInsideTheirComment) {
+  ExportContent content = mambo_content();
+  content.vehicle.name = "mambo\nsystem('reboot')";
+  EXPECT_THAT(text_of(content, "vehicleVars.m"), HasSubstr("% vehicleVars.m: mambo system("));
+  content.cascade->gains.loops[0].name = "x = 1; y";
+  expect_refusal(content, "loop 'x = 1; y' came, expected a name");
+}
+
+TEST(Mambo, WritesAnEmptyMatrixForWhatIsNotKnown) {
+  ExportContent content = mambo_content();
+  content.vehicle.airframe_height = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(text_of(content, "vehicleVars.m"),
+              HasSubstr("Vehicle.Airframe.h = [];  % not known\n"));
+}
+
+TEST(Mambo, RefusesAVehicleThatTheModelProjectCannotExpress) {
+  ExportContent content = mambo_content();
+  content.vehicle.rotors.pop_back();
+  expect_refusal(content, "mambo: the vehicle has 3 rotors, expected 4");
+  content = mambo_content();
+  std::swap(content.vehicle.rotors[0].position, content.vehicle.rotors[1].position);
+  expect_refusal(content, "rotor 1 is at (");
+  content = mambo_content();
+  content.vehicle.rotors[1].spin = Spin::clockwise;
+  expect_refusal(content, "rotor 2 turns the other way");
+  content = mambo_content();
+  content.vehicle.rotors[2].thrust_a1 = 1e-5;
+  expect_refusal(content, "rotor 3 has thrust ");
+  content = mambo_content();
+  content.vehicle.rotors[0].Ct = std::numeric_limits<double>::quiet_NaN();
+  expect_refusal(content, "rotor 1 has no Ct, Cq and radius");
+  content = mambo_content();
+  content.vehicle.motor.law = CommandLaw::speed;
+  expect_refusal(content, "the motors are commanded in speed");
+  content = mambo_content();
+  content.vehicle.drag.cda.x() = 0.001;
+  content.vehicle.airframe_diameter = std::numeric_limits<double>::quiet_NaN();
+  expect_refusal(content, "drag.cda is 0.001 m^2 without an airframe diameter");
+}
+
+TEST(Mambo, RefusesOtherGainsAndFilters) {
+  ExportContent content = mambo_content();
+  content.gains->convention = "ned";
+  expect_refusal(content, "the gain is in convention 'ned' with inputs wrench, expected 'mambo'");
+  content = mambo_content();
+  content.filters[0].name = "yaw";
+  expect_refusal(content, "filter 'yaw' came, expected 'altitude' or 'velocity'");
+  content = mambo_content();
+  content.filters[0].M(1, 0) = std::numeric_limits<double>::infinity();
+  expect_refusal(content, "Estimator.alt.kf.M has inf at (2,1), expected finite numbers");
+}
+
+TEST(MNumbers, ReadsPlainNumbersAndPassesOverExpressions) {
+  const std::vector<NamedMatrix> numbers = parse_m_numbers(
+      "% about\n\na = 1.5;  % m\nb.c = [1, -2];\nd = 2*a;\nK = [\n  1, 2\n  3, 4\n];  % K\n",
+      "x.m");
+  ASSERT_EQ(numbers.size(), 3U);
+  EXPECT_EQ(numbers[0].name, "a");
+  EXPECT_THAT(numbers[1].value, MatrixNear(Eigen::RowVector2d(1, -2), 0));
+  EXPECT_EQ(numbers[2].name, "K");
+  EXPECT_THAT(numbers[2].value, MatrixNear(Eigen::Matrix2d{{1, 2}, {3, 4}}, 0));
+}
+
+TEST(MNumbers, RefusesWhatCannotBeChecked) {
+  const auto refusal = [](const std::string& text, const std::string& message) {
+    EXPECT_THAT([&] { (void)parse_m_numbers(text, "x.m"); },
+                ThrowsMessage<InvalidInput>(HasSubstr(message)))
+        << text;
+  };
+  refusal("a = 1;\na = 2;\n", "x.m:2: a is given twice");
+  refusal("a = 1;\na(2) = 2;\n", "x.m:2: 'a(2) = 2;' came, expected 'Name = value;'");
+  refusal("a = 1; b = 2;\n", "expected one value and a semicolon");
+  refusal("K = [\n  1, 2\n  3\n];\n", "x.m:3: has 1 numbers, expected 2");
+  refusal("K = [\n  1, 2\n  3, nan\n];\n", "K has an entry that is not finite");
+  refusal("K = [\n  1, 2\n  3, x\n];\n", "x.m:3: '3, x' is no row of numbers");
+  refusal("K = [\n  1, 2\n", "x.m: ends within a matrix");
+}
+
+}  // namespace
+}  // namespace quadtune

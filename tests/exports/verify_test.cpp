@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/exports/verify.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <functional>
+#include <regex>
+
+#include "export_models.hpp"
+#include "matrix_near.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/export.hpp"
+#include "quadtune/exports/uquad.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsSupersetOf;
+using testing::mambo_content;
+using testing::sampled_mambo;
+using testing::sampled_uquad;
+using testing::TemporaryDirectory;
+using ::testing::ThrowsMessage;
+using testing::uquad_content;
+
+std::vector<std::string> failed(const VerifyReport& report) {
+  std::vector<std::string> names;
+  for (const VerifyCheck& check : report.checks)
+    if (!check.ok) names.push_back(check.name);
+  return names;
+}
+
+std::string all_details(const VerifyReport& report) {
+  std::string text;
+  for (const VerifyCheck& check : report.checks)
+    text += fmt::format("{} {}: {}\n", check.ok ? "ok  " : "FAIL", check.name, check.detail);
+  return text;
+}
+
+// How far a forger goes: changes the file; mends its hash; mends the manifest's gains as well.
+enum class Forgery { file, hash, gains };
+
+// Changes a file of a written export, and the manifest as far as asked.
+void forge(const TemporaryDirectory& directory, const std::string& name, Forgery forgery,
+           const std::function<std::string(std::string)>& change) {
+  const std::string before = directory.read(name);
+  const std::string bytes = change(before);
+  ASSERT_NE(bytes, before);
+  directory.write(name, bytes);
+  if (forgery == Forgery::file) return;
+  Manifest manifest = read_manifest(directory.path());
+  for (ManifestFile& file : manifest.files)
+    if (file.path == name) file = {name, sha256(bytes), bytes.size()};
+  if (forgery == Forgery::gains) {
+    const Gains read = read_uquad_gains(directory.path());
+    manifest.gains->K = read.K;
+    manifest.gains->K_int = read.K_int;
+  }
+  directory.write(kManifestName, manifest_text(manifest));
+}
+
+std::string with_matrix(const std::string& text, Eigen::Index cols,
+                        const std::function<Eigen::MatrixXd(Eigen::MatrixXd)>& change) {
+  return uquad_matrix_text(change(parse_uquad_matrix(text, 4, cols, "K")), "K");
+}
+
+struct Mutation {
+  std::string name;
+  std::string file;
+  std::function<std::string(std::string)> change;
+  bool readable;  // still a matrix of the right shape
+};
+
+const std::vector<Mutation>& mutations() {
+  using M = Eigen::MatrixXd;
+  static const std::string K = "K_prop_full.txt";
+  static const std::string K_int = "K_int_full.txt";
+  static const std::regex third_number(R"(^(\s*\S+\s+\S+\s+)(\S+))");
+  static const auto replace_third = [](const std::string& with) {
+    return [with](const std::string& text) {
+      return std::regex_replace(text, third_number, "$1 " + with,
+                                std::regex_constants::format_first_only);
+    };
+  };
+  static const std::vector<Mutation> all = {
+      {"transposed", K,
+       [](const std::string& t) {
+         return uquad_matrix_text(parse_uquad_matrix(t, 4, 12, "K").transpose(), "K");
+       },
+       false},
+      {"transposed integral", K_int,
+       [](const std::string& t) {
+         return with_matrix(t, 4, [](const M& k) -> M { return k.transpose(); });
+       },
+       true},
+      {"swapped x and y", K,
+       [](const std::string& t) {
+         return with_matrix(t, 12, [](M k) -> M { return k.col(0).swap(k.col(1)), k; });
+       },
+       true},
+      {"swapped phi and theta", K,
+       [](const std::string& t) {
+         return with_matrix(t, 12, [](M k) -> M { return k.col(4).swap(k.col(5)), k; });
+       },
+       true},
+      {"swapped z and theta integrals", K_int,
+       [](const std::string& t) {
+         return with_matrix(t, 4, [](M k) -> M { return k.col(2).swap(k.col(3)), k; });
+       },
+       true},
+      {"all signs flipped", K,
+       [](const std::string& t) { return with_matrix(t, 12, [](const M& k) -> M { return -k; }); },
+       true},
+      {"one sign flipped", K,
+       [](const std::string& t) {
+         return with_matrix(t, 12, [](M k) -> M { return k(1, 3) *= -1, k; });
+       },
+       true},
+      {"integral's sign flipped", K_int,
+       [](const std::string& t) { return with_matrix(t, 4, [](const M& k) -> M { return -k; }); },
+       true},
+      {"truncated", K, [](const std::string& t) { return t.substr(0, t.size() - 24); }, false},
+      {"truncated within a number", K,
+       [](const std::string& t) { return t.substr(0, t.size() - 4); }, false},
+      {"a number appended", K, [](const std::string& t) { return t + " 1.0\n"; }, false},
+      {"a number appended to a row", K, replace_third("$2 1.0"), false},
+      {"nan", K, replace_third("nan"), false},
+      {"infinity", K, replace_third("inf"), false},
+      {"decimal comma", K, replace_third("4,98"), false},
+      {"a digit lost", K, replace_third("1.5e0"), true},
+      {"a word", K, replace_third("x"), false},
+      {"empty", K, [](const std::string&) { return std::string(); }, false},
+  };
+  return all;
+}
+
+TEST(Verify, SaysYesToWhatWasWritten) {
+  const TemporaryDirectory directory;
+  write_export(directory.path() / "uquad", ExportKind::uquad, uquad_content());
+  const VerifyReport uquad = verify_export(directory.path() / "uquad", sampled_uquad());
+  EXPECT_TRUE(uquad.ok()) << all_details(uquad);
+  EXPECT_LT(uquad.poles.cwiseAbs().maxCoeff(), 1);
+  for (const ExportKind kind : {ExportKind::mambo, ExportKind::json}) {
+    write_export(directory.path() / to_string(kind), kind, mambo_content());
+    const VerifyReport report = verify_export(directory.path() / to_string(kind), sampled_mambo());
+    EXPECT_TRUE(report.ok()) << all_details(report);
+  }
+}
+
+TEST(Verify, NoticesEveryMutationHoweverItIsCoveredUp) {
+  for (const Mutation& mutation : mutations())
+    for (const Forgery forgery : {Forgery::file, Forgery::hash, Forgery::gains}) {
+      if (forgery == Forgery::gains && !mutation.readable) continue;
+      const TemporaryDirectory directory;
+      write_export(directory.path(), ExportKind::uquad, uquad_content());
+      forge(directory, mutation.file, forgery, mutation.change);
+      const VerifyReport report = verify_export(directory.path(), sampled_uquad());
+      EXPECT_FALSE(report.ok()) << mutation.name << "\n" << all_details(report);
+      const std::string expected =
+          forgery == Forgery::file   ? mutation.file + " matches the manifest"
+          : !mutation.readable       ? "files read as the flight program reads them"
+          : forgery == Forgery::hash ? "gains are those of the manifest"
+                                     : "poles are those of the manifest";
+      EXPECT_THAT(failed(report), Contains(expected)) << mutation.name << "\n"
+                                                      << all_details(report);
+      if (!mutation.readable) {
+        EXPECT_THAT(failed(report), Contains("closed loop is stable")) << mutation.name;
+      }
+    }
+}
+
+// Without any manifest the flight program's own reading and the vehicle still tell the worst.
+TEST(Verify, SeesAWrongSignByTheVehicleAlone) {
+  const TemporaryDirectory directory;
+  ExportContent content = uquad_content();
+  content.gains->K = -content.gains->K;
+  write_files(directory.path(), uquad_files(*content.gains, {}, {}));
+  const VerifyReport report = verify_export(directory.path(), sampled_uquad());
+  EXPECT_THAT(failed(report), IsSupersetOf({"manifest", "closed loop is stable"}));
+}
+
+TEST(Verify, NoticesMissingAndForeignFiles) {
+  const TemporaryDirectory directory;
+  write_export(directory.path(), ExportKind::uquad, uquad_content());
+  directory.write("K_full.txt", "1 2 3\n");
+  EXPECT_THAT(failed(verify_export(directory.path(), sampled_uquad())),
+              ElementsAre("no other gain files"));
+  std::filesystem::remove(directory.path() / "K_full.txt");
+  std::filesystem::remove(directory.path() / "lqr-R.txt");
+  EXPECT_THAT(failed(verify_export(directory.path(), sampled_uquad())),
+              Contains("lqr-R.txt matches the manifest"));
+  directory.write(kManifestName, "{");
+  EXPECT_THAT(failed(verify_export(directory.path(), sampled_uquad())), Contains("manifest"));
+}
+
+TEST(Verify, NoticesChangedNumbersInParameterFiles) {
+  const std::vector<std::pair<std::string, std::string>> changes = {
+      {"Controller.takeoffGain = 0.45", "Controller.takeoffGain = 4.5"},
+      {"Controller.takeoffGain = 0.45", "Controller.takeoffGain = 0,45"},
+      {"Controller.takeoffGain = 0.45", "Controller.takeoffGain = nan"},
+      {"Controller.Cascade.roll.Kp = 0.01", "Controller.Cascade.roll.Kp = -0.01"},
+      {"Controller.Q2Ts = inv(Controller.Ts2Q)", "Controller.Q2Ts = [1, 2]"},
+  };
+  for (const auto& [from, to] : changes)
+    for (const Forgery forgery : {Forgery::file, Forgery::hash}) {
+      const TemporaryDirectory directory;
+      write_export(directory.path(), ExportKind::mambo, mambo_content());
+      forge(directory, "controllerVars.m", forgery, [&, from = from, to = to](std::string text) {
+        return text.replace(text.find(from), from.size(), to);
+      });
+      const VerifyReport report = verify_export(directory.path(), sampled_mambo());
+      EXPECT_THAT(failed(report), Contains("numbers are those of the manifest"))
+          << to << "\n"
+          << all_details(report);
+    }
+}
+
+TEST(Verify, CannotSayYesWithoutAVehicleOrInAnotherSampleTime) {
+  const TemporaryDirectory directory;
+  write_export(directory.path(), ExportKind::uquad, uquad_content());
+  EXPECT_THAT(failed(verify_export(directory.path(), std::nullopt)),
+              Contains("closed loop is stable"));
+  DiscreteLti plant = sampled_uquad();
+  plant.dt = 0.02;
+  EXPECT_THAT(failed(verify_export(directory.path(), plant)),
+              Contains("sample time is the vehicle model's"));
+  std::swap(plant.states[0], plant.states[1]);
+  plant.states[0].name = "north";
+  EXPECT_THAT(all_details(verify_export(directory.path(), plant)),
+              HasSubstr("FAIL closed loop is stable: closed_loop_poles: no state 'y'"));
+}
+
+TEST(Verify, NeedsADirectory) {
+  EXPECT_THAT([] { (void)verify_export("/nonexistent/out", std::nullopt); },
+              ThrowsMessage<FileError>(HasSubstr("/nonexistent/out: ")));
+}
+
+// x⁺ = x + u, u = -k x + l i, i⁺ = i - x: (z - 1)² + k (z - 1) + l = 0.
+TEST(ClosedLoopPoles, AgreeWithTheCharacteristicPolynomial) {
+  DiscreteLti plant;
+  plant.A = Eigen::MatrixXd::Ones(1, 1);
+  plant.B = Eigen::MatrixXd::Ones(1, 1);
+  plant.dt = 1;
+  plant.states = {{"z", "m"}};
+  plant.inputs = {{"w1", ""}};
+  Gains gains;
+  gains.K = Eigen::MatrixXd::Constant(1, 1, 0.5);
+  gains.K_int = Eigen::MatrixXd::Constant(1, 1, 0.06);
+  gains.states = plant.states;
+  gains.inputs = plant.inputs;
+  gains.integrals = {{"z", "m s"}};
+  gains.x0 = gains.u0 = Eigen::VectorXd::Zero(1);
+  gains.convention = "uquad";
+  gains.dt = 1;
+  Eigen::VectorXcd poles = closed_loop_poles(plant, gains);
+  EXPECT_NEAR(poles(0).real(), 0.7, 1e-14);  // (z - 1) = -0.3, -0.2
+  EXPECT_NEAR(poles(1).real(), 0.8, 1e-14);
+  gains.sign_law = SignLaw::state_minus_set_point;
+  gains.K = -gains.K;
+  gains.K_int = -gains.K_int;
+  EXPECT_THAT(closed_loop_poles(plant, gains).real(), testing::MatrixNear(poles.real(), 1e-14));
+}
+
+}  // namespace
+}  // namespace quadtune

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/design.hpp"
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "matrix_near.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/text_matrix.hpp"
+#include "shared_data.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::MatrixNear;
+using ::testing::StrEq;
+using ::testing::ThrowsMessage;
+
+const std::filesystem::path kDesigns = std::filesystem::path(QUADTUNE_SOURCE_DIR) / "designs";
+
+const std::vector<std::string> kHover = {
+    "name = 'hover'",
+    "vehicle = 'uquad'",
+    "[trim]",
+    "at = 'hover'",
+    "[lqr]",
+    "convention = 'uquad'",
+    "inputs = 'rotor-speed'",
+    "states = 'no-position'",
+    "Q = [1, 1, 1, 1, 1, 1, 1, 1]",
+    "R = [1, 1, 1, 1]",
+    "integral = ['z', 'theta']",
+    "Q_integral = [1, 1]",
+    "method = 'discrete'",
+    "dt_s = 0.01",
+    "[[export]]",
+    "to = 'uquad'",
+};
+
+std::string hover_with(std::size_t line, const std::string& replacement) {
+  std::string text;
+  for (std::size_t i = 0; i < kHover.size(); ++i)
+    text += (i + 1 == line ? replacement : kHover[i]) + "\n";
+  return text;
+}
+
+Design parse(const std::string& text) { return parse_design(text, "d.toml"); }
+
+TEST(Design, ReadsTheUquadHover) {
+  const Design design = load_design(kDesigns / "uquad-hover.toml");
+  EXPECT_EQ(design.vehicle.name, "uquad");
+  ASSERT_TRUE(design.lqr.has_value());
+  const LqrDesign& lqr = *design.lqr;
+  EXPECT_THAT(lqr.states, ElementsAre("x", "y", "z", "psi", "phi", "theta", "vqx", "vqy", "vqz",
+                                      "wqx", "wqy", "wqz"));
+  EXPECT_THAT(lqr.inputs, ElementsAre("w1", "w2", "w3", "w4"));
+  EXPECT_THAT(lqr.integrals, ElementsAre("x", "y", "z", "theta"));
+  EXPECT_EQ(lqr.Q.trace(), 3009);
+  EXPECT_EQ(lqr.Q(5, 5), 1000);
+  EXPECT_THAT(lqr.R, MatrixNear(0.01 * Eigen::MatrixXd::Identity(4, 4), 0));
+  EXPECT_EQ(lqr.method, LqrMethod::discrete);
+  EXPECT_EQ(lqr.dt, 0.01);
+  ASSERT_EQ(design.exports.size(), 2u);
+  EXPECT_EQ(design.exports[0].to, "uquad");
+  EXPECT_FALSE(design.text.empty());
+}
+
+// The design quotes the published files to the digit, but for rounded zeros.
+TEST(Design, QuotesThePublishedGains) {
+  QUADTUNE_REQUIRE_DATA(path);
+  const Design design = load_design(kDesigns / "uquad-hover.toml");
+  ASSERT_TRUE(design.published.has_value());
+  const auto read = [&](const char* name) {
+    return read_text_matrix((path / "uquad" / name).string());
+  };
+  EXPECT_THAT(design.published->K, MatrixNear(read("K_prop_full.txt"), 1e-12));
+  EXPECT_THAT(design.published->K_int, MatrixNear(read("K_int_full.txt"), 1e-12));
+}
+
+TEST(Design, ReadsTheMamboHover) {
+  const Design design = load_design(kDesigns / "mambo-hover.toml");
+  ASSERT_TRUE(design.lqr.has_value());
+  EXPECT_EQ(design.lqr->states.front(), "phi");
+  EXPECT_THAT(design.lqr->inputs, ElementsAre("T", "tau_x", "tau_y", "tau_z"));
+  EXPECT_EQ(design.lqr->method, LqrMethod::sampled);
+  EXPECT_TRUE(design.lqr->integrals.empty());
+  ASSERT_EQ(design.kalman.size(), 2u);
+  const KalmanDesign& altitude = design.kalman[0];
+  EXPECT_EQ(altitude.name, "altitude");
+  EXPECT_THAT(altitude.model.A, MatrixNear((Eigen::Matrix2d() << 1, 0.005, 0, 1).finished(), 0));
+  EXPECT_THAT(altitude.model.B, MatrixNear(Eigen::Vector2d(0, 0.005), 0));
+  EXPECT_THAT(altitude.G, MatrixNear(Eigen::Vector2d(0, 1), 0));
+  EXPECT_EQ(altitude.Q(0, 0), 5e-4);
+  EXPECT_EQ(altitude.R(0, 0), 0.1);
+  EXPECT_EQ(altitude.N.size(), 1);
+  EXPECT_EQ(design.kalman[1].R(1, 1), 5);
+  ASSERT_TRUE(design.cascade.has_value());
+  // The Mambo page's table of the control law.
+  const std::vector<std::array<double, 3>> table = {{-0.24, 0, 0.1},       {0.24, 0, -0.1},
+                                                    {0.013, 0.01, -0.002}, {0.01, 0.01, -0.003},
+                                                    {0.004, 0, -0.0012},   {0.8, 0.1, -0.5}};
+  ASSERT_EQ(design.cascade->gains.loops.size(), table.size());
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const PidLoop& loop = design.cascade->gains.loops[i];
+    EXPECT_EQ(loop.Kp, table[i][0]) << loop.name;
+    EXPECT_EQ(loop.Ki, table[i][1]) << loop.name;
+    EXPECT_EQ(loop.Kd, table[i][2]) << loop.name;
+  }
+  EXPECT_EQ(design.cascade->gains.loops[2].output, "tau_y");
+}
+
+TEST(Design, LeavesOutHorizontalPosition) {
+  EXPECT_THAT(parse(hover_with(0, "")).lqr->states,
+              ElementsAre("z", "psi", "phi", "theta", "vqz", "wqx", "wqy", "wqz"));
+}
+
+TEST(Design, TakesFullWeights) {
+  const Design design =
+      parse(hover_with(10, "R = [[1, 0.1, 0, 0], [0.1, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]"));
+  EXPECT_EQ(design.lqr->R(0, 1), 0.1);
+}
+
+TEST(Design, FindsAVehicleFileBesideIt) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "design_test";
+  std::filesystem::create_directories(folder);
+  Vehicle uquad = load_vehicle("uquad");
+  std::ofstream(folder / "mine.toml") << uquad.text;
+  std::ofstream(folder / "design.toml") << hover_with(2, "vehicle = 'mine.toml'");
+  const Design design = load_design(folder / "design.toml");
+  EXPECT_EQ(design.vehicle.file, folder / "mine.toml");
+  std::filesystem::remove_all(folder);
+}
+
+struct Refusal {
+  const char* name;
+  std::size_t line;
+  const char* replacement;
+  const char* message;
+};
+
+class DesignRefusals : public ::testing::TestWithParam<Refusal> {};
+
+TEST_P(DesignRefusals, NameFileLineAndReason) {
+  EXPECT_THAT([] { (void)parse(hover_with(GetParam().line, GetParam().replacement)); },
+              ThrowsMessage<InvalidInput>(HasSubstr(GetParam().message)));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, DesignRefusals,
+    ::testing::Values(
+        Refusal{"ShortR", 10, "R = [1, 1, 1]",
+                "d.toml:10: lqr.R has 3 entries, expected 4 (inputs: w1 w2 w3 w4)"},
+        Refusal{"LongQ", 9, "Q = [1, 1, 1, 1, 1, 1, 1, 1, 1]",
+                "d.toml:9: lqr.Q has 9 entries, expected 8 (states: z psi phi theta vqz wqx wqy "
+                "wqz)"},
+        Refusal{"NegativeWeight", 9, "Q = [1, 1, 1, -1, 1, 1, 1, 1]",
+                "d.toml:9: entry 4 of Q in [lqr] is -1, expected 0 or more"},
+        Refusal{"ZeroR", 10, "R = [1, 1, 1, 0]",
+                "d.toml:10: entry 4 of R in [lqr] is 0, expected "
+                "more than 0"},
+        Refusal{"AsymmetricR", 10, "R = [[1, 2, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]",
+                "d.toml:10: lqr.R is not symmetric"},
+        Refusal{"ShapeOfR", 10, "R = [[1, 0], [0, 1]]",
+                "d.toml:10: lqr.R is 2x2, expected 4x4 (inputs: w1 w2 w3 w4)"},
+        Refusal{
+            "UnknownIntegral", 11, "integral = ['z', 'thetta']",
+            "d.toml:11: lqr.integral has 'thetta', expected some of z psi phi theta vqz wqx wqy "
+            "wqz; did you mean 'theta'?"},
+        Refusal{"IntegralTwice", 11, "integral = ['z', 'z']",
+                "d.toml:11: lqr.integral has 'z' twice"},
+        Refusal{"WeightOfNoIntegral", 11, "", "d.toml:12: lqr.Q_integral weighs no integral"},
+        Refusal{"UnknownState", 8, "states = ['x', 'roll']",
+                "d.toml:8: lqr.states has 'roll', expected some of x y z psi"},
+        Refusal{"StatesWord", 8, "states = 'no-postion'", "did you mean 'no-position'?"},
+        Refusal{"SampleTime", 14, "dt_s = 0",
+                "d.toml:14: dt_s in [lqr] is 0, expected more than 0"},
+        Refusal{"SampleTimeUnit", 14, "dt_ms = 10",
+                "d.toml:14: key 'dt_ms' in [lqr] is not known, "
+                "expected 'dt_s' (the unit is part of the key)"},
+        Refusal{"NoSampleTime", 14, "", "d.toml:5: [lqr] has no key 'dt_s'"},
+        Refusal{"Method", 13, "method = 'digital'",
+                "d.toml:13: no method 'digital', expected continuous, discrete, sampled"},
+        Refusal{"Convention", 6, "convention = 'enu'",
+                "d.toml:6: no convention 'enu', expected ned, uquad, mambo"},
+        Refusal{"Inputs", 7, "inputs = 'rotor-sped'", "d.toml:7: no inputs 'rotor-sped'"},
+        Refusal{"Vehicle", 2, "vehicle = 'uqad'",
+                "d.toml:2: no vehicle 'uqad' and no such file, expected mambo, rolling-spider, "
+                "uquad, crazyflie or a vehicle file beside the design; did you mean 'uquad'?"},
+        Refusal{"Trim", 4, "at = 'hoover'", "d.toml:4: 'hoover', expected hover, line or circle"},
+        Refusal{"SpeedInHover", 4, "at = 'hover'\nspeed_m_per_s = 1",
+                "d.toml:5: key 'speed_m_per_s' in [trim] is not known"},
+        Refusal{"NoRadius", 4, "at = 'circle'\nspeed_m_per_s = 1",
+                "d.toml:3: [trim] has no key 'radius_m'"},
+        Refusal{"Export", 16, "to = 'uqad'",
+                "d.toml:16: no export to 'uqad', expected uquad, "
+                "mambo, json; did you mean 'uquad'?"},
+        Refusal{"Published", 3, "[published]\nsource = 'x'\nK = [[1, 2]]\n[trim]",
+                "d.toml:5: published.K is 1x2, expected up to 4 rows"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST(Design, RefusesAFileThatAsksForNothing) {
+  EXPECT_THAT([] { (void)parse("name = 'x'\nvehicle = 'mambo'\n"); },
+              ThrowsMessage<InvalidInput>(StrEq("d.toml:1: the file asks for nothing, expected "
+                                                "[lqr], [[kalman]] or [cascade]")));
+}
+
+TEST(Design, RefusesFiltersOfTheWrongShape) {
+  const std::string head =
+      "name = 'x'\nvehicle = 'mambo'\n[[kalman]]\nname = 'f'\ndt_s = 0.1\n"
+      "states = [{ name = 'x' }]\nmeasurements = [{ name = 'y' }]\n";
+  EXPECT_NO_THROW((void)parse(head + "A = [[1]]\nC = [[1]]\nG = [[1]]\nQ = [1]\nR = [1]\n"));
+  EXPECT_THAT([&] { (void)parse(head + "A = [[1, 2]]\nC = [[1]]\nG = [[1]]\nQ = [1]\nR = [1]\n"); },
+              ThrowsMessage<InvalidInput>(
+                  HasSubstr("d.toml:8: A in [[kalman]] 1 is 1x2, expected 1x1 (states: x)")));
+  EXPECT_THAT(
+      [&] { (void)parse(head + "A = [[1]]\nC = [[1]]\nG = [[1]]\nQ = [1]\nR = [0]\n"); },
+      ThrowsMessage<InvalidInput>(HasSubstr("d.toml:12: entry 1 of R in [[kalman]] 1 is 0")));
+}
+
+TEST(Design, EveryPrefixIsADesignOrBadInput) {
+  for (const char* name : {"uquad-hover.toml", "mambo-hover.toml"}) {
+    const std::string text = load_design(kDesigns / name).text;
+    for (std::size_t length = 0; length <= text.size(); length += 3) {
+      try {
+        (void)parse(text.substr(0, length));
+      } catch (const InvalidInput& error) {
+        ASSERT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+      }
+    }
+  }
+}
+
+// First fenced block of `language` after `heading` in docs/formats.md.
+std::string example(const std::string& heading, const std::string& language) {
+  std::ostringstream bytes;
+  bytes
+      << std::ifstream(std::filesystem::path(QUADTUNE_SOURCE_DIR) / "docs" / "formats.md").rdbuf();
+  const std::string text = bytes.str();
+  const std::string fence = "```" + language + "\n";
+  const std::size_t start = text.find(fence, text.find(heading)) + fence.size();
+  return text.substr(start, text.find("```", start) - start);
+}
+
+TEST(FormatsPage, HasExamplesThatAreRead) {
+  EXPECT_EQ(parse_vehicle(example("\n## Vehicle files", "toml"), "formats.md").rotors.size(), 4u);
+  EXPECT_EQ(parse(example("\n## Design files", "toml")).lqr->integrals.size(), 4u);
+  EXPECT_EQ(parse_text_matrix(example("\n## Matrix text", ""), "formats.md").rows(), 2);
+}
+
+TEST(LqrMethod, ReadsBack) {
+  for (const LqrMethod method : {LqrMethod::continuous, LqrMethod::discrete, LqrMethod::sampled})
+    EXPECT_EQ(lqr_method(to_string(method), "test"), method);
+}
+
+}  // namespace
+}  // namespace quadtune
