@@ -13,8 +13,12 @@ target_compile_definitions(quadtune_flags INTERFACE ${QUADTUNE_EIGEN_ALIGNMENT})
 # Without semantic interposition the compiler may inline within a shared library as in a program.
 target_compile_options(quadtune_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow
                                                 -ffp-contract=off -fno-semantic-interposition)
-# GCC 12 reports its own AVX-512 intrinsics as uninitialized wherever Eigen uses them.
-target_compile_options(quadtune_flags INTERFACE -Wno-maybe-uninitialized)
+# GCC 12 reports its own AVX-512 intrinsics wherever Eigen uses them, and std::string's operator+
+# (GCC bug 105651).
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  target_compile_options(quadtune_flags INTERFACE -Wno-maybe-uninitialized -Wno-uninitialized
+                                                  -Wno-array-bounds -Wno-restrict)
+endif()
 if(QUADTUNE_NATIVE)
   target_compile_options(quadtune_flags INTERFACE -march=native)
 endif()

@@ -22,24 +22,25 @@ struct Degree {
   int degree;
   double theta;
 };
-constexpr std::array<Degree, 5> kDegrees{{
+constexpr std::array<Degree, 6> kDegrees{{
     {2, 1.1003482912616375e-05},
     {5, 0.008085904480516035},
     {8, 0.08362085238227049},
     {11, 0.28893581117980704},
-    {14, 0.6356709251667247},  // one more degree costs what one more doubling costs
+    {14, 0.6356709251667247},
+    {17, 1.1084348681247873},  // beyond, a doubling costs less than more terms
 }};
 
-constexpr std::array<double, 15> inverse_factorials() {
-  std::array<double, 15> c{};  // 1/(k+1)!
-  double factorial = 1;        // exact up to 15!
-  for (int k = 0; k < 15; ++k) {
+constexpr std::array<double, 18> inverse_factorials() {
+  std::array<double, 18> c{};  // 1/(k+1)!
+  double factorial = 1;        // exact up to 18!
+  for (int k = 0; k < 18; ++k) {
     factorial *= k + 1;
     c[static_cast<std::size_t>(k)] = 1 / factorial;
   }
   return c;
 }
-constexpr std::array<double, 15> kInverseFactorial = inverse_factorials();
+constexpr std::array<double, 18> kInverseFactorial = inverse_factorials();
 
 bool within(double X2_norm, double X3_norm, double theta) {
   return X2_norm <= theta * theta && X3_norm <= theta * theta * theta;
@@ -81,13 +82,10 @@ ExponentialStatus ExponentialKernel::solve(const Eigen::Ref<const Eigen::MatrixX
     doublings = load_scaled(A, dt);
     if (!look_at_powers()) return no_result(E, integral);
   }
-  const auto* chosen = std::find_if(kDegrees.begin(), kDegrees.end(), [&](const Degree& d) {
+  doublings += halve();
+  const auto* chosen = std::find_if(kDegrees.begin(), kDegrees.end() - 1, [&](const Degree& d) {
     return within(X2_norm_, X3_norm_, d.theta);
   });
-  if (chosen == kDegrees.end()) {
-    --chosen;
-    doublings += halve();
-  }
   series(chosen->degree);
   double_up(doublings);
   const bool finite =
@@ -135,6 +133,7 @@ int ExponentialKernel::halve() {
     X2_norm_ /= 4;
     X3_norm_ /= 8;
   }
+  if (halvings == 0) return 0;
   const double half = std::scalbn(1.0, -halvings);
   scale(half, X_, X_, size_);
   scale(half * half, X2_, X2_, size_);

@@ -49,7 +49,9 @@ using Unaligned [[gnu::vector_size(kVectorLength * sizeof(double)), gnu::may_ali
 
 // What the accumulators of the vector at an offset into C start from.
 struct FromZero {
-  [[gnu::always_inline]] void operator()(std::ptrdiff_t /*offset*/, Vector& sum) const { sum = {}; }
+  [[gnu::always_inline]] void operator()(std::ptrdiff_t /*offset*/, Vector& sum) const {
+    sum = Vector{};
+  }
 };
 struct FromResult {
   const double* C;
@@ -58,7 +60,7 @@ struct FromResult {
   }
 };
 struct FromCombination {
-  const Combination& from;
+  Combination from;
   [[gnu::always_inline]] void operator()(std::ptrdiff_t offset, Vector& sum) const {
     sum = from.c * vectors(from.C + offset)[0];
     multiply_add(vectors(from.B + offset)[0], from.b, sum);

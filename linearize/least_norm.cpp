@@ -40,9 +40,9 @@ Eigen::VectorXd least_norm(const Eigen::MatrixXd& C, const Eigen::VectorXd& d) {
   return decompose(C).solve(d);
 }
 
-// [BoyleDykstra86]: projecting in turn on the plane C f = d and on the box, with the box's last
-// correction taken back first, converges to the projection of the start on what they share. From 0
-// that is the shortest vector.
+// Boyle and Dykstra 1986: projecting in turn on the plane C f = d and on the box, with the box's
+// last correction taken back first, converges to the projection of the start on what they share.
+// From 0 that is the shortest vector.
 Eigen::VectorXd bounded_least_norm(const Eigen::MatrixXd& C, const Eigen::VectorXd& d,
                                    const Eigen::VectorXd& low, const Eigen::VectorXd& high) {
   constexpr int kMaxSweeps = 5000;

@@ -17,8 +17,16 @@ class EigenOps {
   using Panel = Eigen::MatrixXd;
 
   EigenOps(Eigen::Index nx, Eigen::Index nu)
-      : nx_(nx), nu_(nu), lu_(nx), scratch_(nx, nx), columns_(nx, nx), absolute_G_(nx, nx),
-        absolute_Q_(nx, nx), inner_(nu, nu), scale_(nx), inverse_scale_(nx) {}
+      : nx_(nx),
+        nu_(nu),
+        lu_(nx),
+        scratch_(nx, nx),
+        columns_(nx, nx),
+        absolute_G_(nx, nx),
+        absolute_Q_(nx, nx),
+        inner_(nu, nu),
+        scale_(nx),
+        inverse_scale_(nx) {}
 
   [[nodiscard]] Eigen::Index size() const { return nx_; }
   [[nodiscard]] Square square() const { return Square::Zero(nx_, nx_); }
@@ -51,8 +59,8 @@ class EigenOps {
       if (!(pivot > 1e-14 * before)) return false;
       inner_(j, j) = std::sqrt(pivot);
       for (Eigen::Index i = j + 1; i < nu_; ++i)
-        inner_(i, j) = (inner_(i, j) - inner_.row(i).head(j).dot(inner_.row(j).head(j))) /
-                       inner_(j, j);
+        inner_(i, j) =
+            (inner_(i, j) - inner_.row(i).head(j).dot(inner_.row(j).head(j))) / inner_(j, j);
     }
     invert_factor(inner_, inverse);
     return true;
@@ -149,8 +157,8 @@ class EigenOps {
       return Eigen::Map<const Eigen::VectorXd>(a, nx_).dot(
           Eigen::Map<const Eigen::VectorXd>(b, nx_));
     };
-    level_scales(scratch_.data(), columns_.data(), absolute_G_.data(), absolute_Q_.data(), nx_,
-                 nx_, scale_.data(), inverse_scale_.data(), dot);
+    level_scales(scratch_.data(), columns_.data(), absolute_G_.data(), absolute_Q_.data(), nx_, nx_,
+                 scale_.data(), inverse_scale_.data(), dot);
   }
   void scale_square(Square& A, int left, int right) const {
     const Eigen::VectorXd& rows = left > 0 ? scale_ : inverse_scale_;

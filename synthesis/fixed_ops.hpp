@@ -276,8 +276,7 @@ class FixedOps {
   void divide_rows_twice(const Square& X, Square& T) const {
     for (int i = 0; i < N; ++i) {
       const V weight = K::broadcast(inverse_scale_[i] * inverse_scale_[i]);
-      for (int j = 0; j < N; j += W)
-        K::store(at(T, i * N + j), K::load(at(X, i * N + j)) * weight);
+      for (int j = 0; j < N; j += W) K::store(at(T, i * N + j), K::load(at(X, i * N + j)) * weight);
     }
   }
   void scale_panel(Panel& A, int left) const {

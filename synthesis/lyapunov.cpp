@@ -57,8 +57,7 @@ LyapunovResult solve(Time time, const internal::ConstRef& A, const internal::Con
     result.culprit = "the eigenvalues of A could not be computed";
     return result;
   }
-  const double rounding =
-      std::numeric_limits<double>::epsilon() * static_cast<double>(A.rows());
+  const double rounding = std::numeric_limits<double>::epsilon() * static_cast<double>(A.rows());
   const double size = continuous ? A.norm() : 1 + A.squaredNorm();
   const Pair worst = worst_pair(time, schur.eigenvalues());
   Eigen::MatrixXd X;
@@ -70,14 +69,14 @@ LyapunovResult solve(Time time, const internal::ConstRef& A, const internal::Con
     singular = !X.allFinite() || X.norm() * rounding * size > Q.norm();
   }
   if (singular) {
-    result.culprit = fmt::format("eigenvalues {} and {} of A {}", internal::format_number(worst.first),
-                                 internal::format_number(worst.second),
-                                 continuous ? "add to 0" : "multiply to 1");
+    result.culprit = fmt::format(
+        "eigenvalues {} and {} of A {}", internal::format_number(worst.first),
+        internal::format_number(worst.second), continuous ? "add to 0" : "multiply to 1");
     return result;
   }
   const Eigen::MatrixXd AX = A * X;
-  const Eigen::MatrixXd AXA = continuous ? Eigen::MatrixXd(AX.transpose())
-                                         : Eigen::MatrixXd(AX * A.transpose());
+  const Eigen::MatrixXd AXA =
+      continuous ? Eigen::MatrixXd(AX.transpose()) : Eigen::MatrixXd(AX * A.transpose());
   const double left = continuous ? (AX + AXA + Q).norm() : (AXA - X + Q).norm();
   const double sum = (continuous ? AX.norm() : X.norm()) + AXA.norm() + Q.norm();
   result.residual = left == 0 ? 0 : left / sum;

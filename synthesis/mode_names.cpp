@@ -17,7 +17,8 @@ std::string format_number(std::complex<double> value) {
   const double imaginary = value.imag();
   if (imaginary == 0) return digits(value.real());
   const std::string real = value.real() == 0 ? "" : digits(value.real());
-  const std::string sign = imaginary < 0 ? (real.empty() ? "-" : " - ") : (real.empty() ? "" : " + ");
+  const std::string sign =
+      imaginary < 0 ? (real.empty() ? "-" : " - ") : (real.empty() ? "" : " + ");
   return real + sign + digits(std::abs(imaginary)) + "i";
 }
 

@@ -36,8 +36,8 @@ void check_options(const RiccatiOptions& options, Eigen::Index nx, const std::st
                        fmt::format("max_iterations is {}, expected >= 1", options.max_iterations));
   const auto count = static_cast<Eigen::Index>(options.state_names.size());
   if (count != 0 && count != nx)
-    throw InvalidInput(
-        where, fmt::format("state_names has {} names, expected {} (A is {}x{})", count, nx, nx, nx));
+    throw InvalidInput(where, fmt::format("state_names has {} names, expected {} (A is {}x{})",
+                                          count, nx, nx, nx));
 }
 
 void fill_with_nan(RiccatiResult& result, Eigen::Index nx, Eigen::Index nu) {
@@ -87,7 +87,9 @@ struct RiccatiSolver::State {
   RiccatiResult result;
 
   State(Eigen::Index nx_, Eigen::Index nu_, RiccatiOptions options_)
-      : nx(nx_), nu(nu_), options(std::move(options_)),
+      : nx(nx_),
+        nu(nu_),
+        options(std::move(options_)),
         doubling(internal::make_doubling_solver(nx, nu)) {
     buffers.factor_Q.resize(nx, nx);
     buffers.factor_R.resize(nu, nu);
@@ -216,12 +218,18 @@ RiccatiResult dare(const ConstRef& A, const ConstRef& B, const ConstRef& Q, cons
 
 std::string to_string(RiccatiStatus status) {
   switch (status) {
-    case RiccatiStatus::not_run: return "not run";
-    case RiccatiStatus::solved: return "solved";
-    case RiccatiStatus::not_stabilizable: return "not stabilizable";
-    case RiccatiStatus::not_detectable: return "not detectable";
-    case RiccatiStatus::boundary_pair: return "eigenvalues on the boundary";
-    case RiccatiStatus::no_convergence: return "no convergence";
+    case RiccatiStatus::not_run:
+      return "not run";
+    case RiccatiStatus::solved:
+      return "solved";
+    case RiccatiStatus::not_stabilizable:
+      return "not stabilizable";
+    case RiccatiStatus::not_detectable:
+      return "not detectable";
+    case RiccatiStatus::boundary_pair:
+      return "eigenvalues on the boundary";
+    case RiccatiStatus::no_convergence:
+      return "no convergence";
   }
   return "unknown";
 }
@@ -230,9 +238,9 @@ std::ostream& operator<<(std::ostream& out, const RiccatiResult& result) {
   out << to_string(result.status);
   if (!result.culprit.empty()) out << " (" << result.culprit << ")";
   if (result.solved())
-    out << fmt::format(", residual {:.2g}, rcond {:.2g}, {}", result.residual, result.rcond,
-                       result.used_schur ? "Schur method"
-                                         : fmt::format("{} doublings", result.iterations));
+    out << fmt::format(
+        ", residual {:.2g}, rcond {:.2g}, {}", result.residual, result.rcond,
+        result.used_schur ? "Schur method" : fmt::format("{} doublings", result.iterations));
   return out;
 }
 

@@ -69,9 +69,10 @@ std::string indefiniteness(const ConstRef& M, const Look& look, const char* name
   if (cholesky(M, 0.5 * kIndefiniteByRounding * norm, buffer) > 0) return {};
   const double least = smallest_eigenvalue(M);
   if (least >= -kIndefiniteByRounding * norm) return {};
-  return fmt::format("{} has eigenvalue {:.6g}, expected {} >= 0 (rounding of {:g} of its norm "
-                     "{:.3g} would pass)",
-                     name, least, name, kIndefiniteByRounding, norm);
+  return fmt::format(
+      "{} has eigenvalue {:.6g}, expected {} >= 0 (rounding of {:g} of its norm "
+      "{:.3g} would pass)",
+      name, least, name, kIndefiniteByRounding, norm);
 }
 
 WeightR check_R(const RiccatiEquation& problem, const Look& look, const std::string& where,
@@ -94,8 +95,8 @@ void check_shapes(const RiccatiEquation& p, const std::string& where) {
   const Eigen::Index nx = p.A.rows();
   const Eigen::Index nu = p.B.cols();
   if (nx == 0 || p.A.cols() != nx)
-    throw InvalidInput(where,
-                       fmt::format("A is {}, expected a square matrix of at least 1x1", shape(p.A)));
+    throw InvalidInput(
+        where, fmt::format("A is {}, expected a square matrix of at least 1x1", shape(p.A)));
   if (p.B.rows() != nx)
     throw InvalidInput(
         where, fmt::format("B is {}, expected {} rows (A is {})", shape(p.B), nx, shape(p.A)));
@@ -107,16 +108,14 @@ void check_shapes(const RiccatiEquation& p, const std::string& where) {
     require_shape(p.R, nu, nu, where, "R",
                   fmt::format("B has {} column{}", nu, nu == 1 ? "" : "s"));
   if (p.has_cross_term() && (p.N.rows() != nx || p.N.cols() != nu))
-    require_shape(p.N, nx, nu, where, "N",
-                  fmt::format("A is {}, B is {}", shape(p.A), shape(p.B)));
+    require_shape(p.N, nx, nu, where, "N", fmt::format("A is {}, B is {}", shape(p.A), shape(p.B)));
 }
 
 }  // namespace
 
 const char* equation_name(Time time) { return time == Time::continuous ? "care" : "dare"; }
 
-WeightR check_problem(const RiccatiEquation& p, CheckBuffers& buffers,
-                      std::string& indefinite_Q) {
+WeightR check_problem(const RiccatiEquation& p, CheckBuffers& buffers, std::string& indefinite_Q) {
   const std::string where = equation_name(p.time);
   check_shapes(p, where);
   if (!p.A.allFinite()) require_finite(p.A, where, "A");

@@ -46,9 +46,8 @@ Eigen::VectorXcd estimate_condition(const RiccatiEquation& p, Candidate& solutio
   const double h0 = closed_loop.solve_transposed(MatrixXd::Identity(n, n)).norm();
   const double h2 = closed_loop.solve_transposed(XAc.transpose() * XAc).norm();
   const PlainProblem plain = without_cross_term(p);
-  solution.rcond =
-      reciprocal_condition(plain.A.norm(), (plain.B * plain.B.transpose()).norm(), plain.Q.norm(),
-                           solution.X.norm(), h0, h2);
+  solution.rcond = reciprocal_condition(plain.A.norm(), (plain.B * plain.B.transpose()).norm(),
+                                        plain.Q.norm(), solution.X.norm(), h0, h2);
   return closed_loop.eigenvalues();
 }
 

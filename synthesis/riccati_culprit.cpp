@@ -59,7 +59,8 @@ double excess(Time time, std::complex<double> value) {
   return time == Time::continuous ? value.real() : std::abs(value) - 1;
 }
 
-/// The states with the largest entries in the invariant subspace of the cluster around `mode.value`.
+/// The states with the largest entries in the invariant subspace of the cluster around
+/// `mode.value`.
 void name_states(const Unreachable& part, double width, const std::vector<std::string>& names,
                  Mode& mode) {
   const auto k = static_cast<lapack_int>(part.F.rows());
@@ -146,13 +147,11 @@ Culprit find_culprit(const RiccatiEquation& p, double tolerance, const RiccatiOp
   const Mode unsteered = find_mode(p.time, unreachable_part(plain.A, plain.B, tolerance), true,
                                    boundary, options.state_names);
   if (unsteered.found) {
-    const std::string words =
-        filter ? "cannot be seen by the measurements" : "cannot be steered";
+    const std::string words = filter ? "cannot be seen by the measurements" : "cannot be steered";
     return {RiccatiStatus::not_stabilizable, sentence(unsteered, words, words)};
   }
-  const Mode unseen =
-      find_mode(p.time, unreachable_part(plain.A.transpose(), plain.Q, tolerance), false, boundary,
-                options.state_names);
+  const Mode unseen = find_mode(p.time, unreachable_part(plain.A.transpose(), plain.Q, tolerance),
+                                false, boundary, options.state_names);
   if (unseen.found)
     return {RiccatiStatus::not_detectable,
             filter ? sentence(unseen, "is not driven by the noise", "are not driven by the noise")

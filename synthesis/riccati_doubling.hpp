@@ -37,7 +37,8 @@ class Doubling final : public DoublingSolver {
   void load(const RiccatiEquation& problem, const Eigen::MatrixXd& factor_R) {
     cross_ = problem.has_cross_term();
     ops_.load_square(problem.A, A_);
-    ops_.load_square(problem.Q, Q_);
+    ops_.load_square(problem.Q, T_);
+    ops_.scaled_symmetric(T_, 1, Q_);
     ops_.load_panel(problem.B, B_);
     ops_.load_small(problem.R, R_);
     ops_.invert_factor(factor_R, Linv_);
@@ -134,7 +135,7 @@ class Doubling final : public DoublingSolver {
   void start_discrete() {
     ops_.set_padding(At_, 0);
     ops_.copy(At_, E_);
-    ops_.copy(Qt_, H_);
+    ops_.scaled_symmetric(Qt_, 1, H_);
   }
 
   /// E ← E (I+GH)⁻¹ E, G ← G + E (I+GH)⁻¹ G Eᵀ, H ← H + Eᵀ H (I+GH)⁻¹ E until H stands.
@@ -170,7 +171,7 @@ class Doubling final : public DoublingSolver {
       if (now.worst() <= kWorthRefining) break;
       if (!newton_correction(continuous)) return false;
       ops_.copy(H_, G_);  // to go back to
-      ops_.add(H_, next_);
+      ops_.add_symmetric(next_, H_);
       const Residual then = residual(continuous);
       const bool paid = then.worst() < 0.5 * now.worst();
       if (!(then.worst() < now.worst())) {

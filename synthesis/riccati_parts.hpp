@@ -78,7 +78,8 @@ class DoublingSolver {
 /// ill conditioned or time is discrete, and refines by Newton–Kleinman steps.
 struct SchurOutcome {
   bool found = false;  ///< the candidate's X is symmetric, K and residual belong to it
-  /// Eigenvalue of the Hamiltonian matrix or pencil nearest to the boundary, and how near, relative.
+  /// Eigenvalue of the Hamiltonian matrix or pencil nearest to the boundary, and how near,
+  /// relative.
   std::complex<double> nearest{};
   double distance = std::numeric_limits<double>::infinity();
 };
@@ -133,7 +134,8 @@ struct Culprit {
   RiccatiStatus status = RiccatiStatus::no_convergence;
   std::string text;
 };
-/// Looks for the mode that forbids a stabilizing solution; status no_convergence when none is found.
+/// Looks for the mode that forbids a stabilizing solution; status no_convergence when none is
+/// found.
 /// @param tolerance  relative; how weak a coupling counts as none
 [[nodiscard]] Culprit find_culprit(const RiccatiEquation& problem, double tolerance,
                                    const RiccatiOptions& options);

@@ -54,9 +54,9 @@ void level_scales(const double* rows, const double* columns, const double* G, co
   }
 }
 
-/// Collects a speed γ [1/s] for the Cayley transform, near √(slowest · fastest closed-loop pole), for
-/// which the doubling takes the fewest steps: the geometric mean, over the states of the balanced
-/// problem, of the sizes of their rows [A G] and columns [A; Q].
+/// Collects a speed γ [1/s] for the Cayley transform, near √(slowest · fastest closed-loop pole),
+/// for which the doubling takes the fewest steps: the geometric mean, over the states of the
+/// balanced problem, of the sizes of their rows [A G] and columns [A; Q].
 class GeometricSpeed {
  public:
   void add(double squared_row, double squared_column) {

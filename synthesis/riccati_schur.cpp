@@ -92,10 +92,10 @@ Subspace of_pencil(const RiccatiEquation& p, const Eigen::VectorXd& d) {
   Eigen::VectorXd beta(2 * n);
   double unused = 0;
   lapack_int stable = 0;
-  const lapack_int info = LAPACKE_dgges(
-      LAPACK_COL_MAJOR, 'N', 'V', 'S', continuous ? left_of_axis : in_unit_disk, order, S.data(),
-      order, T.data(), order, &stable, real.data(), imaginary.data(), beta.data(), &unused, 1,
-      Z.data(), order);
+  const lapack_int info =
+      LAPACKE_dgges(LAPACK_COL_MAJOR, 'N', 'V', 'S', continuous ? left_of_axis : in_unit_disk,
+                    order, S.data(), order, T.data(), order, &stable, real.data(), imaginary.data(),
+                    beta.data(), &unused, 1, Z.data(), order);
   Subspace found;
   if (info > 0 && info <= order + 1) return found;
   found.eigenvalues.resize(2 * n);
@@ -111,8 +111,8 @@ void find_nearest(Time time, const Eigen::VectorXcd& eigenvalues, SchurOutcome& 
   for (const std::complex<double>& value : eigenvalues)
     if (std::isfinite(std::abs(value))) largest = std::max(largest, std::abs(value));
   for (const std::complex<double>& value : eigenvalues) {
-    const double distance = time == Time::continuous ? std::abs(value.real()) / largest
-                                                     : std::abs(std::abs(value) - 1);
+    const double distance =
+        time == Time::continuous ? std::abs(value.real()) / largest : std::abs(std::abs(value) - 1);
     if (distance < outcome.distance) {
       outcome.distance = distance;
       outcome.nearest = value;

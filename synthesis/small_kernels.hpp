@@ -65,14 +65,14 @@ struct Kernels {
   static V broadcast(double x) { return x - V{}; }
 
   /// Rows that share one pass over the right factor: as many as the registers hold.
-  static constexpr int kRows = 4 * kVectors + kVectors + 1 <= kRegisters ? 4
+  static constexpr int kRows = 4 * kVectors + kVectors + 1 <= kRegisters   ? 4
                                : 2 * kVectors + kVectors + 1 <= kRegisters ? 2
                                                                            : 1;
 
   /// C = A B, or C = Aᵀ B, over `inner` terms: columns of A (rows of Aᵀ) used.
   template <bool kTransposeA>
-  static void multiply(const double* __restrict A, const double* __restrict B,
-                       double* __restrict C, int inner = N) {
+  static void multiply(const double* __restrict A, const double* __restrict B, double* __restrict C,
+                       int inner = N) {
     for (int i = 0; i < N; i += kRows) {
       V sum[kRows][kVectors] = {};
       for (int k = 0; k < inner; ++k) {

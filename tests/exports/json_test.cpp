@@ -38,8 +38,13 @@ TEST(Json, RefusesNumbersThatAreNotFinite) {
 }
 
 TEST(Json, WritesOneRowALine) {
-  EXPECT_EQ(readable({{"K", {{1, 2}, {3, 4}}}, {"name", "x"}, {"none", Json::array()}}),
-            "{\n  \"K\": [\n    [1, 2],\n    [3, 4]\n  ],\n  \"name\": \"x\",\n  \"none\": []\n}");
+  Json json;
+  json["K"] = {{1, 2}, {3, 4}};
+  json["states"] = signals_to_json({{"z", "m"}});
+  json["none"] = Json::array();
+  EXPECT_EQ(readable(json),
+            "{\n  \"K\": [\n    [1, 2],\n    [3, 4]\n  ],\n"
+            "  \"states\": [\n    {\"name\": \"z\", \"unit\": \"m\"}\n  ],\n  \"none\": []\n}");
 }
 
 TEST(Json, RefusalsNameThePath) {

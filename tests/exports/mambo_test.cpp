@@ -36,6 +36,14 @@ TEST(Mambo, WritesTheThreeFiles) {
   EXPECT_THAT(names, ElementsAre("vehicleVars.m", "controllerVars.m", "estimatorVars.m"));
 }
 
+TEST(Mambo, TakesBothVehiclesOfTheModelProject) {
+  for (const char* name : {"mambo", "rolling-spider"}) {
+    ExportContent content;
+    content.vehicle = load_vehicle(name);
+    EXPECT_EQ(mambo_files(content).size(), 3U) << name;
+  }
+}
+
 TEST(Mambo, StateFeedbackReadsBack) {
   const ExportContent content = mambo_content();
   const Gains read =
@@ -67,6 +75,9 @@ TEST(Mambo, WritesAnEmptyMatrixForWhatIsNotKnown) {
 }
 
 TEST(Mambo, RefusesAVehicleThatTheModelProjectCannotExpress) {
+  ExportContent plus;
+  plus.vehicle = load_vehicle("uquad");
+  expect_refusal(plus, "rotor 1 is at (0.29, 0) m, expected (");
   ExportContent content = mambo_content();
   content.vehicle.rotors.pop_back();
   expect_refusal(content, "mambo: the vehicle has 3 rotors, expected 4");

@@ -66,7 +66,7 @@ TEST(Design, ReadsTheUquadHover) {
   EXPECT_THAT(lqr.R, MatrixNear(0.01 * Eigen::MatrixXd::Identity(4, 4), 0));
   EXPECT_EQ(lqr.method, LqrMethod::discrete);
   EXPECT_EQ(lqr.dt, 0.01);
-  ASSERT_EQ(design.exports.size(), 2u);
+  ASSERT_EQ(design.exports.size(), 1u);
   EXPECT_EQ(design.exports[0].to, "uquad");
   EXPECT_FALSE(design.text.empty());
 }

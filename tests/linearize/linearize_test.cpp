@@ -10,6 +10,7 @@
 #include <random>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include "hover_model.hpp"
 #include "integrate.hpp"
 #include "matrix_near.hpp"
 #include "quadtune/errors.hpp"
@@ -27,6 +28,7 @@ using testing::MatrixNear;
 using testing::plus_quadrotor;
 using testing::random_vehicle;
 using ::testing::ThrowsMessage;
+using testing::uquad_hover;
 
 using State = StateVector<double>;
 using Speeds = RotorSpeeds<double>;
@@ -40,35 +42,18 @@ StateSelection list(const std::vector<std::string>& names) {
   return {StateSelection::Kind::list, names};
 }
 
-Eigen::MatrixXd uquad_A() {
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(12, 12);
-  A.block<3, 3>(0, 6).setIdentity();  // p' = v
-  A.block<3, 3>(3, 9).setIdentity();  // psi' phi' theta' = wqx wqy wqz
-  A(6, 4) = 9.81;                     // vqx' = g phi: nose down drives forward
-  A(7, 3) = -9.81;                    // vqy' = -g psi
-  return A;
-}
-
 // The published model without an offset of the centre of mass, in closed form.
 TEST(Linearize, UquadHoverIsThePublishedModel) {
   const Linearization model = linearize(load_vehicle("uquad"), kHover, in("uquad"));
   ASSERT_TRUE(model.solved()) << model.trim.culprit;
-  const double w0 = 316.103650939028, m = 1.741, L = 0.29, Ixx = 2.32e-2, Izz = 4.37e-2;
-  const double dT = 2 * 4.60160135072435e-5 * w0 - 0.00103822726273726;
-  const double dQ = 2 * 3.4734e-6 * w0 - 1.3205e-4;
-  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(12, 4);
-  B.row(8).setConstant(dT / m);
-  B.row(9) << 0, L * dT / Ixx, 0, -L * dT / Ixx;
-  B.row(10) << -L * dT / Ixx, 0, L * dT / Ixx, 0;
-  B.row(11) << -dQ / Izz, dQ / Izz, -dQ / Izz, dQ / Izz;
-  EXPECT_THAT(model.plant.A, MatrixNear(uquad_A(), 1e-12));
-  EXPECT_THAT(model.plant.B, MatrixNear(B, 1e-12));
-  EXPECT_THAT(model.u0, MatrixNear(Eigen::Vector4d::Constant(w0), 1e-10));
+  const ContinuousLti published = uquad_hover();
+  EXPECT_THAT(model.plant.A, MatrixNear(published.A, 1e-12));
+  EXPECT_THAT(model.plant.B, MatrixNear(published.B, 1e-12));
+  EXPECT_THAT(model.u0, MatrixNear(Eigen::Vector4d::Constant(316.103650939028), 1e-10));
   EXPECT_THAT(model.x0, MatrixNear(Eigen::VectorXd::Zero(12), 1e-12));
   EXPECT_THAT(model.x0_rate, MatrixNear(Eigen::VectorXd::Zero(12), 1e-12));
-  EXPECT_EQ(names(model.plant.states), "x y z psi phi theta vqx vqy vqz wqx wqy wqz");
-  EXPECT_EQ(names(model.plant.inputs), "w1 w2 w3 w4");
-  EXPECT_EQ(model.plant.inputs.front().unit, "rad/s");
+  EXPECT_EQ(model.plant.states, published.states);
+  EXPECT_EQ(model.plant.inputs, published.inputs);
   EXPECT_THAT(model.notes, IsEmpty());
 }
 
@@ -200,7 +185,7 @@ TEST(Linearize, WrenchOfTheUquadHasItsAxes) {
   B(8, 0) = 1 / 1.741;  // thrust lifts, z up
   B(9, 1) = B(10, 2) = 1 / 2.32e-2;
   B(11, 3) = 1 / 4.37e-2;
-  EXPECT_THAT(model.plant.A, MatrixNear(uquad_A(), 1e-12));
+  EXPECT_THAT(model.plant.A, MatrixNear(uquad_hover().A, 1e-12));
   EXPECT_THAT(model.plant.B, MatrixNear(B, 1e-12));
 }
 
@@ -238,7 +223,7 @@ TEST(Linearize, WithoutPositionKeepsTheEightStatesOfTheUquad) {
   EXPECT_EQ(names(model.plant.states), "z psi phi theta vqz wqx wqy wqz");
   EXPECT_THAT(model.notes, IsEmpty());
   const std::vector<int> kept = {2, 3, 4, 5, 8, 9, 10, 11};
-  EXPECT_THAT(model.plant.A, MatrixNear(uquad_A()(kept, kept), 1e-12));
+  EXPECT_THAT(model.plant.A, MatrixNear(uquad_hover().A(kept, kept), 1e-12));
   EXPECT_EQ(model.plant.B.rows(), 8);
   options.convention = "mambo";
   EXPECT_EQ(names(linearize(plus_quadrotor(), kHover, options).plant.states),

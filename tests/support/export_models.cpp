@@ -3,7 +3,6 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <numbers>
 
 #include "hover_model.hpp"
 
@@ -25,35 +24,6 @@ DiscreteLti sampled(const MatrixXd& A, const MatrixXd& B, double dt) {
 }
 
 }  // namespace
-
-Vehicle mambo_vehicle() {
-  Vehicle vehicle;
-  vehicle.name = "mambo";
-  vehicle.mass = 0.063;
-  vehicle.inertia = Eigen::Vector3d(5.82857e-5, 7.16914e-5, 1.0e-4).asDiagonal();
-  vehicle.air_density = 1.184;
-  vehicle.takeoff_gain = 0.45;
-  vehicle.altitude_thrust_fraction = 0.92;
-  vehicle.motor = {CommandLaw::speed_squared, 13840.8, "count", 10, 500, {1, -1, 1, -1}};
-  const double a = 0.0624 / std::numbers::sqrt2;
-  const double x[] = {a, a, -a, -a};
-  const double y[] = {-a, a, a, -a};
-  for (int i = 0; i < 4; ++i) {
-    Rotor rotor;
-    rotor.position = {x[i], y[i], 0};
-    rotor.spin = i % 2 == 0 ? Spin::clockwise : Spin::counter_clockwise;
-    rotor.radius = 0.033;
-    rotor.chord = 0.008;
-    rotor.blades = 2;
-    rotor.Ct = 0.0107;
-    rotor.Cq = rotor.Ct * std::sqrt(rotor.Ct / 2);
-    rotor.thrust_a2 = rotor.Ct * vehicle.air_density * std::numbers::pi * std::pow(0.033, 4);
-    rotor.torque_d2 = rotor.Cq * vehicle.air_density * std::numbers::pi * std::pow(0.033, 5);
-    rotor.inertia = 3.75e-4 * 0.033 * 0.033 / 4;
-    vehicle.rotors.push_back(rotor);
-  }
-  return vehicle;
-}
 
 DiscreteLti sampled_uquad() {
   const ContinuousLti hover = uquad_hover();
@@ -160,7 +130,7 @@ ExportContent make_uquad_content() {
 
 ExportContent make_mambo_content() {
   ExportContent content;
-  content.vehicle = mambo_vehicle();
+  content.vehicle = load_vehicle("mambo");
   content.vehicle.airframe_height = 0.04;
   content.vehicle.airframe_diameter = 0.01;
   content.plant = sampled_mambo();

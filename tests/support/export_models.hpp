@@ -5,12 +5,8 @@
 #include "quadtune/exports/content.hpp"
 #include "quadtune/gains.hpp"
 #include "quadtune/lti.hpp"
-#include "quadtune/model/vehicle.hpp"
 
 namespace quadtune::testing {
-
-/// The numbers of the Parrot Mambo.
-[[nodiscard]] Vehicle mambo_vehicle();
 
 /// uquad at hover, 12 states in its convention, rotor speeds, sampled exactly at 10 ms.
 [[nodiscard]] DiscreteLti sampled_uquad();

@@ -144,7 +144,7 @@ template <class T>
   using std::abs;
   Vector3<T> force;
   for (int i = 0; i < 3; ++i) {
-    const T v = velocity(i);
+    const T& v = velocity(i);
     // F_i = -(rho/2) cda_i |v_i| v_i - linear_i v_i
     force(i) =
         -T(0.5 * body.air_density * body.drag.cda(i)) * abs(v) * v - T(body.drag.linear(i)) * v;
@@ -174,7 +174,7 @@ template <class T>
 template <class T>
 [[nodiscard]] StateVector<T> state_derivative(const RigidBody& body, const StateVector<T>& x,
                                               const RotorLoads<T>& loads) {
-  const T roll = x(kAttitude), pitch = x(kAttitude + 1), yaw = x(kAttitude + 2);
+  const T &roll = x(kAttitude), &pitch = x(kAttitude + 1), &yaw = x(kAttitude + 2);
   const Vector3<T> velocity = x.template segment<3>(kVelocity);
   const Vector3<T> rates = x.template segment<3>(kRates);
   const Matrix3<T> R_WB = rotation_of_euler(roll, pitch, yaw);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -134,25 +135,36 @@ inline std::vector<Signal> signals_from_json(const Json& json, const std::string
   return signals;
 }
 
-/// Text of a JSON value with two blanks of indent, arrays of plain values on one line, so that a
-/// matrix stands row under row.
-inline std::string readable(const Json& json, int indent = 0) {
+/// Appends `json` to `text`; lines below the first are indented by `indent` and two more.
+inline void append_readable(const Json& json, std::size_t indent, bool in_array,
+                            std::string& text) {
+  if (!json.is_structured() || json.empty()) {
+    text.append(json.dump());
+    return;
+  }
   const bool array = json.is_array();
-  bool flat = true;
-  for (const Json& entry : json) flat = flat && !entry.is_structured();
-  if (!json.is_structured() || json.empty()) return json.dump();
-  const std::string inner(static_cast<std::size_t>(indent) + 2, ' ');
-  std::string text = array ? "[" : "{";
+  const bool one_line =
+      (array || in_array) && std::none_of(json.begin(), json.end(),
+                                          [](const Json& entry) { return entry.is_structured(); });
+  text.push_back(array ? '[' : '{');
   bool first = true;
   for (const auto& [key, value] : json.items()) {
-    if (!first) text += array && flat ? ", " : ",";
+    if (!first) text.append(one_line ? ", " : ",");
     first = false;
-    if (!(array && flat)) text += "\n" + inner;
-    if (!array) text += Json(key).dump() + ": ";
-    text += readable(value, indent + 2);
+    if (!one_line) text.append(1, '\n').append(indent + 2, ' ');
+    if (!array) text.append(Json(key).dump()).append(": ");
+    append_readable(value, indent + 2, array, text);
   }
-  if (!(array && flat)) text += "\n" + std::string(static_cast<std::size_t>(indent), ' ');
-  return text + (array ? "]" : "}");
+  if (!one_line) text.append(1, '\n').append(indent, ' ');
+  text.push_back(array ? ']' : '}');
+}
+
+/// Text of a JSON value with two blanks of indent. Arrays of plain values, and plain objects in an
+/// array, stand on one line, so that a matrix stands row under row.
+inline std::string readable(const Json& json) {
+  std::string text;
+  append_readable(json, 0, false, text);
+  return text;
 }
 
 }  // namespace quadtune::internal

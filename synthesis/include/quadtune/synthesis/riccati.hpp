@@ -36,7 +36,7 @@ enum class RiccatiEvidence {
 /// What the equation is solved for: only the words of the culprit depend on it.
 enum class RiccatiProblem {
   regulator,  ///< "cannot be steered", "is not seen by Q"
-  filter,     ///< on (Aᵀ, Cᵀ): "cannot be seen by the measurements", "is not driven by the noise"
+  filter,  ///< on (Aᵀ, Cᵀ): "cannot be seen by the measurements", "is not driven by the noise"
 };
 
 /// How hard the solver tries. The defaults suit 1 ≤ nx ≤ 200.
@@ -66,7 +66,7 @@ struct RiccatiResult {
   int iterations = 0;       ///< doubling steps; 0 when the Schur method gave the answer
   bool used_schur = false;  ///< doubling did not reach the tolerance
   std::string culprit;      ///< e.g. "mode at 0: y and vy cannot be steered"; empty when solved
-  std::string warning;      ///< e.g. "Q has eigenvalue -0.1, …"; empty when there is nothing to say
+  std::string warning;  ///< e.g. "Q has eigenvalue -0.1, …"; empty when there is nothing to say
 
   [[nodiscard]] bool solved() const { return status == RiccatiStatus::solved; }
 };
@@ -82,7 +82,8 @@ std::ostream& operator<<(std::ostream& out, const RiccatiResult& result);
 ///           RiccatiOptions::refuse_indefinite_Q
 /// @param R  (nu × nu) symmetric, > 0
 /// @param N  (nx × nu), or empty for zero
-/// @throws InvalidInput  for shapes, non-finite entries, asymmetry (with its size), an R that is not
+/// @throws InvalidInput  for shapes, non-finite entries, asymmetry (with its size), an R that is
+/// not
 ///                       > 0 (with the eigenvalue), options out of range.
 /// Source: doubling by Chu, Fan, Lin 2005; ordered Schur by Laub 1979; refinement by Kleinman 1968.
 [[nodiscard]] RiccatiResult care(const Eigen::Ref<const Eigen::MatrixXd>& A,

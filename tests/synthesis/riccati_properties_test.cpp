@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <cmath>
+
+#include "matrix_near.hpp"
+#include "quadtune/synthesis/riccati.hpp"
+#include "riccati_problems.hpp"
+
+namespace quadtune {
+namespace {
+
+using Eigen::MatrixXd;
+using testing::MatrixRelativelyNear;
+using testing::RiccatiCase;
+
+RiccatiResult solve(const RiccatiCase& c, bool discrete, const RiccatiOptions& options = {}) {
+  return discrete ? dare(c.A, c.B, c.Q, c.R, c.N, options) : care(c.A, c.B, c.Q, c.R, c.N, options);
+}
+
+/// What must hold of every solution, checked from its definition.
+void expect_stabilizing(const RiccatiCase& c, const RiccatiResult& r, bool discrete,
+                        double residual) {
+  ASSERT_TRUE(r.solved()) << r;
+  ASSERT_TRUE(r.X.allFinite() && r.K.allFinite());
+  EXPECT_EQ(r.X, r.X.transpose());
+  EXPECT_LE(testing::riccati_residual(c, r.X, discrete), residual) << r;
+  EXPECT_LE(r.residual, residual);
+  EXPECT_GT(r.rcond, 0);
+  EXPECT_LE(r.rcond, 1);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(r.X, Eigen::EigenvaluesOnly);
+  EXPECT_GE(eigen.eigenvalues()[0], -1e-13 * r.X.norm());
+  const Eigen::EigenSolver<MatrixXd> closed(c.A - c.B * r.K, false);
+  if (discrete)
+    EXPECT_LT(closed.eigenvalues().cwiseAbs().maxCoeff(), 1);
+  else
+    EXPECT_LT(closed.eigenvalues().real().maxCoeff(), 0);
+  ASSERT_EQ(r.poles.size(), c.A.rows());
+}
+
+class RandomPlants : public ::testing::TestWithParam<bool> {};
+
+TEST_P(RandomPlants, AreSolvedToRounding) {
+  const bool discrete = GetParam();
+  std::mt19937_64 random(2024);
+  for (Eigen::Index n = 1; n <= 50; ++n)
+    for (const Eigen::Index m : {Eigen::Index{1}, (n + 2) / 3, n}) {
+      SCOPED_TRACE(::testing::Message() << "n = " << n << ", m = " << m);
+      const RiccatiCase c = testing::random_case(n, m, discrete, n % 2 == 0, random);
+      const RiccatiResult r = solve(c, discrete);
+      expect_stabilizing(c, r, discrete, 1e-13);
+    }
+}
+
+// One doubling step is not enough, so that the Schur method must answer.
+TEST_P(RandomPlants, DoublingAgreesWithSchur) {
+  const bool discrete = GetParam();
+  std::mt19937_64 random(99);
+  for (const Eigen::Index n : {2, 5, 8, 12, 16, 21, 33, 50}) {
+    SCOPED_TRACE(n);
+    const RiccatiCase c = testing::random_case(n, (n + 2) / 3, discrete, n % 3 == 0, random);
+    RiccatiOptions one_step;
+    one_step.max_iterations = 1;
+    const RiccatiResult doubling = solve(c, discrete);
+    const RiccatiResult schur = solve(c, discrete, one_step);
+    expect_stabilizing(c, doubling, discrete, 1e-13);
+    expect_stabilizing(c, schur, discrete, 1e-12);
+    EXPECT_FALSE(doubling.used_schur);
+    EXPECT_TRUE(schur.used_schur);
+    EXPECT_THAT(doubling.X, MatrixRelativelyNear(schur.X, 1e-14 / schur.rcond));
+    EXPECT_NEAR(std::log(doubling.rcond / schur.rcond), 0, 1e-2);  // the same estimate, two ways
+  }
+}
+
+// x = T z: X becomes Tᵀ X T and K becomes K T.
+TEST_P(RandomPlants, ChangeOfStatesChangesXAlike) {
+  const bool discrete = GetParam();
+  std::mt19937_64 random(3);
+  for (const Eigen::Index n : {3, 7, 12, 30}) {
+    const RiccatiCase c = testing::random_case(n, 2, discrete, true, random);
+    const MatrixXd T = testing::random_matrix(n, n, random) + 5 * MatrixXd::Identity(n, n);
+    const Eigen::PartialPivLU<MatrixXd> lu(T);
+    RiccatiCase turned{lu.solve(c.A * T), lu.solve(c.B), T.transpose() * c.Q * T, c.R,
+                       T.transpose() * c.N};
+    turned.Q = (0.5 * (turned.Q + turned.Q.transpose())).eval();
+    const RiccatiResult one = solve(c, discrete);
+    const RiccatiResult other = solve(turned, discrete);
+    ASSERT_TRUE(one.solved() && other.solved());
+    EXPECT_THAT(other.X, MatrixRelativelyNear(T.transpose() * one.X * T, 1e-10));
+    EXPECT_THAT(other.K, MatrixRelativelyNear(one.K * T, 1e-10));
+  }
+}
+
+// Units are powers of two here, so nothing but the balancing may notice them.
+TEST_P(RandomPlants, UnitsDoNotMatter) {
+  const bool discrete = GetParam();
+  std::mt19937_64 random(8);
+  const RiccatiCase c = testing::random_case(10, 3, discrete, false, random);
+  Eigen::VectorXd units(10);
+  for (Eigen::Index i = 0; i < 10; ++i)
+    units[i] = std::ldexp(1.0, static_cast<int>(7 * i % 31) - 15);
+  const auto T = units.asDiagonal();
+  const auto T_inverse = units.cwiseInverse().asDiagonal();
+  const RiccatiCase other{T_inverse * c.A * T, T_inverse * c.B, T * c.Q * T, c.R};
+  const RiccatiResult one = solve(c, discrete);
+  const RiccatiResult two = solve(other, discrete);
+  ASSERT_TRUE(one.solved() && two.solved()) << one << "; " << two;
+  const MatrixXd back = T_inverse * two.X * T_inverse;
+  EXPECT_THAT(back, MatrixRelativelyNear(one.X, 1e-13));
+}
+
+INSTANTIATE_TEST_SUITE_P(Time, RandomPlants, ::testing::Bool(), [](const auto& time) {
+  return std::string(time.param ? "Discrete" : "Continuous");
+});
+
+// A 60 g quadrotor in SI units: Schur solvers without scaling leave 1e-8 here.
+TEST(RiccatiScaling, HoverInSiUnits) {
+  for (const double r : {1e-3, 1.0, 1e3, 1e6}) {
+    RiccatiCase continuous = testing::small_hover();
+    continuous.R *= r;
+    expect_stabilizing(continuous, solve(continuous, false), false, 1e-13);
+    RiccatiCase discrete = testing::small_hover_sampled(0.005);
+    discrete.R *= r;
+    expect_stabilizing(discrete, solve(discrete, true), true, 1e-13);
+  }
+}
+
+TEST(RiccatiScaling, WeightsFromMillionthsToMillions) {
+  std::mt19937_64 random(17);
+  std::uniform_real_distribution<double> exponent(-6, 6);
+  for (int k = 0; k < 40; ++k) {
+    RiccatiCase continuous = testing::small_hover();
+    RiccatiCase discrete = testing::small_hover_sampled(0.01);
+    for (Eigen::Index i = 0; i < 12; ++i)
+      continuous.Q(i, i) = discrete.Q(i, i) = std::pow(10, exponent(random));
+    for (Eigen::Index i = 0; i < 4; ++i)
+      continuous.R(i, i) = discrete.R(i, i) = std::pow(10, exponent(random) / 2);
+    SCOPED_TRACE(k);
+    expect_stabilizing(continuous, solve(continuous, false), false, 1e-13);
+    expect_stabilizing(discrete, solve(discrete, true), true, 1e-13);
+  }
+}
+
+// Four integrators in a row under one input: a stiff chain, pole range from the weights.
+TEST(RiccatiScaling, IntegratorChains) {
+  for (Eigen::Index n = 2; n <= 8; ++n)
+    for (const double weight : {1e-6, 1.0, 1e6}) {
+      RiccatiCase c{MatrixXd::Zero(n, n), MatrixXd::Zero(n, 1), MatrixXd::Zero(n, n),
+                    MatrixXd::Identity(1, 1)};
+      for (Eigen::Index i = 0; i + 1 < n; ++i) c.A(i, i + 1) = 1;
+      c.B(n - 1, 0) = 1;
+      c.Q(0, 0) = weight;  // Butterworth poles of radius weight^(1/2n)
+      const RiccatiResult r = solve(c, false);
+      expect_stabilizing(c, r, false, 1e-13);
+      const double radius = std::pow(weight, 0.5 / static_cast<double>(n));
+      for (const std::complex<double> pole : r.poles) EXPECT_NEAR(std::abs(pole) / radius, 1, 1e-9);
+    }
+}
+
+}  // namespace
+}  // namespace quadtune
