@@ -23,19 +23,20 @@ LinearizeOptions linearize_options(const LqrDesign& lqr) {
   return options;
 }
 
-/// Entry by entry over K and K_int.
+/// Entry by entry over K and K_int. Each row has its own unit, so it is its own scale.
 class DifferenceSearch {
  public:
-  explicit DifferenceSearch(double scale) : scale_(scale) {}
+  explicit DifferenceSearch(Eigen::VectorXd row_scale) : row_scale_(std::move(row_scale)) {}
 
   void add(const char* matrix, const Eigen::MatrixXd& published, const Eigen::MatrixXd& here,
            const std::vector<Signal>& rows, const std::vector<Signal>& columns) {
     for (Eigen::Index i = 0; i < published.rows(); ++i)
       for (Eigen::Index j = 0; j < published.cols(); ++j) {
+        const double scale = row_scale_(i);
         const double difference = std::abs(here(i, j) - published(i, j));
-        worst_.max_relative = std::max(worst_.max_relative, difference / scale_);
+        worst_.max_relative = std::max(worst_.max_relative, difference / scale);
         // Entries that are zero up to rounding carry no relative difference.
-        if (std::abs(published(i, j)) < 1e-9 * scale_) continue;
+        if (std::abs(published(i, j)) < 1e-9 * scale) continue;
         const double relative = difference / std::abs(published(i, j));
         if (relative <= worst_.max_entry) continue;
         worst_.max_entry = relative;
@@ -49,14 +50,14 @@ class DifferenceSearch {
   [[nodiscard]] const PublishedDifference& worst() const { return worst_; }
 
  private:
-  double scale_;
+  Eigen::VectorXd row_scale_;
   PublishedDifference worst_;
 };
 
 PublishedDifference compare(const PublishedGains& published, const Gains& gains) {
-  double scale = published.K.cwiseAbs().maxCoeff();
+  Eigen::VectorXd scale = published.K.cwiseAbs().rowwise().maxCoeff();
   if (published.K_int.size())
-    scale = std::max(scale, published.K_int.cwiseAbs().maxCoeff());
+    scale = scale.cwiseMax(published.K_int.cwiseAbs().rowwise().maxCoeff());
   DifferenceSearch search(scale);
   search.add("K", published.K, gains.K, gains.inputs, gains.states);
   if (published.K_int.size())
@@ -73,8 +74,7 @@ void solve_feedback(DesignOutcome& outcome) {
   if (!riccati.solved())
     throw NoSolution(fmt::format("{}: lqr: {}: {}", design.file.string(), to_string(riccati.status),
                                  riccati.culprit));
-  outcome.gains =
-      make_gains(design.vehicle, outcome.model, *design.lqr, *outcome.feedback);
+  outcome.gains = make_gains(design.vehicle, outcome.model, *design.lqr, *outcome.feedback);
   outcome.poles = flying_poles(outcome.model, *outcome.gains, riccati);
   if (design.lqr->dt > 0) outcome.sampled = discretize_zoh(outcome.model.plant, design.lqr->dt);
   if (design.published) outcome.published = compare(*design.published, *outcome.gains);
@@ -86,8 +86,8 @@ DesignedFilter solve_filter(const KalmanDesign& design, const std::string& where
   if (!result.evidence.solved())
     throw NoSolution(fmt::format("{}: kalman {}: {}: {}", where, design.name,
                                  to_string(result.evidence.status), result.evidence.culprit));
-  result.filter = {design.name, design.model,      design.G,          design.Q,
-                   design.R,    design.N,          result.evidence.M, result.evidence.L,
+  result.filter = {design.name,       design.model,     design.G,          design.Q,
+                   design.R,          design.N,         result.evidence.M, result.evidence.L,
                    result.evidence.P, result.evidence.Z};
   return result;
 }
@@ -180,6 +180,10 @@ DiscreteLti sampled_plant(const Vehicle& vehicle, const Gains& gains) {
   return discretize_zoh(linearize_or_refuse(vehicle, condition, options).plant, gains.dt);
 }
 
+std::vector<std::pair<std::string, std::string>> library_versions() {
+  return {{"tomlplusplus", QUADTUNE_TOMLPLUSPLUS_VERSION}, {"ceres", QUADTUNE_CERES_VERSION}};
+}
+
 ExportContent export_content(const DesignOutcome& outcome) {
   const Design& design = outcome.design;
   ExportContent content;
@@ -193,13 +197,17 @@ ExportContent export_content(const DesignOutcome& outcome) {
     content.Q.bottomRightCorner(ni, ni) = design.lqr->Q_integral;
     content.R = design.lqr->R;
     const RiccatiResult& riccati = outcome.feedback->riccati;
-    content.evidence = {to_string(design.lqr->method) + " LQR", to_string(riccati.status),
-                        riccati.residual, riccati.rcond, riccati.iterations, riccati.poles};
+    content.evidence = {to_string(design.lqr->method) + " LQR",
+                        to_string(riccati.status),
+                        riccati.residual,
+                        riccati.rcond,
+                        riccati.iterations,
+                        riccati.poles};
   }
   content.plant = outcome.sampled;
-  for (const DesignedFilter& designed : outcome.filters)
-    content.filters.push_back(designed.filter);
+  for (const DesignedFilter& designed : outcome.filters) content.filters.push_back(designed.filter);
   content.cascade = design.cascade;
+  content.versions = library_versions();
   content.inputs = {{design.file.filename().string(), design.text},
                     {design.vehicle.file.empty() ? design.vehicle.name + ".toml"
                                                  : design.vehicle.file.filename().string(),

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "quadtune/design.hpp"
@@ -19,7 +20,7 @@ namespace quadtune::cli {
 
 /// How far a gain is from the published one.
 struct PublishedDifference {
-  double max_relative = 0;  ///< largest |difference| over the largest published entry
+  double max_relative = 0;  ///< largest |difference| over its row's largest published entry
   double max_entry = 0;     ///< largest |difference| over its own published entry
   std::string worst;        ///< which entry that is, e.g. "K_int(w1, theta)"
   double published = 0;     ///< that entry, published
@@ -59,6 +60,9 @@ struct DesignOutcome {
 /// The plant of gains that came from elsewhere: the vehicle about the trim in gains.x0.
 /// @throws NoSolution  if the vehicle has no such trim.
 [[nodiscard]] DiscreteLti sampled_plant(const Vehicle& vehicle, const Gains& gains);
+
+/// Libraries that the gains come through, beside those that the exporters name: for the manifest.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> library_versions();
 
 /// What the exporters need.
 [[nodiscard]] ExportContent export_content(const DesignOutcome& outcome);

@@ -64,11 +64,15 @@ Json published_json(const PublishedDifference& difference, const PublishedGains&
 
 // --- text ----------------------------------------------------------------------------------------
 
+std::vector<std::string> signal_names(const std::vector<Signal>& signals) {
+  return names_or_numbers(signals, static_cast<Eigen::Index>(signals.size()));
+}
+
 std::string flight_text(const FlightCondition& condition) {
   std::string text = to_string(condition.kind);
   if (condition.kind != FlightKind::hover)
-    text += fmt::format(" at {} m/s, climb {} m/s", number(condition.speed),
-                        number(condition.climb));
+    text +=
+        fmt::format(" at {} m/s, climb {} m/s", number(condition.speed), number(condition.climb));
   if (condition.kind == FlightKind::circle)
     text += fmt::format(", radius {} m", number(condition.radius));
   return text + fmt::format(", yaw {} deg", number(condition.yaw * 180 / std::numbers::pi));
@@ -102,10 +106,6 @@ std::string problem_text(const DesignOutcome& outcome) {
           : fmt::format(" + K_int integral(x_sp - x) of {}", fmt::join(lqr.integrals, " ")));
 }
 
-std::vector<std::string> signal_names(const std::vector<Signal>& signals) {
-  return names_or_numbers(signals, static_cast<Eigen::Index>(signals.size()));
-}
-
 std::string evidence_text(const RiccatiResult& riccati) {
   return fmt::format("Riccati residual {:.2g}, reciprocal condition {:.2g}, {}", riccati.residual,
                      riccati.rcond,
@@ -115,7 +115,8 @@ std::string evidence_text(const RiccatiResult& riccati) {
 
 std::string published_text(const PublishedDifference& difference, const PublishedGains& published) {
   std::string text = fmt::format(
-      "{}\nlargest difference {:.2g} of the largest entry; of one entry {:.2g}, at {}: published "
+      "{}\nlargest difference {:.2g} of its row's largest entry; of one entry {:.2g}, at {}: "
+      "published "
       "{:.8g}, here {:.8g}",
       published.source, difference.max_relative, difference.max_entry, difference.worst,
       difference.published, difference.converged);
@@ -125,11 +126,10 @@ std::string published_text(const PublishedDifference& difference, const Publishe
 
 std::string filter_text(const DesignedFilter& designed) {
   const KalmanFilter& filter = designed.filter;
-  return fmt::format("{} ({}) from {}, {} ms: gain {}, residual {:.2g}", filter.name,
-                     names(filter.model.states), names(filter.model.outputs),
-                     number(filter.model.dt * 1e3),
-                     fmt::join(filter.M.reshaped().begin(), filter.M.reshaped().end(), " "),
-                     designed.evidence.residual);
+  return fmt::format(
+      "{}, {} ms, residual {:.2g}; filter gain M\n{}", filter.name, number(filter.model.dt * 1e3),
+      designed.evidence.residual,
+      table(filter.M, signal_names(filter.model.states), signal_names(filter.model.outputs)));
 }
 
 std::string feedback_text(const DesignOutcome& outcome) {
@@ -140,11 +140,10 @@ std::string feedback_text(const DesignOutcome& outcome) {
   if (gains.K_int.size())
     text += section("K_int", table(gains.K_int, inputs, signal_names(gains.integrals)));
   const double measure = stability_measure(outcome.poles, gains.dt);
-  text += section("closed loop", fmt::format("{} = {:.6g}: {}\n",
-                                             gains.dt > 0 ? "largest |z|" : "largest Re s", measure,
-                                             measure < (gains.dt > 0 ? 1 : 0) ? "stable"
-                                                                              : "UNSTABLE") +
-                                     pole_table(outcome.poles, gains.dt));
+  text += section("closed loop",
+                  fmt::format("{} = {:.6g}: {}\n", gains.dt > 0 ? "largest |z|" : "largest Re s",
+                              measure, measure < (gains.dt > 0 ? 1 : 0) ? "stable" : "UNSTABLE") +
+                      pole_table(outcome.poles, gains.dt));
   text += section("evidence", evidence_text(outcome.feedback->riccati));
   if (outcome.published)
     text += section("published", published_text(*outcome.published, *outcome.design.published));
@@ -161,8 +160,7 @@ std::string verification_text(const VerifyReport& report) {
 
 std::string written_text(const WrittenExport& written) {
   std::string files;
-  for (const ManifestFile& file : written.files)
-    files += (files.empty() ? "" : " ") + file.path;
+  for (const ManifestFile& file : written.files) files += (files.empty() ? "" : " ") + file.path;
   return fmt::format("{} for {}: {}\nread back: {}", written.directory, to_string(written.kind),
                      files, verification_text(written.verification));
 }
@@ -189,15 +187,14 @@ Json design_json(const DesignOutcome& outcome, const std::vector<WrittenExport>&
                   {"residual", internal::number_to_json(trim.residual, "residual")}};
   if (outcome.gains) json["lqr"] = lqr_json(outcome);
   json["kalman"] = Json::array();
-  for (const DesignedFilter& filter : outcome.filters) json["kalman"].push_back(filter_json(filter));
-  if (outcome.sampled)
-    json["discretization"] = {{"method", "zoh"}, {"dt", outcome.sampled->dt}};
-  if (outcome.published)
-    json["published"] = published_json(*outcome.published, *design.published);
+  for (const DesignedFilter& filter : outcome.filters)
+    json["kalman"].push_back(filter_json(filter));
+  if (outcome.sampled) json["discretization"] = {{"method", "zoh"}, {"dt", outcome.sampled->dt}};
+  if (outcome.published) json["published"] = published_json(*outcome.published, *design.published);
   json["exports"] = Json::array();
   for (const WrittenExport& one : written) {
-    Json entry = {{"to", to_string(one.kind)}, {"directory", one.directory},
-                  {"files", to_json(one.files)}};
+    Json entry = {
+        {"to", to_string(one.kind)}, {"directory", one.directory}, {"files", to_json(one.files)}};
     entry["verification"] = to_json(one.verification);
     json["exports"].push_back(entry);
   }
@@ -208,8 +205,7 @@ Json design_json(const DesignOutcome& outcome, const std::vector<WrittenExport>&
 std::string design_text(const DesignOutcome& outcome, const std::vector<WrittenExport>& written) {
   const Design& design = outcome.design;
   std::string text = section("design", design.name + ": " + design.description);
-  text += section("vehicle", fmt::format("{}, {} kg, {} rotors", design.vehicle.description,
-                                         number(design.vehicle.mass), design.vehicle.rotors.size()));
+  text += section("vehicle", design.vehicle.description);
   text += section("trim", trim_text(outcome));
   if (outcome.gains) text += feedback_text(outcome);
   for (const DesignedFilter& filter : outcome.filters)

@@ -37,10 +37,11 @@ void print_text(const GainsDiff& difference, Context& context) {
     context.out << "equal in every entry\n";
     return;
   }
-  context.out << fmt::format("{} entries differ, by {:.3g} at most (relative to their row's or "
-                             "column's largest)\n{:<8}{:<8}{:<10}{:>16}{:>16}{:>12}{:>10}\n",
-                             difference.entries.size(), difference.max_relative, "matrix", "input",
-                             "state", "A", "B", "B - A", "relative");
+  context.out << fmt::format(
+      "{} entries differ, by {:.3g} at most (relative to their row's or "
+      "column's largest)\n{:<8}{:<8}{:<10}{:>16}{:>16}{:>12}{:>10}\n",
+      difference.entries.size(), difference.max_relative, "matrix", "input", "state", "A", "B",
+      "B - A", "relative");
   for (std::size_t i = 0; i < std::min(kShown, difference.entries.size()); ++i) {
     const DiffEntry& entry = difference.entries[i];
     context.out << fmt::format("{:<8}{:<8}{:<10}{:>16.8g}{:>16.8g}{:>12.2g}{:>10.2g}\n",

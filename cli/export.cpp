@@ -27,18 +27,18 @@ struct Options {
 ExportContent read_content(const Options& options) {
   ExportContent content;
   content.gains = read_gains(options.source);
-  const std::string vehicle =
-      options.vehicle.empty() ? content.gains->vehicle : options.vehicle;
+  const std::string vehicle = options.vehicle.empty() ? content.gains->vehicle : options.vehicle;
   if (vehicle.empty())
-    throw UsageError("quadtune export: the gains do not say for which vehicle they are, expected "
-                     "--vehicle V");
+    throw UsageError(
+        "quadtune export: the gains do not say for which vehicle they are, expected "
+        "--vehicle V");
   content.vehicle = load_vehicle(vehicle);
   content.gains->vehicle = content.vehicle.name;
   const std::filesystem::path manifest = std::filesystem::path(options.source) / kManifestName;
   if (std::filesystem::exists(manifest)) content.evidence = read_manifest(options.source).evidence;
-  content.inputs = {{vehicle.ends_with(".toml")
-                         ? std::filesystem::path(vehicle).filename().string()
-                         : vehicle + ".toml",
+  content.versions = library_versions();
+  content.inputs = {{vehicle.ends_with(".toml") ? std::filesystem::path(vehicle).filename().string()
+                                                : vehicle + ".toml",
                      content.vehicle.text}};
   return content;
 }
@@ -46,11 +46,11 @@ ExportContent read_content(const Options& options) {
 bool is_design(const std::string& path) { return path.ends_with(".toml"); }
 
 ExportContent make_content(const Options& options, ExportKind kind) {
-  ExportContent content =
-      is_design(options.source) ? export_content(run_design(options.source)) : read_content(options);
+  ExportContent content = is_design(options.source) ? export_content(run_design(options.source))
+                                                    : read_content(options);
   if (content.gains && kind != ExportKind::json)
-    content.gains = in_convention(*content.gains,
-                                  convention(kind == ExportKind::uquad ? "uquad" : "mambo", "--to"));
+    content.gains = in_convention(
+        *content.gains, convention(kind == ExportKind::uquad ? "uquad" : "mambo", "--to"));
   if (content.gains && content.gains->dt > 0)
     content.plant = sampled_plant(content.vehicle, *content.gains);
   return content;
@@ -81,8 +81,8 @@ Verb export_verb() {
               if (options->source.empty() || options->to.empty() || options->directory.empty())
                 throw UsageError("quadtune export: expected a source, --to NAME and -o DIR");
               const ExportKind kind = export_kind(options->to, "--to");
-              const std::vector<ManifestFile> files = write_export(
-                  options->directory, kind, make_content(*options, kind), interrupted);
+              const std::vector<ManifestFile> files =
+                  write_export(options->directory, kind, make_content(*options, kind), interrupted);
               if (context.json) {
                 const internal::Json json = {{"files", to_json(files)}};
                 context.out << internal::readable(json) << "\n";

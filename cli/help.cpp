@@ -52,8 +52,8 @@ std::string overview() {
 }
 
 std::string usage(const Verb& verb) {
-  std::string text = fmt::format("usage: quadtune {} {}\n\n{}\n\noptions:\n", verb.name, verb.usage,
-                                 verb.summary);
+  std::string text =
+      fmt::format("usage: quadtune {} {}\n\n{}\n\noptions:\n", verb.name, verb.usage, verb.summary);
   for (const OptionText& option : option_texts(verb))
     text += option.names.size() > 26
                 ? fmt::format("  {}\n  {:<26} {}\n", option.names, "", option.description)
@@ -69,7 +69,8 @@ std::string escaped(std::string text) {
 
 std::string man_page() {
   std::string text = fmt::format(
-      ".TH QUADTUNE 1 \"\" \"quadtune {}\"\n.SH NAME\nquadtune \\- from a small multirotor's numbers "
+      ".TH QUADTUNE 1 \"\" \"quadtune {}\"\n.SH NAME\nquadtune \\- from a small multirotor's "
+      "numbers "
       "to gains that fly\n.SH SYNOPSIS\n.B quadtune\n.I COMMAND\n[options]\n.SH COMMANDS\n",
       kVersion);
   for (const Verb& verb : verbs()) {

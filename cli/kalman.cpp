@@ -31,12 +31,12 @@ void check(const Options& options, bool sampled) {
         "quadtune kalman: expected one of --discrete (A is discrete), --continuous, --sampled DT");
 }
 
-KalmanResult solve(const Options& options, bool sampled) {
-  const auto need = [](const std::string& path, const char* option) {
-    return require_matrix(path, "kalman", option);
+KalmanResult solve(const Options& options, bool sampled, std::istream& in) {
+  const auto need = [&in](const std::string& path, const char* option) {
+    return require_matrix(path, in, "kalman", option);
   };
-  const KalmanNoise noise = {read_matrix(options.G), need(options.Q, "--Q"),
-                             need(options.R, "--R"), read_matrix(options.N)};
+  const KalmanNoise noise = {read_matrix(options.G, in), need(options.Q, "--Q"), need(options.R, "--R"),
+                             read_matrix(options.N, in)};
   if (options.discrete) {
     DiscreteLti model;
     model.A = need(options.A, "--A");
@@ -80,42 +80,41 @@ void print(const KalmanResult& result, double dt, bool is_discrete, Context& con
 }  // namespace
 
 Verb kalman_verb() {
-  return {"kalman",
-          "--A FILE --C FILE --Q FILE --R FILE (--discrete | --continuous | --sampled DT)",
-          "design a steady-state Kalman filter",
-          "quadtune kalman --A docs/examples/A.txt --C docs/examples/C.txt --Q docs/examples/Q.txt "
-          "--R docs/examples/R.txt --sampled 0.01",
-          [](CLI::App& app) -> Action {
-            auto options = std::make_shared<Options>();
-            app.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
-            app.add_option("--G", options->G, "where the process noise enters (nx x nw); identity")
-                ->type_name("FILE");
-            app.add_option("--C", options->C, "measurements (ny x nx)")->type_name("FILE");
-            app.add_option("--Q", options->Q,
-                           "process noise: covariance per step, or density with --continuous and "
-                           "--sampled (nw x nw)")
-                ->type_name("FILE");
-            app.add_option("--R", options->R, "measurement noise, likewise (ny x ny)")
-                ->type_name("FILE");
-            app.add_option("--N", options->N, "cross-correlation (nw x ny); none")
-                ->type_name("FILE");
-            app.add_flag("--discrete", options->discrete, "A is discrete");
-            app.add_flag("--continuous", options->continuous, "A is continuous");
-            CLI::Option* dt = app.add_option("--sampled", options->sampled,
-                                             "sample the continuous model every DT seconds")
-                                  ->type_name("DT");
-            return [options, dt](Context& context) {
-              const bool sampled = dt->count() > 0;
-              check(*options, sampled);
-              if (sampled) require_positive(options->sampled, "kalman", "--sampled");
-              const KalmanResult result = solve(*options, sampled);
-              if (!result.solved())
-                throw NoSolution(
-                    fmt::format("kalman: {}: {}", to_string(result.status), result.culprit));
-              const bool is_discrete = !options->continuous;
-              print(result, sampled ? options->sampled : 1, is_discrete, context);
-            };
-          }};
+  return {
+      "kalman", "--A FILE --C FILE --Q FILE --R FILE (--discrete | --continuous | --sampled DT)",
+      "design a steady-state Kalman filter",
+      "quadtune kalman --A docs/examples/A.txt --C docs/examples/C.txt --Q docs/examples/Q.txt "
+      "--R docs/examples/R.txt --sampled 0.01",
+      [](CLI::App& app) -> Action {
+        auto options = std::make_shared<Options>();
+        app.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
+        app.add_option("--G", options->G, "where the process noise enters (nx x nw); identity")
+            ->type_name("FILE");
+        app.add_option("--C", options->C, "measurements (ny x nx)")->type_name("FILE");
+        app.add_option("--Q", options->Q,
+                       "process noise: covariance per step, or density with --continuous and "
+                       "--sampled (nw x nw)")
+            ->type_name("FILE");
+        app.add_option("--R", options->R, "measurement noise, likewise (ny x ny)")
+            ->type_name("FILE");
+        app.add_option("--N", options->N, "cross-correlation (nw x ny); none")->type_name("FILE");
+        app.add_flag("--discrete", options->discrete, "A is discrete");
+        app.add_flag("--continuous", options->continuous, "A is continuous");
+        CLI::Option* dt = app.add_option("--sampled", options->sampled,
+                                         "sample the continuous model every DT seconds")
+                              ->type_name("DT");
+        return [options, dt](Context& context) {
+          const bool sampled = dt->count() > 0;
+          check(*options, sampled);
+          if (sampled) require_positive(options->sampled, "kalman", "--sampled");
+          const KalmanResult result = solve(*options, sampled, context.in);
+          if (!result.solved())
+            throw NoSolution(
+                fmt::format("kalman: {}: {}", to_string(result.status), result.culprit));
+          const bool is_discrete = !options->continuous;
+          print(result, sampled ? options->sampled : 1, is_discrete, context);
+        };
+      }};
 }
 
 }  // namespace quadtune::cli

@@ -63,13 +63,13 @@ void run_matrices(const Options& options, bool sampled, Context& context) {
           static_cast<int>(sampled) >
       1)
     throw UsageError("quadtune lqr: expected one of --continuous, --discrete, --sampled DT");
-  const auto need = [](const std::string& path, const char* option) {
-    return require_matrix(path, "lqr", option);
+  const auto need = [&context](const std::string& path, const char* option) {
+    return require_matrix(path, context.in, "lqr", option);
   };
   if (sampled) require_positive(options.sampled, "lqr", "--sampled");
   const ContinuousLti plant = {need(options.A, "--A"), need(options.B, "--B"), {}, {}, {}, {}, {}};
   const LqrWeights weights = {need(options.Q, "--Q"), need(options.R, "--R"),
-                              read_matrix(options.N)};
+                              read_matrix(options.N, context.in)};
   RiccatiResult result;
   double dt = 0;
   if (options.discrete) {
@@ -104,12 +104,13 @@ void read_weights(const Options& options, LqrDesign& design) {
   for (const std::string& name : design.integrals) weighted.push_back("int_" + name);
   const Eigen::MatrixXd Q =
       diagonal_weights(options.Q.empty() ? "1" : options.Q, weighted.size(),
-               fmt::format("states: {}", fmt::join(weighted, " ")), "lqr", "--Q");
+                       fmt::format("states: {}", fmt::join(weighted, " ")), "lqr", "--Q");
   const auto nx = static_cast<Eigen::Index>(design.states.size());
   design.Q = Q.topLeftCorner(nx, nx);
   design.Q_integral = Q.bottomRightCorner(Q.rows() - nx, Q.rows() - nx);
-  design.R = diagonal_weights(options.R.empty() ? "1" : options.R, design.inputs.size(),
-                      fmt::format("inputs: {}", fmt::join(design.inputs, " ")), "lqr", "--R");
+  design.R =
+      diagonal_weights(options.R.empty() ? "1" : options.R, design.inputs.size(),
+                       fmt::format("inputs: {}", fmt::join(design.inputs, " ")), "lqr", "--R");
 }
 
 LqrDesign make_design(const Options& options, const Linearization& model) {
@@ -149,7 +150,8 @@ void run_vehicle(const Options& options, Context& context) {
   context.out << section("gain K", table(feedback.K, design.inputs, design.states));
   if (!design.integrals.empty())
     context.out << section("integral K", table(feedback.K_int, design.inputs, design.integrals));
-  context.out << section("poles", pole_table(flying_poles(plant.model, gains, feedback.riccati), design.dt))
+  context.out << section("poles",
+                         pole_table(flying_poles(plant.model, gains, feedback.riccati), design.dt))
               << section("evidence", evidence_text(feedback.riccati));
 }
 
@@ -189,8 +191,9 @@ Verb lqr_verb() {
             return [options, sampled](Context& context) {
               const bool has_vehicle = !options->plant.vehicle.empty();
               if (has_vehicle && any_matrix_option(*options))
-                throw UsageError("quadtune lqr: a vehicle and --A or --B came together, expected "
-                                 "one or the other");
+                throw UsageError(
+                    "quadtune lqr: a vehicle and --A or --B came together, expected "
+                    "one or the other");
               if (!has_vehicle && !any_matrix_option(*options))
                 throw UsageError("quadtune lqr: expected a vehicle, or --A, --B, --Q and --R");
               if (has_vehicle)

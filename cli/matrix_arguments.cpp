@@ -5,22 +5,28 @@
 
 #include <charconv>
 #include <cmath>
+#include <istream>
+#include <iterator>
 
 #include "program.hpp"
 #include "quadtune/text_matrix.hpp"
 
 namespace quadtune::cli {
 
-Eigen::MatrixXd read_matrix(const std::string& path) {
-  return path.empty() ? Eigen::MatrixXd() : read_text_matrix(path);
+Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in) {
+  if (path.empty()) return {};
+  if (path != "-") return read_text_matrix(path);
+  return parse_text_matrix(
+      std::string(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()),
+      "standard input");
 }
 
-Eigen::MatrixXd require_matrix(const std::string& path, const std::string& verb,
+Eigen::MatrixXd require_matrix(const std::string& path, std::istream& in, const std::string& verb,
                                const std::string& option) {
   if (path.empty())
     throw UsageError(
         fmt::format("quadtune {}: {} is missing, expected a matrix file", verb, option));
-  return read_text_matrix(path);
+  return read_matrix(path, in);
 }
 
 std::vector<std::string> word_list(const std::string& text) {
@@ -44,21 +50,21 @@ std::vector<double> number_list(const std::string& text, const std::string& verb
     const auto [stop, error] = std::from_chars(word.data(), end, value);
     if (error != std::errc() || stop != end || !std::isfinite(value))
       throw UsageError(fmt::format(
-          "quadtune {}: {}: '{}' is not a finite number, expected numbers separated by commas", verb,
-          option, word));
+          "quadtune {}: {}: '{}' is not a finite number, expected numbers separated by commas",
+          verb, option, word));
     numbers.push_back(value);
   }
   return numbers;
 }
 
-Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count, const std::string& what,
-                         const std::string& verb, const std::string& option) {
+Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count,
+                                 const std::string& what, const std::string& verb,
+                                 const std::string& option) {
   std::vector<double> numbers = number_list(text, verb, option);
   for (const double weight : numbers)
     if (weight < 0)
-      throw UsageError(
-          fmt::format("quadtune {}: {}: {} is negative, expected weights of 0 or more", verb, option,
-                      weight));
+      throw UsageError(fmt::format("quadtune {}: {}: {} is negative, expected weights of 0 or more",
+                                   verb, option, weight));
   if (numbers.size() == 1) numbers.assign(count, numbers[0]);
   if (numbers.size() != count)
     throw UsageError(fmt::format("quadtune {}: {} has {} entries, expected {} or one for all ({})",
@@ -69,9 +75,8 @@ Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count, con
 
 void require_positive(double value, const std::string& verb, const std::string& option) {
   if (!(value > 0) || !std::isfinite(value))
-    throw UsageError(
-        fmt::format("quadtune {}: {} is {}, expected a positive number of seconds", verb, option,
-                    value));
+    throw UsageError(fmt::format("quadtune {}: {} is {}, expected a positive number of seconds",
+                                 verb, option, value));
 }
 
 }  // namespace quadtune::cli

@@ -3,19 +3,20 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <iosfwd>
 #include <string>
 #include <vector>
 
 namespace quadtune::cli {
 
-/// Reads the file of an option; `-` is standard input. An option that was not given is an empty
+/// Reads the file of an option; `-` is `in`. An option that was not given is an empty
 /// matrix.
-[[nodiscard]] Eigen::MatrixXd read_matrix(const std::string& path);
+[[nodiscard]] Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in);
 
 /// Like read_matrix, for an option that must be there.
 /// @throws UsageError  "quadtune lqr: --B is missing, expected a matrix file".
-[[nodiscard]] Eigen::MatrixXd require_matrix(const std::string& path, const std::string& verb,
-                                             const std::string& option);
+[[nodiscard]] Eigen::MatrixXd require_matrix(const std::string& path, std::istream& in,
+                                             const std::string& verb, const std::string& option);
 
 /// "1,1,1e3" as numbers.
 /// @throws UsageError  naming the option and the word that is not a finite number.
@@ -27,8 +28,8 @@ namespace quadtune::cli {
 /// @throws UsageError  naming the option, how many came and how many were expected, or
 ///                     the weight that is negative.
 [[nodiscard]] Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count,
-                                       const std::string& what, const std::string& verb,
-                                       const std::string& option);
+                                               const std::string& what, const std::string& verb,
+                                               const std::string& option);
 
 /// "x,y,z" as words; an empty text has none.
 [[nodiscard]] std::vector<std::string> word_list(const std::string& text);

@@ -30,8 +30,8 @@ Linearization linearize_or_refuse(const Vehicle& vehicle, const FlightCondition&
                                   const LinearizeOptions& options) {
   Linearization model = linearize(vehicle, condition, options);
   if (!model.solved())
-    throw NoSolution(vehicle.name + ": no " + to_string(condition.kind) + " trim: " +
-                     model.trim.culprit);
+    throw NoSolution(vehicle.name + ": no " + to_string(condition.kind) +
+                     " trim: " + model.trim.culprit);
   return model;
 }
 

@@ -74,9 +74,9 @@ std::string pole_table(const Eigen::VectorXcd& poles, double dt) {
   std::string text = fmt::format("{:<24}{:>12}{:>10}{:>16}", dt > 0 ? "pole z" : "pole [1/s]",
                                  "wn [rad/s]", "damping", "time const [s]");
   for (const Row& row : rows) {
-    const std::string pole = row.pole.imag() > 0
-                                 ? fmt::format("{:.6g} +- {:.6g}i", row.pole.real(), row.pole.imag())
-                                 : fmt::format("{:.6g}", row.pole.real());
+    const std::string pole =
+        row.pole.imag() > 0 ? fmt::format("{:.6g} +- {:.6g}i", row.pole.real(), row.pole.imag())
+                            : fmt::format("{:.6g}", row.pole.real());
     const double wn = std::abs(row.s);
     text += fmt::format("\n{:<24}{:>12.4g}{:>10.3f}{:>16.4g}", pole, wn,
                         wn > 0 ? -row.s.real() / wn : 0.0, -1 / row.s.real());

@@ -58,13 +58,12 @@ Json vehicle_json(const Vehicle& vehicle) {
   json["air_density_kg_m3"] = vehicle.air_density;
   json["drag"] = {{"cda_m2", internal::vector_to_json(vehicle.drag.cda, "cda")},
                   {"linear_N_s_m", internal::vector_to_json(vehicle.drag.linear, "linear")}};
-  json["motor"] = {
-      {"law", vehicle.motor.law == CommandLaw::speed ? "speed" : "speed-squared"},
-      {"gain", vehicle.motor.gain},
-      {"unit", vehicle.motor.unit},
-      {"min", vehicle.motor.min},
-      {"max", vehicle.motor.max},
-      {"direction", vehicle.motor.direction}};
+  json["motor"] = {{"law", vehicle.motor.law == CommandLaw::speed ? "speed" : "speed-squared"},
+                   {"gain", vehicle.motor.gain},
+                   {"unit", vehicle.motor.unit},
+                   {"min", vehicle.motor.min},
+                   {"max", vehicle.motor.max},
+                   {"direction", vehicle.motor.direction}};
   json["takeoff_gain"] = vehicle.takeoff_gain;
   json["altitude_thrust_fraction"] = vehicle.altitude_thrust_fraction;
   json["airframe_height_m"] = known(vehicle.airframe_height);
@@ -72,10 +71,10 @@ Json vehicle_json(const Vehicle& vehicle) {
   json["rotors"] = Json::array();
   for (const Rotor& rotor : vehicle.rotors) json["rotors"].push_back(rotor_json(rotor));
   const TrimResult hover = trim(vehicle, FlightCondition{});
-  json["derived"] = {{"hover_speed_rad_s", known(hover_speed(hover))},
-                     {"thrust_to_weight",
-                      greatest_thrust(vehicle) / (vehicle.mass * vehicle.gravity)},
-                     {"can_hover", hover.solved()}};
+  json["derived"] = {
+      {"hover_speed_rad_s", known(hover_speed(hover))},
+      {"thrust_to_weight", greatest_thrust(vehicle) / (vehicle.mass * vehicle.gravity)},
+      {"can_hover", hover.solved()}};
   return json;
 }
 
@@ -84,12 +83,12 @@ std::string rotor_table(const Vehicle& vehicle) {
                                  "thrust [N]", "drag torque [N m]");
   for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
     const Rotor& rotor = vehicle.rotors[i];
-    text += fmt::format(
-        "\n{:<4}{:>26}  {:>4}{:>28}{:>28}", i + 1,
-        fmt::format("{:.4f} {:.4f} {:.4f}", rotor.position.x(), rotor.position.y(),
-                    rotor.position.z()),
-        spin_word(rotor.spin), fmt::format("{:.4g} w2 {:+.4g} w", rotor.thrust_a2, rotor.thrust_a1),
-        fmt::format("{:.4g} w2 {:+.4g} w", rotor.torque_d2, rotor.torque_d1));
+    text += fmt::format("\n{:<4}{:>26}  {:>4}{:>28}{:>28}", i + 1,
+                        fmt::format("{:.4f} {:.4f} {:.4f}", rotor.position.x(), rotor.position.y(),
+                                    rotor.position.z()),
+                        spin_word(rotor.spin),
+                        fmt::format("{:.4g} w2 {:+.4g} w", rotor.thrust_a2, rotor.thrust_a1),
+                        fmt::format("{:.4g} w2 {:+.4g} w", rotor.torque_d2, rotor.torque_d1));
   }
   return text;
 }
@@ -160,9 +159,9 @@ Verb vehicle_verb() {
             return [options](Context& context) {
               const std::string& action = options->action;
               if (action != "list" && action != "show" && action != "check")
-                throw UsageError(fmt::format(
-                    "quadtune vehicle: '{}', expected list, show V or check FILE{}", action,
-                    internal::did_you_mean(action, {"list", "show", "check"})));
+                throw UsageError(
+                    fmt::format("quadtune vehicle: '{}', expected list, show V or check FILE{}",
+                                action, internal::did_you_mean(action, {"list", "show", "check"})));
               if (action == "list") {
                 if (!options->vehicle.empty())
                   throw UsageError(fmt::format(

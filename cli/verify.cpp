@@ -27,9 +27,10 @@ std::optional<DiscreteLti> plant_of(const Manifest& manifest, const std::string&
     vehicle = load_vehicle(vehicle_name.empty() ? manifest.gains->vehicle : vehicle_name);
   } catch (const std::exception& error) {
     if (!vehicle_name.empty()) throw;
-    throw InvalidInput("verify", fmt::format("the manifest's vehicle '{}' is not built in, expected "
-                                             "its file by --vehicle FILE",
-                                             manifest.gains->vehicle));
+    throw InvalidInput("verify",
+                       fmt::format("the manifest's vehicle '{}' is not built in, expected "
+                                   "its file by --vehicle FILE",
+                                   manifest.gains->vehicle));
   }
   return sampled_plant(vehicle, *manifest.gains);
 }

@@ -47,7 +47,7 @@ bool within(double X2_norm, double X3_norm, double theta) {
 }
 
 // ‖e^(Ah)‖ below which squaring it loses less than squaring e^(Ah) - I.
-constexpr double kDecayed = 0.25;
+constexpr double kDecayed = 0.5;
 
 }  // namespace
 

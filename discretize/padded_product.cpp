@@ -25,9 +25,9 @@ using Vector [[gnu::vector_size(kVectorLength * sizeof(double)), gnu::may_alias]
 using Unaligned [[gnu::vector_size(kVectorLength * sizeof(double)), gnu::may_alias,
                   gnu::aligned(alignof(double))]] = double;
 
-[[gnu::always_inline]] inline Vector absolute(const Vector& v) {
+[[gnu::always_inline]] inline void add_absolute(const Vector& v, Vector& sum) {
   using Bits [[gnu::vector_size(sizeof(Vector))]] = std::int64_t;
-  return (Vector)((Bits)v & std::numeric_limits<std::int64_t>::max());  // all but the sign
+  sum += (Vector)((Bits)v & std::numeric_limits<std::int64_t>::max());  // all but the sign
 }
 
 // sum += a · b. Spelled out because -ffp-contract=off keeps the compiler from fusing it.
@@ -171,7 +171,7 @@ double norm(const double* M, std::ptrdiff_t rows, std::ptrdiff_t cols) {
   for (std::ptrdiff_t i = 0; i < rows; i += kVectorLength) {
     Vector sum = {};
     for (std::ptrdiff_t j = 0; j < cols; ++j) {
-      sum += absolute(vectors(M + i + j * rows)[0]);
+      add_absolute(vectors(M + i + j * rows)[0], sum);
     }
     largest = sum > largest ? sum : largest;
     total += sum;  // a comparison lets NaN pass, a sum does not

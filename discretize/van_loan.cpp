@@ -49,7 +49,7 @@ MatrixXd integrate(const MatrixXd& Z, const MatrixXd& Y, double T) {
     ++halvings;
   }
   const MatrixXd X = Z * h;
-  MatrixXd term = Y * h;
+  MatrixXd term = Y * h;  // stays symmetric: a matrix plus its own transpose
   MatrixXd W = term;
   for (int k = 1; k <= kTerms; ++k) {
     const MatrixXd half = term * X / (k + 1);
@@ -60,9 +60,10 @@ MatrixXd integrate(const MatrixXd& Z, const MatrixXd& Y, double T) {
   for (; halvings > 0; --halvings) {
     const MatrixXd WF = W * F;
     W = (2 * W + WF + WF.transpose() + F.transpose() * WF).eval();
+    W = (0.5 * (W + W.transpose())).eval();  // FᵀW = (WF)ᵀ only then; else asymmetry grows
     F = (2 * F + F * F).eval();
   }
-  return 0.5 * (W + W.transpose());
+  return W;
 }
 
 // Powers of two that bring the columns of B to the size of A: inputs in N m move a 60 g vehicle at

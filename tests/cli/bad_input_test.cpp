@@ -14,10 +14,10 @@
 namespace quadtune {
 namespace {
 
+using ::testing::HasSubstr;
 using testing::ProgramResult;
 using testing::run_program;
 using testing::TemporaryDirectory;
-using ::testing::HasSubstr;
 
 std::string read_source(const std::string& name) {
   std::ifstream file(std::string(QUADTUNE_SOURCE_DIR) + "/" + name);
@@ -88,38 +88,66 @@ std::string huge_matrix() {
 std::vector<Mistake> file_mistakes() {
   return {
       {"MissingFile", {"vehicle", "check", "@/none.toml"}, 5, {"none.toml", "No such file"}},
-      {"MissingMatrixFile", {"discretize", "--A", "@/none", "--B", "@/none", "--dt", "1"}, 5,
+      {"MissingMatrixFile",
+       {"discretize", "--A", "@/none", "--B", "@/none", "--dt", "1"},
+       5,
        {"none", "No such file"}},
       {"VehicleIsADirectory", {"vehicle", "check", "@"}, 5, {"directory"}},
       {"EmptyVehicle", {"vehicle", "check", "@/v.toml"}, 3, {"v.toml"}, {{"v.toml", ""}}},
-      {"BinaryVehicle", {"vehicle", "check", "@/v.toml"}, 3, {"v.toml"},
-       {{"v.toml", std::string("\x7f" "ELF\0\1\2\3", 8)}}},
-      {"HugeVehicle", {"vehicle", "check", "@/v.toml"}, 3, {"v.toml", "1048576"},
+      {"BinaryVehicle",
+       {"vehicle", "check", "@/v.toml"},
+       3,
+       {"v.toml"},
+       {{"v.toml", std::string("\x7f"
+                               "ELF\0\1\2\3",
+                               8)}}},
+      {"HugeVehicle",
+       {"vehicle", "check", "@/v.toml"},
+       3,
+       {"v.toml", "1048576"},
        {{"v.toml", std::string(2u << 20, '#')}}},
       matrix_mistake("EmptyMatrix", 3, {"A", "no numbers"}, {{"A", "# nothing\n"}}),
       matrix_mistake("HugeMatrix", 3, {"A", "16777216"}, {{"A", huge_matrix()}}),
-      {"OutputIsAFile", {"design", std::string(QUADTUNE_SOURCE_DIR) + "/designs/uquad-hover.toml", "-o", "@/taken"}, 5,
-       {"taken", "irectory"}, {{"taken", "a file\n"}}},
+      {"OutputIsAFile",
+       {"design", std::string(QUADTUNE_SOURCE_DIR) + "/designs/uquad-hover.toml", "-o", "@/taken"},
+       5,
+       {"taken", "irectory"},
+       {{"taken", "a file\n"}}},
       {"VerifyWithoutExport", {"verify", "@"}, 5, {"manifest.json"}},
   };
 }
 
 std::vector<Mistake> vehicle_mistakes() {
   return {
-      vehicle_mistake("UnknownKey", "mass_kg", "masss_kg", 3, {"v.toml:", "masss_kg", "did you mean 'mass_kg'"}),
+      vehicle_mistake("UnknownKey", "mass_kg", "masss_kg", 3,
+                      {"v.toml:", "masss_kg", "did you mean 'mass_kg'"}),
       vehicle_mistake("WrongUnit", "mass_kg", "mass_g", 3, {"v.toml:", "mass_g", "mass_kg"}),
       vehicle_mistake("MissingKey", "mass_kg = 0.063", "", 3, {"v.toml:", "mass_kg"}),
-      vehicle_mistake("DuplicateKey", "mass_kg = 0.063", "mass_kg = 0.063\nmass_kg = 0.1", 3, {"v.toml:", "mass_kg"}),
-      vehicle_mistake("StringForNumber", "mass_kg = 0.063", "mass_kg = \"0.063\"", 3, {"v.toml:", "mass_kg", "string"}),
-      vehicle_mistake("NegativeMass", "mass_kg = 0.063", "mass_kg = -0.063", 3, {"v.toml:", "mass", "-0.063"}),
+      vehicle_mistake("DuplicateKey", "mass_kg = 0.063", "mass_kg = 0.063\nmass_kg = 0.1", 3,
+                      {"v.toml:", "mass_kg"}),
+      vehicle_mistake("StringForNumber", "mass_kg = 0.063", "mass_kg = \"0.063\"", 3,
+                      {"v.toml:", "mass_kg", "string"}),
+      vehicle_mistake("NegativeMass", "mass_kg = 0.063", "mass_kg = -0.063", 3,
+                      {"v.toml:", "mass", "-0.063"}),
       vehicle_mistake("NanMass", "mass_kg = 0.063", "mass_kg = nan", 3, {"v.toml:", "mass", "nan"}),
       vehicle_mistake("DecimalComma", "mass_kg = 0.063", "mass_kg = 0,063", 3, {"v.toml:"}),
-      vehicle_mistake("InertiaNoBodyHas", "[5.82857e-5, 7.16914e-5, 1.0e-4]", "[1e-5, 1e-5, 9e-5]", 3, {"v.toml:", "inertia", "triangle"}),
-      vehicle_mistake("ZeroRotors", read_source("vehicles/mambo.toml").substr(read_source("vehicles/mambo.toml").find("# Arm of"), read_source("vehicles/mambo.toml").find("[motor]") - read_source("vehicles/mambo.toml").find("# Arm of")), "", 3, {"v.toml", "rotor"}),
-      {"CannotBalanceYaw", {"vehicle", "check", "@/v.toml"}, 3, {"v.toml", "yaw"},
-       {{"v.toml", [] {
+      vehicle_mistake("InertiaNoBodyHas", "[5.82857e-5, 7.16914e-5, 1.0e-4]", "[1e-5, 1e-5, 9e-5]",
+                      3, {"v.toml:", "inertia", "triangle"}),
+      vehicle_mistake("ZeroRotors",
+                      read_source("vehicles/mambo.toml")
+                          .substr(read_source("vehicles/mambo.toml").find("# Arm of"),
+                                  read_source("vehicles/mambo.toml").find("[motor]") -
+                                      read_source("vehicles/mambo.toml").find("# Arm of")),
+                      "", 3, {"v.toml", "rotor"}),
+      {"CannotBalanceYaw",
+       {"vehicle", "check", "@/v.toml"},
+       3,
+       {"v.toml", "yaw"},
+       {{"v.toml",
+         [] {
            std::string text = read_source("vehicles/mambo.toml");
-           for (std::size_t at; (at = text.find("\"ccw\"")) != std::string::npos;) text.replace(at, 5, "\"cw\"");
+           for (std::size_t at; (at = text.find("\"ccw\"")) != std::string::npos;)
+             text.replace(at, 5, "\"cw\"");
            return text;
          }()}}},
       vehicle_mistake("CannotHover", "mass_kg = 0.063", "mass_kg = 6.3", 4, {"v.toml", "short"}),
@@ -141,37 +169,67 @@ std::vector<Mistake> matrix_mistakes() {
       matrix_mistake("WordInMatrix", 3, {"A:1", "one"}, {{"A", "0 one\n0 0\n"}}),
       matrix_mistake("NegativeSampleTime", 2, {"--sampled is -0.01"}, {}, {"--sampled", "-0.01"}),
       matrix_mistake("ZeroSampleTime", 2, {"--sampled is 0"}, {}, {"--sampled", "0"}),
-      matrix_mistake("CannotBeSteered", 4, {"not stabilizable", "cannot be steered"}, {{"B", "1\n0\n"}}),
+      matrix_mistake("CannotBeSteered", 4, {"not stabilizable", "cannot be steered"},
+                     {{"B", "1\n0\n"}}),
       matrix_mistake("NotSeen", 4, {"not seen by Q"}, {{"Q", "0 0\n0 0\n"}}),
   };
 }
 
 std::vector<Mistake> design_mistakes() {
   return {
-      design_mistake("NegativeDesignSampleTime", "dt_s = 0.01", "dt_s = -0.01", 3, {"d.toml:", "dt_s", "-0.01"}),
+      design_mistake("NegativeDesignSampleTime", "dt_s = 0.01", "dt_s = -0.01", 3,
+                     {"d.toml:", "dt_s", "-0.01"}),
       design_mistake("UnknownState", "\"theta\"]", "\"thata\"]", 3, {"d.toml:", "thata", "theta"}),
-      design_mistake("UnknownVehicle", "vehicle = \"uquad\"", "vehicle = \"uqad\"", 3, {"d.toml:", "uqad", "uquad"}),
-      design_mistake("UnknownConvention", "convention = \"uquad\"", "convention = \"enu\"", 3, {"d.toml:", "enu", "ned"}),
+      design_mistake("UnknownVehicle", "vehicle = \"uquad\"", "vehicle = \"uqad\"", 3,
+                     {"d.toml:", "uqad", "uquad"}),
+      design_mistake("UnknownConvention", "convention = \"uquad\"", "convention = \"enu\"", 3,
+                     {"d.toml:", "enu", "ned"}),
   };
 }
 
 std::vector<Mistake> command_line_mistakes() {
   return {
-      {"UnknownVerb", {"synthesise"}, 2, {"quadtune: no command 'synthesise'", "did you mean 'lqr'?"}},
+      {"UnknownVerb",
+       {"synthesise"},
+       2,
+       {"quadtune: no command 'synthesise'", "did you mean 'lqr'?"}},
       {"MisspelledVerb", {"lineariz", "uquad"}, 2, {"did you mean 'linearize'?"}},
-      {"UnknownOption", {"linearize", "uquad", "--conventoin", "uquad"}, 2, {"--conventoin", "did you mean '--convention'?"}},
+      {"UnknownOption",
+       {"linearize", "uquad", "--conventoin", "uquad"},
+       2,
+       {"--conventoin", "did you mean '--convention'?"}},
       {"SurplusArgument", {"linearize", "uquad", "mambo"}, 2, {"unexpected argument 'mambo'"}},
       {"MissingVehicle", {"linearize"}, 2, {"expected a vehicle"}},
       {"UnknownBuiltIn", {"vehicle", "show", "manbo"}, 3, {"manbo", "mambo"}},
       {"WordForNumber", {"linearize", "uquad", "--yaw", "north"}, 2, {"--yaw", "north"}},
       {"UnknownFlight", {"linearize", "uquad", "--at", "loop"}, 3, {"--at", "loop", "hover"}},
-      {"UnknownStateInList", {"linearize", "uquad", "--states", "px,altitude"}, 3, {"altitude", "px"}},
-      {"WrongNumberOfWeights", {"lqr", "uquad", "--Q", "1,2,3"}, 2, {"--Q has 3 entries, expected 12"}},
+      {"UnknownStateInList",
+       {"linearize", "uquad", "--states", "px,altitude"},
+       3,
+       {"altitude", "px"}},
+      {"WrongNumberOfWeights",
+       {"lqr", "uquad", "--Q", "1,2,3"},
+       2,
+       {"--Q has 3 entries, expected 12"}},
       {"NegativeWeight", {"lqr", "uquad", "--Q", "-1"}, 2, {"--Q", "-1", "weights"}},
-      {"TooFast", {"linearize", "mambo", "--at", "circle", "--speed", "50", "--radius", "1"}, 4, {"mambo"}},
-      {"ZeroRadius", {"linearize", "mambo", "--at", "circle", "--speed", "1", "--radius", "0"}, 3, {"radius"}},
-      {"UnknownMethod", {"discretize", "--A", "@/A", "--B", "@/A", "--dt", "1", "--method", "tustn"}, 3, {"--method", "tustn", "tustin"}, {{"A", "1\n"}}},
-      {"TustinPole", {"discretize", "--A", "@/A", "--B", "@/B", "--dt", "1", "--method", "tustin"}, 3, {"pole", "2"}, {{"A", "2\n"}, {"B", "1\n"}}},
+      {"TooFast",
+       {"linearize", "mambo", "--at", "circle", "--speed", "50", "--radius", "1"},
+       4,
+       {"mambo"}},
+      {"ZeroRadius",
+       {"linearize", "mambo", "--at", "circle", "--speed", "1", "--radius", "0"},
+       3,
+       {"radius"}},
+      {"UnknownMethod",
+       {"discretize", "--A", "@/A", "--B", "@/A", "--dt", "1", "--method", "tustn"},
+       3,
+       {"--method", "tustn", "tustin"},
+       {{"A", "1\n"}}},
+      {"TustinPole",
+       {"discretize", "--A", "@/A", "--B", "@/B", "--dt", "1", "--method", "tustin"},
+       3,
+       {"pole", "2"},
+       {{"A", "2\n"}, {"B", "1\n"}}},
       {"VehicleAndMatrices", {"lqr", "uquad", "--A", "@/A"}, 2, {"one or the other"}},
   };
 }

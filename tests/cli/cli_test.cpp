@@ -18,12 +18,12 @@
 namespace quadtune {
 namespace {
 
+using ::testing::HasSubstr;
 using testing::MatrixNear;
 using testing::MatrixRelativelyNear;
 using testing::ProgramResult;
 using testing::run_program;
 using testing::TemporaryDirectory;
-using ::testing::HasSubstr;
 
 const std::string kSource = QUADTUNE_SOURCE_DIR;
 
@@ -92,8 +92,8 @@ TEST(Help, ListsEveryVerbAndEveryOption) {
 }
 
 TEST(Linearize, GivesThePublicHoverModelOfTheUquad) {
-  const internal::Json json = json_of({"linearize", "uquad", "--at", "hover", "--convention", "uquad",
-                                       "--inputs", "rotor-speed"});
+  const internal::Json json = json_of(
+      {"linearize", "uquad", "--at", "hover", "--convention", "uquad", "--inputs", "rotor-speed"});
   const ContinuousLti reference = testing::uquad_hover();
   EXPECT_THAT(matrix(json, "A"), MatrixNear(reference.A, 1e-12));
   EXPECT_THAT(matrix(json, "B"), MatrixRelativelyNear(reference.B, 1e-12));
@@ -107,7 +107,8 @@ TEST(Lqr, OfMatricesGivesKeysOfTheContract) {
   const std::string examples = kSource + "/docs/examples/";
   const internal::Json json = json_of({"lqr", "--A", examples + "A.txt", "--B", examples + "B.txt",
                                        "--Q", examples + "Q.txt", "--R", examples + "R.txt"});
-  for (const char* key : {"status", "K", "S", "poles", "residual", "rcond", "iterations", "culprit"})
+  for (const char* key :
+       {"status", "K", "S", "poles", "residual", "rcond", "iterations", "culprit"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_THAT(matrix(json, "S"), MatrixNear((Eigen::Matrix2d() << 2, 1, 1, 2).finished(), 1e-13));
 }
@@ -128,13 +129,13 @@ TEST(Lqr, OfTheUquadMatchesTheConvergedRow) {
                "--R", "0.01", "--method", "discrete", "--dt", "0.01"});
   Eigen::RowVectorXd row(12);
   row << -6.4229039009, 0, 4.9784193008, 0, -224.5832238898, -152.0766955622, -18.3121970818, 0,
-      13.3890015616, 0, -26.0617723279, -40.4123483715;
+      13.3890015616, 0, -26.0617723279, -40.4123480715;
   EXPECT_THAT(matrix(json, "K").row(0), MatrixNear(row, 1e-9));
 }
 
 TEST(Kalman, SampledKeepsTheMeaningOfDensities) {
   const std::string examples = kSource + "/docs/examples/";
-  const auto gain = [&](const char* dt) {
+  const auto gain = [&](const char* dt) -> Eigen::MatrixXd {
     return matrix(json_of({"kalman", "--A", examples + "A.txt", "--C", examples + "C.txt", "--Q",
                            examples + "Q.txt", "--R", examples + "R.txt", "--sampled", dt}),
                   "L") /
@@ -160,7 +161,8 @@ TEST(Vehicle, ShowsDerivedHoverSpeed) {
 class DesignTest : public ::testing::Test {
  protected:
   ProgramResult design(const std::string& name, const std::string& to) {
-    return run_program({"design", kSource + "/designs/" + name, "-o", (folder_.path() / to).string()});
+    return run_program(
+        {"design", kSource + "/designs/" + name, "-o", (folder_.path() / to).string()});
   }
   TemporaryDirectory folder_;
 };

@@ -15,6 +15,6 @@ namespace quadtune::testing {
 }  // namespace quadtune::testing
 
 /// Skips the test, saying why, when the reference data are absent.
-#define QUADTUNE_REQUIRE_DATA(variable)                                                   \
-  const std::filesystem::path variable = ::quadtune::testing::shared_data();              \
+#define QUADTUNE_REQUIRE_DATA(variable)                                      \
+  const std::filesystem::path variable = ::quadtune::testing::shared_data(); \
   if (variable.empty()) GTEST_SKIP() << "no reference data (set QUADTUNE_DATA to their folder)"

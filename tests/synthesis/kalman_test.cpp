@@ -15,9 +15,9 @@
 namespace quadtune {
 namespace {
 
+using ::testing::HasSubstr;
 using testing::MatrixNear;
 using testing::MatrixRelativelyNear;
-using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 Eigen::MatrixXd scalar(double value) { return Eigen::MatrixXd::Constant(1, 1, value); }
@@ -58,8 +58,7 @@ TEST(Kalman, MatchesEveryReferenceCase) {
     DiscreteLti model;
     model.A = matrix(c["A"]);
     model.C = matrix(c["C"]);
-    const KalmanResult result =
-        kalman(model, {matrix(c["G"]), matrix(c["Q"]), matrix(c["R"]), {}});
+    const KalmanResult result = kalman(model, {matrix(c["G"]), matrix(c["Q"]), matrix(c["R"]), {}});
     ASSERT_TRUE(result.solved()) << c["name"];
     const nlohmann::json& reference = c["reference50"];
     const auto near = [&](const char* name, const Eigen::MatrixXd& got) {
@@ -146,15 +145,17 @@ TEST(Kalman, SampledTendsToContinuous) {
 TEST(Kalman, NamesTheStateThatIsNotSeen) {
   DiscreteLti model = altitude_model();
   model.C = Eigen::RowVector2d(0, 1);  // velocity alone says nothing of height
-  const KalmanResult result =
-      kalman(model, {{}, Eigen::MatrixXd::Identity(2, 2), scalar(1), {}});
+  const KalmanResult result = kalman(model, {{}, Eigen::MatrixXd::Identity(2, 2), scalar(1), {}});
   EXPECT_EQ(result.status, RiccatiStatus::not_stabilizable);
   EXPECT_THAT(result.culprit, HasSubstr("z cannot be seen by the measurements"));
 }
 
 TEST(Kalman, RefusesBadCovariancesAndShapes) {
-  EXPECT_THAT([] { (void)kalman(altitude_model(), {{}, Eigen::MatrixXd::Identity(3, 3), scalar(1), {}}); },
-              ThrowsMessage<InvalidInput>(HasSubstr("Q is 3x3, expected 2x2 (G has 2 columns)")));
+  EXPECT_THAT(
+      [] {
+        (void)kalman(altitude_model(), {{}, Eigen::MatrixXd::Identity(3, 3), scalar(1), {}});
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("Q is 3x3, expected 2x2 (G has 2 columns)")));
   EXPECT_THAT(
       [] {
         (void)kalman(altitude_model(), {{}, Eigen::Vector2d(1, -1).asDiagonal(), scalar(1), {}});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quadtune/synthesis/lqr.hpp"
 
+#include <Eigen/Dense>
 #include <cmath>
 #include <numbers>
 
@@ -12,13 +13,14 @@
 namespace quadtune {
 namespace {
 
+using ::testing::HasSubstr;
 using testing::MatrixNear;
 using testing::MatrixRelativelyNear;
-using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 Eigen::MatrixXd diagonal(std::initializer_list<double> entries) {
-  return Eigen::Map<const Eigen::VectorXd>(entries.begin(), static_cast<Eigen::Index>(entries.size()))
+  return Eigen::Map<const Eigen::VectorXd>(entries.begin(),
+                                           static_cast<Eigen::Index>(entries.size()))
       .asDiagonal();
 }
 
@@ -48,21 +50,25 @@ TEST(Lqr, ScalarDiscreteIsTheGoldenRatio) {
   EXPECT_NEAR(result.K(0, 0), std::numbers::phi / (1 + std::numbers::phi), 1e-14);
 }
 
-// docs/uquad-gains.md: the problem behind the public K_full.txt, solved to convergence.
+// docs/uquad-gains.md: the problem behind the public K_full.txt, solved to convergence. The yaw
+// pair (theta, wqz) decouples; a 60-digit recursion of it alone gives -152.076695562187 and
+// -40.412348071476.
 TEST(Lqr, UquadHoverConvergedRow) {
   const DiscreteLti plant = discretize_zoh(testing::uquad_hover(), 0.01);
-  const RiccatiResult result =
-      lqr(plant, {diagonal({1, 1, 1, 1e3, 1e3, 1e3, 1, 1, 1, 1, 1, 1}), 0.01 * Eigen::MatrixXd::Identity(4, 4), {}});
+  const RiccatiResult result = lqr(plant, {diagonal({1, 1, 1, 1e3, 1e3, 1e3, 1, 1, 1, 1, 1, 1}),
+                                           0.01 * Eigen::MatrixXd::Identity(4, 4),
+                                           {}});
   ASSERT_TRUE(result.solved()) << result;
   Eigen::RowVectorXd row(12);
   row << -6.4229039009, 0, 4.9784193008, 0, -224.5832238898, -152.0766955622, -18.3121970818, 0,
-      13.3890015616, 0, -26.0617723279, -40.4123483715;
+      13.3890015616, 0, -26.0617723279, -40.4123480715;
   EXPECT_THAT(result.K.row(0), MatrixNear(row, 1e-9));
 }
 
 TEST(Lqr, SampledCostTendsToTheContinuousGain) {
   const ContinuousLti plant = testing::uquad_hover();
-  const LqrWeights weights = {Eigen::MatrixXd::Identity(12, 12), Eigen::MatrixXd::Identity(4, 4), {}};
+  const LqrWeights weights = {
+      Eigen::MatrixXd::Identity(12, 12), Eigen::MatrixXd::Identity(4, 4), {}};
   const Eigen::MatrixXd K = lqr(plant, weights).K;
   double previous = 0;
   for (const double dt : {4e-3, 2e-3, 1e-3}) {
@@ -91,20 +97,25 @@ TEST(Lqr, HoldingTheInputCosts) {
 
 TEST(WithIntegrals, AddsNamedStates) {
   const ContinuousLti plant = with_integrals(double_integrator(), {"y"});
-  EXPECT_THAT(plant.A, MatrixNear((Eigen::MatrixXd(3, 3) << 0, 1, 0, 0, 0, 0, 1, 0, 0).finished(), 0));
+  EXPECT_THAT(plant.A,
+              MatrixNear((Eigen::MatrixXd(3, 3) << 0, 1, 0, 0, 0, 0, 1, 0, 0).finished(), 0));
   EXPECT_EQ(names(plant.states), "y vy int_y");
   EXPECT_EQ(plant.states[2].unit, "m s");
-  const RiccatiResult result = lqr(plant, with_integral_weights({diagonal({1, 0}), diagonal({1}), {}},
-                                                                diagonal({1})));
+  const RiccatiResult result =
+      lqr(plant, with_integral_weights({diagonal({1, 0}), diagonal({1}), {}}, diagonal({1})));
   ASSERT_TRUE(result.solved()) << result;
   EXPECT_NEAR(result.K(0, 2), 1, 1e-13);  // k_i² r = q_i
 }
 
 TEST(WithIntegrals, RefuseUnknownAndRepeatedNames) {
-  EXPECT_THAT([] { (void)with_integrals(double_integrator(), {"vz"}); },
-              ThrowsMessage<InvalidInput>(HasSubstr("no state 'vz' to integrate, expected some of: y vy")));
-  EXPECT_THAT([] { (void)with_integrals(double_integrator(), {"y", "y"}); },
-              ThrowsMessage<InvalidInput>(HasSubstr("'y' is listed twice")));
+  EXPECT_THAT(
+      [] { (void)with_integrals(double_integrator(), {"vz"}); },
+      ThrowsMessage<InvalidInput>(HasSubstr("no state 'vz' to integrate, expected some of: y vy")));
+  EXPECT_THAT(
+      [] {
+        (void)with_integrals(double_integrator(), {"y", "y"});
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("'y' is listed twice")));
 }
 
 // ∫vy = y - y(0): the two cannot be steered apart.

@@ -30,8 +30,8 @@ System draw(std::mt19937_64& random, int number) {
   System system;
   system.discrete = number % 2 == 1;
   const Eigen::Index nx = 1 + number / 2 % 50;
-  const Eigen::Index nu = 1 + std::uniform_int_distribution<Eigen::Index>(0, std::max<Eigen::Index>(
-                                                                                0, nx / 2))(random);
+  const Eigen::Index nu =
+      1 + std::uniform_int_distribution<Eigen::Index>(0, std::max<Eigen::Index>(0, nx / 2))(random);
   system.A = matrix(nx, nx) / std::sqrt(static_cast<double>(nx));
   system.B = matrix(nx, nu);
   const Eigen::MatrixXd C = matrix(nx, nx) / std::sqrt(static_cast<double>(nx));
@@ -73,8 +73,8 @@ TEST(OctavePeer, GainsOfAThousandRandomSystemsAgree) {
     std::ofstream file(folder.path() / "systems.bin", std::ios::binary);
     append(file, Eigen::MatrixXd::Constant(1, 1, kCount));
     for (const System& s : systems) {
-      append(file, Eigen::Vector3d(static_cast<double>(s.A.rows()),
-                                   static_cast<double>(s.B.cols()), s.discrete ? 1 : 0));
+      append(file, Eigen::Vector3d(static_cast<double>(s.A.rows()), static_cast<double>(s.B.cols()),
+                                   s.discrete ? 1 : 0));
       for (const Eigen::MatrixXd* M : {&s.A, &s.B, &s.Q, &s.R}) append(file, *M);
     }
   }
@@ -89,8 +89,7 @@ TEST(OctavePeer, GainsOfAThousandRandomSystemsAgree) {
     gains.read(reinterpret_cast<char*>(theirs.data()),
                static_cast<std::streamsize>(sizeof(double)) * theirs.size());
     ASSERT_TRUE(gains) << "system " << i;
-    const RiccatiResult ours =
-        s.discrete ? dare(s.A, s.B, s.Q, s.R) : care(s.A, s.B, s.Q, s.R);
+    const RiccatiResult ours = s.discrete ? dare(s.A, s.B, s.Q, s.R) : care(s.A, s.B, s.Q, s.R);
     ASSERT_TRUE(ours.solved()) << "system " << i << ": " << ours;
     EXPECT_THAT(ours.K, MatrixRelativelyNear(theirs, 1e-9)) << "system " << i;
   }
