@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -133,19 +134,15 @@ class EigenOps {
     return speed.value();
   }
 
-  std::pair<double, double> residual_continuous(const Square& T, const Square& U, const Square& Q,
-                                                Square& out) const {
+  Residual residual_continuous(const Square& T, const Square& U, const Square& Q,
+                               Square& out) const {
     out = T + T.transpose() - U + Q;
-    const auto weigh = [this](const Square& M) { return weighted_norm(M); };
-    return {relative(weigh(out), 2 * weigh(T) + weigh(U) + weigh(Q)),
-            relative(out.norm(), 2 * T.norm() + U.norm() + Q.norm())};
+    return measure(out, {&T, &T, &U, &Q});
   }
-  std::pair<double, double> residual_discrete(const Square& T, const Square& X, const Square& U,
-                                              const Square& Q, Square& out) const {
+  Residual residual_discrete(const Square& T, const Square& X, const Square& U, const Square& Q,
+                             Square& out) const {
     out = T - X - U + Q;
-    const auto weigh = [this](const Square& M) { return weighted_norm(M); };
-    return {relative(weigh(out), weigh(T) + weigh(X) + weigh(U) + weigh(Q)),
-            relative(out.norm(), T.norm() + X.norm() + U.norm() + Q.norm())};
+    return measure(out, {&T, &X, &U, &Q});
   }
 
   void balance(const Square& A, const Square& G, const Square& Q) {
@@ -184,7 +181,22 @@ class EigenOps {
   }
 
  private:
-  static double relative(double size, double sum) { return size == 0 ? 0.0 : size / sum; }
+  [[nodiscard]] Residual measure(const Square& M, const std::array<const Square*, 4>& terms) const {
+    const auto weighted = [this](const Square& of) {
+      const double norm = weighted_norm(of);
+      return norm * norm;
+    };
+    Residual result;
+    std::array<double, 4> scaled_terms;
+    for (std::size_t t = 0; t < 4; ++t) {
+      result.squared_terms[t] = weighted(*terms[t]);
+      scaled_terms[t] = terms[t]->squaredNorm();
+    }
+    result.squared = weighted(M);
+    result.relative = relative_size(result.squared, result.squared_terms);
+    result.relative_scaled = relative_size(M.squaredNorm(), scaled_terms);
+    return result;
+  }
 
   Eigen::Index nx_;
   Eigen::Index nu_;

@@ -220,8 +220,7 @@ class FixedOps {
   }
 
   /// AᵀX + (AᵀX)ᵀ - U + Q, given T = AᵀX.
-  std::pair<double, double> residual_continuous(const Square& T, const Square& U, const Square& Q,
-                                                Square& out) {
+  Residual residual_continuous(const Square& T, const Square& U, const Square& Q, Square& out) {
     K::transpose(data(T), data(scratch_));
     return measure(out, [&](int i, V* term) {
       term[0] = K::load(at(T, i));
@@ -231,8 +230,8 @@ class FixedOps {
     });
   }
   /// T - X - U + Q, given T = AᵀXA.
-  std::pair<double, double> residual_discrete(const Square& T, const Square& X, const Square& U,
-                                              const Square& Q, Square& out) {
+  Residual residual_discrete(const Square& T, const Square& X, const Square& U, const Square& Q,
+                             Square& out) {
     return measure(out, [&](int i, V* term) {
       term[0] = K::load(at(T, i));
       term[1] = -K::load(at(X, i));
@@ -316,9 +315,9 @@ class FixedOps {
       for (int i = 0; i < rows; ++i) to->v[i * N + j] = p[j * stride + i];
   }
 
-  /// Sums four terms into `out`; returns ‖sum‖ / Σ‖term‖ in the caller's units and as scaled.
+  /// Sums four terms into `out`; measures the sum against them.
   template <class Terms>
-  std::pair<double, double> measure(Square& out, const Terms& terms) const {
+  Residual measure(Square& out, const Terms& terms) const {
     V scaled[5] = {};
     V original[5] = {};
     for (int i = 0; i < N; ++i) {
@@ -337,13 +336,16 @@ class FixedOps {
         }
       }
     }
-    const auto relative = [](const V(&squares)[5]) {
-      double sum = 0;
-      for (int t = 0; t < 4; ++t) sum += std::sqrt(total(squares[t]));
-      const double size = std::sqrt(total(squares[4]));
-      return size == 0 ? 0.0 : size / sum;
-    };
-    return {relative(original), relative(scaled)};
+    Residual result;
+    std::array<double, 4> scaled_terms;
+    for (std::size_t t = 0; t < 4; ++t) {
+      result.squared_terms[t] = total(original[t]);
+      scaled_terms[t] = total(scaled[t]);
+    }
+    result.squared = total(original[4]);
+    result.relative = relative_size(result.squared, result.squared_terms);
+    result.relative_scaled = relative_size(total(scaled[4]), scaled_terms);
+    return result;
   }
 
   int nx_;

@@ -87,8 +87,8 @@ KalmanResult kalman(const DiscreteLti& model, const KalmanNoise& noise) {
                                        mapped.GN, filter_options(model)));
   const Eigen::Index nx = model.A.rows();
   if (!result.solved()) {
-    result.M = Eigen::MatrixXd::Constant(nx, model.C.rows(),
-                                         std::numeric_limits<double>::quiet_NaN());
+    result.M =
+        Eigen::MatrixXd::Constant(nx, model.C.rows(), std::numeric_limits<double>::quiet_NaN());
     result.Z = result.P;
     return result;
   }
@@ -112,8 +112,9 @@ KalmanResult kalman(const ContinuousLti& model, const KalmanNoise& noise) {
 KalmanResult kalman_sampled(const ContinuousLti& model, const KalmanNoise& noise, double dt) {
   const StateNoise mapped = check_and_map(model, noise);
   if (noise.N.size() && noise.N.cwiseAbs().maxCoeff() > 0)
-    throw InvalidInput("kalman", "N is not zero, expected none with --sampled because white noise "
-                                 "held over a sample has no cross term of its own");
+    throw InvalidInput("kalman",
+                       "N is not zero, expected none with --sampled because white noise "
+                       "held over a sample has no cross term of its own");
   const SampledNoise sampled = sampled_noise(model.A, mapped.W, dt);
   DiscreteLti discrete;
   discrete.A = sampled.A;

@@ -24,12 +24,11 @@ Eigen::Index index_of(const std::vector<Signal>& states, const std::string& name
   const auto found = std::find_if(states.begin(), states.end(),
                                   [&](const Signal& state) { return state.name == name; });
   if (found != states.end()) return found - states.begin();
-  throw InvalidInput("with_integrals",
-                     fmt::format("no state '{}' to integrate, expected some of: {}{}", name,
-                                 names(states),
-                                 internal::did_you_mean(
-                                     name, names_or_numbers(states, static_cast<Eigen::Index>(
-                                                                        states.size())))));
+  throw InvalidInput(
+      "with_integrals",
+      fmt::format("no state '{}' to integrate, expected some of: {}{}", name, names(states),
+                  internal::did_you_mean(
+                      name, names_or_numbers(states, static_cast<Eigen::Index>(states.size())))));
 }
 
 }  // namespace

@@ -69,9 +69,12 @@ LyapunovResult solve(Time time, const internal::ConstRef& A, const internal::Con
     singular = !X.allFinite() || X.norm() * rounding * size > Q.norm();
   }
   if (singular) {
-    result.culprit = fmt::format(
-        "eigenvalues {} and {} of A {}", internal::format_number(worst.first),
-        internal::format_number(worst.second), continuous ? "add to 0" : "multiply to 1");
+    const auto text = [&](std::complex<double> value) {
+      const auto snap = [&](double x) { return std::abs(x) <= 10 * rounding * size ? 0.0 : x; };
+      return internal::format_number({snap(value.real()), snap(value.imag())});
+    };
+    result.culprit = fmt::format("eigenvalues {} and {} of A {}", text(worst.first),
+                                 text(worst.second), continuous ? "add to 0" : "multiply to 1");
     return result;
   }
   const Eigen::MatrixXd AX = A * X;

@@ -109,9 +109,7 @@ struct RiccatiSolver::State {
     if (options.refuse_indefinite_Q && !result.warning.empty())
       throw InvalidInput(internal::equation_name(problem.time), result.warning);
     const bool want_poles = options.evidence == RiccatiEvidence::full;
-    if (weight_R == WeightR::well_conditioned &&
-        doubling->solve(problem, buffers.factor_R, options, found) &&
-        residual_is_small(found, options)) {
+    if (weight_R == WeightR::well_conditioned && solve_by_doubling(problem)) {
       if (want_poles) result.poles = internal::closed_loop_poles(problem, found.K);
       if (!want_poles || internal::all_stable(problem.time, result.poles)) {
         succeed();
@@ -131,6 +129,14 @@ struct RiccatiSolver::State {
                     "{}x{}",
                     problem.A.rows(), problem.A.cols(), problem.B.rows(), problem.B.cols(), nx, nx,
                     nx, nu));
+  }
+
+  bool solve_by_doubling(const RiccatiEquation& problem) {
+    internal::SquaredNorms norms;
+    if (!doubling->solve(problem, buffers.factor_R, options, found, norms)) return false;
+    found.residual = norms.relative_residual();
+    found.rcond = norms.reciprocal_condition();
+    return residual_is_small(found, options);
   }
 
   void succeed() {

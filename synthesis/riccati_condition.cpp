@@ -4,16 +4,32 @@
 
 #include "lapack.hpp"
 #include "riccati_parts.hpp"
+#include "riccati_scaling.hpp"
 #include "schur_lyapunov.hpp"
 
 namespace quadtune::internal {
 
-double reciprocal_condition(double norm_A, double norm_G, double norm_Q, double norm_X, double h0,
-                            double h2) {
-  if (norm_X == 0) return 1;
-  const double sum = norm_Q * h0 + 2 * norm_A * std::sqrt(h0) * std::sqrt(h2) + norm_G * h2;
-  const double rcond = std::min(1.0, norm_X / sum);
-  return rcond > 0 ? rcond : std::numeric_limits<double>::min();  // also when the sum overflowed
+SquaredNorms& SquaredNorms::operator+=(const SquaredNorms& other) {
+  residual += other.residual;
+  for (std::size_t i = 0; i < terms.size(); ++i) terms[i] += other.terms[i];
+  A += other.A;
+  G += other.G;
+  Q += other.Q;
+  X += other.X;
+  h0 += other.h0;
+  h2 += other.h2;
+  return *this;
+}
+
+double SquaredNorms::relative_residual() const { return relative_size(residual, terms); }
+
+double SquaredNorms::reciprocal_condition() const {
+  if (X == 0) return 1;
+  const double condition = std::sqrt(Q) * std::sqrt(h0) +
+                           2 * std::sqrt(A) * std::pow(h0, 0.25) * std::pow(h2, 0.25) +
+                           std::sqrt(G) * std::sqrt(h2);
+  const double rcond = std::min(1.0, std::sqrt(X) / condition);
+  return rcond > 0 ? rcond : std::numeric_limits<double>::min();  // also when a sum overflowed
 }
 
 Eigen::VectorXcd closed_loop_poles(const RiccatiEquation& p, const Eigen::MatrixXd& K) {
@@ -43,11 +59,15 @@ Eigen::VectorXcd estimate_condition(const RiccatiEquation& p, Candidate& solutio
   const SchurLyapunov closed_loop(p.time, Ac);
   if (!closed_loop.ok()) return {};
   const MatrixXd XAc = p.time == Time::continuous ? solution.X : MatrixXd(solution.X * Ac);
-  const double h0 = closed_loop.solve_transposed(MatrixXd::Identity(n, n)).norm();
-  const double h2 = closed_loop.solve_transposed(XAc.transpose() * XAc).norm();
   const PlainProblem plain = without_cross_term(p);
-  solution.rcond = reciprocal_condition(plain.A.norm(), (plain.B * plain.B.transpose()).norm(),
-                                        plain.Q.norm(), solution.X.norm(), h0, h2);
+  SquaredNorms norms;
+  norms.A = plain.A.squaredNorm();
+  norms.G = (plain.B * plain.B.transpose()).squaredNorm();
+  norms.Q = plain.Q.squaredNorm();
+  norms.X = solution.X.squaredNorm();
+  norms.h0 = closed_loop.solve_transposed(MatrixXd::Identity(n, n)).squaredNorm();
+  norms.h2 = closed_loop.solve_transposed(XAc.transpose() * XAc).squaredNorm();
+  solution.rcond = norms.reciprocal_condition();
   return closed_loop.eigenvalues();
 }
 

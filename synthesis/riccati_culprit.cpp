@@ -45,7 +45,8 @@ Unreachable unreachable_part(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
 thread_local std::complex<double> wanted;
 thread_local double within;
 lapack_logical in_cluster(const double* real, const double* imaginary) {
-  return std::abs(std::complex<double>(*real, std::abs(*imaginary)) - wanted) <= within;
+  return std::abs(std::complex<double>(*real, std::abs(*imaginary)) - wanted) <= within ||
+         std::abs(std::complex<double>(*real, -std::abs(*imaginary)) - wanted) <= within;
 }
 
 /// A mode of `part` that must not be there, and the states that carry it.
@@ -59,17 +60,16 @@ double excess(Time time, std::complex<double> value) {
   return time == Time::continuous ? value.real() : std::abs(value) - 1;
 }
 
-/// The states with the largest entries in the invariant subspace of the cluster around
-/// `mode.value`.
-void name_states(const Unreachable& part, double width, const std::vector<std::string>& names,
-                 Mode& mode) {
+/// The states with the largest entries in the invariant subspace of the cluster around `member`.
+void name_states(const Unreachable& part, std::complex<double> member, double width,
+                 const std::vector<std::string>& names, Mode& mode) {
   const auto k = static_cast<lapack_int>(part.F.rows());
   Eigen::MatrixXd T = part.F.transpose();
   Eigen::MatrixXd U(k, k);
   Eigen::VectorXd real(k);
   Eigen::VectorXd imaginary(k);
   lapack_int chosen = 0;
-  wanted = {mode.value.real(), std::abs(mode.value.imag())};
+  wanted = {member.real(), std::abs(member.imag())};
   within = width;
   LAPACKE_dgees(LAPACK_COL_MAJOR, 'V', 'S', in_cluster, k, T.data(), k, &chosen, real.data(),
                 imaginary.data(), U.data(), k);
@@ -82,50 +82,66 @@ void name_states(const Unreachable& part, double width, const std::vector<std::s
                                           : names[static_cast<std::size_t>(i)]);
 }
 
-/// Looks for an eigenvalue of `part` on the boundary, or, with `beyond`, outside as well.
-Mode find_mode(Time time, const Unreachable& part, bool beyond, double boundary,
-               const std::vector<std::string>& names) {
-  Mode mode;
-  const auto k = static_cast<lapack_int>(part.F.rows());
-  if (k == 0) return mode;
-  const double size = time == Time::continuous ? part.size : 1.0;
-  Eigen::MatrixXd F = part.F;
+Eigen::VectorXcd eigenvalues_of(Eigen::MatrixXd F) {
+  const auto k = static_cast<lapack_int>(F.rows());
   Eigen::VectorXd real(k);
   Eigen::VectorXd imaginary(k);
   double unused = 0;
-  if (LAPACKE_dgeev(LAPACK_COL_MAJOR, 'N', 'N', k, F.data(), k, real.data(), imaginary.data(),
-                    &unused, 1, &unused, 1) != 0)
-    return mode;
+  if (k == 0 || LAPACKE_dgeev(LAPACK_COL_MAJOR, 'N', 'N', k, F.data(), k, real.data(),
+                              imaginary.data(), &unused, 1, &unused, 1) != 0)
+    return {};
+  Eigen::VectorXcd values(k);
+  values.real() = real;
+  values.imag() = imaginary;
+  return values;
+}
+
+/// Mean of the eigenvalues within `width` of value or, when that is near the real axis, of its
+/// conjugate: the mean of a multiple eigenvalue that rounding has scattered is far more exact than
+/// its members.
+std::complex<double> cluster_mean(const Eigen::VectorXcd& values, std::complex<double> value,
+                                  double width) {
+  std::complex<double> sum = 0;
+  double count = 0;
+  for (const std::complex<double>& other : values) {
+    if (std::abs(other - value) > width && std::abs(std::conj(other) - value) > width) continue;
+    sum += value.imag() < 0 ? std::complex<double>(other.real(), -std::abs(other.imag()))
+                            : std::complex<double>(other.real(), std::abs(other.imag()));
+    ++count;
+  }
+  const std::complex<double> mean = sum / count;
+  return std::abs(value.imag()) <= width ? std::complex<double>(mean.real(), 0) : mean;
+}
+
+/// Looks for an eigenvalue of `part` on the boundary, or, with `beyond`, outside as well.
+Mode find_mode(Time time, const Unreachable& part, bool beyond, double boundary,
+               const std::vector<std::string>& names) {
+  const double size = time == Time::continuous ? part.size : 1.0;
   const double near = boundary * size;
+  const double tight = std::max(100 * near, 1e-300);
+  const double wide = std::max(1e-3 * size, tight);
+  const Eigen::VectorXcd values = eigenvalues_of(part.F);
+  Mode mode;
+  std::complex<double> member;
+  double width = tight;
   double worst = -std::numeric_limits<double>::infinity();
-  for (Eigen::Index i = 0; i < k; ++i) {
-    const std::complex<double> value(real[i], imaginary[i]);
-    const double out = excess(time, value);
+  for (const std::complex<double>& value : values) {
+    const std::complex<double> mean = cluster_mean(values, value, wide);
+    const bool scattered = std::abs(excess(time, mean)) <= near;
+    const std::complex<double> judged = scattered ? mean : value;
+    const double out = excess(time, judged);
     if (out < -near || (!beyond && out > near) || out <= worst) continue;
     worst = out;
-    mode.value = value;
+    member = value;
+    width = scattered ? wide : tight;
+    mode.value = judged;
     mode.found = true;
   }
   if (!mode.found) return mode;
-  const double width = std::max(100 * near, 1e-300);
-  // The mean of a scattered cluster is far more exact than its members.
-  std::complex<double> sum = 0;
-  int count = 0;
-  for (Eigen::Index i = 0; i < k; ++i) {
-    const std::complex<double> value(real[i], std::abs(imaginary[i]));
-    if (std::abs(value - std::complex<double>(mode.value.real(), std::abs(mode.value.imag()))) >
-        width)
-      continue;
-    sum += value;
-    ++count;
-  }
-  name_states(part, width, names, mode);
-  mode.value = sum / static_cast<double>(count);
   const auto snap = [&](double x, double to) { return std::abs(x - to) <= 10 * near ? to : x; };
-  if (time == Time::continuous)
-    mode.value = {snap(mode.value.real(), 0), snap(mode.value.imag(), 0)};
-  else
-    mode.value = {snap(mode.value.real(), 1), snap(mode.value.imag(), 0)};
+  const double real = snap(mode.value.real(), time == Time::continuous ? 0 : 1);
+  mode.value = {real, snap(mode.value.imag(), 0)};
+  name_states(part, member, width, names, mode);
   return mode;
 }
 

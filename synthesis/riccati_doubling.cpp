@@ -6,7 +6,7 @@
 
 namespace quadtune::internal {
 
-std::unique_ptr<DoublingSolver> make_doubling_solver(Eigen::Index nx, Eigen::Index nu) {
+std::unique_ptr<DoublingSolver> make_dense_solver(Eigen::Index nx, Eigen::Index nu) {
   const Eigen::Index size = std::max(nx, nu);
   if (size <= 4) return std::make_unique<Doubling<FixedOps<4>>>(nx, nu);
   if (size <= 8) return std::make_unique<Doubling<FixedOps<8>>>(nx, nu);

@@ -11,6 +11,7 @@
 #include <cmath>
 
 #include "riccati_parts.hpp"
+#include "riccati_scaling.hpp"
 
 namespace quadtune::internal {
 
@@ -23,13 +24,13 @@ class Doubling final : public DoublingSolver {
   Doubling(Eigen::Index nx, Eigen::Index nu) : ops_(nx, nu) {}
 
   bool solve(const RiccatiEquation& problem, const Eigen::MatrixXd& factor_R,
-             const RiccatiOptions& options, Candidate& found) override {
+             const RiccatiOptions& options, Candidate& found, SquaredNorms& norms) override {
     load(problem, factor_R);
     const bool continuous = problem.time == Time::continuous;
     if (continuous && !start_continuous()) return false;
     if (!continuous) start_discrete();
     if (!iterate(options, found.iterations)) return false;
-    return polish(continuous, found);
+    return polish(continuous, found, norms);
   }
 
  private:
@@ -164,7 +165,7 @@ class Doubling final : public DoublingSolver {
   }
 
   /// Judges X = H; takes Newton steps while they pay; writes X, K and the residual back.
-  bool polish(bool continuous, Candidate& found) {
+  bool polish(bool continuous, Candidate& found, SquaredNorms& norms) {
     Residual now = residual(continuous);
     if (!std::isfinite(now.worst())) return false;
     for (int step = 0; step < kMaxNewtonSteps; ++step) {
@@ -182,19 +183,14 @@ class Doubling final : public DoublingSolver {
       now = then;
       if (!paid) break;
     }
-    if (!prove_stable(continuous, found.rcond)) return false;
-    found.residual = now.original;
+    norms = {};
+    norms.residual = now.squared;
+    norms.terms = now.squared_terms;
+    if (!prove_stable(continuous, norms)) return false;
     ops_.times_small(Y_, continuous ? Linv_ : Sinv_, Kt_);
     ops_.store_solution(H_, Kt_, found.X, found.K);
     return true;
   }
-
-  /// ‖residual‖ over the sum of the norms of the terms, in the caller's units and in scaled ones.
-  struct Residual {
-    double original;
-    double scaled;
-    [[nodiscard]] double worst() const { return std::max(original, scaled); }
-  };
 
   /// Leaves the residual matrix in residual_, Y_ with Y Yᵀ the quadratic term, and, for the
   /// discrete equation, B K's factor; all by the caller's data, scaled by exact powers of two.
@@ -206,19 +202,17 @@ class Doubling final : public DoublingSolver {
       if (cross_) ops_.add_panel(Y_, Ns_);
       ops_.multiply_transposed(A_, H_, T_);
       ops_.outer(Y_, Y_, U_);
-      const auto r = ops_.residual_continuous(T_, U_, Q_, residual_);
-      return {r.first, r.second};
+      return ops_.residual_continuous(T_, U_, Q_, residual_);
     }
     // S = R + BᵀXB, F = BᵀXA + Nᵀ, Y = Fᵀ L⁻ᵀ with L Lᵀ = S; residual = AᵀXA - X - Y Yᵀ + Q
-    if (!ops_.invert_inner(R_, B_, XB_, Sinv_)) return {kNaN_, kNaN_};
+    if (!ops_.invert_inner(R_, B_, XB_, Sinv_)) return {};
     ops_.panel_transposed(A_, XB_, Kt_);
     if (cross_) ops_.add_panel(Kt_, N_);
     ops_.times_small_transposed(Kt_, Sinv_, Y_);
     ops_.multiply(H_, A_, V_);
     ops_.multiply_transposed(A_, V_, T_);
     ops_.outer(Y_, Y_, U_);
-    const auto r = ops_.residual_discrete(T_, H_, U_, Q_, residual_);
-    return {r.first, r.second};
+    return ops_.residual_discrete(T_, H_, U_, Q_, residual_);
   }
 
   /// Leaves in E_ the closed loop A - B K, or, continuous, its Cayley transform I + 2γ F with
@@ -283,7 +277,7 @@ class Doubling final : public DoublingSolver {
 
   /// Proves X stabilizing, and from the same powers estimates the condition of the equation:
   /// Kenney and Hewer 1990 by the solutions for I and X² (discrete AcᵀX²Ac) in the caller's units.
-  bool prove_stable(bool continuous, double& rcond) {
+  bool prove_stable(bool continuous, SquaredNorms& norms) {
     if (!close_loop(continuous)) return false;
     ops_.squared_scales(next_);  // D I D
     ops_.divide_rows_twice(H_, T_);
@@ -299,16 +293,21 @@ class Doubling final : public DoublingSolver {
       double_sum(W_);
     });
     if (!stable) return false;
-    rcond = reciprocal_condition(norm_A_, norm_G_, norm_Q_, ops_.weighted_norm(H_),
-                                 ops_.weighted_norm(next_), ops_.weighted_norm(W_));
+    norms.A = squared(norm_A_);
+    norms.G = squared(norm_G_);
+    norms.Q = squared(norm_Q_);
+    norms.X = squared(ops_.weighted_norm(H_));
+    norms.h0 = squared(ops_.weighted_norm(next_));
+    norms.h2 = squared(ops_.weighted_norm(W_));
     return true;
   }
 
-  static constexpr double kNaN_ = std::numeric_limits<double>::quiet_NaN();
+  static double squared(double x) { return x * x; }
+
   static constexpr double kGoodCondition = 1e6;
   static constexpr double kStands = 1e-9;
   static constexpr double kWorthRefining = 4e-15;
-  static constexpr int kMaxNewtonSteps = 3;
+  static constexpr int kMaxNewtonSteps = 8;
   static constexpr int kMaxSquarings = 45;
 
   Ops ops_;

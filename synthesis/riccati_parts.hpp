@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <complex>
 #include <limits>
 #include <memory>
@@ -58,19 +59,42 @@ struct Candidate {
   int iterations = 0;
 };
 
+/// Squared Frobenius norms from which residual and rcond follow, in the caller's units. Those of a
+/// problem that falls into parts are the sums over its parts.
+struct SquaredNorms {
+  double residual = 0;
+  std::array<double, 4> terms{};  ///< of the equation
+  double A = 0, G = 0, Q = 0, X = 0;
+  double h0 = 0;  ///< solution of the closed loop's Lyapunov equation for I
+  double h2 = 0;  ///< the same for X², discrete AcᵀX²Ac
+
+  SquaredNorms& operator+=(const SquaredNorms& other);
+  /// ‖residual‖ over the sum of the norms of the terms.
+  [[nodiscard]] double relative_residual() const;
+  /// By Kenney and Hewer 1990, upper bound of the condition:
+  /// (‖Q‖ h₀ + 2 ‖A‖ √(h₀ h₂) + ‖G‖ h₂) / ‖X‖.
+  [[nodiscard]] double reciprocal_condition() const;
+};
+
 /// Solves by structure-preserving doubling. Owns all its memory: solve() does not allocate.
 class DoublingSolver {
  public:
   virtual ~DoublingSolver() = default;
 
   /// @param factor_R  Cholesky factor of R in its lower triangle.
-  /// @return          true when X is symmetric, proved stabilizing and `residual` is that of X;
-  ///                  false leaves `found` unusable.
+  /// @param norms     out, complete
+  /// @return          true when X is symmetric and proved stabilizing; `found` then holds X, K and
+  ///                  the number of steps, but neither residual nor rcond.
   virtual bool solve(const RiccatiEquation& problem, const Eigen::MatrixXd& factor_R,
-                     const RiccatiOptions& options, Candidate& found) = 0;
+                     const RiccatiOptions& options, Candidate& found, SquaredNorms& norms) = 0;
 };
 
 /// The kernels of fixed size where there are some, Eigen's above.
+[[nodiscard]] std::unique_ptr<DoublingSolver> make_dense_solver(Eigen::Index nx, Eigen::Index nu);
+
+/// The same, but a problem whose states and inputs fall into groups that do not know of one another
+/// (as a hovering vehicle's do) is solved group by group, each with its own scaling and γ. A
+/// grouping that was not met before allocates.
 [[nodiscard]] std::unique_ptr<DoublingSolver> make_doubling_solver(Eigen::Index nx,
                                                                    Eigen::Index nu);
 
@@ -112,12 +136,6 @@ struct PlainProblem {
 /// Scale of each state (powers of two) that levels A, B Bᵀ and Q against one another; x = D z.
 [[nodiscard]] Eigen::VectorXd balancing(const Eigen::MatrixXd& A, const Eigen::MatrixXd& G,
                                         const Eigen::MatrixXd& Q);
-
-/// Reciprocal condition of the equation by Kenney and Hewer 1990, upper bound of the condition:
-/// (‖Q‖ h₀ + 2 ‖A‖ √(h₀ h₂) + ‖G‖ h₂) / ‖X‖, where h₀ and h₂ are the norms of the solutions of the
-/// closed loop's Lyapunov equation for I and for X² (discrete AcᵀX²Ac).
-[[nodiscard]] double reciprocal_condition(double norm_A, double norm_G, double norm_Q,
-                                          double norm_X, double h0, double h2);
 
 /// Eigenvalues of A - B K, balanced first. Empty when LAPACK's QR iteration did not end.
 [[nodiscard]] Eigen::VectorXcd closed_loop_poles(const RiccatiEquation& problem,

@@ -4,7 +4,9 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 namespace quadtune::internal {
 
@@ -52,6 +54,25 @@ void level_scales(const double* rows, const double* columns, const double* G, co
       changed = true;
     }
   }
+}
+
+/// The measures of a residual matrix: squared norms in the caller's units, and relative to the
+/// terms in those units and in the scaled ones. A default one is that of no solution.
+struct Residual {
+  double squared = std::numeric_limits<double>::quiet_NaN();
+  std::array<double, 4> squared_terms{};
+  double relative = std::numeric_limits<double>::quiet_NaN();
+  double relative_scaled = std::numeric_limits<double>::quiet_NaN();
+
+  [[nodiscard]] double worst() const { return std::max(relative, relative_scaled); }
+};
+
+/// √squared over the sum of the roots of `terms`.
+inline double relative_size(double squared, const std::array<double, 4>& terms) {
+  if (squared == 0) return 0;
+  double sum = 0;
+  for (const double term : terms) sum += std::sqrt(term);
+  return std::sqrt(squared) / sum;
 }
 
 /// Collects a speed γ [1/s] for the Cayley transform, near √(slowest · fastest closed-loop pole),

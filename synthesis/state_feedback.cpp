@@ -30,8 +30,8 @@ RiccatiResult solve(const ContinuousLti& augmented, const LqrWeights& weights, L
 
 StateFeedback state_feedback(const ContinuousLti& plant, const LqrDesign& design) {
   if (design.method != LqrMethod::continuous && !(design.dt > 0))
-    throw InvalidInput("state_feedback", fmt::format("dt is {} s, expected a positive number",
-                                                     design.dt));
+    throw InvalidInput("state_feedback",
+                       fmt::format("dt is {} s, expected a positive number", design.dt));
   const ContinuousLti augmented = with_integrals(plant, design.integrals);
   LqrWeights weights = {design.Q, design.R, {}};
   if (!design.integrals.empty()) weights = with_integral_weights(weights, design.Q_integral);

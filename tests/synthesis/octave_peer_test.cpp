@@ -21,7 +21,8 @@ struct System {
   Eigen::MatrixXd A, B, Q, R;
 };
 
-/// Well-conditioned: eigenvalues of A spread over both sides of the boundary, weights of order one.
+/// Well-conditioned: a tenth of the eigenvalues of A lie beyond the boundary, an input for every
+/// two to four states, weights of order one.
 System draw(std::mt19937_64& random, int number) {
   std::normal_distribution<double> normal;
   const auto matrix = [&](Eigen::Index rows, Eigen::Index cols) {
@@ -31,8 +32,13 @@ System draw(std::mt19937_64& random, int number) {
   system.discrete = number % 2 == 1;
   const Eigen::Index nx = 1 + number / 2 % 50;
   const Eigen::Index nu =
-      1 + std::uniform_int_distribution<Eigen::Index>(0, std::max<Eigen::Index>(0, nx / 2))(random);
+      std::uniform_int_distribution<Eigen::Index>((nx + 3) / 4, (nx + 1) / 2)(random);
+  // Girko's disk: eigenvalues of matrix(nx, nx) / sqrt(nx) fill the unit disk.
   system.A = matrix(nx, nx) / std::sqrt(static_cast<double>(nx));
+  if (system.discrete)
+    system.A *= 1.05;
+  else
+    system.A.diagonal().array() -= 0.7;
   system.B = matrix(nx, nu);
   const Eigen::MatrixXd C = matrix(nx, nx) / std::sqrt(static_cast<double>(nx));
   system.Q = C.transpose() * C + Eigen::MatrixXd::Identity(nx, nx);
