@@ -42,6 +42,9 @@ struct Mistake {
   std::vector<std::pair<std::string, std::string>> files = {};
 };
 
+/// What Google Test and CTest call a case.
+void PrintTo(const Mistake& mistake, std::ostream* out) { *out << mistake.name; }
+
 std::string mambo_with(const std::string& from, const std::string& to) {
   return replaced(read_source("vehicles/mambo.toml"), from, to);
 }
