@@ -33,10 +33,13 @@ std::string library_of(const char* symbol) {
   return realpath(info.dli_fname, resolved) ? resolved : info.dli_fname;
 }
 
-std::string openblas_configuration() {
+std::string blas() {
   using Get = const char* (*)();
+  const std::string library = library_of("dgemm_");
   const auto get = reinterpret_cast<Get>(dlsym(RTLD_DEFAULT, "openblas_get_config"));
-  return get ? fmt::format(" ({})", get()) : "";
+  // OpenBLAS may be loaded for somebody else while the calls go elsewhere.
+  const bool is_openblas = get && library.find("openblas") != std::string::npos;
+  return is_openblas ? fmt::format("{} ({})", library, get()) : library;
 }
 
 std::string lapack_version() {
@@ -54,7 +57,7 @@ std::string describe_machine() {
       "machine:  {}, {} logical processors\n"
       "compiler: {} {}\n"
       "Eigen:    {}.{}.{}, {} in the benchmark program\n"
-      "BLAS:     {}{}\n"
+      "BLAS:     {}\n"
       "LAPACK:   {} in {}\n"
 #ifdef QUADTUNE_WITH_SLICOT
       "SLICOT:   {}\n",
@@ -68,8 +71,7 @@ std::string describe_machine() {
       "gcc", __VERSION__,
 #endif
       EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION,
-      Eigen::SimdInstructionSetsInUse(), library_of("dgemm_"), openblas_configuration(),
-      lapack_version(), library_of("dgees_"),
+      Eigen::SimdInstructionSetsInUse(), blas(), lapack_version(), library_of("dgees_"),
 #ifdef QUADTUNE_WITH_SLICOT
       library_of("sb02md_")
 #else

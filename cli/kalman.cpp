@@ -35,8 +35,8 @@ KalmanResult solve(const Options& options, bool sampled, std::istream& in) {
   const auto need = [&in](const std::string& path, const char* option) {
     return require_matrix(path, in, "kalman", option);
   };
-  const KalmanNoise noise = {read_matrix(options.G, in), need(options.Q, "--Q"), need(options.R, "--R"),
-                             read_matrix(options.N, in)};
+  const KalmanNoise noise = {read_matrix(options.G, in), need(options.Q, "--Q"),
+                             need(options.R, "--R"), read_matrix(options.N, in)};
   if (options.discrete) {
     DiscreteLti model;
     model.A = need(options.A, "--A");

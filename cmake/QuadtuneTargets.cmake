@@ -19,6 +19,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   target_compile_options(quadtune_flags INTERFACE -Wno-maybe-uninitialized -Wno-uninitialized
                                                   -Wno-array-bounds -Wno-restrict)
 endif()
+# In a build for machines without wide vectors, the kernels' are passed in another way; they never
+# leave their source file.
+target_compile_options(quadtune_flags INTERFACE -Wno-psabi)
 if(QUADTUNE_NATIVE)
   target_compile_options(quadtune_flags INTERFACE -march=native)
 endif()

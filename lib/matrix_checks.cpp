@@ -15,7 +15,8 @@ std::string shape(const Eigen::Ref<const Eigen::MatrixXd>& M) {
 
 void require_finite(const Eigen::Ref<const Eigen::MatrixXd>& M, const std::string& where,
                     const std::string& name) {
-  if (M.allFinite()) return;
+  // The sum is finite only if every entry is, and unlike allFinite() it is computed in vectors.
+  if (std::isfinite(M.cwiseAbs().sum()) || M.allFinite()) return;
   for (Eigen::Index i = 0; i < M.rows(); ++i)
     for (Eigen::Index j = 0; j < M.cols(); ++j)
       if (!std::isfinite(M(i, j)))

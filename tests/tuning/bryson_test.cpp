@@ -9,8 +9,8 @@
 namespace quadtune {
 namespace {
 
-using testing::MatrixNear;
 using ::testing::HasSubstr;
+using testing::MatrixNear;
 using ::testing::ThrowsMessage;
 
 TEST(BrysonWeights, MakeALimitCostOne) {
@@ -37,9 +37,7 @@ TEST(BrysonWeights, RefuseLimitsThatAreNotPositive) {
   EXPECT_THAT([&] { (void)bryson_weights(Eigen::Vector2d(1, 0), one); },
               ThrowsMessage<InvalidInput>(HasSubstr("x_max[2] is 0, expected a positive limit")));
   EXPECT_THAT(
-      [&] {
-        (void)bryson_weights(one, std::numeric_limits<double>::infinity() * one);
-      },
+      [&] { (void)bryson_weights(one, std::numeric_limits<double>::infinity() * one); },
       ThrowsMessage<InvalidInput>(HasSubstr("u_max[1] is inf, expected a positive finite limit")));
 }
 

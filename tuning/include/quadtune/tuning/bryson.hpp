@@ -8,7 +8,8 @@
 
 namespace quadtune {
 
-/// Bryson's rule: Q_ii = 1 / x_max,i², R_ii = 1 / u_max,i², so that a deviation at its limit costs 1.
+/// Bryson's rule: Q_ii = 1 / x_max,i², R_ii = 1 / u_max,i², so that a deviation at its limit
+/// costs 1.
 ///
 /// @param x_max  (nx) greatest acceptable deviation of each state [its unit], > 0; infinity gives
 ///               weight 0
