@@ -36,6 +36,8 @@ std::vector<OptionText> option_texts(const Verb& verb) {
     if (option->get_items_expected_max() > 0) names += " " + option->get_type_name();
     texts.push_back({names, option->get_description()});
   }
+  if (!app.get_option_no_throw("-o"))
+    texts.push_back({"-o FILE", "write the output to a file, whole or not at all"});
   texts.push_back({"--json", "print one JSON object instead of the text"});
   texts.push_back({"--quiet", "no notes on the error stream"});
   return texts;

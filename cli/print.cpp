@@ -24,6 +24,7 @@ std::string table(const Eigen::MatrixXd& M, const std::vector<std::string>& rows
   std::size_t name_width = 0;
   for (const std::string& row : rows) name_width = std::max(name_width, row.size());
   std::vector<std::size_t> widths;
+  widths.reserve(columns.size());
   for (const std::string& column : columns) widths.push_back(column.size());
   std::vector<std::vector<std::string>> cells;
   for (Eigen::Index i = 0; i < M.rows(); ++i) {

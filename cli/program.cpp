@@ -7,12 +7,16 @@
 #include <algorithm>
 #include <atomic>
 #include <csignal>
+#include <cstdint>
+#include <filesystem>
 #include <istream>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <sstream>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/exports/file_set.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/version.hpp"
 
@@ -55,6 +59,17 @@ std::string one_line(std::string text) {
   return text;
 }
 
+/// Runs an action whose output goes into a file, written whole or not at all.
+void run_into_file(const Action& action, const std::string& file, const Context& context) {
+  std::ostringstream text;
+  Context into{context.in, text, context.err, context.json, context.quiet};
+  action(into);
+  const std::filesystem::path path = std::filesystem::absolute(file);
+  if (std::filesystem::is_directory(path))
+    throw FileError(file, "is a directory, expected the name of a file to write");
+  write_files(path.parent_path(), {{path.filename().string(), text.str()}}, {}, interrupted);
+}
+
 void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& context) {
   CLI::App app(verb.summary, "quadtune " + verb.name);
   app.set_help_flag();
@@ -63,7 +78,14 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
   app.add_flag("--json", context.json, "print one JSON object");
   app.add_flag("--quiet", context.quiet, "no notes on the error stream");
   app.add_flag("-h,--help", help, "show this help");
+  // Part of the contract of every verb; nothing here is random or uses a second thread.
+  unsigned threads = 1;
+  std::uint64_t seed = 0;
+  app.add_option("--threads", threads, "threads to use")->check(CLI::PositiveNumber);
+  app.add_option("--seed", seed, "fixes everything random");
   const Action action = verb.define(app);
+  std::string file;
+  if (!app.get_option_no_throw("-o")) app.add_option("-o", file, "file to write instead");
   if (std::find(args.begin(), args.end(), "--help") != args.end() ||
       std::find(args.begin(), args.end(), "-h") != args.end()) {
     run_verb(*find("help"), {verb.name}, context);
@@ -76,7 +98,10 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
     throw UsageError(fmt::format("quadtune {}: {}", verb.name, one_line(error.what())));
   }
   if (!app.remaining().empty()) refuse_extras(app, verb.name);
-  action(context);
+  if (file.empty())
+    action(context);
+  else
+    run_into_file(action, file, context);
 }
 
 void run_program(const std::vector<std::string>& args, Context& context) {

@@ -122,6 +122,20 @@ TEST(Lqr, ReadsStandardInput) {
   EXPECT_EQ(result.status, 0) << result.err;
 }
 
+TEST(Output, GoesIntoAFileWholeOrNotAtAll) {
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "model.json").string();
+  const std::vector<std::string> linearize = {"linearize", "mambo", "--json"};
+  std::vector<std::string> args = linearize;
+  args.insert(args.end(), {"-o", file, "--threads", "2", "--seed", "1"});
+  const ProgramResult result = run_program(args);
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(folder.read("model.json"), run_program(linearize).out);
+  args[4] = folder.path().string();
+  EXPECT_EQ(run_program(args).status, 5);
+}
+
 // The converged row of docs/uquad-gains.md, through the program.
 TEST(Lqr, OfTheUquadMatchesTheConvergedRow) {
   const internal::Json json =

@@ -11,8 +11,8 @@ namespace quadtune::testing {
 
 /// Every entry within `tolerance` of the expected one, absolutely.
 MATCHER_P2(MatrixNear, expected, tolerance, "is near the expected matrix") {
-  const Eigen::MatrixXd want = expected;
-  const Eigen::MatrixXd got = arg;
+  const Eigen::MatrixXd& want = expected;
+  const Eigen::MatrixXd& got = arg;
   if (got.rows() != want.rows() || got.cols() != want.cols()) {
     *result_listener << "which is " << got.rows() << "x" << got.cols() << ", expected "
                      << want.rows() << "x" << want.cols();
@@ -33,8 +33,8 @@ MATCHER_P2(MatrixNear, expected, tolerance, "is near the expected matrix") {
 
 /// ‖got - expected‖ ≤ tolerance · ‖expected‖, Frobenius.
 MATCHER_P2(MatrixRelativelyNear, expected, tolerance, "is relatively near the expected matrix") {
-  const Eigen::MatrixXd want = expected;
-  const Eigen::MatrixXd got = arg;
+  const Eigen::MatrixXd& want = expected;
+  const Eigen::MatrixXd& got = arg;
   if (got.rows() != want.rows() || got.cols() != want.cols() || !got.allFinite()) {
     *result_listener << "which has another shape or entries that are not finite:\n" << got;
     return false;
