@@ -214,12 +214,13 @@ struct CascadeLoop {
   const char* output;
   const char* unit;
 };
-constexpr std::array<CascadeLoop, 6> kCascadeLoops = {{{"x", "pitch reference", "rad/m"},
-                                                       {"y", "roll reference", "rad/m"},
-                                                       {"pitch", "tau_y", "N m/rad"},
-                                                       {"roll", "tau_x", "N m/rad"},
-                                                       {"yaw", "tau_z", "N m/rad"},
-                                                       {"altitude", "T", "N/m"}}};
+constexpr std::array<CascadeLoop, 6> kCascadeLoops = {
+    {{"x", "pitch reference", "rad/m"},
+     {"y", "roll reference", "rad/m"},
+     {"pitch", "tau_y", "N m/rad"},
+     {"roll", "tau_x", "N m/rad"},
+     {"yaw", "tau_z", "N m/rad"},
+     {"altitude", "force along +z beside -m g", "N/m"}}};
 
 CascadeDesign read_cascade(const TomlTable& table) {
   std::vector<TomlKey> keys = {{"dt", "s"},

@@ -55,7 +55,8 @@ struct KalmanDesign {
 /// A PID cascade that flies as it stands: its gains are written, not designed.
 ///
 /// x and y give pitch and roll references [rad] from position errors [m]; pitch, roll and yaw give
-/// torques [N m] from angles [rad]; altitude gives thrust [N] from [m].
+/// torques [N m] from angles [rad]; altitude gives the force along +z (down, so
+/// negative in flight) beside -m g [N] from the error in pz [m].
 struct CascadeDesign {
   CascadeGains gains;  ///< loops x, y, pitch, roll, yaw, altitude, in this order
   double attitude_limit = std::numeric_limits<double>::infinity();    ///< of the references [rad]
