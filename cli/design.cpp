@@ -8,6 +8,7 @@
 #include "design_flow.hpp"
 #include "design_report.hpp"
 #include "program.hpp"
+#include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
 
 namespace quadtune::cli {
@@ -16,8 +17,14 @@ namespace {
 /// Writes every export that the design asks for and reads it back. A single one goes into the
 /// directory itself, several into one folder each.
 std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::string& directory) {
+  const Design& design = outcome.design;
+  if (design.exports.empty())
+    throw InvalidInput(design.file.string(), "has no [[export]], expected one because of -o");
   std::vector<WrittenExport> written;
   const ExportContent content = export_content(outcome);
+  // All in memory first, so that what one cannot express keeps the others from being written.
+  for (const ExportRequest& request : design.exports)
+    (void)export_files(export_kind(request.to, design.file.string()), content);
   for (const ExportRequest& request : outcome.design.exports) {
     WrittenExport one;
     one.kind = export_kind(request.to, outcome.design.file.string());
@@ -37,29 +44,29 @@ Verb design_verb() {
   struct Options {
     std::string file, directory;
   };
-  return {"design", "FILE [-o DIR]",
-          "the whole way: trim, linearize, synthesize, export, verify, report",
-          "quadtune design designs/uquad-hover.toml -o out/uquad-hover",
-          [](CLI::App& app) -> Action {
-            auto options = std::make_shared<Options>();
-            app.add_option("FILE", options->file, "a design file (docs/formats.md)");
-            app.add_option("-o", options->directory, "directory to write; without it, only print")
-                ->type_name("DIR");
-            return [options](Context& context) {
-              if (options->file.empty())
-                throw UsageError("quadtune design: expected a design file");
-              const DesignOutcome outcome = run_design(options->file);
-              for (const std::string& note : outcome.model.notes)
-                context.note("design: note: " + note);
-              std::vector<WrittenExport> written;
-              if (!options->directory.empty()) written = write_all(outcome, options->directory);
-              if (context.json)
-                context.out << internal::readable(design_json(outcome, written)) << "\n";
-              else
-                context.out << design_text(outcome, written);
-              if (!passed(written)) throw AnswerIsNo("design: what was written does not verify");
-            };
-          }};
+  return {
+      "design", "FILE [-o DIR]",
+      "the whole way: trim, linearize, synthesize, export, verify, report",
+      "quadtune design designs/uquad-hover.toml -o out/uquad-hover", [](CLI::App& app) -> Action {
+        auto options = std::make_shared<Options>();
+        app.add_option("FILE", options->file, "a design file (docs/formats.md)");
+        app.add_option("-o", options->directory, "directory to write; without it, only print")
+            ->type_name("DIR");
+        return [options](Context& context) {
+          if (options->file.empty()) throw UsageError("quadtune design: expected a design file");
+          const DesignOutcome outcome = run_design(options->file);
+          for (const std::string& note : outcome.model.notes) context.note("design: note: " + note);
+          if (outcome.design.condition.yaw != 0 && outcome.gains)
+            context.note("design: note: position is in world axes, so K holds at this yaw only");
+          std::vector<WrittenExport> written;
+          if (!options->directory.empty()) written = write_all(outcome, options->directory);
+          if (context.json)
+            context.out << internal::readable(design_json(outcome, written)) << "\n";
+          else
+            context.out << design_text(outcome, written);
+          if (!passed(written)) throw AnswerIsNo("design: what was written does not verify");
+        };
+      }};
 }
 
 }  // namespace quadtune::cli

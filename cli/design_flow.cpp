@@ -67,6 +67,10 @@ PublishedDifference compare(const PublishedGains& published, const Gains& gains)
 
 void solve_feedback(DesignOutcome& outcome) {
   const Design& design = outcome.design;
+  if (!(design.lqr->dt > 0) && !design.exports.empty())
+    throw InvalidInput(design.file.string(),
+                       "lqr.dt_s is missing, expected the flight computer's sample period because "
+                       "the gains are exported");
   outcome.model =
       linearize_or_refuse(design.vehicle, design.condition, linearize_options(*design.lqr));
   outcome.feedback = state_feedback(outcome.model.plant, *design.lqr);

@@ -14,6 +14,7 @@
 #include "program.hpp"
 #include "quadtune/exports/convert.hpp"
 #include "quadtune/exports/read_gains.hpp"
+#include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/json.hpp"
 
 namespace quadtune::cli {
@@ -22,6 +23,16 @@ namespace {
 struct Options {
   std::string source, to, directory, vehicle;
 };
+
+/// An export over its own source would take away what it does not carry over.
+void refuse_own_source(const Options& options) {
+  std::error_code ignored;
+  if (std::filesystem::equivalent(options.source, options.directory, ignored))
+    throw UsageError(
+        fmt::format("quadtune export: -o {} is the source itself, expected another "
+                    "directory",
+                    options.directory));
+}
 
 /// Gains from files, with the vehicle that they are for.
 ExportContent read_content(const Options& options) {
@@ -56,6 +67,17 @@ ExportContent make_content(const Options& options, ExportKind kind) {
   return content;
 }
 
+/// Gains that do not hold the vehicle are not written.
+void require_stable(const ExportContent& content) {
+  if (!content.gains || !content.plant) return;
+  const double radius = closed_loop_poles(*content.plant, *content.gains).cwiseAbs().maxCoeff();
+  if (!(radius < 1))
+    throw AnswerIsNo(
+        fmt::format("export: the loop of these gains with {} is unstable (spectral "
+                    "radius {:.6g}), nothing was written",
+                    content.vehicle.name, radius));
+}
+
 }  // namespace
 
 internal::Json to_json(const std::vector<ManifestFile>& files) {
@@ -80,9 +102,16 @@ Verb export_verb() {
             return [options](Context& context) {
               if (options->source.empty() || options->to.empty() || options->directory.empty())
                 throw UsageError("quadtune export: expected a source, --to NAME and -o DIR");
+              refuse_own_source(*options);
               const ExportKind kind = export_kind(options->to, "--to");
+              const ExportContent content = make_content(*options, kind);
+              require_stable(content);
+              if (!is_design(options->source))
+                context.note(
+                    "export: note: gains, trim and vehicle are carried over; weights, "
+                    "filters and cascade come from a design file only");
               const std::vector<ManifestFile> files =
-                  write_export(options->directory, kind, make_content(*options, kind), interrupted);
+                  write_export(options->directory, kind, content, interrupted);
               if (context.json) {
                 const internal::Json json = {{"files", to_json(files)}};
                 context.out << internal::readable(json) << "\n";

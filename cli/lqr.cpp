@@ -62,7 +62,8 @@ void run_matrices(const Options& options, bool sampled, Context& context) {
   if (static_cast<int>(options.continuous) + static_cast<int>(options.discrete) +
           static_cast<int>(sampled) >
       1)
-    throw UsageError("quadtune lqr: expected one of --continuous, --discrete, --sampled DT");
+    throw UsageError(
+        "quadtune lqr: more than one of --continuous, --discrete and --sampled came, expected one");
   const auto need = [&context](const std::string& path, const char* option) {
     return require_matrix(path, context.in, "lqr", option);
   };
@@ -113,14 +114,16 @@ void read_weights(const Options& options, LqrDesign& design) {
                        fmt::format("inputs: {}", fmt::join(design.inputs, " ")), "lqr", "--R");
 }
 
-LqrDesign make_design(const Options& options, const Linearization& model) {
+LqrDesign make_design(const Options& options, const Linearization& model, bool has_dt) {
   LqrDesign design;
   design.convention = options.plant.convention;
   design.input_kind = input_kind(options.plant.inputs, "--inputs");
   design.method = lqr_method(options.method, "--method");
   design.dt = options.dt;
-  if (design.method != LqrMethod::continuous || options.dt != 0)
-    require_positive(options.dt, "lqr", "--dt");
+  if (design.method != LqrMethod::continuous && !has_dt)
+    throw UsageError("quadtune lqr: --dt is missing, expected a sample period with --method " +
+                     options.method);
+  if (has_dt) require_positive(options.dt, "lqr", "--dt");
   for (const Signal& state : model.plant.states) design.states.push_back(state.name);
   for (const Signal& input : model.plant.inputs) design.inputs.push_back(input.name);
   design.integrals = word_list(options.integral);
@@ -128,9 +131,9 @@ LqrDesign make_design(const Options& options, const Linearization& model) {
   return design;
 }
 
-void run_vehicle(const Options& options, Context& context) {
+void run_vehicle(const Options& options, bool has_dt, Context& context) {
   const Plant plant = make_plant(options.plant);
-  const LqrDesign design = make_design(options, plant.model);
+  const LqrDesign design = make_design(options, plant.model, has_dt);
   const StateFeedback feedback = state_feedback(plant.model.plant, design);
   const Gains gains = make_gains(plant.vehicle, plant.model, design, feedback);
   require_solved(feedback.riccati, context);
@@ -155,6 +158,14 @@ void run_vehicle(const Options& options, Context& context) {
               << section("evidence", evidence_text(feedback.riccati));
 }
 
+/// Refuses options of the other mode: taken in silence they would give another gain than was asked.
+void refuse_options(const CLI::App& app, const std::vector<std::string>& names,
+                    const std::string& why) {
+  for (const std::string& name : names)
+    if (app.get_option(name)->count() > 0)
+      throw UsageError(fmt::format("quadtune lqr: {} {}", name, why));
+}
+
 bool any_matrix_option(const Options& options) { return !options.A.empty() || !options.B.empty(); }
 
 }  // namespace
@@ -171,7 +182,7 @@ Verb lqr_verb() {
             app.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");
             app.add_option("--Q", options->Q,
                            "state weights: a matrix file, or with V a list, integrals last; "
-                           "one number stands for all")
+                           "one number stands for all, 1 if absent")
                 ->type_name("FILE|LIST");
             app.add_option("--R", options->R, "input weights, likewise")->type_name("FILE|LIST");
             app.add_option("--N", options->N, "cross weights (nx x nu); none")->type_name("FILE");
@@ -188,7 +199,7 @@ Verb lqr_verb() {
                            "(exact cost)")
                 ->type_name("NAME");
             app.add_option("--dt", options->dt, "with V: sample period [s]")->type_name("T");
-            return [options, sampled](Context& context) {
+            return [options, sampled, owner = &app](Context& context) {
               const bool has_vehicle = !options->plant.vehicle.empty();
               if (has_vehicle && any_matrix_option(*options))
                 throw UsageError(
@@ -196,10 +207,18 @@ Verb lqr_verb() {
                     "one or the other");
               if (!has_vehicle && !any_matrix_option(*options))
                 throw UsageError("quadtune lqr: expected a vehicle, or --A, --B, --Q and --R");
-              if (has_vehicle)
-                run_vehicle(*options, context);
-              else
+              if (has_vehicle) {
+                refuse_options(*owner, {"--N", "--continuous", "--discrete", "--sampled"},
+                               "belongs to matrices, expected --method and --dt with a vehicle");
+                run_vehicle(*options, owner->get_option("--dt")->count() > 0, context);
+              } else {
+                refuse_options(*owner,
+                               {"--at", "--speed", "--climb", "--radius", "--yaw", "--convention",
+                                "--inputs", "--states", "--integral", "--method", "--dt"},
+                               "belongs to a vehicle, expected --discrete or --sampled DT with "
+                               "matrices");
                 run_matrices(*options, sampled->count() > 0, context);
+              }
             };
           }};
 }

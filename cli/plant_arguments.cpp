@@ -40,6 +40,8 @@ Plant make_plant(const PlantArguments& arguments) {
   plant.vehicle = load_vehicle(arguments.vehicle);
   const FlightCondition condition = {flight_kind(arguments.at, "--at"), arguments.yaw,
                                      arguments.speed, arguments.climb, arguments.radius};
+  if (condition.kind == FlightKind::circle && condition.radius == 0)
+    throw UsageError("quadtune: --radius is missing or 0, expected that of the circle in metres");
   LinearizeOptions options;
   options.convention = arguments.convention;
   options.inputs = input_kind(arguments.inputs, "--inputs");

@@ -98,6 +98,11 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
     throw UsageError(fmt::format("quadtune {}: {}", verb.name, one_line(error.what())));
   }
   if (!app.remaining().empty()) refuse_extras(app, verb.name);
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& value : option->results())
+      if (value.empty())
+        throw UsageError(fmt::format("quadtune {}: {} is empty, expected a value", verb.name,
+                                     option->get_name()));
   if (file.empty())
     action(context);
   else
@@ -142,8 +147,12 @@ bool interrupted() { return stop_asked.load(); }
 void install_signal_handlers() {
   struct sigaction action = {};
   action.sa_handler = ask_to_stop;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
+  // A file beyond the size limit, or a reader that has gone, is then an error of the write, which
+  // cleans up, and not the end of the process.
+  struct sigaction ignore = {};
+  ignore.sa_handler = SIG_IGN;
+  for (const int signal : {SIGXFSZ, SIGPIPE}) sigaction(signal, &ignore, nullptr);
 }
 
 void Context::note(const std::string& line) const {
@@ -158,15 +167,18 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
     run_program(args, context);
     out.flush();
     if (!out) return fail(context, kFile, "standard output: could not be written", "stdout");
-    return interrupted() ? kInterrupted : kDone;
+    return kDone;
   } catch (const UsageError& error) {
     return fail(context, kUsage, error.what(), "command line");
   } catch (const InvalidInput& error) {
-    return fail(context, kBadInput, error.what(), error.where());
+    // What an option says is the command line; what a file says is the input.
+    const bool option = error.where().starts_with("--");
+    return fail(context, option ? kUsage : kBadInput, error.what(), error.where());
   } catch (const FileError& error) {
     return fail(context, kFile, error.what(), error.path());
   } catch (const NoSolution& error) {
-    return fail(context, kNoSolution, error.what(), "");
+    const std::string what = error.what();
+    return fail(context, kNoSolution, what, what.substr(0, what.find(':')));
   } catch (const AnswerIsNo& error) {
     err << one_line(error.what()) << "\n";
     return kAnswerIsNo;

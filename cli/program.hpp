@@ -74,7 +74,7 @@ struct Verb {
 int run(const std::vector<std::string>& args, std::istream& in, std::ostream& out,
         std::ostream& err);
 
-/// True once SIGINT or SIGTERM came; long work and file writing poll it.
+/// True once SIGINT, SIGTERM or SIGHUP came; long work and file writing poll it.
 [[nodiscard]] bool interrupted();
 void install_signal_handlers();
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <Eigen/SVD>
 #include <cmath>
 #include <memory>
 #include <ostream>
@@ -133,11 +134,27 @@ void show(const std::string& name, Context& context) {
                                : vehicle_text(vehicle));
 }
 
+/// A vehicle hovers by luck alone unless its rotors can change thrust and all three torques.
+void require_authority(const Vehicle& vehicle, const TrimResult& hover, const std::string& name) {
+  Eigen::MatrixXd J = wrench_jacobian(vehicle, hover.u);
+  const char* axes[] = {"thrust", "roll", "pitch", "yaw"};
+  for (Eigen::Index i = 0; i < 4; ++i)
+    if (J.row(i).norm() == 0)
+      throw NoSolution(fmt::format("{}: no authority: no rotor changes {}", name, axes[i]));
+  J.rowwise().normalize();
+  const Eigen::VectorXd singular = Eigen::JacobiSVD<Eigen::MatrixXd>(J).singularValues();
+  if (singular.size() < 4 || singular(3) < 1e-9)
+    throw NoSolution(name +
+                     ": no authority: the rotors cannot change thrust and the three torques "
+                     "independently of one another");
+}
+
 /// Reads the file, which refuses what is wrong in it, and asks whether it can hover.
 void check(const std::string& name, Context& context) {
   const Vehicle vehicle = load_vehicle(name);
   const TrimResult hover = trim(vehicle, FlightCondition{});
   if (!hover.solved()) throw NoSolution(name + ": cannot hover: " + hover.culprit);
+  require_authority(vehicle, hover, name);
   if (context.json)
     context.out << internal::readable(vehicle_json(vehicle)) << "\n";
   else

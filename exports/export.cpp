@@ -64,7 +64,7 @@ Manifest make_manifest(ExportKind kind, const ExportContent& content,
     manifest.closed_loop_poles = closed_loop_poles(*content.plant, *content.gains);
   if (kind == ExportKind::mambo)
     for (const FileContent& file : files)
-      for (NamedMatrix& number : parse_m_numbers(file.bytes, file.name))
+      for (NamedMatrix& number : parse_m_file(file.bytes, file.name))
         manifest.numbers.push_back(std::move(number));
   return manifest;
 }

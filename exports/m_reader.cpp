@@ -129,6 +129,12 @@ std::vector<Signal> signals_of(const std::vector<std::string>& words,
 }  // namespace
 
 std::vector<NamedMatrix> parse_m_numbers(const std::string& text, const std::string& origin) {
+  std::vector<NamedMatrix> all = parse_m_file(text, origin);
+  std::erase_if(all, [](const NamedMatrix& one) { return one.value.size() == 0; });
+  return all;
+}
+
+std::vector<NamedMatrix> parse_m_file(const std::string& text, const std::string& origin) {
   static const std::regex assignment(R"(([A-Za-z]\w*(?:\.[A-Za-z]\w*)*) = (.*))");
   const std::vector<Line> lines = lines_of(text);
   std::vector<NamedMatrix> numbers;
@@ -156,7 +162,7 @@ std::vector<NamedMatrix> parse_m_numbers(const std::string& text, const std::str
     }
     if (!M.allFinite())
       throw InvalidInput(where, name + " has an entry that is not finite, expected numbers");
-    if (M.size() > 0) numbers.push_back({origin, name, M});
+    numbers.push_back({origin, name, M, M.size() > 0 ? "" : value});
   }
   return numbers;
 }

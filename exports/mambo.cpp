@@ -157,6 +157,11 @@ void add_state_feedback(MFile& m, const Gains& gains) {
         "mambo", fmt::format("the gain is in convention '{}' with inputs {}, expected 'mambo' with "
                              "wrench, because the mixer takes thrust and torques",
                              gains.convention, to_string(gains.input_kind)));
+  if (!(gains.dt > 0))
+    throw InvalidInput("mambo",
+                       fmt::format("the gain's sample time is {} s, expected a positive one, "
+                                   "because the model project runs sampled",
+                                   gains.dt));
   const std::string prefix = "Controller.StateFeedback.";
   const bool plain = gains.sign_law == SignLaw::set_point_minus_state;
   const std::string error = plain ? "(x_sp - x)" : "(x - x_sp)";

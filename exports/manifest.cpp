@@ -134,7 +134,8 @@ std::string manifest_text(const Manifest& manifest) {
   for (const NamedMatrix& number : manifest.numbers)
     json["numbers"].push_back({{"file", number.file},
                                {"name", number.name},
-                               {"value", internal::matrix_to_json(number.value, number.name)}});
+                               {"value", internal::matrix_to_json(number.value, number.name)},
+                               {"text", number.text}});
   return internal::readable(json) + "\n";
 }
 
@@ -164,7 +165,8 @@ Manifest parse_manifest(const std::string& text, const std::string& origin) {
     manifest.numbers.push_back(
         {internal::string_from_json(member(numbers[i], "file", here), here + ".file"),
          internal::string_from_json(member(numbers[i], "name", here), here + ".name"),
-         internal::matrix_from_json(member(numbers[i], "value", here), here + ".value")});
+         internal::matrix_from_json(member(numbers[i], "value", here), here + ".value"),
+         internal::string_from_json(member(numbers[i], "text", here), here + ".text")});
   }
   return manifest;
 }

@@ -60,8 +60,8 @@ Gains read_by_manifest(const fs::path& directory) {
   if (!manifest.gains) return gains;
   // What the files cannot say; the columns are compared by name, so the order may differ.
   gains.dt = manifest.gains->dt;
-  gains.sign_law = manifest.gains->sign_law;
   if (manifest.kind == ExportKind::uquad) {
+    gains.sign_law = manifest.gains->sign_law;
     gains.u0 = manifest.gains->u0;
     for (std::size_t i = 0; i < gains.states.size(); ++i)
       for (std::size_t j = 0; j < manifest.gains->states.size(); ++j)

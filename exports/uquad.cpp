@@ -118,6 +118,25 @@ std::vector<Signal> signals_of(const std::vector<std::string>& wanted, bool inte
   return signals;
 }
 
+// The program closes its loop every 10 ms and reads these files for hover alone: x and y are then
+// axes of the world, and every velocity and rate is to be zero.
+void require_hover_at_program_rate(const Gains& gains) {
+  if (std::abs(gains.dt - kFlightProgramDt) > 1e-9)
+    throw InvalidInput("uquad",
+                       fmt::format("the gain's sample time is {} s, expected {} s, because "
+                                   "the flight program's loop is fixed",
+                                   gains.dt, kFlightProgramDt));
+  for (std::size_t i = 0; i < gains.states.size(); ++i) {
+    const std::string& name = gains.states[i].name;
+    const double value = gains.x0(static_cast<Eigen::Index>(i));
+    if ((name.starts_with("vq") || name.starts_with("wq")) && std::abs(value) > 1e-8)
+      throw InvalidInput("uquad",
+                         fmt::format("the gain's trim has {} = {:.6g}, expected 0, because "
+                                     "the flight program flies these files in hover",
+                                     name, value));
+  }
+}
+
 }  // namespace
 
 const std::vector<UquadFileSet>& uquad_file_sets() {
@@ -147,6 +166,7 @@ const UquadFileSet& uquad_file_set(const Gains& gains) {
         "uquad", fmt::format("the gain's sign law is {}, expected {}, because the "
                              "flight program subtracts the state from the set point",
                              to_string(gains.sign_law), to_string(SignLaw::set_point_minus_state)));
+  require_hover_at_program_rate(gains);
   for (const UquadFileSet& set : uquad_file_sets())
     if (same_names(names_of(gains.states), set.states) &&
         same_names(names_of(gains.integrals), set.integrals))

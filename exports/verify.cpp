@@ -109,9 +109,12 @@ VerifyCheck check_same_gains(const Gains& read, const Gains& expected) {
   VerifyCheck check{"gains are those of the manifest", false, ""};
   try {
     const GainsDiff difference = diff(read, expected);
-    check.ok = difference.entries.empty();
+    check.ok = difference.entries.empty() && read.sign_law == expected.sign_law;
     check.detail = "every entry is the same double";
-    if (!check.ok) {
+    if (read.sign_law != expected.sign_law) {
+      check.detail = fmt::format("sign law {} in the file, {} in the manifest",
+                                 to_string(read.sign_law), to_string(expected.sign_law));
+    } else if (!check.ok) {
       const DiffEntry& worst = difference.entries.front();
       check.detail = fmt::format(
           "{} entries differ, most {}({}, {}): {} in the file, {} in the "
@@ -125,12 +128,12 @@ VerifyCheck check_same_gains(const Gains& read, const Gains& expected) {
 }
 
 VerifyCheck check_numbers(const fs::path& directory, const Manifest& manifest) {
-  VerifyCheck check{"numbers are those of the manifest", false, ""};
+  VerifyCheck check{"numbers and expressions are those of the manifest", false, ""};
   try {
     std::vector<NamedMatrix> found;
     for (const ManifestFile& file : manifest.files)
-      for (NamedMatrix& number : parse_m_numbers(exports::export_text(directory / file.path),
-                                                 (directory / file.path).string())) {
+      for (NamedMatrix& number : parse_m_file(exports::export_text(directory / file.path),
+                                              (directory / file.path).string())) {
         number.file = file.path;
         found.push_back(std::move(number));
       }
@@ -141,11 +144,11 @@ VerifyCheck check_numbers(const fs::path& directory, const Manifest& manifest) {
       const auto at = std::find_if(found.begin(), found.end(), same_name);
       const std::string name = expected.file + ": " + expected.name;
       if (at == found.end()) {
-        check.detail = name + " is no plain number or matrix any more";
+        check.detail = name + " is not there any more";
         return check;
       }
       if (at->value.rows() != expected.value.rows() || at->value.cols() != expected.value.cols() ||
-          at->value != expected.value) {
+          at->value != expected.value || at->text != expected.text) {
         check.detail = name + " differs";
         return check;
       }
@@ -197,9 +200,11 @@ void check_closed_loop(const std::optional<DiscreteLti>& plant, const Manifest* 
     report.checks.push_back({"sample time is the vehicle model's",
                              std::abs(plant->dt - report.gains->dt) <= 1e-12,
                              fmt::format("gains {} s, model {} s", report.gains->dt, plant->dt)});
-  if (manifest == nullptr || manifest->closed_loop_poles.size() == 0) return;
+  if (manifest == nullptr) return;
   VerifyCheck poles{"poles are those of the manifest", false, "no poles could be computed"};
-  if (report.poles.size() == manifest->closed_loop_poles.size()) {
+  if (manifest->closed_loop_poles.size() == 0) {
+    poles.detail = "the manifest lists none";
+  } else if (report.poles.size() == manifest->closed_loop_poles.size()) {
     const double distance = pole_distance(report.poles, manifest->closed_loop_poles);
     poles.ok = distance <= kPoleTolerance;
     poles.detail = fmt::format("largest distance {:.3g}, at most {:g}", distance, kPoleTolerance);
@@ -215,9 +220,11 @@ std::optional<Manifest> check_manifest(const fs::path& directory, VerifyReport& 
   std::optional<Manifest> manifest;
   try {
     manifest = read_manifest(directory);
-    check.ok = true;
-    check.detail = fmt::format("{} export of {}, {} files", to_string(manifest->kind),
-                               manifest->vehicle, manifest->files.size());
+    check.ok = !manifest->gains || manifest->gains->vehicle == manifest->vehicle;
+    check.detail =
+        fmt::format("{} export of {}, {} files{}", to_string(manifest->kind), manifest->vehicle,
+                    manifest->files.size(),
+                    check.ok ? "" : ", but the gains are of " + manifest->gains->vehicle);
   } catch (const InvalidInput& error) {
     check.detail = error.what();
   } catch (const FileError& error) {

@@ -66,9 +66,21 @@ RiccatiOptions filter_options(const Lti& model) {
   return options;
 }
 
+/// Steering and seeing change places with A and Aᵀ.
+RiccatiStatus filter_status(RiccatiStatus dual) {
+  switch (dual) {
+    case RiccatiStatus::not_stabilizable:
+      return RiccatiStatus::not_detectable;
+    case RiccatiStatus::not_detectable:
+      return RiccatiStatus::not_stabilizable;
+    default:
+      return dual;
+  }
+}
+
 KalmanResult from_dual(const RiccatiResult& dual) {
   KalmanResult result;
-  result.status = dual.status;
+  result.status = filter_status(dual.status);
   result.P = dual.X;
   result.L = dual.K.transpose();
   result.poles = dual.poles;

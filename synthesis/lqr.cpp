@@ -19,6 +19,18 @@ RiccatiOptions named(const std::vector<Signal>& states, Eigen::Index nx) {
   return options;
 }
 
+/// Runs care() or dare() with the plant's state names; what they refuse is said in lqr()'s name.
+template <class Equation, class Lti>
+RiccatiResult solve(Equation equation, const Lti& plant, const LqrWeights& weights) {
+  try {
+    return equation(plant.A, plant.B, weights.Q, weights.R, weights.N,
+                    named(plant.states, plant.A.rows()));
+  } catch (const InvalidInput& error) {
+    const std::string what = error.what();
+    throw InvalidInput("lqr", what.substr(std::min(what.size(), error.where().size() + 2)));
+  }
+}
+
 /// Position of a state by name.
 Eigen::Index index_of(const std::vector<Signal>& states, const std::string& name) {
   const auto found = std::find_if(states.begin(), states.end(),
@@ -35,14 +47,12 @@ Eigen::Index index_of(const std::vector<Signal>& states, const std::string& name
 
 RiccatiResult lqr(const ContinuousLti& plant, const LqrWeights& weights) {
   validate(plant, "lqr");
-  return care(plant.A, plant.B, weights.Q, weights.R, weights.N,
-              named(plant.states, plant.A.rows()));
+  return solve(care, plant, weights);
 }
 
 RiccatiResult lqr(const DiscreteLti& plant, const LqrWeights& weights) {
   validate(plant, "lqr");
-  return dare(plant.A, plant.B, weights.Q, weights.R, weights.N,
-              named(plant.states, plant.A.rows()));
+  return solve(dare, plant, weights);
 }
 
 SampledLqr sample(const ContinuousLti& plant, const LqrWeights& weights, double dt) {

@@ -149,15 +149,12 @@ class Doubling final : public DoublingSolver {
       ops_.copy(G_, U_);
       ops_.solve(V_, U_);  // V = (I+GH)⁻¹ E, U = (I+GH)⁻¹ G
       ops_.multiply(H_, V_, T_);
-      ops_.multiply_transposed(E_, T_, next_);
-      const auto [change, size] = ops_.add_symmetric(next_, H_);
+      const auto [change, size] = ops_.add_product_tn(E_, T_, H_);
       if (!std::isfinite(size)) return false;
       // Convergence is quadratic: the change after this one is lost in rounding.
       if (change <= kStands * size) return true;
       ops_.multiply(E_, U_, T_);
-      ops_.transpose(E_, W_);
-      ops_.multiply(T_, W_, next_);
-      ops_.add_symmetric(next_, G_);
+      ops_.add_product_nt(T_, E_, G_);
       ops_.multiply(E_, V_, T_);
       ops_.swap(E_, T_);
     }
@@ -168,25 +165,24 @@ class Doubling final : public DoublingSolver {
   bool polish(bool continuous, Candidate& found, SquaredNorms& norms) {
     Residual now = residual(continuous);
     if (!std::isfinite(now.worst())) return false;
-    for (int step = 0; step < kMaxNewtonSteps; ++step) {
-      if (now.worst() <= kWorthRefining) break;
-      if (!newton_correction(continuous)) return false;
+    for (int step = 0;; ++step) {
+      const bool refine = now.worst() > worth_refining_ && step < kMaxNewtonSteps;
+      if (!prove_stable(continuous, refine)) return false;
+      if (!refine) break;
       ops_.copy(H_, G_);  // to go back to
-      ops_.add_symmetric(next_, H_);
+      ops_.add_symmetric(correction_, H_);
       const Residual then = residual(continuous);
-      const bool paid = then.worst() < 0.5 * now.worst();
       if (!(then.worst() < now.worst())) {
         ops_.copy(G_, H_);
-        residual(continuous);
+        now = residual(continuous);
         break;
       }
+      const bool paid = then.worst() < 0.5 * now.worst();
       now = then;
-      if (!paid) break;
+      if ((!paid || now.worst() <= worth_refining_) && proof_covers_correction(continuous)) break;
+      if (!paid) step = kMaxNewtonSteps;
     }
-    norms = {};
-    norms.residual = now.squared;
-    norms.terms = now.squared_terms;
-    if (!prove_stable(continuous, norms)) return false;
+    fill_norms(now, norms);
     ops_.times_small(Y_, continuous ? Linv_ : Sinv_, Kt_);
     ops_.store_solution(H_, Kt_, found.X, found.K);
     return true;
@@ -215,20 +211,21 @@ class Doubling final : public DoublingSolver {
     return ops_.residual_discrete(T_, H_, U_, Q_, residual_);
   }
 
+  /// B K of the present X into BK.
+  void feedback(bool continuous, Square& BK) {
+    if (!continuous) ops_.times_small(Y_, Sinv_, Kt_);
+    ops_.outer(continuous ? Bs_ : B_, continuous ? Y_ : Kt_, BK);
+  }
+
   /// Leaves in E_ the closed loop A - B K, or, continuous, its Cayley transform I + 2γ F with
   /// F = (A - B K - γI)⁻¹ left in F_. All poles are stable exactly when the powers of E_ vanish.
   bool close_loop(bool continuous) {
-    if (!continuous) {
-      ops_.times_small(Y_, Sinv_, Kt_);
-      ops_.outer(B_, Kt_, T_);  // B K
-      ops_.subtract(A_, T_, E_);
-      return true;
-    }
-    ops_.outer(Bs_, Y_, T_);  // B K
-    ops_.subtract(A_, T_, W_);
-    ops_.add_diagonal(W_, -gamma_);
-    ops_.set_padding(W_, -2 * gamma_);
-    if (!ops_.factor(W_)) return false;
+    feedback(continuous, BK_);
+    ops_.subtract(A_, BK_, E_);
+    if (!continuous) return true;
+    ops_.add_diagonal(E_, -gamma_);
+    ops_.set_padding(E_, -2 * gamma_);
+    if (!ops_.factor(E_)) return false;
     ops_.identity(F_);
     ops_.solve(F_);
     ops_.copy(F_, E_);
@@ -249,68 +246,78 @@ class Doubling final : public DoublingSolver {
   /// Doubles the number of terms of the sum: M ← M + Eᵀ M E.
   void double_sum(Square& M) {
     ops_.multiply(M, E_, T_);
-    ops_.multiply_transposed(E_, T_, U_);
-    ops_.add_symmetric(U_, M);
+    ops_.add_product_tn(E_, T_, M);
   }
 
-  /// Squares E_, with `each` before every squaring, until ‖E‖ ≤ small. False when it does not fall.
-  template <class Each>
-  bool square_until(double small, const Each& each) {
+  /// Proves X stabilizing by squaring E_ until it is small. The same powers solve the closed loop's
+  /// Lyapunov equation for I into h0_ and for X² (discrete AcᵀX²Ac) into h2_, in the caller's
+  /// units, and, with `refine`, for Newton's correction of X.
+  bool prove_stable(bool continuous, bool refine) {
+    if (!close_loop(continuous)) return false;
+    ops_.squared_scales(h0_);  // D I D
+    ops_.divide_rows_twice(H_, T_);
+    ops_.multiply(H_, T_, h2_);  // D X² D = X_z D⁻² X_z
+    if (!continuous) {
+      ops_.multiply(h2_, E_, T_);
+      ops_.multiply_transposed(E_, T_, h2_);
+    }
+    start_sum(continuous, h0_);
+    start_sum(continuous, h2_);
+    if (refine) {
+      ops_.copy(residual_, correction_);
+      start_sum(continuous, correction_);
+    }
     for (int i = 0; i < kMaxSquarings; ++i) {
       const double size = ops_.norm_frobenius(E_);
       if (!(size < 1e100)) return false;
-      if (size <= small) return true;
-      each();
+      if (size <= kVanished) return true;
+      double_sum(h0_);
+      double_sum(h2_);
+      if (refine) double_sum(correction_);
       ops_.multiply(E_, E_, T_);
       ops_.swap(E_, T_);
     }
     return false;
   }
 
-  /// Newton's correction of X into next_. False when the closed loop is not stable.
-  bool newton_correction(bool continuous) {
-    if (!close_loop(continuous)) return false;
-    ops_.copy(residual_, next_);
-    start_sum(continuous, next_);
-    return square_until(1e-6, [this] { double_sum(next_); });
+  /// Whether xᵀ h₀ x, a Lyapunov function of the closed loop before the correction, is one of the
+  /// closed loop after it: with dA the difference, h₀ dA (discrete (Ac + dA)ᵀ h₀ dA) must be small
+  /// against the I that h₀ was made for.
+  bool proof_covers_correction(bool continuous) {
+    feedback(continuous, T_);
+    ops_.subtract(BK_, T_, U_);  // dA
+    ops_.multiply(h0_, U_, V_);
+    if (!continuous) {
+      ops_.subtract(A_, T_, E_);
+      ops_.multiply_transposed(E_, V_, T_);
+      ops_.swap(T_, V_);
+    }
+    return ops_.weighted_norm(V_) < 0.05;
   }
 
-  /// Proves X stabilizing, and from the same powers estimates the condition of the equation:
-  /// Kenney and Hewer 1990 by the solutions for I and X² (discrete AcᵀX²Ac) in the caller's units.
-  bool prove_stable(bool continuous, SquaredNorms& norms) {
-    if (!close_loop(continuous)) return false;
-    ops_.squared_scales(next_);  // D I D
-    ops_.divide_rows_twice(H_, T_);
-    ops_.multiply(H_, T_, W_);  // D X² D = X_z D⁻² X_z
-    if (!continuous) {
-      ops_.multiply(W_, E_, T_);
-      ops_.multiply_transposed(E_, T_, W_);
-    }
-    start_sum(continuous, next_);
-    start_sum(continuous, W_);
-    const bool stable = square_until(1e-2, [this] {
-      double_sum(next_);
-      double_sum(W_);
-    });
-    if (!stable) return false;
+  void fill_norms(const Residual& of_X, SquaredNorms& norms) const {
+    norms.residual = of_X.squared;
+    norms.terms = of_X.squared_terms;
     norms.A = squared(norm_A_);
     norms.G = squared(norm_G_);
     norms.Q = squared(norm_Q_);
     norms.X = squared(ops_.weighted_norm(H_));
-    norms.h0 = squared(ops_.weighted_norm(next_));
-    norms.h2 = squared(ops_.weighted_norm(W_));
-    return true;
+    norms.h0 = squared(ops_.weighted_norm(h0_));
+    norms.h2 = squared(ops_.weighted_norm(h2_));
   }
 
   static double squared(double x) { return x * x; }
 
+  /// Norm of the powers at which the sums are exact to its square.
+  static constexpr double kVanished = 0.03;
   static constexpr double kGoodCondition = 1e6;
   static constexpr double kStands = 1e-9;
-  static constexpr double kWorthRefining = 4e-15;
   static constexpr int kMaxNewtonSteps = 8;
   static constexpr int kMaxSquarings = 45;
 
   Ops ops_;
+  /// Below this residual, which rounding leaves in sums of so many terms, a step cannot pay.
+  double worth_refining_ = std::max(4e-15, 5e-17 * static_cast<double>(ops_.size()));
   bool cross_ = false;
   double gamma_ = 1;
   double norm_A_ = 0;
@@ -319,7 +326,8 @@ class Doubling final : public DoublingSolver {
   Square A_ = ops_.square(), Q_ = ops_.square(), At_ = ops_.square(), Qt_ = ops_.square();
   Square E_ = ops_.square(), G_ = ops_.square(), H_ = ops_.square(), W_ = ops_.square();
   Square T_ = ops_.square(), U_ = ops_.square(), V_ = ops_.square(), next_ = ops_.square();
-  Square residual_ = ops_.square(), F_ = ops_.square();
+  Square residual_ = ops_.square(), correction_ = ops_.square(), F_ = ops_.square();
+  Square BK_ = ops_.square(), h0_ = ops_.square(), h2_ = ops_.square();
   Panel B_ = ops_.panel(), Bs_ = ops_.panel(), N_ = ops_.panel(), Ns_ = ops_.panel();
   Panel XB_ = ops_.panel(), Y_ = ops_.panel(), Kt_ = ops_.panel();
   Panel R_ = ops_.small(), Linv_ = ops_.small(), Sinv_ = ops_.small();

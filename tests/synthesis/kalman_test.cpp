@@ -146,7 +146,7 @@ TEST(Kalman, NamesTheStateThatIsNotSeen) {
   DiscreteLti model = altitude_model();
   model.C = Eigen::RowVector2d(0, 1);  // velocity alone says nothing of height
   const KalmanResult result = kalman(model, {{}, Eigen::MatrixXd::Identity(2, 2), scalar(1), {}});
-  EXPECT_EQ(result.status, RiccatiStatus::not_stabilizable);
+  EXPECT_EQ(result.status, RiccatiStatus::not_detectable);
   EXPECT_THAT(result.culprit, HasSubstr("z cannot be seen by the measurements"));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <cmath>
 
 #include "matrix_near.hpp"
@@ -112,6 +113,43 @@ TEST_P(RandomPlants, UnitsDoNotMatter) {
 INSTANTIATE_TEST_SUITE_P(Time, RandomPlants, ::testing::Bool(), [](const auto& time) {
   return std::string(time.param ? "Discrete" : "Continuous");
 });
+
+// Groups of states that do not know of one another are solved alone; mixing the states couples them
+// again, and must not change the solution. One group here has no input, one input no group.
+TEST(RiccatiGroups, AreTheSameAsTheWhole) {
+  std::mt19937_64 random(21);
+  for (const bool discrete : {false, true}) {
+    const RiccatiCase one = testing::random_case(3, 2, discrete, true, random);
+    const RiccatiCase two = testing::random_case(5, 1, discrete, true, random);
+    RiccatiCase c{MatrixXd::Zero(9, 9), MatrixXd::Zero(9, 4), MatrixXd::Zero(9, 9),
+                  MatrixXd::Identity(4, 4), MatrixXd::Zero(9, 4)};
+    const std::vector<Eigen::Index> states[] = {{7, 0, 3}, {1, 8, 2, 5, 6}};
+    const std::vector<Eigen::Index> inputs[] = {{3, 0}, {2}};
+    for (const int g : {0, 1}) {
+      const RiccatiCase& part = g == 0 ? one : two;
+      c.A(states[g], states[g]) = part.A;
+      c.B(states[g], inputs[g]) = part.B;
+      c.Q(states[g], states[g]) = part.Q;
+      c.R(inputs[g], inputs[g]) = part.R;
+      c.N(states[g], inputs[g]) = part.N;
+    }
+    c.A(4, 4) = discrete ? 0.5 : -1;
+    c.Q(4, 4) = 3;
+    const RiccatiResult r = solve(c, discrete);
+    expect_stabilizing(c, r, discrete, 1e-13);
+    EXPECT_NEAR(r.X(4, 4), discrete ? 4 : 1.5, 1e-14);
+    EXPECT_EQ(r.K.row(1).norm(), 0);
+    const MatrixXd mixing =
+        Eigen::HouseholderQR<MatrixXd>(testing::random_matrix(9, 9, random)).householderQ();
+    RiccatiCase mixed{mixing.transpose() * c.A * mixing, mixing.transpose() * c.B,
+                      mixing.transpose() * c.Q * mixing, c.R, mixing.transpose() * c.N};
+    mixed.Q = (0.5 * (mixed.Q + mixed.Q.transpose())).eval();
+    const RiccatiResult whole = solve(mixed, discrete);
+    ASSERT_TRUE(whole.solved()) << whole;
+    EXPECT_THAT(r.X, MatrixRelativelyNear(mixing * whole.X * mixing.transpose(), 1e-11));
+    EXPECT_NEAR(std::log(r.rcond / whole.rcond), 0, 0.05);
+  }
+}
 
 // A 60 g quadrotor in SI units: Schur solvers without scaling leave 1e-8 here.
 TEST(RiccatiScaling, HoverInSiUnits) {

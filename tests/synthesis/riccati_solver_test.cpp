@@ -42,10 +42,11 @@ TEST(RiccatiSolver, SolvesAgainAndAgainWithoutAllocating) {
 #endif
   std::mt19937_64 random(1);
   for (const Eigen::Index n : {3, 12, 16, 24, 40, 100}) {
-    const RiccatiCase c = testing::random_case(n, 4, false, false, random);
-    const RiccatiCase cross = testing::random_case(n, 4, false, true, random);
-    const RiccatiCase d = testing::random_case(n, 4, true, false, random);
-    RiccatiSolver solver(n, 4, essential());
+    const Eigen::Index m = (n + 2) / 3;
+    const RiccatiCase c = testing::random_case(n, m, false, false, random);
+    const RiccatiCase cross = testing::random_case(n, m, false, true, random);
+    const RiccatiCase d = testing::random_case(n, m, true, false, random);
+    RiccatiSolver solver(n, m, essential());
     ASSERT_TRUE(solver.care(c.A, c.B, c.Q, c.R).solved());
     const long before = allocations;
     for (int k = 0; k < 3; ++k) {
@@ -55,6 +56,19 @@ TEST(RiccatiSolver, SolvesAgainAndAgainWithoutAllocating) {
     }
     EXPECT_EQ(allocations - before, 0) << "n = " << n;
   }
+}
+
+// A hover falls into four groups; the memory for them is kept as well.
+TEST(RiccatiSolver, KeepsTheMemoryOfGroups) {
+#ifndef QUADTUNE_COUNTS_ALLOCATIONS
+  GTEST_SKIP() << "malloc cannot be counted in this build";
+#endif
+  const RiccatiCase c = testing::small_hover();
+  RiccatiSolver solver(12, 4, essential());
+  ASSERT_TRUE(solver.care(c.A, c.B, c.Q, c.R).solved());
+  const long before = allocations;
+  EXPECT_TRUE(solver.care(c.A, c.B, c.Q, c.R).solved());
+  EXPECT_EQ(allocations - before, 0);
 }
 
 TEST(RiccatiSolver, IsTheSameAsTheFunctions) {

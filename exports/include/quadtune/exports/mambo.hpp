@@ -21,6 +21,12 @@ namespace quadtune {
 ///                       convention, other filters, and numbers that are not finite.
 [[nodiscard]] std::vector<FileContent> mambo_files(const ExportContent& content);
 
+/// All that a parameter file defines, numbers and expressions.
+///
+/// @throws InvalidInput  as parse_m_numbers.
+[[nodiscard]] std::vector<NamedMatrix> parse_m_file(const std::string& text,
+                                                    const std::string& origin);
+
 /// What a parameter file defines by plain numbers; names defined by expressions are passed over.
 ///
 /// @param text    the lines that quadtune writes: comments, and "Name = value;"

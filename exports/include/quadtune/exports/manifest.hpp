@@ -29,11 +29,12 @@ struct ManifestFile {
   std::size_t size = 0;  ///< [byte]
 };
 
-/// A matrix that stands in a file under a name, e.g. "Controller.StateFeedback.K".
+/// What stands in a file under a name, e.g. "Controller.StateFeedback.K".
 struct NamedMatrix {
   std::string file;
   std::string name;
-  Eigen::MatrixXd value;
+  Eigen::MatrixXd value;  ///< empty for an expression
+  std::string text = {};  ///< an expression as written, e.g. "inv(Controller.Ts2Q)"; else empty
 };
 
 /// manifest.json.
@@ -47,7 +48,7 @@ struct Manifest {
   std::optional<Gains> gains;
   ExportEvidence evidence;
   Eigen::VectorXcd closed_loop_poles;  ///< of the law as written with the plant; empty if not known
-  std::vector<NamedMatrix> numbers;    ///< what the files with names in them define
+  std::vector<NamedMatrix> numbers;    ///< all that the files with names define
 };
 
 inline constexpr char kManifestName[] = "manifest.json";

@@ -27,7 +27,8 @@ inline std::size_t edit_distance(const std::string& a, const std::string& b) {
 /// The known word nearest to `word`, or "" when none is near enough to be meant.
 inline std::string nearest(const std::string& word, const std::vector<std::string>& known) {
   std::string best;
-  std::size_t least = std::max<std::size_t>(2, word.size() / 2) + 1;
+  if (word.size() < 4) return best;
+  std::size_t least = (word.size() + 1) / 3 + 1;  // a third of the letters may be wrong
   for (const std::string& candidate : known) {
     const std::size_t distance = edit_distance(word, candidate);
     if (distance < least) {

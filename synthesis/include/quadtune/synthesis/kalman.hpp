@@ -23,6 +23,8 @@ struct KalmanNoise {
 
 /// The steady filter with its evidence. Matrices are NaN unless solved.
 struct KalmanResult {
+  /// not_detectable: C does not see an unstable or boundary mode; not_stabilizable: the noise does
+  /// not drive a boundary mode.
   RiccatiStatus status = RiccatiStatus::not_run;
   Eigen::MatrixXd M;  ///< (nx × ny) filter gain: x⁺ = x + M (y - C x); empty when continuous
   /// (nx × ny) predictor gain: x[k+1|k] = A x[k|k-1] + B u + L (y - C x[k|k-1]);
