@@ -62,8 +62,9 @@ Contestant our_function(const std::string& name, RiccatiEvidence evidence,
             const Problem& p = shared->problem;
             RiccatiOptions options;
             options.evidence = evidence;
-            *result = shared->time == Time::continuous ? care(p.A, p.B, p.Q, p.R, {}, options)
-                                                       : dare(p.A, p.B, p.Q, p.R, {}, options);
+            *result = shared->time == Time::continuous
+                          ? care(p.A, p.B, p.Q, p.R, MatrixXd(), options)
+                          : dare(p.A, p.B, p.Q, p.R, MatrixXd(), options);
             return result->solved();
           },
           [shared, result] { return shared->residual(result->X); }};

@@ -30,8 +30,8 @@ struct KalmanResult {
   /// (nx × ny) predictor gain: x[k+1|k] = A x[k|k-1] + B u + L (y - C x[k|k-1]);
   /// continuous: x' = A x + B u + L (y - C x).
   Eigen::MatrixXd L;
-  Eigen::MatrixXd P;  ///< (nx × nx) error covariance before the measurement
-  Eigen::MatrixXd Z;  ///< (nx × nx) error covariance after it; empty when continuous
+  Eigen::MatrixXd P;       ///< (nx × nx) error covariance before the measurement
+  Eigen::MatrixXd Z;       ///< (nx × nx) error covariance after it; empty when continuous
   Eigen::VectorXcd poles;  ///< (nx) eigenvalues of A - L C
   double residual = std::numeric_limits<double>::quiet_NaN();  ///< as RiccatiResult::residual
   double rcond = std::numeric_limits<double>::quiet_NaN();     ///< as RiccatiResult::rcond

@@ -32,8 +32,8 @@ struct LqrWeights {
 
 /// A discrete problem with exactly the cost of a continuous one for inputs held between samples.
 struct SampledLqr {
-  DiscreteLti plant;    ///< zero-order hold of the continuous plant
-  LqrWeights weights;   ///< Q_d, R_d, N_d; N_d is not small at flight-control rates
+  DiscreteLti plant;   ///< zero-order hold of the continuous plant
+  LqrWeights weights;  ///< Q_d, R_d, N_d; N_d is not small at flight-control rates
 };
 
 /// @param dt  sample period [s], > 0
