@@ -146,7 +146,9 @@ TEST(RiccatiGroups, AreTheSameAsTheWhole) {
     mixed.Q = (0.5 * (mixed.Q + mixed.Q.transpose())).eval();
     const RiccatiResult whole = solve(mixed, discrete);
     ASSERT_TRUE(whole.solved()) << whole;
-    EXPECT_THAT(r.X, MatrixRelativelyNear(mixing * whole.X * mixing.transpose(), 1e-11));
+    // The mixing alone rounds the data, so the two agree as far as the condition lets them.
+    const double bound = 100 * std::numeric_limits<double>::epsilon() / whole.rcond;
+    EXPECT_THAT(r.X, MatrixRelativelyNear(mixing * whole.X * mixing.transpose(), bound));
     EXPECT_NEAR(std::log(r.rcond / whole.rcond), 0, 0.05);
   }
 }
