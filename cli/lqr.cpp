@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <ostream>
 
@@ -14,6 +15,7 @@
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/internal/suggest.hpp"
 #include "quadtune/synthesis/state_feedback.hpp"
 
 namespace quadtune::cli {
@@ -114,6 +116,22 @@ void read_weights(const Options& options, LqrDesign& design) {
                        fmt::format("inputs: {}", fmt::join(design.inputs, " ")), "lqr", "--R");
 }
 
+/// Names of states to integrate, each a state of the model and named once.
+std::vector<std::string> read_integrals(const std::string& text,
+                                        const std::vector<std::string>& states) {
+  const std::vector<std::string> names = word_list(text);
+  for (const std::string& name : names) {
+    if (std::find(states.begin(), states.end(), name) == states.end())
+      throw UsageError(fmt::format("quadtune lqr: --integral: no state '{}', expected some of {}{}",
+                                   name, fmt::join(states, " "),
+                                   internal::did_you_mean(name, states)));
+    if (std::count(names.begin(), names.end(), name) > 1)
+      throw UsageError(fmt::format(
+          "quadtune lqr: --integral: state '{}' is named twice, expected each once", name));
+  }
+  return names;
+}
+
 LqrDesign make_design(const Options& options, const Linearization& model, bool has_dt) {
   LqrDesign design;
   design.convention = options.plant.convention;
@@ -126,7 +144,7 @@ LqrDesign make_design(const Options& options, const Linearization& model, bool h
   if (has_dt) require_positive(options.dt, "lqr", "--dt");
   for (const Signal& state : model.plant.states) design.states.push_back(state.name);
   for (const Signal& input : model.plant.inputs) design.inputs.push_back(input.name);
-  design.integrals = word_list(options.integral);
+  design.integrals = read_integrals(options.integral, design.states);
   read_weights(options, design);
   return design;
 }

@@ -46,7 +46,8 @@ Plant make_plant(const PlantArguments& arguments) {
   options.convention = arguments.convention;
   options.inputs = input_kind(arguments.inputs, "--inputs");
   options.states = state_selection(arguments.states, "--states");
-  (void)convention(options.convention, "--convention");  // refused by its option's name
+  // Refused by the options' names, not by the function that would trip over them.
+  (void)selected_states(convention(options.convention, "--convention"), options.states, "--states");
   plant.model = linearize_or_refuse(plant.vehicle, condition, options);
   return plant;
 }
