@@ -53,7 +53,8 @@ Verb design_verb() {
         app.add_option("-o", options->directory, "directory to write; without it, only print")
             ->type_name("DIR");
         return [options](Context& context) {
-          if (options->file.empty()) throw UsageError("quadtune design: expected a design file");
+          if (options->file.empty())
+            throw UsageError("quadtune design: expected a design file", "FILE");
           const DesignOutcome outcome = run_design(options->file);
           for (const std::string& note : outcome.model.notes) context.note("design: note: " + note);
           if (outcome.design.condition.yaw != 0 && outcome.gains)

@@ -71,13 +71,14 @@ void solve_feedback(DesignOutcome& outcome) {
     throw InvalidInput(design.file.string(),
                        "lqr.dt_s is missing, expected the flight computer's sample period because "
                        "the gains are exported");
-  outcome.model =
-      linearize_or_refuse(design.vehicle, design.condition, linearize_options(*design.lqr));
+  outcome.model = linearize_or_refuse(design.vehicle, design.condition,
+                                      linearize_options(*design.lqr), design.file.string());
   outcome.feedback = state_feedback(outcome.model.plant, *design.lqr);
   const RiccatiResult& riccati = outcome.feedback->riccati;
   if (!riccati.solved())
     throw NoSolution(fmt::format("{}: lqr: {}: {}", design.file.string(), to_string(riccati.status),
-                                 riccati.culprit));
+                                 riccati.culprit),
+                     design.file.string());
   outcome.gains = make_gains(design.vehicle, outcome.model, *design.lqr, *outcome.feedback);
   outcome.poles = flying_poles(outcome.model, *outcome.gains, riccati);
   if (design.lqr->dt > 0) outcome.sampled = discretize_zoh(outcome.model.plant, design.lqr->dt);
@@ -89,7 +90,8 @@ DesignedFilter solve_filter(const KalmanDesign& design, const std::string& where
   result.evidence = kalman(design.model, {design.G, design.Q, design.R, design.N});
   if (!result.evidence.solved())
     throw NoSolution(fmt::format("{}: kalman {}: {}: {}", where, design.name,
-                                 to_string(result.evidence.status), result.evidence.culprit));
+                                 to_string(result.evidence.status), result.evidence.culprit),
+                     where);
   result.filter = {design.name,       design.model,     design.G,          design.Q,
                    design.R,          design.N,         result.evidence.M, result.evidence.L,
                    result.evidence.P, result.evidence.Z};
@@ -167,7 +169,7 @@ DesignOutcome run_design(const std::string& path) {
   if (outcome.design.lqr)
     solve_feedback(outcome);
   else
-    outcome.model = linearize_or_refuse(outcome.design.vehicle, outcome.design.condition, {});
+    outcome.model = linearize_or_refuse(outcome.design.vehicle, outcome.design.condition, {}, path);
   for (const KalmanDesign& filter : outcome.design.kalman)
     outcome.filters.push_back(solve_filter(filter, path));
   return outcome;
@@ -181,7 +183,8 @@ DiscreteLti sampled_plant(const Vehicle& vehicle, const Gains& gains) {
   for (const Signal& state : gains.states) states.push_back(state.name);
   options.states = {StateSelection::Kind::list, states};
   const FlightCondition condition = NedTrim(gains).condition();
-  return discretize_zoh(linearize_or_refuse(vehicle, condition, options).plant, gains.dt);
+  return discretize_zoh(linearize_or_refuse(vehicle, condition, options, vehicle.name).plant,
+                        gains.dt);
 }
 
 std::vector<std::pair<std::string, std::string>> library_versions() {

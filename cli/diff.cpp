@@ -66,7 +66,8 @@ Verb diff_verb() {
             app.add_option("B", options->b, "another");
             return [options](Context& context) {
               if (options->b.empty())
-                throw UsageError("quadtune diff: expected two gain sets, directories or files");
+                throw UsageError("quadtune diff: expected two gain sets, directories or files",
+                                 options->a.empty() ? "A" : "B");
               const GainsDiff difference = diff(read_gains(options->a), read_gains(options->b));
               if (context.json)
                 print_json(difference, context);

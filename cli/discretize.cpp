@@ -68,7 +68,8 @@ Verb discretize_verb() {
           if (dt->count() == 0)
             throw UsageError(
                 "quadtune discretize: --dt is missing, expected a sample period "
-                "in seconds");
+                "in seconds",
+                "--dt");
           require_positive(options->dt, "discretize", "--dt");
           const DiscretizationMethod method = discretization_method(options->method, "--method");
           const ContinuousLti plant = read_plant(*options, context.in);

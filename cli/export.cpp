@@ -28,10 +28,10 @@ struct Options {
 void refuse_own_source(const Options& options) {
   std::error_code ignored;
   if (std::filesystem::equivalent(options.source, options.directory, ignored))
-    throw UsageError(
-        fmt::format("quadtune export: -o {} is the source itself, expected another "
-                    "directory",
-                    options.directory));
+    throw UsageError(fmt::format("quadtune export: -o {} is the source itself, expected another "
+                                 "directory",
+                                 options.directory),
+                     "-o");
 }
 
 /// Gains from files, with the vehicle that they are for.
@@ -42,7 +42,8 @@ ExportContent read_content(const Options& options) {
   if (vehicle.empty())
     throw UsageError(
         "quadtune export: the gains do not say for which vehicle they are, expected "
-        "--vehicle V");
+        "--vehicle V",
+        "--vehicle");
   content.vehicle = load_vehicle(vehicle);
   content.gains->vehicle = content.vehicle.name;
   const std::filesystem::path manifest = std::filesystem::path(options.source) / kManifestName;
@@ -101,7 +102,10 @@ Verb export_verb() {
                 ->type_name("V");
             return [options](Context& context) {
               if (options->source.empty() || options->to.empty() || options->directory.empty())
-                throw UsageError("quadtune export: expected a source, --to NAME and -o DIR");
+                throw UsageError("quadtune export: expected a source, --to NAME and -o DIR",
+                                 options->source.empty() ? "SOURCE"
+                                 : options->to.empty()   ? "--to"
+                                                         : "-o");
               refuse_own_source(*options);
               const ExportKind kind = export_kind(options->to, "--to");
               const ExportContent content = make_content(*options, kind);

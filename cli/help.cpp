@@ -121,7 +121,8 @@ std::string usage_of(const std::string& name) {
     known.push_back(verb.name);
   }
   throw UsageError(
-      fmt::format("quadtune help: no command '{}'{}", name, internal::did_you_mean(name, known)));
+      fmt::format("quadtune help: no command '{}'{}", name, internal::did_you_mean(name, known)),
+      name);
 }
 
 }  // namespace

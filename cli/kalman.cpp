@@ -28,7 +28,8 @@ void check(const Options& options, bool sampled) {
           static_cast<int>(sampled) !=
       1)
     throw UsageError(
-        "quadtune kalman: expected one of --discrete (A is discrete), --continuous, --sampled DT");
+        "quadtune kalman: expected one of --discrete (A is discrete), --continuous, --sampled DT",
+        "--discrete");
 }
 
 KalmanResult solve(const Options& options, bool sampled, std::istream& in) {
@@ -110,7 +111,7 @@ Verb kalman_verb() {
           const KalmanResult result = solve(*options, sampled, context.in);
           if (!result.solved())
             throw NoSolution(
-                fmt::format("kalman: {}: {}", to_string(result.status), result.culprit));
+                fmt::format("kalman: {}: {}", to_string(result.status), result.culprit), "--A");
           const bool is_discrete = !options->continuous;
           print(result, sampled ? options->sampled : 1, is_discrete, context);
         };

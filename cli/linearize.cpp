@@ -49,7 +49,7 @@ Verb linearize_verb() {
             add_plant_options(app, *arguments);
             return [arguments](Context& context) {
               if (arguments->vehicle.empty())
-                throw UsageError("quadtune linearize: expected a vehicle's name or file");
+                throw UsageError("quadtune linearize: expected a vehicle's name or file", "V");
               const Plant plant = make_plant(*arguments);
               for (const std::string& note : plant.model.notes)
                 context.note("linearize: note: " + note);

@@ -35,9 +35,11 @@ struct Options {
 };
 
 /// Ends with status 4 and the culprit unless the equation was solved; passes on its warning.
-void require_solved(const RiccatiResult& result, const Context& context) {
+/// @param plant  what gave the model: a vehicle or "--A".
+void require_solved(const RiccatiResult& result, const std::string& plant, const Context& context) {
   if (!result.solved())
-    throw NoSolution(fmt::format("lqr: {}: {}", to_string(result.status), result.culprit));
+    throw NoSolution(fmt::format("lqr: {}: {}", to_string(result.status), result.culprit),
+                     result.status == RiccatiStatus::not_detectable ? "--Q" : plant);
   if (!result.warning.empty()) context.note("lqr: warning: " + result.warning);
 }
 
@@ -65,7 +67,8 @@ void run_matrices(const Options& options, bool sampled, Context& context) {
           static_cast<int>(sampled) >
       1)
     throw UsageError(
-        "quadtune lqr: more than one of --continuous, --discrete and --sampled came, expected one");
+        "quadtune lqr: more than one of --continuous, --discrete and --sampled came, expected one",
+        sampled ? "--sampled" : "--discrete");
   const auto need = [&context](const std::string& path, const char* option) {
     return require_matrix(path, context.in, "lqr", option);
   };
@@ -85,7 +88,7 @@ void run_matrices(const Options& options, bool sampled, Context& context) {
   } else {
     result = lqr(plant, weights);
   }
-  require_solved(result, context);
+  require_solved(result, "--A", context);
   if (context.json) {
     Json json = {{"status", to_string(result.status)},
                  {"K", internal::matrix_to_json(result.K, "K")},
@@ -122,12 +125,15 @@ std::vector<std::string> read_integrals(const std::string& text,
   const std::vector<std::string> names = word_list(text);
   for (const std::string& name : names) {
     if (std::find(states.begin(), states.end(), name) == states.end())
-      throw UsageError(fmt::format("quadtune lqr: --integral: no state '{}', expected some of {}{}",
-                                   name, fmt::join(states, " "),
-                                   internal::did_you_mean(name, states)));
+      throw UsageError(
+          fmt::format("quadtune lqr: --integral: no state '{}', expected some of {}{}", name,
+                      fmt::join(states, " "), internal::did_you_mean(name, states)),
+          "--integral");
     if (std::count(names.begin(), names.end(), name) > 1)
-      throw UsageError(fmt::format(
-          "quadtune lqr: --integral: state '{}' is named twice, expected each once", name));
+      throw UsageError(
+          fmt::format("quadtune lqr: --integral: state '{}' is named twice, expected each once",
+                      name),
+          "--integral");
   }
   return names;
 }
@@ -139,8 +145,9 @@ LqrDesign make_design(const Options& options, const Linearization& model, bool h
   design.method = lqr_method(options.method, "--method");
   design.dt = options.dt;
   if (design.method != LqrMethod::continuous && !has_dt)
-    throw UsageError("quadtune lqr: --dt is missing, expected a sample period with --method " +
-                     options.method);
+    throw UsageError(
+        "quadtune lqr: --dt is missing, expected a sample period with --method " + options.method,
+        "--dt");
   if (has_dt) require_positive(options.dt, "lqr", "--dt");
   for (const Signal& state : model.plant.states) design.states.push_back(state.name);
   for (const Signal& input : model.plant.inputs) design.inputs.push_back(input.name);
@@ -154,7 +161,7 @@ void run_vehicle(const Options& options, bool has_dt, Context& context) {
   const LqrDesign design = make_design(options, plant.model, has_dt);
   const StateFeedback feedback = state_feedback(plant.model.plant, design);
   const Gains gains = make_gains(plant.vehicle, plant.model, design, feedback);
-  require_solved(feedback.riccati, context);
+  require_solved(feedback.riccati, options.plant.vehicle, context);
   for (const std::string& note : plant.model.notes) context.note("lqr: note: " + note);
   if (context.json) {
     Json json = {{"status", to_string(feedback.riccati.status)},
@@ -181,7 +188,7 @@ void refuse_options(const CLI::App& app, const std::vector<std::string>& names,
                     const std::string& why) {
   for (const std::string& name : names)
     if (app.get_option(name)->count() > 0)
-      throw UsageError(fmt::format("quadtune lqr: {} {}", name, why));
+      throw UsageError(fmt::format("quadtune lqr: {} {}", name, why), name);
 }
 
 bool any_matrix_option(const Options& options) { return !options.A.empty() || !options.B.empty(); }
@@ -222,9 +229,10 @@ Verb lqr_verb() {
               if (has_vehicle && any_matrix_option(*options))
                 throw UsageError(
                     "quadtune lqr: a vehicle and --A or --B came together, expected "
-                    "one or the other");
+                    "one or the other",
+                    options->A.empty() ? "--B" : "--A");
               if (!has_vehicle && !any_matrix_option(*options))
-                throw UsageError("quadtune lqr: expected a vehicle, or --A, --B, --Q and --R");
+                throw UsageError("quadtune lqr: expected a vehicle, or --A, --B, --Q and --R", "V");
               if (has_vehicle) {
                 refuse_options(*owner, {"--N", "--continuous", "--discrete", "--sampled"},
                                "belongs to matrices, expected --method and --dt with a vehicle");

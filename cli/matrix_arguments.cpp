@@ -25,7 +25,7 @@ Eigen::MatrixXd require_matrix(const std::string& path, std::istream& in, const 
                                const std::string& option) {
   if (path.empty())
     throw UsageError(
-        fmt::format("quadtune {}: {} is missing, expected a matrix file", verb, option));
+        fmt::format("quadtune {}: {} is missing, expected a matrix file", verb, option), option);
   return read_matrix(path, in);
 }
 
@@ -49,9 +49,11 @@ std::vector<double> number_list(const std::string& text, const std::string& verb
     const char* end = word.data() + word.size();
     const auto [stop, error] = std::from_chars(word.data(), end, value);
     if (error != std::errc() || stop != end || !std::isfinite(value))
-      throw UsageError(fmt::format(
-          "quadtune {}: {}: '{}' is not a finite number, expected numbers separated by commas",
-          verb, option, word));
+      throw UsageError(
+          fmt::format(
+              "quadtune {}: {}: '{}' is not a finite number, expected numbers separated by commas",
+              verb, option, word),
+          option);
     numbers.push_back(value);
   }
   return numbers;
@@ -64,11 +66,13 @@ Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count,
   for (const double weight : numbers)
     if (weight < 0)
       throw UsageError(fmt::format("quadtune {}: {}: {} is negative, expected weights of 0 or more",
-                                   verb, option, weight));
+                                   verb, option, weight),
+                       option);
   if (numbers.size() == 1) numbers.assign(count, numbers[0]);
   if (numbers.size() != count)
     throw UsageError(fmt::format("quadtune {}: {} has {} entries, expected {} or one for all ({})",
-                                 verb, option, numbers.size(), count, what));
+                                 verb, option, numbers.size(), count, what),
+                     option);
   return Eigen::Map<const Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(count))
       .asDiagonal();
 }
@@ -76,7 +80,8 @@ Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count,
 void require_positive(double value, const std::string& verb, const std::string& option) {
   if (!(value > 0) || !std::isfinite(value))
     throw UsageError(fmt::format("quadtune {}: {} is {}, expected a positive number of seconds",
-                                 verb, option, value));
+                                 verb, option, value),
+                     option);
 }
 
 }  // namespace quadtune::cli

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "program.hpp"
+#include "quadtune/errors.hpp"
 
 namespace quadtune::cli {
 void add_plant_options(CLI::App& app, PlantArguments& arguments) {
@@ -27,11 +28,11 @@ void add_plant_options(CLI::App& app, PlantArguments& arguments) {
 }
 
 Linearization linearize_or_refuse(const Vehicle& vehicle, const FlightCondition& condition,
-                                  const LinearizeOptions& options) {
+                                  const LinearizeOptions& options, const std::string& where) {
   Linearization model = linearize(vehicle, condition, options);
   if (!model.solved())
-    throw NoSolution(vehicle.name + ": no " + to_string(condition.kind) +
-                     " trim: " + model.trim.culprit);
+    throw NoSolution(
+        vehicle.name + ": no " + to_string(condition.kind) + " trim: " + model.trim.culprit, where);
   return model;
 }
 
@@ -41,14 +42,21 @@ Plant make_plant(const PlantArguments& arguments) {
   const FlightCondition condition = {flight_kind(arguments.at, "--at"), arguments.yaw,
                                      arguments.speed, arguments.climb, arguments.radius};
   if (condition.kind == FlightKind::circle && condition.radius == 0)
-    throw UsageError("quadtune: --radius is missing or 0, expected that of the circle in metres");
+    throw UsageError("quadtune: --radius is missing or 0, expected that of the circle in metres",
+                     "--radius");
   LinearizeOptions options;
   options.convention = arguments.convention;
   options.inputs = input_kind(arguments.inputs, "--inputs");
   options.states = state_selection(arguments.states, "--states");
   // Refused by the options' names, not by the function that would trip over them.
   (void)selected_states(convention(options.convention, "--convention"), options.states, "--states");
-  plant.model = linearize_or_refuse(plant.vehicle, condition, options);
+  try {
+    plant.model = linearize_or_refuse(plant.vehicle, condition, options, arguments.vehicle);
+  } catch (const InvalidInput& error) {
+    if (error.where() != "trim") throw;
+    // A flight that there is not, such as one at a negative speed: the options are at fault.
+    throw InvalidInput("--at " + arguments.at, std::string(error.what()).substr(6));
+  }
   return plant;
 }
 

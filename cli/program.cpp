@@ -45,13 +45,15 @@ std::vector<std::string> verb_names() {
   const std::string extra = app.remaining().front();
   if (extra.empty() || extra[0] != '-')
     throw UsageError(fmt::format("quadtune {}: unexpected argument '{}', expected: quadtune {} {}",
-                                 verb, extra, verb, find(verb)->usage));
+                                 verb, extra, verb, find(verb)->usage),
+                     extra);
   std::vector<std::string> known;
   for (const CLI::Option* option : app.get_options())
     for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
-  throw UsageError(fmt::format("quadtune {}: no option '{}'{}", verb,
-                               extra.substr(0, extra.find('=')),
-                               internal::did_you_mean(extra.substr(0, extra.find('=')), known)));
+  const std::string name = extra.substr(0, extra.find('='));
+  throw UsageError(
+      fmt::format("quadtune {}: no option '{}'{}", verb, name, internal::did_you_mean(name, known)),
+      name);
 }
 
 std::string one_line(std::string text) {
@@ -95,14 +97,16 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
     std::vector<std::string> reversed(args.rbegin(), args.rend());
     app.parse(reversed);
   } catch (const CLI::ParseError& error) {
-    throw UsageError(fmt::format("quadtune {}: {}", verb.name, one_line(error.what())));
+    throw UsageError(fmt::format("quadtune {}: {}", verb.name, one_line(error.what())),
+                     "command line");
   }
   if (!app.remaining().empty()) refuse_extras(app, verb.name);
   for (const CLI::Option* option : app.get_options())
     for (const std::string& value : option->results())
       if (value.empty())
         throw UsageError(fmt::format("quadtune {}: {} is empty, expected a value", verb.name,
-                                     option->get_name()));
+                                     option->get_name()),
+                         option->get_name());
   if (file.empty())
     action(context);
   else
@@ -124,7 +128,8 @@ void run_program(const std::vector<std::string>& args, Context& context) {
     throw UsageError(fmt::format("quadtune: no {} '{}'{}", what, args[0],
                                  args[0] == "synthesise" || args[0] == "synthesize"
                                      ? "; did you mean 'lqr'?"
-                                     : internal::did_you_mean(args[0], verb_names())));
+                                     : internal::did_you_mean(args[0], verb_names())),
+                     args[0]);
   }
   run_verb(*verb, {args.begin() + 1, args.end()}, context);
 }
@@ -169,7 +174,7 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
     if (!out) return fail(context, kFile, "standard output: could not be written", "stdout");
     return kDone;
   } catch (const UsageError& error) {
-    return fail(context, kUsage, error.what(), "command line");
+    return fail(context, kUsage, error.what(), error.where());
   } catch (const InvalidInput& error) {
     // What an option says is the command line; what a file says is the input.
     const bool option = error.where().starts_with("--");
@@ -177,8 +182,7 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
   } catch (const FileError& error) {
     return fail(context, kFile, error.what(), error.path());
   } catch (const NoSolution& error) {
-    const std::string what = error.what();
-    return fail(context, kNoSolution, what, what.substr(0, what.find(':')));
+    return fail(context, kNoSolution, error.what(), error.where());
   } catch (const AnswerIsNo& error) {
     err << one_line(error.what()) << "\n";
     return kAnswerIsNo;

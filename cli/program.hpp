@@ -6,6 +6,7 @@
 #include <iosfwd>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace CLI {
@@ -28,13 +29,27 @@ enum ExitStatus : int {
 /// The command line is wrong.
 class UsageError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// @param where  the option or argument concerned, e.g. "--dt", for scripts.
+  UsageError(const std::string& message, std::string where)
+      : std::runtime_error(message), where_(std::move(where)) {}
+
+  [[nodiscard]] const std::string& where() const { return where_; }
+
+ private:
+  std::string where_;
 };
 
 /// No solution exists or none was found; the message names the culprit.
 class NoSolution : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// @param where  the option, file or vehicle that asked for it, for scripts.
+  NoSolution(const std::string& message, std::string where)
+      : std::runtime_error(message), where_(std::move(where)) {}
+
+  [[nodiscard]] const std::string& where() const { return where_; }
+
+ private:
+  std::string where_;
 };
 
 /// The answer is no: a verification or a gate failed. What failed has been printed already.

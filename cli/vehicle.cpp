@@ -140,20 +140,21 @@ void require_authority(const Vehicle& vehicle, const TrimResult& hover, const st
   const char* axes[] = {"thrust", "roll", "pitch", "yaw"};
   for (Eigen::Index i = 0; i < 4; ++i)
     if (J.row(i).norm() == 0)
-      throw NoSolution(fmt::format("{}: no authority: no rotor changes {}", name, axes[i]));
+      throw NoSolution(fmt::format("{}: no authority: no rotor changes {}", name, axes[i]), name);
   J.rowwise().normalize();
   const Eigen::VectorXd singular = Eigen::JacobiSVD<Eigen::MatrixXd>(J).singularValues();
   if (singular.size() < 4 || singular(3) < 1e-9)
     throw NoSolution(name +
-                     ": no authority: the rotors cannot change thrust and the three torques "
-                     "independently of one another");
+                         ": no authority: the rotors cannot change thrust and the three torques "
+                         "independently of one another",
+                     name);
 }
 
 /// Reads the file, which refuses what is wrong in it, and asks whether it can hover.
 void check(const std::string& name, Context& context) {
   const Vehicle vehicle = load_vehicle(name);
   const TrimResult hover = trim(vehicle, FlightCondition{});
-  if (!hover.solved()) throw NoSolution(name + ": cannot hover: " + hover.culprit);
+  if (!hover.solved()) throw NoSolution(name + ": cannot hover: " + hover.culprit, name);
   require_authority(vehicle, hover, name);
   if (context.json)
     context.out << internal::readable(vehicle_json(vehicle)) << "\n";
@@ -178,16 +179,21 @@ Verb vehicle_verb() {
               if (action != "list" && action != "show" && action != "check")
                 throw UsageError(
                     fmt::format("quadtune vehicle: '{}', expected list, show V or check FILE{}",
-                                action, internal::did_you_mean(action, {"list", "show", "check"})));
+                                action, internal::did_you_mean(action, {"list", "show", "check"})),
+                    "ACTION");
               if (action == "list") {
                 if (!options->vehicle.empty())
-                  throw UsageError(fmt::format(
-                      "quadtune vehicle: unexpected argument '{}' after list", options->vehicle));
+                  throw UsageError(
+                      fmt::format("quadtune vehicle: unexpected argument '{}' after list",
+                                  options->vehicle),
+                      options->vehicle);
                 return list(context);
               }
               if (options->vehicle.empty())
-                throw UsageError(fmt::format(
-                    "quadtune vehicle: {} needs a built-in vehicle's name or a file", action));
+                throw UsageError(
+                    fmt::format("quadtune vehicle: {} needs a built-in vehicle's name or a file",
+                                action),
+                    "V");
               return action == "show" ? show(options->vehicle, context)
                                       : check(options->vehicle, context);
             };

@@ -66,7 +66,7 @@ Verb verify_verb() {
                 ->type_name("V");
             return [options](Context& context) {
               if (options->directory.empty())
-                throw UsageError("quadtune verify: expected an export's directory");
+                throw UsageError("quadtune verify: expected an export's directory", "DIR");
               const Manifest manifest = read_manifest(options->directory);
               const VerifyReport report =
                   verify_export(options->directory, plant_of(manifest, options->vehicle));

@@ -255,6 +255,49 @@ std::vector<Mistake> command_line_mistakes() {
 
 class BadInput : public ::testing::TestWithParam<Mistake> {};
 
+/// `where` of the JSON error of a command that ends with `status`.
+std::string where_of(std::vector<std::string> args, int status = 2) {
+  args.push_back("--json");
+  const ProgramResult result = run_program(args);
+  EXPECT_EQ(result.status, status) << result.err;
+  return nlohmann::json::parse(result.out)["error"]["where"];
+}
+
+TEST(JsonError, NamesTheOptionOrFileConcerned) {
+  EXPECT_EQ(where_of({"lqr", "uquad", "--method", "discrete"}), "--dt");
+  EXPECT_EQ(where_of({"lqr", "uquad", "--integral", "altitude"}), "--integral");
+  EXPECT_EQ(where_of({"lqr", "uquad", "--Q", "1,2"}), "--Q");
+  EXPECT_EQ(where_of({"linearize", "uquad", "--conventoin", "uquad"}), "--conventoin");
+  EXPECT_EQ(where_of({"linearize"}), "V");
+  EXPECT_EQ(where_of({"linearize", "uquad", "--at", "line", "--speed", "-1"}), "--at line");
+  EXPECT_EQ(where_of({"diff", "a"}), "B");
+  EXPECT_EQ(where_of({"export", "a", "--to", "json"}), "-o");
+  EXPECT_EQ(where_of({"synthesise"}), "synthesise");
+}
+
+TEST(JsonError, NamesWhatHasNoSolution) {
+  const TemporaryDirectory folder;
+  const std::string A = folder.write("A", "0 1\n0 0\n").string();
+  const std::string B = folder.write("B", "1\n0\n").string();
+  const std::string one = folder.write("one", "1 0\n0 1\n").string();
+  const std::string none = folder.write("none", "0 0\n0 0\n").string();
+  const std::string R = folder.write("R", "1\n").string();
+  const std::string C = folder.write("C", "0 1\n").string();
+  const std::string design =
+      folder.write("d.toml", hover_with("Q = [1, 1, 1, 1e3,", "Q = [1, 1, 1, 0,")).string();
+  const std::string vehicle =
+      folder.write("v.toml", mambo_with("mass_kg = 0.063", "mass_kg = 6.3")).string();
+  EXPECT_EQ(where_of({"lqr", "--A", A, "--B", B, "--Q", one, "--R", R}, 4), "--A");
+  EXPECT_EQ(where_of({"lqr", "--A", A, "--B", one, "--Q", none, "--R", one}, 4), "--Q");
+  EXPECT_EQ(where_of({"lqr", "uquad", "--Q", "0"}, 4), "--Q");
+  EXPECT_EQ(where_of({"kalman", "--A", A, "--C", C, "--Q", one, "--R", R, "--continuous"}, 4),
+            "--A");
+  EXPECT_EQ(where_of({"linearize", "mambo", "--at", "circle", "--speed", "50", "--radius", "1"}, 4),
+            "mambo");
+  EXPECT_EQ(where_of({"vehicle", "check", vehicle}, 4), vehicle);
+  EXPECT_EQ(where_of({"design", design}, 4), design);
+}
+
 TEST_P(BadInput, GetsOneLineAndTheDocumentedStatus) {
   const Mistake& mistake = GetParam();
   const TemporaryDirectory folder;
