@@ -7,6 +7,7 @@
 #include <ostream>
 
 #include "matrix_arguments.hpp"
+#include "number_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/internal/json.hpp"
@@ -61,7 +62,7 @@ Verb discretize_verb() {
         app.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");
         app.add_option("--C", options->C, "outputs (ny x nx); the states")->type_name("FILE");
         app.add_option("--D", options->D, "feed-through (ny x nu); zero")->type_name("FILE");
-        CLI::Option* dt = app.add_option("--dt", options->dt, "sample period [s]")->type_name("T");
+        CLI::Option* dt = add_number(app, "--dt", options->dt, "sample period [s]")->type_name("T");
         app.add_option("--method", options->method, "zoh (default), euler or tustin")
             ->type_name("NAME");
         return [options, dt](Context& context) {

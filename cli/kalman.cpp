@@ -9,6 +9,7 @@
 #include <ostream>
 
 #include "matrix_arguments.hpp"
+#include "number_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/internal/json.hpp"
@@ -101,8 +102,8 @@ Verb kalman_verb() {
         app.add_option("--N", options->N, "cross-correlation (nw x ny); none")->type_name("FILE");
         app.add_flag("--discrete", options->discrete, "A is discrete");
         app.add_flag("--continuous", options->continuous, "A is continuous");
-        CLI::Option* dt = app.add_option("--sampled", options->sampled,
-                                         "sample the continuous model every DT seconds")
+        CLI::Option* dt = add_number(app, "--sampled", options->sampled,
+                                     "sample the continuous model every DT seconds")
                               ->type_name("DT");
         return [options, dt](Context& context) {
           const bool sampled = dt->count() > 0;

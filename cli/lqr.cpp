@@ -11,6 +11,7 @@
 
 #include "design_flow.hpp"
 #include "matrix_arguments.hpp"
+#include "number_arguments.hpp"
 #include "plant_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
@@ -214,8 +215,8 @@ Verb lqr_verb() {
             app.add_flag("--continuous", options->continuous, "A and B are continuous (default)");
             app.add_flag("--discrete", options->discrete, "A and B are discrete");
             CLI::Option* sampled =
-                app.add_option("--sampled", options->sampled,
-                               "continuous A, B, Q, R with the input held for DT seconds")
+                add_number(app, "--sampled", options->sampled,
+                           "continuous A, B, Q, R with the input held for DT seconds")
                     ->type_name("DT");
             app.add_option("--integral", options->integral, "with V: states to integrate")
                 ->type_name("LIST");
@@ -223,7 +224,7 @@ Verb lqr_verb() {
                            "with V: continuous (default), discrete (weights per step) or sampled "
                            "(exact cost)")
                 ->type_name("NAME");
-            app.add_option("--dt", options->dt, "with V: sample period [s]")->type_name("T");
+            add_number(app, "--dt", options->dt, "with V: sample period [s]")->type_name("T");
             return [options, sampled, owner = &app](Context& context) {
               const bool has_vehicle = !options->plant.vehicle.empty();
               if (has_vehicle && any_matrix_option(*options))

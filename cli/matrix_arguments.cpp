@@ -3,11 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <istream>
 #include <iterator>
 
+#include "number_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/text_matrix.hpp"
 
@@ -46,9 +46,7 @@ std::vector<double> number_list(const std::string& text, const std::string& verb
   std::vector<double> numbers;
   for (const std::string& word : word_list(text)) {
     double value = 0;
-    const char* end = word.data() + word.size();
-    const auto [stop, error] = std::from_chars(word.data(), end, value);
-    if (error != std::errc() || stop != end || !std::isfinite(value))
+    if (!read_number(word, value))
       throw UsageError(
           fmt::format(
               "quadtune {}: {}: '{}' is not a finite number, expected numbers separated by commas",

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "number_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 
@@ -11,12 +12,12 @@ void add_plant_options(CLI::App& app, PlantArguments& arguments) {
   app.add_option("V", arguments.vehicle, "a built-in vehicle's name or a vehicle file");
   app.add_option("--at", arguments.at, "steady flight: hover (default), line or circle")
       ->type_name("FLIGHT");
-  app.add_option("--speed", arguments.speed, "over the ground [m/s]; line and circle")
+  add_number(app, "--speed", arguments.speed, "over the ground [m/s]; line and circle")
       ->type_name("V");
-  app.add_option("--climb", arguments.climb, "upward [m/s]; line and circle")->type_name("V");
-  app.add_option("--radius", arguments.radius, "of the circle [m]; negative turns left")
+  add_number(app, "--climb", arguments.climb, "upward [m/s]; line and circle")->type_name("V");
+  add_number(app, "--radius", arguments.radius, "of the circle [m]; negative turns left")
       ->type_name("R");
-  app.add_option("--yaw", arguments.yaw, "heading from north, clockwise from above [rad]")
+  add_number(app, "--yaw", arguments.yaw, "heading from north, clockwise from above [rad]")
       ->type_name("ANGLE");
   app.add_option("--convention", arguments.convention, "ned (default), uquad or mambo")
       ->type_name("NAME");

@@ -15,6 +15,7 @@
 #include <ostream>
 #include <sstream>
 
+#include "number_arguments.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/file_set.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -61,6 +62,42 @@ std::string one_line(std::string text) {
   return text;
 }
 
+[[noreturn]] void refuse_missing_value(const std::string& verb, const std::string& option) {
+  throw UsageError(fmt::format("quadtune {}: {} has no value, expected one", verb, option), option);
+}
+
+/// CLI11 would take the option that follows as the value: "-o --json" as a file "--json".
+void refuse_options_for_values(const CLI::App& app, const std::string& verb,
+                               const std::vector<std::string>& args) {
+  for (std::size_t i = 0; i + 1 < args.size(); ++i) {
+    if (!args[i].starts_with('-') || !args[i + 1].starts_with("--")) continue;
+    const CLI::Option* option = app.get_option_no_throw(args[i]);
+    if (option && option->get_items_expected_max() > 0) refuse_missing_value(verb, args[i]);
+  }
+}
+
+/// CLI11's refusals begin with the option; the rest of them is said here in the words of all
+/// others.
+[[noreturn]] void refuse_arguments(const CLI::ParseError& error, const std::string& verb,
+                                   const std::vector<std::string>& args) {
+  const std::string what = one_line(error.what());
+  std::string option = "command line";
+  std::string message = what;
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {  // "--dt: 1 required T missing"
+    option = what.substr(0, what.find(':'));
+    const auto times = std::count_if(args.begin(), args.end(), [&](const std::string& arg) {
+      return arg == option || arg.starts_with(option + "=");
+    });
+    if (times <= 1) refuse_missing_value(verb, option);
+    message = fmt::format("{} came {} times, expected it once", option, times);
+  } else if (dynamic_cast<const CLI::ConversionError*>(&error)) {  // "…: --json = maybe"
+    const std::size_t start = what.find("--");
+    option = what.substr(std::min(start, what.size()), what.find(" =") - start);
+    message = fmt::format("{} came with a value, expected {} alone", option, option);
+  }
+  throw UsageError(fmt::format("quadtune {}: {}", verb, message), option);
+}
+
 /// Runs an action whose output goes into a file, written whole or not at all.
 void run_into_file(const Action& action, const std::string& file, const Context& context) {
   std::ostringstream text;
@@ -81,10 +118,10 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
   app.add_flag("--quiet", context.quiet, "no notes on the error stream");
   app.add_flag("-h,--help", help, "show this help");
   // Part of the contract of every verb; nothing here is random or uses a second thread.
-  unsigned threads = 1;
+  std::uint64_t threads = 1;
   std::uint64_t seed = 0;
-  app.add_option("--threads", threads, "threads to use")->check(CLI::PositiveNumber);
-  app.add_option("--seed", seed, "fixes everything random");
+  add_count(app, "--threads", threads, 1, "threads to use");
+  add_count(app, "--seed", seed, 0, "fixes everything random");
   const Action action = verb.define(app);
   std::string file;
   if (!app.get_option_no_throw("-o")) app.add_option("-o", file, "file to write instead");
@@ -93,12 +130,12 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
     run_verb(*find("help"), {verb.name}, context);
     return;
   }
+  refuse_options_for_values(app, verb.name, args);
   try {
     std::vector<std::string> reversed(args.rbegin(), args.rend());
     app.parse(reversed);
   } catch (const CLI::ParseError& error) {
-    throw UsageError(fmt::format("quadtune {}: {}", verb.name, one_line(error.what())),
-                     "command line");
+    refuse_arguments(error, verb.name, args);
   }
   if (!app.remaining().empty()) refuse_extras(app, verb.name);
   for (const CLI::Option* option : app.get_options())

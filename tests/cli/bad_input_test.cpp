@@ -204,7 +204,37 @@ std::vector<Mistake> command_line_mistakes() {
       {"SurplusArgument", {"linearize", "uquad", "mambo"}, 2, {"unexpected argument 'mambo'"}},
       {"MissingVehicle", {"linearize"}, 2, {"expected a vehicle"}},
       {"UnknownBuiltIn", {"vehicle", "show", "manbo"}, 3, {"manbo", "mambo"}},
-      {"WordForNumber", {"linearize", "uquad", "--yaw", "north"}, 2, {"--yaw", "north"}},
+      {"WordForNumber",
+       {"linearize", "uquad", "--yaw", "north"},
+       2,
+       {"quadtune linearize: --yaw: 'north' is not a finite number, expected"}},
+      {"HexNumber", {"linearize", "uquad", "--yaw", "0x10"}, 2, {"--yaw: '0x10' is not"}},
+      {"HexInList", {"lqr", "uquad", "--R", "0x10"}, 2, {"--R: '0x10' is not"}},
+      {"NumberWithABlank", {"linearize", "uquad", "--yaw", "1 "}, 2, {"--yaw: '1 ' is not"}},
+      {"NanForNumber", {"linearize", "uquad", "--climb", "nan"}, 2, {"--climb: 'nan' is not"}},
+      {"NumberBeyondADouble", {"linearize", "uquad", "--yaw", "1e999"}, 2, {"--yaw: '1e999'"}},
+      {"NegativeThreads",
+       {"linearize", "uquad", "--threads", "-1"},
+       2,
+       {"--threads: '-1' came, expected a whole number of 1 or more"}},
+      {"NoThreads", {"linearize", "uquad", "--threads", "0"}, 2, {"--threads: '0' came"}},
+      {"FractionalSeed", {"linearize", "uquad", "--seed", "1.5"}, 2, {"--seed: '1.5' came"}},
+      {"OptionTwice",
+       {"linearize", "uquad", "--yaw", "0", "--yaw=1"},
+       2,
+       {"quadtune linearize: --yaw came 2 times, expected it once"}},
+      {"OptionWithoutValue",
+       {"linearize", "uquad", "--yaw"},
+       2,
+       {"quadtune linearize: --yaw has no value, expected one"}},
+      {"OptionForAValue",
+       {"linearize", "uquad", "-o", "--quiet"},
+       2,
+       {"quadtune linearize: -o has no value, expected one"}},
+      {"FlagWithAValue",
+       {"linearize", "uquad", "--quiet=maybe"},
+       2,
+       {"quadtune linearize: --quiet came with a value, expected --quiet alone"}},
       {"UnknownFlight", {"linearize", "uquad", "--at", "loop"}, 2, {"--at", "loop", "hover"}},
       {"UnknownStateInList",
        {"linearize", "uquad", "--states", "px,altitude"},
@@ -284,7 +314,7 @@ TEST(JsonError, NamesWhatHasNoSolution) {
   const std::string R = folder.write("R", "1\n").string();
   const std::string C = folder.write("C", "0 1\n").string();
   const std::string design =
-      folder.write("d.toml", hover_with("Q = [1, 1, 1, 1e3,", "Q = [1, 1, 1, 0,")).string();
+      folder.write("d.toml", hover_with("Q_integral = [1,", "Q_integral = [0,")).string();
   const std::string vehicle =
       folder.write("v.toml", mambo_with("mass_kg = 0.063", "mass_kg = 6.3")).string();
   EXPECT_EQ(where_of({"lqr", "--A", A, "--B", B, "--Q", one, "--R", R}, 4), "--A");
