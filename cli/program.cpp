@@ -109,6 +109,20 @@ void run_into_file(const Action& action, const std::string& file, const Context&
   write_files(path.parent_path(), {{path.filename().string(), text.str()}}, {}, interrupted);
 }
 
+/// Standard input can be read once: the second reader would find it empty.
+void refuse_two_readers(const CLI::App& app, const std::string& verb) {
+  std::string first;
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() != 1 || option->results()[0] != "-") continue;
+    if (!first.empty())
+      throw UsageError(fmt::format("quadtune {}: {} and {} are both '-', expected standard input "
+                                   "for one, because it can be read once",
+                                   verb, first, option->get_name()),
+                       option->get_name());
+    first = option->get_name();
+  }
+}
+
 void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& context) {
   CLI::App app(verb.summary, "quadtune " + verb.name);
   app.set_help_flag();
@@ -144,6 +158,7 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
         throw UsageError(fmt::format("quadtune {}: {} is empty, expected a value", verb.name,
                                      option->get_name()),
                          option->get_name());
+  refuse_two_readers(app, verb.name);
   if (file.empty())
     action(context);
   else

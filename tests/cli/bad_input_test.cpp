@@ -279,6 +279,10 @@ std::vector<Mistake> command_line_mistakes() {
        3,
        {"pole", "2"},
        {{"A", "2\n"}, {"B", "1\n"}}},
+      {"StandardInputTwice",
+       {"lqr", "--A", "-", "--B", "-"},
+       2,
+       {"quadtune lqr: --A and --B are both '-', expected standard input for one"}},
       {"VehicleAndMatrices", {"lqr", "uquad", "--A", "@/A"}, 2, {"one or the other"}},
   };
 }
