@@ -64,13 +64,14 @@ double parse_number(const std::string& word, const std::string& where) {
   if (word.find(',') != std::string::npos)
     throw InvalidInput(where, fmt::format("'{}' has a comma, expected a decimal point, because the "
                                           "flight program stops reading at a comma",
-                                          word));
+                                          internal::printable(word)));
   const std::size_t plus = word.front() == '+' && word.compare(0, 2, "+-") != 0 ? 1 : 0;
   double number = 0;
   const char* end = word.data() + word.size();
   const auto [stopped, error] = std::from_chars(word.data() + plus, end, number);
   if (error != std::errc() || stopped != end || !std::isfinite(number))
-    throw InvalidInput(where, fmt::format("'{}' came, expected a finite number", word));
+    throw InvalidInput(
+        where, fmt::format("'{}' came, expected a finite number", internal::printable(word)));
   return number;
 }
 
