@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <ostream>
 
 #include "design_flow.hpp"
@@ -21,6 +22,8 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
   if (design.exports.empty())
     throw InvalidInput(design.file.string(), "has no [[export]], expected one because of -o");
   std::vector<WrittenExport> written;
+  std::optional<VerifyModel> model;
+  if (outcome.sampled) model = {*outcome.sampled, outcome.model.x0, outcome.model.u0};
   const ExportContent content = export_content(outcome);
   // All in memory first, so that what one cannot express keeps the others from being written.
   for (const ExportRequest& request : design.exports)
@@ -32,7 +35,7 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
                         ? directory
                         : (std::filesystem::path(directory) / request.to).string();
     one.files = write_export(one.directory, one.kind, content, interrupted);
-    one.verification = verify_export(one.directory, outcome.sampled);
+    one.verification = verify_export(one.directory, model);
     written.push_back(std::move(one));
   }
   return written;

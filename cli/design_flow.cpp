@@ -175,7 +175,7 @@ DesignOutcome run_design(const std::string& path) {
   return outcome;
 }
 
-DiscreteLti sampled_plant(const Vehicle& vehicle, const Gains& gains) {
+VerifyModel model_of(const Vehicle& vehicle, const Gains& gains) {
   LinearizeOptions options;
   options.convention = gains.convention;
   options.inputs = gains.input_kind;
@@ -183,8 +183,8 @@ DiscreteLti sampled_plant(const Vehicle& vehicle, const Gains& gains) {
   for (const Signal& state : gains.states) states.push_back(state.name);
   options.states = {StateSelection::Kind::list, states};
   const FlightCondition condition = NedTrim(gains).condition();
-  return discretize_zoh(linearize_or_refuse(vehicle, condition, options, vehicle.name).plant,
-                        gains.dt);
+  const Linearization model = linearize_or_refuse(vehicle, condition, options, vehicle.name);
+  return {discretize_zoh(model.plant, gains.dt), model.x0, model.u0};
 }
 
 std::vector<std::pair<std::string, std::string>> library_versions() {

@@ -10,6 +10,7 @@
 #include "quadtune/design.hpp"
 #include "quadtune/exports/content.hpp"
 #include "quadtune/exports/manifest.hpp"
+#include "quadtune/exports/verify.hpp"
 #include "quadtune/filter.hpp"
 #include "quadtune/gains.hpp"
 #include "quadtune/linearize/linearize.hpp"
@@ -57,9 +58,9 @@ struct DesignOutcome {
 [[nodiscard]] Eigen::VectorXcd flying_poles(const Linearization& model, const Gains& gains,
                                             const RiccatiResult& riccati);
 
-/// The plant of gains that came from elsewhere: the vehicle about the trim in gains.x0.
+/// The model of gains that came from elsewhere: the vehicle in the flight that gains.x0 names.
 /// @throws NoSolution  if the vehicle has no such trim.
-[[nodiscard]] DiscreteLti sampled_plant(const Vehicle& vehicle, const Gains& gains);
+[[nodiscard]] VerifyModel model_of(const Vehicle& vehicle, const Gains& gains);
 
 /// Libraries that the gains come through, beside those that the exporters name: for the manifest.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> library_versions();

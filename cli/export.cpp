@@ -64,7 +64,7 @@ ExportContent make_content(const Options& options, ExportKind kind) {
     content.gains = in_convention(
         *content.gains, convention(kind == ExportKind::uquad ? "uquad" : "mambo", "--to"));
   if (content.gains && content.gains->dt > 0)
-    content.plant = sampled_plant(content.vehicle, *content.gains);
+    content.plant = model_of(content.vehicle, *content.gains).plant;
   return content;
 }
 

@@ -19,8 +19,8 @@
 namespace quadtune::cli {
 namespace {
 
-/// The plant that the manifest's gains are for; none if it holds no sampled gains.
-std::optional<DiscreteLti> plant_of(const Manifest& manifest, const std::string& vehicle_name) {
+/// The model that the manifest's gains are for; none if it holds no sampled gains.
+std::optional<VerifyModel> model_for(const Manifest& manifest, const std::string& vehicle_name) {
   if (!manifest.gains || !(manifest.gains->dt > 0)) return std::nullopt;
   Vehicle vehicle;
   try {
@@ -32,7 +32,20 @@ std::optional<DiscreteLti> plant_of(const Manifest& manifest, const std::string&
                                    "its file by --vehicle FILE",
                                    manifest.gains->vehicle));
   }
-  return sampled_plant(vehicle, *manifest.gains);
+  return model_of(vehicle, *manifest.gains);
+}
+
+/// Re-reads the export with the vehicle that its manifest names.
+VerifyReport verify(const std::string& directory, const std::string& vehicle_name) {
+  const Manifest manifest = read_manifest(directory);
+  try {
+    return verify_export(directory, model_for(manifest, vehicle_name));
+  } catch (const NoSolution& error) {
+    // A trim that the vehicle cannot fly is an answer too.
+    VerifyReport report = verify_export(directory, std::nullopt);
+    report.checks.push_back({"the vehicle can fly the trim", false, error.what()});
+    return report;
+  }
 }
 
 }  // namespace
@@ -67,9 +80,7 @@ Verb verify_verb() {
             return [options](Context& context) {
               if (options->directory.empty())
                 throw UsageError("quadtune verify: expected an export's directory", "DIR");
-              const Manifest manifest = read_manifest(options->directory);
-              const VerifyReport report =
-                  verify_export(options->directory, plant_of(manifest, options->vehicle));
+              const VerifyReport report = verify(options->directory, options->vehicle);
               if (context.json)
                 context.out << internal::readable(to_json(report)) << "\n";
               else

@@ -24,6 +24,10 @@ namespace fs = std::filesystem;
 // by a thousandth moves them by more than this.
 constexpr double kPoleTolerance = 1e-7;
 
+// Trims are solved to 1e-10, so two of one flight agree to less than this share of their largest
+// entry, or of 1 in its unit.
+constexpr double kTrimTolerance = 1e-7;
+
 VerifyCheck check_file(const fs::path& directory, const ManifestFile& file) {
   VerifyCheck check{file.path + " matches the manifest", false, ""};
   try {
@@ -89,8 +93,10 @@ void check_readable(const fs::path& directory, const Manifest* manifest, VerifyR
     } else {
       report.gains = read_gains(directory);
       const Gains& gains = *report.gains;
-      if (manifest != nullptr && manifest->kind == ExportKind::uquad)
+      if (manifest != nullptr && manifest->kind == ExportKind::uquad) {
+        (void)uquad_file_set(gains);  // refuses a trim that the flight program does not fly
         read_weights(directory, *manifest, gains);
+      }
       check.detail = fmt::format("K {}x{}, K_int {}x{}, all finite", gains.K.rows(), gains.K.cols(),
                                  gains.K_int.rows(), gains.K_int.cols());
     }
@@ -105,16 +111,30 @@ void check_readable(const fs::path& directory, const Manifest* manifest, VerifyR
   report.checks.push_back(check);
 }
 
+// x0 with its entries as `states` stand; zero for a state that the gains do not have.
+Eigen::VectorXd in_order(const Gains& gains, const std::vector<Signal>& states) {
+  Eigen::VectorXd x0 = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(states.size()));
+  for (std::size_t i = 0; i < states.size(); ++i)
+    for (std::size_t j = 0; j < gains.states.size(); ++j)
+      if (gains.states[j].name == states[i].name)
+        x0(static_cast<Eigen::Index>(i)) = gains.x0(static_cast<Eigen::Index>(j));
+  return x0;
+}
+
 VerifyCheck check_same_gains(const Gains& read, const Gains& expected) {
   VerifyCheck check{"gains are those of the manifest", false, ""};
   try {
     const GainsDiff difference = diff(read, expected);
     check.ok = difference.entries.empty() && read.sign_law == expected.sign_law;
     check.detail = "every entry is the same double";
+    if (check.ok && (read.x0 != in_order(expected, read.states) || read.u0 != expected.u0)) {
+      check.ok = false;
+      check.detail = "trim x0 or u0 differs";
+    }
     if (read.sign_law != expected.sign_law) {
       check.detail = fmt::format("sign law {} in the file, {} in the manifest",
                                  to_string(read.sign_law), to_string(expected.sign_law));
-    } else if (!check.ok) {
+    } else if (!difference.entries.empty()) {
       const DiffEntry& worst = difference.entries.front();
       check.detail = fmt::format(
           "{} entries differ, most {}({}, {}): {} in the file, {} in the "
@@ -178,8 +198,35 @@ double pole_distance(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
   return worst;
 }
 
-void check_closed_loop(const std::optional<DiscreteLti>& plant, const Manifest* manifest,
+// "" where `found` is `expected` up to kTrimTolerance, else the entry that is furthest off.
+std::string trim_difference(const char* name, const std::vector<Signal>& signals,
+                            const Eigen::VectorXd& found, const Eigen::VectorXd& expected) {
+  if (found.size() != expected.size())
+    return fmt::format("{} has {} entries, the vehicle's trim {}", name, found.size(),
+                       expected.size());
+  Eigen::Index worst = 0;
+  const double largest = (found - expected).cwiseAbs().maxCoeff(&worst);
+  if (largest <= kTrimTolerance * std::max(1.0, expected.cwiseAbs().maxCoeff())) return "";
+  return fmt::format("{}({}) is {}, the vehicle's trim has {}", name,
+                     signals[static_cast<std::size_t>(worst)].name, found(worst), expected(worst));
+}
+
+VerifyCheck check_trim(const Gains& gains, const std::optional<VerifyModel>& model) {
+  VerifyCheck check{"trim is the vehicle's", false, "not computed: no vehicle to trim"};
+  if (!model) return check;
+  Gains expected = gains;
+  expected.states = model->plant.states;
+  expected.x0 = model->x0;
+  check.detail = trim_difference("x0", gains.states, gains.x0, in_order(expected, gains.states));
+  if (check.detail.empty()) check.detail = trim_difference("u0", gains.inputs, gains.u0, model->u0);
+  check.ok = check.detail.empty();
+  if (check.ok) check.detail = "x0 and u0 hold the vehicle in the flight that x0 names";
+  return check;
+}
+
+void check_closed_loop(const std::optional<VerifyModel>& model, const Manifest* manifest,
                        VerifyReport& report) {
+  const DiscreteLti* plant = model ? &model->plant : nullptr;
   VerifyCheck stable{"closed loop is stable", false, "no gains could be read"};
   if (report.gains && !plant) stable.detail = "not computed: no vehicle to close the loop with";
   if (report.gains && plant) {
@@ -241,7 +288,7 @@ bool VerifyReport::ok() const {
          std::all_of(checks.begin(), checks.end(), [](const VerifyCheck& c) { return c.ok; });
 }
 
-VerifyReport verify_export(const fs::path& directory, const std::optional<DiscreteLti>& plant) {
+VerifyReport verify_export(const fs::path& directory, const std::optional<VerifyModel>& model) {
   std::error_code error;
   if (!fs::is_directory(directory, error))
     throw FileError(directory.string(),
@@ -258,8 +305,10 @@ VerifyReport verify_export(const fs::path& directory, const std::optional<Discre
     report.checks.push_back(check_same_gains(*report.gains, *manifest->gains));
   if (manifest && manifest->kind == ExportKind::mambo)
     report.checks.push_back(check_numbers(directory, *manifest));
+  if (manifest && manifest->gains && report.gains)
+    report.checks.push_back(check_trim(*report.gains, model));
   if (!manifest || manifest->gains)
-    check_closed_loop(plant, manifest ? &*manifest : nullptr, report);
+    check_closed_loop(model, manifest ? &*manifest : nullptr, report);
   return report;
 }
 

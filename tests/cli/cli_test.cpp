@@ -230,6 +230,27 @@ TEST_F(DesignTest, VerifyAnswersNoToATamperedFile) {
   EXPECT_EQ(nlohmann::json::parse(result.out)["verdict"], "fail");
 }
 
+// The manifest has no hash of its own: what it says of the trim is computed anew.
+TEST_F(DesignTest, VerifyAnswersNoToATrimThatTheVehicleDoesNotHave) {
+  ASSERT_EQ(design("uquad-hover.toml", "out").status, 0);
+  const std::string text = folder_.read("out/manifest.json");
+  const auto verify_with = [&](const std::vector<std::pair<const char*, double>>& changes) {
+    internal::Json manifest = internal::Json::parse(text);
+    for (const auto& [entry, value] : changes)
+      manifest["gains"][internal::Json::json_pointer(entry)] = value;
+    folder_.write("out/manifest.json", manifest.dump());
+    const ProgramResult result = run_program({"verify", (folder_.path() / "out").string()});
+    EXPECT_EQ(result.status, 1) << result.err;
+    return result.out;
+  };
+  EXPECT_THAT(verify_with({{"/u0/0", 300}}),
+              HasSubstr("FAIL trim is the vehicle's: u0(w1) is 300"));
+  EXPECT_THAT(verify_with({{"/x0/3", 0.1}}), HasSubstr("FAIL trim is the vehicle's: x0("));
+  EXPECT_THAT(verify_with({{"/x0/6", 10}}), HasSubstr("flies these files in hover"));
+  EXPECT_THAT(verify_with({{"/x0/6", 50}, {"/x0/11", 50}}),
+              HasSubstr("FAIL the vehicle can fly the trim: uquad: no circle trim"));
+}
+
 TEST_F(DesignTest, ExportsToJsonAndDiffsAsEqual) {
   ASSERT_EQ(design("uquad-hover.toml", "a").status, 0);
   const std::string a = (folder_.path() / "a").string();

@@ -12,6 +12,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/uquad.hpp"
+#include "quadtune/internal/json.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -40,6 +41,14 @@ std::string all_details(const VerifyReport& report) {
   for (const VerifyCheck& check : report.checks)
     text += fmt::format("{} {}: {}\n", check.ok ? "ok  " : "FAIL", check.name, check.detail);
   return text;
+}
+
+VerifyModel uquad_model() {
+  return {sampled_uquad(), uquad_content().gains->x0, uquad_content().gains->u0};
+}
+
+VerifyModel mambo_model() {
+  return {sampled_mambo(), mambo_content().gains->x0, mambo_content().gains->u0};
 }
 
 // How far a forger goes: changes the file; mends its hash; mends the manifest's gains as well.
@@ -142,12 +151,12 @@ const std::vector<Mutation>& mutations() {
 TEST(Verify, SaysYesToWhatWasWritten) {
   const TemporaryDirectory directory;
   write_export(directory.path() / "uquad", ExportKind::uquad, uquad_content());
-  const VerifyReport uquad = verify_export(directory.path() / "uquad", sampled_uquad());
+  const VerifyReport uquad = verify_export(directory.path() / "uquad", uquad_model());
   EXPECT_TRUE(uquad.ok()) << all_details(uquad);
   EXPECT_LT(uquad.poles.cwiseAbs().maxCoeff(), 1);
   for (const ExportKind kind : {ExportKind::mambo, ExportKind::json}) {
     write_export(directory.path() / to_string(kind), kind, mambo_content());
-    const VerifyReport report = verify_export(directory.path() / to_string(kind), sampled_mambo());
+    const VerifyReport report = verify_export(directory.path() / to_string(kind), mambo_model());
     EXPECT_TRUE(report.ok()) << all_details(report);
   }
 }
@@ -159,7 +168,7 @@ TEST(Verify, NoticesEveryMutationHoweverItIsCoveredUp) {
       const TemporaryDirectory directory;
       write_export(directory.path(), ExportKind::uquad, uquad_content());
       forge(directory, mutation.file, forgery, mutation.change);
-      const VerifyReport report = verify_export(directory.path(), sampled_uquad());
+      const VerifyReport report = verify_export(directory.path(), uquad_model());
       EXPECT_FALSE(report.ok()) << mutation.name << "\n" << all_details(report);
       const std::string expected =
           forgery == Forgery::file   ? mutation.file + " matches the manifest"
@@ -180,7 +189,7 @@ TEST(Verify, SeesAWrongSignByTheVehicleAlone) {
   ExportContent content = uquad_content();
   content.gains->K = -content.gains->K;
   write_files(directory.path(), uquad_files(*content.gains, {}, {}));
-  const VerifyReport report = verify_export(directory.path(), sampled_uquad());
+  const VerifyReport report = verify_export(directory.path(), uquad_model());
   EXPECT_THAT(failed(report), IsSupersetOf({"manifest", "closed loop is stable"}));
 }
 
@@ -188,14 +197,14 @@ TEST(Verify, NoticesMissingAndForeignFiles) {
   const TemporaryDirectory directory;
   write_export(directory.path(), ExportKind::uquad, uquad_content());
   directory.write("K_full.txt", "1 2 3\n");
-  EXPECT_THAT(failed(verify_export(directory.path(), sampled_uquad())),
+  EXPECT_THAT(failed(verify_export(directory.path(), uquad_model())),
               ElementsAre("no other gain files"));
   std::filesystem::remove(directory.path() / "K_full.txt");
   std::filesystem::remove(directory.path() / "lqr-R.txt");
-  EXPECT_THAT(failed(verify_export(directory.path(), sampled_uquad())),
+  EXPECT_THAT(failed(verify_export(directory.path(), uquad_model())),
               Contains("lqr-R.txt matches the manifest"));
   directory.write(kManifestName, "{");
-  EXPECT_THAT(failed(verify_export(directory.path(), sampled_uquad())), Contains("manifest"));
+  EXPECT_THAT(failed(verify_export(directory.path(), uquad_model())), Contains("manifest"));
 }
 
 TEST(Verify, NoticesChangedNumbersInParameterFiles) {
@@ -215,11 +224,45 @@ TEST(Verify, NoticesChangedNumbersInParameterFiles) {
       forge(directory, "controllerVars.m", forgery, [&, from = from, to = to](std::string text) {
         return text.replace(text.find(from), from.size(), to);
       });
-      const VerifyReport report = verify_export(directory.path(), sampled_mambo());
+      const VerifyReport report = verify_export(directory.path(), mambo_model());
       EXPECT_THAT(failed(report), Contains("numbers and expressions are those of the manifest"))
           << to << "\n"
           << all_details(report);
     }
+}
+
+// A thrust at the trim that is not the vehicle's weight lets it drop, however good K is.
+TEST(Verify, NoticesAnotherTrimInTheManifest) {
+  const std::vector<std::pair<std::string, std::function<void(Gains&)>>> changes = {
+      {"u0(w2) is 300", [](Gains& gains) { gains.u0(1) = 300; }},
+      {"x0(phi) is 0.001", [](Gains& gains) { gains.x0(4) = 1e-3; }},
+      {"x0(z) is 2", [](Gains& gains) { gains.x0(2) = 2; }},
+  };
+  for (const auto& [said, change] : changes) {
+    const TemporaryDirectory directory;
+    write_export(directory.path(), ExportKind::uquad, uquad_content());
+    Manifest manifest = read_manifest(directory.path());
+    change(*manifest.gains);
+    directory.write(kManifestName, manifest_text(manifest));
+    const VerifyReport report = verify_export(directory.path(), uquad_model());
+    EXPECT_THAT(failed(report), ElementsAre("trim is the vehicle's"));
+    EXPECT_THAT(all_details(report), HasSubstr(said));
+  }
+}
+
+TEST(Verify, NoticesAnotherTrimInGainsJson) {
+  for (const char* key : {"x0", "u0"}) {
+    const TemporaryDirectory directory;
+    write_export(directory.path(), ExportKind::json, uquad_content());
+    forge(directory, kGainsJsonName, Forgery::hash, [&](const std::string& text) {
+      internal::Json json = internal::Json::parse(text);
+      json["gains"][key][3] = 0.5;
+      return json.dump();
+    });
+    const VerifyReport report = verify_export(directory.path(), uquad_model());
+    EXPECT_THAT(failed(report),
+                ElementsAre("gains are those of the manifest", "trim is the vehicle's"));
+  }
 }
 
 TEST(Verify, CannotSayYesWithoutAVehicleOrInAnotherSampleTime) {
@@ -227,13 +270,14 @@ TEST(Verify, CannotSayYesWithoutAVehicleOrInAnotherSampleTime) {
   write_export(directory.path(), ExportKind::uquad, uquad_content());
   EXPECT_THAT(failed(verify_export(directory.path(), std::nullopt)),
               Contains("closed loop is stable"));
-  DiscreteLti plant = sampled_uquad();
+  VerifyModel model = uquad_model();
+  DiscreteLti& plant = model.plant;
   plant.dt = 0.02;
-  EXPECT_THAT(failed(verify_export(directory.path(), plant)),
+  EXPECT_THAT(failed(verify_export(directory.path(), model)),
               Contains("sample time is the vehicle model's"));
   std::swap(plant.states[0], plant.states[1]);
   plant.states[0].name = "north";
-  EXPECT_THAT(all_details(verify_export(directory.path(), plant)),
+  EXPECT_THAT(all_details(verify_export(directory.path(), model)),
               HasSubstr("FAIL closed loop is stable: closed_loop_poles: no state 'y'"));
 }
 

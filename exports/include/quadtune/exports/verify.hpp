@@ -29,16 +29,24 @@ struct VerifyReport {
   [[nodiscard]] bool ok() const;
 };
 
+/// The vehicle in the states and inputs of an export's gains, about the steady flight that they are
+/// for, computed anew.
+struct VerifyModel {
+  DiscreteLti plant;   ///< in the sample time of the gains
+  Eigen::VectorXd x0;  ///< (nx) trim
+  Eigen::VectorXd u0;  ///< (nu)
+};
+
 /// Re-reads an export and asks: is there a manifest, is each listed file as it was written, is no
 /// other gain file beside them, do the files read as the flight program would read them, are the
-/// gains those of the manifest, is the closed loop with `plant` stable under the sign law as
-/// written, and does it have the poles of the manifest. Wrong files give failed checks, not
-/// exceptions.
+/// gains and weights those of the manifest, is the trim that of `model`, is the closed loop with it
+/// stable under the sign law as written, and does it have the poles of the manifest. Wrong files
+/// give failed checks, not exceptions.
 ///
-/// @param plant  the vehicle in the states and inputs of the manifest's gains, in their sample time
+/// @param model  of the manifest's gains; without it neither trim nor loop can be right
 /// @throws FileError  if `directory` is not a directory.
 [[nodiscard]] VerifyReport verify_export(const std::filesystem::path& directory,
-                                         const std::optional<DiscreteLti>& plant);
+                                         const std::optional<VerifyModel>& model);
 
 /// Poles of the law with the plant. The integrals advance by dt times the error each sample.
 ///
