@@ -59,6 +59,8 @@ Manifest make_manifest(ExportKind kind, const ExportContent& content,
   for (const FileContent& file : content.inputs) manifest.inputs.push_back(listed(file));
   for (const FileContent& file : files) manifest.files.push_back(listed(file));
   manifest.gains = content.gains;
+  manifest.Q = content.Q;
+  manifest.R = content.R;
   manifest.evidence = content.evidence;
   if (content.gains && content.plant)
     manifest.closed_loop_poles = closed_loop_poles(*content.plant, *content.gains);
@@ -115,8 +117,7 @@ std::string gains_json_text(const ExportContent& content) {
   for (const KalmanFilter& filter : content.filters)
     json["filters"].push_back(exports::filter_to_json(filter));
   if (content.cascade) json["cascade"] = exports::cascade_to_json(*content.cascade);
-  if (content.Q.size() > 0) json["weights"]["Q"] = internal::matrix_to_json(content.Q, "Q");
-  if (content.R.size() > 0) json["weights"]["R"] = internal::matrix_to_json(content.R, "R");
+  exports::add_weights(json, content.Q, content.R);
   return internal::readable(json) + "\n";
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "export_text.hpp"
 #include "quadtune/errors.hpp"
@@ -127,6 +128,7 @@ std::string manifest_text(const Manifest& manifest) {
   json["inputs"] = files_to_json(manifest.inputs);
   json["files"] = files_to_json(manifest.files);
   if (manifest.gains) json["gains"] = exports::gains_to_json(*manifest.gains);
+  exports::add_weights(json, manifest.Q, manifest.R);
   json["evidence"] = evidence_to_json(manifest.evidence);
   if (manifest.closed_loop_poles.size() > 0)
     json["closed_loop"] = closed_loop_to_json(manifest.closed_loop_poles);
@@ -155,6 +157,7 @@ Manifest parse_manifest(const std::string& text, const std::string& origin) {
   manifest.files = files_from_json(member(json, "files", origin), path("files"));
   if (json.contains("gains"))
     manifest.gains = exports::gains_from_json(json["gains"], path("gains"));
+  std::tie(manifest.Q, manifest.R) = exports::weights_from_json(json, origin);
   manifest.evidence = evidence_from_json(member(json, "evidence", origin), path("evidence"));
   if (json.contains("closed_loop"))
     manifest.closed_loop_poles = internal::poles_from_json(

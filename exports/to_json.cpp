@@ -99,6 +99,22 @@ Gains gains_from_json(const Json& json, const std::string& where) {
   return gains;
 }
 
+void add_weights(Json& json, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R) {
+  if (Q.size() > 0) json["weights"]["Q"] = matrix_to_json(Q, "Q");
+  if (R.size() > 0) json["weights"]["R"] = matrix_to_json(R, "R");
+}
+
+std::pair<Eigen::MatrixXd, Eigen::MatrixXd> weights_from_json(const Json& json,
+                                                              const std::string& origin) {
+  std::pair<Eigen::MatrixXd, Eigen::MatrixXd> weights;
+  if (!json.contains("weights")) return weights;
+  const Json& table = json["weights"];
+  const std::string where = origin + ": weights";
+  if (table.contains("Q")) weights.first = internal::matrix_from_json(table["Q"], where + ".Q");
+  if (table.contains("R")) weights.second = internal::matrix_from_json(table["R"], where + ".R");
+  return weights;
+}
+
 Json vehicle_to_json(const Vehicle& vehicle) {
   Json json;
   json["name"] = vehicle.name;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include "quadtune/design.hpp"
 #include "quadtune/filter.hpp"
@@ -19,6 +20,14 @@ using internal::Json;
 /// @param where  "file: path" for messages
 /// @throws InvalidInput  naming the JSON path, what came and what was expected.
 [[nodiscard]] Gains gains_from_json(const Json& json, const std::string& where);
+
+/// Adds "weights" with Q and R, each only if it has entries.
+void add_weights(Json& json, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R);
+
+/// Q and R of "weights"; empty where there are none.
+/// @throws InvalidInput  naming the JSON path, what came and what was expected.
+[[nodiscard]] std::pair<Eigen::MatrixXd, Eigen::MatrixXd> weights_from_json(
+    const Json& json, const std::string& origin);
 
 /// Numbers that are not known (NaN) are left out.
 [[nodiscard]] Json vehicle_to_json(const Vehicle& vehicle);

@@ -14,6 +14,7 @@
 #include "quadtune/exports/mambo.hpp"
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/exports/uquad.hpp"
+#include "to_json.hpp"
 
 namespace quadtune {
 namespace {
@@ -142,6 +143,54 @@ VerifyCheck check_same_gains(const Gains& read, const Gains& expected) {
           difference.entries.size(), worst.matrix, worst.input, worst.state, worst.a, worst.b);
     }
   } catch (const InvalidInput& error) {
+    check.detail = error.what();
+  }
+  return check;
+}
+
+bool same(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
+}
+
+// What differs between lqr-Q.txt and lqr-R.txt and the manifest's weights in their order, or "".
+std::string uquad_weights_difference(const fs::path& directory, const Manifest& manifest) {
+  const auto is_weights = [](const std::string& name) { return name.starts_with("lqr-"); };
+  std::ptrdiff_t left = std::count_if(manifest.files.begin(), manifest.files.end(),
+                                      [&](const ManifestFile& f) { return is_weights(f.path); });
+  for (const FileContent& file : uquad_files(*manifest.gains, manifest.Q, manifest.R)) {
+    if (!is_weights(file.name)) continue;
+    --left;
+    const Eigen::Index n = file.name == "lqr-Q.txt" ? manifest.Q.rows() : manifest.R.rows();
+    const fs::path path = directory / file.name;
+    if (!same(parse_uquad_matrix(exports::export_text(path), n, n, path.string()),
+              parse_uquad_matrix(file.bytes, n, n, file.name)))
+      return file.name + " differs";
+  }
+  return left == 0 ? "" : "the manifest lists files of weights but not the weights of each";
+}
+
+std::string json_weights_difference(const fs::path& directory, const Manifest& manifest) {
+  const fs::path path = directory / kGainsJsonName;
+  const auto [Q, R] = exports::weights_from_json(
+      exports::parse_json(exports::export_text(path), path.string(), "quadtune-gains"),
+      path.string());
+  if (!same(Q, manifest.Q)) return std::string(kGainsJsonName) + ": weights.Q differs";
+  return same(R, manifest.R) ? "" : std::string(kGainsJsonName) + ": weights.R differs";
+}
+
+VerifyCheck check_weights(const fs::path& directory, const Manifest& manifest) {
+  VerifyCheck check{"weights are those of the manifest", false, ""};
+  try {
+    check.detail = manifest.kind == ExportKind::uquad
+                       ? uquad_weights_difference(directory, manifest)
+                       : json_weights_difference(directory, manifest);
+    check.ok = check.detail.empty();
+    if (check.ok)
+      check.detail = manifest.Q.size() + manifest.R.size() > 0 ? "every entry is the same double"
+                                                               : "the export has none";
+  } catch (const InvalidInput& error) {
+    check.detail = error.what();
+  } catch (const FileError& error) {
     check.detail = error.what();
   }
   return check;
@@ -303,6 +352,8 @@ VerifyReport verify_export(const fs::path& directory, const std::optional<Verify
   check_readable(directory, manifest ? &*manifest : nullptr, report);
   if (manifest && manifest->gains && report.gains)
     report.checks.push_back(check_same_gains(*report.gains, *manifest->gains));
+  if (manifest && manifest->gains && manifest->kind != ExportKind::mambo)
+    report.checks.push_back(check_weights(directory, *manifest));
   if (manifest && manifest->kind == ExportKind::mambo)
     report.checks.push_back(check_numbers(directory, *manifest));
   if (manifest && manifest->gains && report.gains)

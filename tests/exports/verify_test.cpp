@@ -265,6 +265,37 @@ TEST(Verify, NoticesAnotherTrimInGainsJson) {
   }
 }
 
+TEST(Verify, NoticesOtherWeightsUnderAMendedHash) {
+  for (const char* name : {"lqr-Q.txt", "lqr-R.txt"}) {
+    const TemporaryDirectory directory;
+    write_export(directory.path(), ExportKind::uquad, uquad_content());
+    forge(directory, name, Forgery::hash,
+          [](std::string text) { return text.replace(text.find("1.0000000000000000e"), 1, "2"); });
+    const VerifyReport report = verify_export(directory.path(), uquad_model());
+    EXPECT_THAT(failed(report), ElementsAre("weights are those of the manifest")) << name;
+    EXPECT_THAT(all_details(report), HasSubstr(std::string(name) + " differs"));
+  }
+  const TemporaryDirectory directory;
+  write_export(directory.path(), ExportKind::json, uquad_content());
+  forge(directory, kGainsJsonName, Forgery::hash, [](const std::string& text) {
+    internal::Json json = internal::Json::parse(text);
+    json["weights"]["Q"][1][1] = 3;
+    return json.dump();
+  });
+  EXPECT_THAT(failed(verify_export(directory.path(), uquad_model())),
+              ElementsAre("weights are those of the manifest"));
+}
+
+TEST(Verify, NoticesWeightsThatTheManifestDoesNotKnow) {
+  const TemporaryDirectory directory;
+  write_export(directory.path(), ExportKind::uquad, uquad_content());
+  Manifest manifest = read_manifest(directory.path());
+  manifest.Q.resize(0, 0);
+  directory.write(kManifestName, manifest_text(manifest));
+  EXPECT_THAT(failed(verify_export(directory.path(), uquad_model())),
+              ElementsAre("weights are those of the manifest"));
+}
+
 TEST(Verify, CannotSayYesWithoutAVehicleOrInAnotherSampleTime) {
   const TemporaryDirectory directory;
   write_export(directory.path(), ExportKind::uquad, uquad_content());

@@ -46,6 +46,8 @@ struct Manifest {
   std::vector<ManifestFile> inputs;
   std::vector<ManifestFile> files;  ///< all of the export but the manifest itself
   std::optional<Gains> gains;
+  Eigen::MatrixXd Q;  ///< weights of the gains' states, then integrals; empty if there were none
+  Eigen::MatrixXd R;  ///< weights of the gains' inputs, likewise
   ExportEvidence evidence;
   Eigen::VectorXcd closed_loop_poles;  ///< of the law as written with the plant; empty if not known
   std::vector<NamedMatrix> numbers;    ///< all that the files with names define
