@@ -3,8 +3,11 @@
 #include "quadtune/exports/verify.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <ostream>
 
@@ -18,6 +21,8 @@
 
 namespace quadtune::cli {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// The model that the manifest's gains are for; none if it holds no sampled gains.
 std::optional<VerifyModel> model_for(const Manifest& manifest, const std::string& vehicle_name) {
@@ -35,8 +40,29 @@ std::optional<VerifyModel> model_for(const Manifest& manifest, const std::string
   return model_of(vehicle, *manifest.gains);
 }
 
+/// Names of the folders in a directory that are exports, such as those of a design with several.
+std::vector<std::string> exports_below(const fs::path& directory) {
+  std::vector<std::string> found;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(directory, error))
+    if (fs::exists(entry.path() / kManifestName, error)) found.push_back(entry.path().string());
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+/// A directory of exports is none itself: the message names those that are.
+void require_export(const std::string& directory) {
+  std::error_code error;
+  if (fs::exists(fs::path(directory) / kManifestName, error)) return;
+  const std::vector<std::string> below = exports_below(directory);
+  if (!below.empty())
+    throw FileError(directory, fmt::format("has no {}, expected one export of those in it: {}",
+                                           kManifestName, fmt::join(below, ", ")));
+}
+
 /// Re-reads the export with the vehicle that its manifest names.
 VerifyReport verify(const std::string& directory, const std::string& vehicle_name) {
+  require_export(directory);
   const Manifest manifest = read_manifest(directory);
   try {
     return verify_export(directory, model_for(manifest, vehicle_name));

@@ -251,6 +251,16 @@ TEST_F(DesignTest, VerifyAnswersNoToATrimThatTheVehicleDoesNotHave) {
               HasSubstr("FAIL the vehicle can fly the trim: uquad: no circle trim"));
 }
 
+TEST_F(DesignTest, VerifyNamesTheExportsOfADirectoryThatIsNone) {
+  ASSERT_EQ(design("uquad-hover.toml", "out/b").status, 0);
+  ASSERT_EQ(design("mambo-hover.toml", "out/a").status, 0);
+  const std::string out = (folder_.path() / "out").string();
+  const ProgramResult result = run_program({"verify", out});
+  EXPECT_EQ(result.status, 5);
+  EXPECT_EQ(result.err, out + ": has no manifest.json, expected one export of those in it: " + out +
+                            "/a, " + out + "/b\n");
+}
+
 TEST_F(DesignTest, ExportsToJsonAndDiffsAsEqual) {
   ASSERT_EQ(design("uquad-hover.toml", "a").status, 0);
   const std::string a = (folder_.path() / "a").string();
