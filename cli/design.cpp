@@ -17,7 +17,8 @@ namespace {
 
 /// Writes every export that the design asks for and reads it back. A single one goes into the
 /// directory itself, several into one folder each.
-std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::string& directory) {
+std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::string& directory,
+                                     Context& context) {
   const Design& design = outcome.design;
   if (design.exports.empty())
     throw InvalidInput(design.file.string(), "has no [[export]], expected one because of -o");
@@ -35,6 +36,7 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
                         ? directory
                         : (std::filesystem::path(directory) / request.to).string();
     one.files = write_export(one.directory, one.kind, content, interrupted);
+    context.written.push_back(one.directory);
     one.verification = verify_export(one.directory, model);
     written.push_back(std::move(one));
   }
@@ -63,7 +65,8 @@ Verb design_verb() {
           if (outcome.design.condition.yaw != 0 && outcome.gains)
             context.note("design: note: position is in world axes, so K holds at this yaw only");
           std::vector<WrittenExport> written;
-          if (!options->directory.empty()) written = write_all(outcome, options->directory);
+          if (!options->directory.empty())
+            written = write_all(outcome, options->directory, context);
           if (context.json)
             context.out << internal::readable(design_json(outcome, written)) << "\n";
           else

@@ -116,6 +116,7 @@ Verb export_verb() {
                     "filters and cascade come from a design file only");
               const std::vector<ManifestFile> files =
                   write_export(options->directory, kind, content, interrupted);
+              context.written.push_back(options->directory);
               if (context.json) {
                 const internal::Json json = {{"files", to_json(files)}};
                 context.out << internal::readable(json) << "\n";

@@ -186,6 +186,14 @@ void run_program(const std::vector<std::string>& args, Context& context) {
   run_verb(*verb, {args.begin() + 1, args.end()}, context);
 }
 
+/// After an error the user must know which directories were replaced already.
+std::string what_is_written(const Context& context) {
+  std::string text;
+  for (const std::string& directory : context.written)
+    text += fmt::format("; {} is written and complete", directory);
+  return text;
+}
+
 /// One line on the error stream and, for scripts, one object on the output.
 int fail(const Context& context, int status, const std::string& message, const std::string& where) {
   context.err << one_line(message) << "\n";
@@ -223,7 +231,9 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
   try {
     run_program(args, context);
     out.flush();
-    if (!out) return fail(context, kFile, "standard output: could not be written", "stdout");
+    if (!out)
+      return fail(context, kFile,
+                  "standard output: could not be written" + what_is_written(context), "stdout");
     return kDone;
   } catch (const UsageError& error) {
     return fail(context, kUsage, error.what(), error.where());
@@ -232,14 +242,14 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
     const bool option = error.where().starts_with("--");
     return fail(context, option ? kUsage : kBadInput, error.what(), error.where());
   } catch (const FileError& error) {
-    return fail(context, kFile, error.what(), error.path());
+    return fail(context, kFile, error.what() + what_is_written(context), error.path());
   } catch (const NoSolution& error) {
     return fail(context, kNoSolution, error.what(), error.where());
   } catch (const AnswerIsNo& error) {
     err << one_line(error.what()) << "\n";
     return kAnswerIsNo;
   } catch (const Interrupted& error) {
-    return fail(context, kInterrupted, error.what(), "");
+    return fail(context, kInterrupted, error.what() + what_is_written(context), "");
   } catch (const std::bad_alloc&) {
     return fail(context, kBadInput, "not enough memory for a problem of this size", "");
   }

@@ -65,6 +65,7 @@ struct Context {
   std::ostream& err;
   bool json = false;
   bool quiet = false;
+  std::vector<std::string> written = {};  ///< directories whose export is complete
 
   /// One line on the error stream that is not an error; silent with --quiet.
   void note(const std::string& line) const;

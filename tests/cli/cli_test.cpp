@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -249,6 +250,45 @@ TEST_F(DesignTest, VerifyAnswersNoToATrimThatTheVehicleDoesNotHave) {
   EXPECT_THAT(verify_with({{"/x0/6", 10}}), HasSubstr("flies these files in hover"));
   EXPECT_THAT(verify_with({{"/x0/6", 50}, {"/x0/11", 50}}),
               HasSubstr("FAIL the vehicle can fly the trim: uquad: no circle trim"));
+}
+
+// The report reads the export back, so the export is there before a full disk swallows the report.
+TEST_F(DesignTest, SaysThatTheExportIsThereWhenTheReportCannotBePrinted) {
+  const std::string source = kSource + "/designs/uquad-hover.toml";
+  const std::string to = (folder_.path() / "out").string();
+  const std::vector<std::vector<std::string>> commands = {
+      {"design", source, "-o", to}, {"export", source, "--to", "json", "-o", to}};
+  for (const std::vector<std::string>& command : commands) {
+    std::istringstream in;
+    std::ostream full(nullptr);  // takes nothing
+    std::ostringstream err;
+    EXPECT_EQ(cli::run(command, in, full, err), 5);
+    EXPECT_EQ(err.str(),
+              "standard output: could not be written; " + to + " is written and complete\n");
+    EXPECT_EQ(run_program({"verify", to}).status, 0);
+  }
+}
+
+TEST_F(DesignTest, SaysThatNothingIsThereWhenNothingWasWritten) {
+  std::istringstream in;
+  std::ostream full(nullptr);
+  std::ostringstream err;
+  EXPECT_EQ(cli::run({"design", kSource + "/designs/uquad-hover.toml"}, in, full, err), 5);
+  EXPECT_EQ(err.str(), "standard output: could not be written\n");
+}
+
+// The second export's folder is taken by a file, when the first has been written.
+TEST_F(DesignTest, NamesTheExportThatWasWrittenBeforeAnotherFailed) {
+  std::ifstream file(kSource + "/designs/uquad-hover.toml");
+  std::ostringstream text;
+  text << file.rdbuf() << "\n[[export]]\nto = \"json\"\n";
+  const std::string two = folder_.write("two.toml", text.str()).string();
+  folder_.write("out/json", "a file\n");
+  const std::string out = (folder_.path() / "out").string();
+  const ProgramResult result = run_program({"design", two, "-o", out});
+  EXPECT_EQ(result.status, 5);
+  EXPECT_THAT(result.err, HasSubstr("/json: is a file"));
+  EXPECT_THAT(result.err, HasSubstr("; " + out + "/uquad is written and complete\n"));
 }
 
 TEST_F(DesignTest, VerifyNamesTheExportsOfADirectoryThatIsNone) {
