@@ -6,12 +6,12 @@
 
 #include <CLI/CLI.hpp>
 #include <Eigen/SVD>
-#include <cmath>
 #include <memory>
 #include <ostream>
 
 #include "print.hpp"
 #include "program.hpp"
+#include "quadtune/exports/export.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/linearize/trim.hpp"
@@ -22,60 +22,16 @@ namespace {
 
 using internal::Json;
 
-/// NaN in a vehicle means "not known": null in JSON.
-Json known(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+/// Hover speed [rad/s] of the first rotor, where the vehicle can hover.
+double hover_speed(const TrimResult& hover) { return hover.u(0); }
 
-std::string spin_word(Spin spin) { return spin == Spin::clockwise ? "cw" : "ccw"; }
-
-Json rotor_json(const Rotor& rotor) {
-  return {{"position_m", internal::vector_to_json(rotor.position, "position")},
-          {"spin", spin_word(rotor.spin)},
-          {"thrust_a2_N_s2", rotor.thrust_a2},
-          {"thrust_a1_N_s", rotor.thrust_a1},
-          {"torque_d2_Nm_s2", rotor.torque_d2},
-          {"torque_d1_Nm_s", rotor.torque_d1},
-          {"inertia_kg_m2", rotor.inertia},
-          {"lag_s", rotor.lag},
-          {"radius_m", known(rotor.radius)},
-          {"chord_m", known(rotor.chord)},
-          {"Ct", known(rotor.Ct)},
-          {"Cq", known(rotor.Cq)},
-          {"blades", rotor.blades}};
-}
-
-/// Hover speed [rad/s] of the first rotor, or NaN where the vehicle cannot hover.
-double hover_speed(const TrimResult& hover) {
-  return hover.solved() ? hover.u(0) : std::numeric_limits<double>::quiet_NaN();
-}
-
+/// The vehicle file's keys, and what follows from them.
 Json vehicle_json(const Vehicle& vehicle) {
-  Json json;
-  json["name"] = vehicle.name;
-  json["description"] = vehicle.description;
-  json["source"] = vehicle.source;
-  json["mass_kg"] = vehicle.mass;
-  json["inertia_kg_m2"] = internal::matrix_to_json(vehicle.inertia, "inertia");
-  json["gravity_m_s2"] = vehicle.gravity;
-  json["air_density_kg_m3"] = vehicle.air_density;
-  json["drag"] = {{"cda_m2", internal::vector_to_json(vehicle.drag.cda, "cda")},
-                  {"linear_N_s_m", internal::vector_to_json(vehicle.drag.linear, "linear")}};
-  json["motor"] = {{"law", vehicle.motor.law == CommandLaw::speed ? "speed" : "speed-squared"},
-                   {"gain", vehicle.motor.gain},
-                   {"unit", vehicle.motor.unit},
-                   {"min", vehicle.motor.min},
-                   {"max", vehicle.motor.max},
-                   {"direction", vehicle.motor.direction}};
-  json["takeoff_gain"] = vehicle.takeoff_gain;
-  json["altitude_thrust_fraction"] = vehicle.altitude_thrust_fraction;
-  json["airframe_height_m"] = known(vehicle.airframe_height);
-  json["airframe_diameter_m"] = known(vehicle.airframe_diameter);
-  json["rotors"] = Json::array();
-  for (const Rotor& rotor : vehicle.rotors) json["rotors"].push_back(rotor_json(rotor));
+  Json json = Json::parse(vehicle_json_text(vehicle));
   const TrimResult hover = trim(vehicle, FlightCondition{});
-  json["derived"] = {
-      {"hover_speed_rad_s", known(hover_speed(hover))},
-      {"thrust_to_weight", greatest_thrust(vehicle) / (vehicle.mass * vehicle.gravity)},
-      {"can_hover", hover.solved()}};
+  json["derived"]["can_hover"] = hover.solved();
+  if (hover.solved()) json["derived"]["hover_speed_rad_s"] = hover_speed(hover);
+  json["derived"]["thrust_to_weight"] = greatest_thrust(vehicle) / (vehicle.mass * vehicle.gravity);
   return json;
 }
 
@@ -87,7 +43,7 @@ std::string rotor_table(const Vehicle& vehicle) {
     text += fmt::format("\n{:<4}{:>26}  {:>4}{:>28}{:>28}", i + 1,
                         fmt::format("{:.4f} {:.4f} {:.4f}", rotor.position.x(), rotor.position.y(),
                                     rotor.position.z()),
-                        spin_word(rotor.spin),
+                        to_string(rotor.spin),
                         fmt::format("{:.4g} w2 {:+.4g} w", rotor.thrust_a2, rotor.thrust_a1),
                         fmt::format("{:.4g} w2 {:+.4g} w", rotor.torque_d2, rotor.torque_d1));
   }

@@ -107,6 +107,10 @@ std::vector<ManifestFile> write_export(const std::filesystem::path& directory, E
   return written;
 }
 
+std::string vehicle_json_text(const Vehicle& vehicle) {
+  return internal::readable(exports::vehicle_to_json(vehicle)) + "\n";
+}
+
 std::string gains_json_text(const ExportContent& content) {
   Json json;
   json["format"] = "quadtune-gains";

@@ -17,36 +17,59 @@ using internal::vector_to_json;
 
 namespace {
 
+// A number that is not known is left out.
 void add_known(Json& json, const std::string& key, double number) {
   if (!std::isnan(number)) json[key] = number_to_json(number, key);
+}
+
+// A number that a file without the key would mean is left out.
+void add_unless(double if_absent, Json& json, const std::string& key, double number) {
+  if (number != if_absent) json[key] = number_to_json(number, key);
 }
 
 Json rotor_to_json(const Rotor& rotor) {
   Json json;
   json["position_m"] = vector_to_json(rotor.position, "rotor.position");
-  json["spin"] = rotor.spin == Spin::clockwise ? "clockwise" : "counter-clockwise";
+  json["spin"] = to_string(rotor.spin);
   json["thrust_a2_N_s2_per_rad2"] = number_to_json(rotor.thrust_a2, "rotor.thrust_a2");
-  json["thrust_a1_N_s_per_rad"] = number_to_json(rotor.thrust_a1, "rotor.thrust_a1");
+  add_unless(0, json, "thrust_a1_N_s_per_rad", rotor.thrust_a1);
   json["torque_d2_N_m_s2_per_rad2"] = number_to_json(rotor.torque_d2, "rotor.torque_d2");
-  json["torque_d1_N_m_s_per_rad"] = number_to_json(rotor.torque_d1, "rotor.torque_d1");
-  json["inertia_kg_m2"] = number_to_json(rotor.inertia, "rotor.inertia");
-  json["lag_s"] = number_to_json(rotor.lag, "rotor.lag");
-  add_known(json, "radius_m", rotor.radius);
-  add_known(json, "chord_m", rotor.chord);
+  add_unless(0, json, "torque_d1_N_m_s_per_rad", rotor.torque_d1);
   add_known(json, "Ct", rotor.Ct);
   add_known(json, "Cq", rotor.Cq);
+  add_known(json, "radius_m", rotor.radius);
+  add_known(json, "chord_m", rotor.chord);
   if (rotor.blades > 0) json["blades"] = rotor.blades;
+  add_unless(0, json, "inertia_kg_m2", rotor.inertia);
+  add_unless(0, json, "lag_s", rotor.lag);
   return json;
 }
 
 Json motor_to_json(const MotorCommand& motor) {
+  const bool squared = motor.law == CommandLaw::speed_squared;
+  const std::string unit = squared ? "count" : "rad_s";
   Json json;
-  json["law"] = motor.law == CommandLaw::speed ? "speed" : "speed-squared";
-  json["gain"] = number_to_json(motor.gain, "motor.gain");
-  json["unit"] = motor.unit;
-  json["min"] = number_to_json(motor.min, "motor.min");
-  json["max"] = number_to_json(motor.max, "motor.max");
-  json["direction"] = motor.direction;
+  json["command"] = to_string(motor.law);
+  json["min_" + unit] = number_to_json(motor.min, "motor.min");
+  json["max_" + unit] = number_to_json(motor.max, "motor.max");
+  if (squared) json["gain_rad2_per_s2_per_count"] = number_to_json(motor.gain, "motor.gain");
+  const auto is_one = [](int sign) { return sign == 1; };
+  if (!std::all_of(motor.direction.begin(), motor.direction.end(), is_one))
+    json["direction"] = motor.direction;
+  return json;
+}
+
+Json body_to_json(const Vehicle& vehicle) {
+  Json json;
+  json["mass_kg"] = number_to_json(vehicle.mass, "mass");
+  json["inertia_kg_m2"] = matrix_to_json(vehicle.inertia, "inertia");
+  add_unless(0, json, "inertia_tolerance", vehicle.inertia_tolerance);
+  add_known(json, "height_m", vehicle.airframe_height);
+  add_known(json, "diameter_m", vehicle.airframe_diameter);
+  if (!vehicle.drag.cda.isZero(0))
+    json["drag_area_m2"] = vector_to_json(vehicle.drag.cda, "drag_area");
+  if (!vehicle.drag.linear.isZero(0))
+    json["drag_linear_N_s_per_m"] = vector_to_json(vehicle.drag.linear, "drag_linear");
   return json;
 }
 
@@ -118,22 +141,18 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> weights_from_json(const Json& json,
 Json vehicle_to_json(const Vehicle& vehicle) {
   Json json;
   json["name"] = vehicle.name;
-  json["description"] = vehicle.description;
-  json["source"] = vehicle.source;
-  json["mass_kg"] = number_to_json(vehicle.mass, "mass");
-  json["inertia_kg_m2"] = matrix_to_json(vehicle.inertia, "inertia");
-  json["gravity_m_per_s2"] = number_to_json(vehicle.gravity, "gravity");
-  json["air_density_kg_per_m3"] = number_to_json(vehicle.air_density, "air_density");
-  json["drag_cda_m2"] = vector_to_json(vehicle.drag.cda, "drag.cda");
-  json["drag_linear_N_s_per_m"] = vector_to_json(vehicle.drag.linear, "drag.linear");
-  json["takeoff_gain"] = number_to_json(vehicle.takeoff_gain, "takeoff_gain");
-  json["altitude_thrust_fraction"] =
-      number_to_json(vehicle.altitude_thrust_fraction, "altitude_thrust_fraction");
-  add_known(json, "airframe_height_m", vehicle.airframe_height);
-  add_known(json, "airframe_diameter_m", vehicle.airframe_diameter);
+  if (!vehicle.description.empty()) json["description"] = vehicle.description;
+  if (!vehicle.source.empty()) json["source"] = vehicle.source;
+  json["environment"]["gravity_m_per_s2"] = number_to_json(vehicle.gravity, "gravity");
+  json["environment"]["air_density_kg_per_m3"] = number_to_json(vehicle.air_density, "air_density");
+  json["body"] = body_to_json(vehicle);
   json["motor"] = motor_to_json(vehicle.motor);
   json["rotors"] = Json::array();
   for (const Rotor& rotor : vehicle.rotors) json["rotors"].push_back(rotor_to_json(rotor));
+  Json flight = Json::object();
+  add_unless(0, flight, "takeoff_gain", vehicle.takeoff_gain);
+  add_unless(1, flight, "altitude_thrust_fraction", vehicle.altitude_thrust_fraction);
+  if (!flight.empty()) json["flight"] = flight;
   return json;
 }
 

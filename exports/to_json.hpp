@@ -29,7 +29,8 @@ void add_weights(Json& json, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R)
 [[nodiscard]] std::pair<Eigen::MatrixXd, Eigen::MatrixXd> weights_from_json(
     const Json& json, const std::string& origin);
 
-/// Numbers that are not known (NaN) are left out.
+/// The tables and keys of a vehicle file. What is not known, and what a file without the key would
+/// mean, is left out; the environment and the curves of thrust and torque always stand.
 [[nodiscard]] Json vehicle_to_json(const Vehicle& vehicle);
 
 [[nodiscard]] Json filter_to_json(const KalmanFilter& filter);

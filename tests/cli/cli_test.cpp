@@ -187,6 +187,63 @@ TEST(Vehicle, ShowsDerivedHoverSpeed) {
   EXPECT_EQ(json_of({"vehicle", "list"})["vehicles"].size(), 4u);
 }
 
+/// The lines of a table of JSON as TOML; tables within it are left out.
+std::string toml_lines(const internal::Json& table) {
+  std::string text;
+  for (const auto& [key, value] : table.items())
+    if (!value.is_object() && !(value.is_array() && value.front().is_object()))
+      text += key + " = " + value.dump() + "\n";
+  return text;
+}
+
+/// A vehicle file with what `vehicle show --json` printed.
+std::string toml_of(const internal::Json& vehicle) {
+  std::string text = toml_lines(vehicle);
+  for (const char* table : {"environment", "body", "motor", "flight"})
+    if (vehicle.contains(table))
+      text += std::string("[") + table + "]\n" + toml_lines(vehicle[table]);
+  for (internal::Json rotor : vehicle["rotors"]) {
+    if (rotor.contains("Ct"))
+      rotor.erase("thrust_a2_N_s2_per_rad2");  // a file has one or the other
+    if (rotor.contains("Cq")) rotor.erase("torque_d2_N_m_s2_per_rad2");
+    text += "[[rotors]]\n" + toml_lines(rotor);
+  }
+  return text;
+}
+
+TEST(Vehicle, ShowsTheKeysOfAVehicleFile) {
+  const TemporaryDirectory folder;
+  for (const auto& name : json_of({"vehicle", "list"})["vehicles"]) {
+    const internal::Json shown = json_of({"vehicle", "show", name});
+    const std::string file = folder.write("v.toml", toml_of(shown)).string();
+    EXPECT_EQ(json_of({"vehicle", "show", file}), shown) << toml_of(shown);
+  }
+}
+
+TEST(Vehicle, LeavesOutWhatTheFileLeavesOut) {
+  const TemporaryDirectory folder;
+  const std::string text =
+      "name = \"least\"\n[body]\nmass_kg = 1\ninertia_kg_m2 = [1, 1, 2.02]\n"
+      "inertia_tolerance = 0.02\n[rotor]\nthrust_a2_N_s2_per_rad2 = 1\n"
+      "torque_d2_N_m_s2_per_rad2 = 1\n[motor]\ncommand = \"speed\"\nmin_rad_s = 1\n"
+      "max_rad_s = 9\n[[rotors]]\nposition_m = [1, 0, 0]\nspin = \"cw\"\n"
+      "[[rotors]]\nposition_m = [-1, 0, 0]\nspin = \"ccw\"\n";
+  const internal::Json shown = json_of({"vehicle", "show", folder.write("v.toml", text).string()});
+  const auto keys = [](const internal::Json& table) {
+    std::vector<std::string> names;
+    for (const auto& [key, value] : table.items()) names.push_back(key);
+    return names;
+  };
+  using ::testing::ElementsAre;
+  EXPECT_THAT(keys(shown),
+              ElementsAre("name", "environment", "body", "motor", "rotors", "derived"));
+  EXPECT_THAT(keys(shown["environment"]), ElementsAre("gravity_m_per_s2", "air_density_kg_per_m3"));
+  EXPECT_THAT(keys(shown["body"]), ElementsAre("mass_kg", "inertia_kg_m2", "inertia_tolerance"));
+  EXPECT_THAT(keys(shown["motor"]), ElementsAre("command", "min_rad_s", "max_rad_s"));
+  EXPECT_THAT(keys(shown["rotors"][0]), ElementsAre("position_m", "spin", "thrust_a2_N_s2_per_rad2",
+                                                    "torque_d2_N_m_s2_per_rad2"));
+}
+
 class DesignTest : public ::testing::Test {
  protected:
   ProgramResult design(const std::string& name, const std::string& to) {

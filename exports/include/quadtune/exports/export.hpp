@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "quadtune/exports/content.hpp"
@@ -30,6 +31,11 @@ std::vector<ManifestFile> write_export(const std::filesystem::path& directory, E
 
 /// gains.json: gains with trim and law, vehicle, filters, cascade and weights, in SI with units.
 [[nodiscard]] std::string gains_json_text(const ExportContent& content);
+
+/// A vehicle as JSON with the tables and keys of a vehicle file, as it stands in gains.json. What
+/// is not known, and what a file without the key would mean, is left out; the environment and the
+/// curves of thrust and torque always stand.
+[[nodiscard]] std::string vehicle_json_text(const Vehicle& vehicle);
 
 inline constexpr char kGainsJsonName[] = "gains.json";
 
