@@ -40,7 +40,9 @@ class Descriptor {
   int fd_;
 };
 
-std::string temporary(const std::string& name) { return "." + name + ".quadtune-tmp"; }
+constexpr char kTemporaryEnd[] = ".quadtune-tmp";
+
+std::string temporary(const std::string& name) { return "." + name + kTemporaryEnd; }
 
 void sync_directory(const fs::path& path) {
   const Descriptor fd(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
@@ -173,6 +175,23 @@ class Transaction {
   bool committed_ = false;
 };
 
+// Temporaries of writers that were killed, under names that no file of this set has. Only for who
+// holds the directory's lock: then no writer uses them. What cannot be removed is no error, as the
+// new files are complete.
+void remove_left_temporaries(int fd, const fs::path& directory) {
+  std::error_code error;
+  std::vector<std::string> left;
+  for (fs::directory_iterator entry(directory, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.starts_with(".") && name.ends_with(kTemporaryEnd) &&
+        name.size() > temporary("").size() &&
+        entry->symlink_status(error).type() == fs::file_type::regular)
+      left.push_back(name);
+  }
+  for (const std::string& name : left) ::unlinkat(fd, name.c_str(), 0);
+}
+
 void require_plain_names(const std::vector<FileContent>& files) {
   std::set<std::string> seen;
   for (const FileContent& file : files)
@@ -205,7 +224,8 @@ void write_files(const fs::path& directory, const std::vector<FileContent>& file
   if (fd.get() < 0)
     fail(path, errno, errno == ENOTDIR ? "is a file, expected a directory to write into: " : "");
   // Two writers at once would mix their temporaries. File systems without locks go unguarded.
-  if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+  const bool locked = ::flock(fd.get(), LOCK_EX | LOCK_NB) == 0;
+  if (!locked && errno == EWOULDBLOCK)
     throw FileError(path.string(), "another quadtune is writing here");
 
   Transaction transaction(path, fd.get());
@@ -220,6 +240,7 @@ void write_files(const fs::path& directory, const std::vector<FileContent>& file
   made.sync();
   transaction.commit();
   made.keep();
+  if (locked) remove_left_temporaries(fd.get(), path);
 }
 
 std::string sha256(const std::string& bytes) {

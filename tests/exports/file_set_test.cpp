@@ -179,6 +179,23 @@ TEST(WriteFiles, ReplacesTemporariesThatACrashLeft) {
   EXPECT_EQ(contents(directory), contents(old_export));
 }
 
+// Names of another set too, but only plain files of our pattern.
+TEST(WriteFiles, RemovesTheTemporariesOfAKilledWriter) {
+  const TemporaryDirectory directory;
+  directory.write(".K_full.txt.quadtune-tmp", "half");
+  Contents kept = {{".quadtune-tmp", "no name"}, {"K.quadtune-tmp", "no dot"}, {".K.txt", "other"}};
+  for (const auto& [name, bytes] : kept) directory.write(name, bytes);
+  fs::create_directory(directory.path() / ".a.quadtune-tmp");
+  fs::create_symlink("K.txt", directory.path() / ".b.quadtune-tmp");
+  EXPECT_THROW(write_files(directory.path(), old_export, {}, [] { return true; }), Interrupted);
+  EXPECT_TRUE(fs::exists(directory.path() / ".K_full.txt.quadtune-tmp"));  // only a success clears
+  write_files(directory.path(), old_export);
+  kept.merge(contents(old_export));
+  kept[".a.quadtune-tmp"] = "(directory)";
+  kept[".b.quadtune-tmp"] = "1 2 3\n";  // through the link
+  EXPECT_EQ(contents(directory), kept);
+}
+
 TEST(WriteFiles, RefusesNamesThatLeaveTheDirectory) {
   const TemporaryDirectory directory;
   for (const char* name : {"../K.txt", "", ".", "a/b"})

@@ -21,7 +21,8 @@ struct FileContent {
 /// complete does each take its target's place, in the order given, by an atomic exchange; a failure
 /// in between exchanges them back. `stale` files are taken away in the same transaction. A crash of
 /// the machine in the middle can leave some files new and some old: put the manifest last, then its
-/// hashes tell. The directory is made if it is missing, and removed again on failure.
+/// hashes tell. The directory is made if it is missing, and removed again on failure. Temporaries
+/// that a killed writer left, `.NAME.quadtune-tmp`, are removed when all is done.
 ///
 /// @param files        names without a slash, each once
 /// @param stale        names of files that must be gone afterwards; absent ones are passed over
