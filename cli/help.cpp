@@ -9,11 +9,14 @@
 #include <ostream>
 
 #include "program.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/version.hpp"
 
 namespace quadtune::cli {
 namespace {
+
+using internal::Json;
 
 constexpr const char* kExitStatus =
     "0 done; 1 the answer is no; 2 the command line is wrong; 3 the input is wrong; 4 no solution "
@@ -41,6 +44,22 @@ std::vector<OptionText> option_texts(const Verb& verb) {
   texts.push_back({"--json", "print one JSON object instead of the text"});
   texts.push_back({"--quiet", "no notes on the error stream"});
   return texts;
+}
+
+Json verb_json(const Verb& verb) {
+  Json json = {{"name", verb.name}, {"usage", verb.usage}, {"summary", verb.summary}};
+  json["options"] = Json::array();
+  for (const OptionText& option : option_texts(verb))
+    json["options"].push_back({{"option", option.names}, {"description", option.description}});
+  json["example"] = verb.example;
+  return json;
+}
+
+Json overview_json() {
+  Json json = {{"version", kVersion}, {"commands", Json::array()}};
+  for (const Verb& verb : verbs()) json["commands"].push_back(verb_json(verb));
+  json["exit_status"] = kExitStatus;
+  return json;
 }
 
 std::string overview() {
@@ -114,10 +133,10 @@ std::string completion() {
       kVersion, names, cases);
 }
 
-std::string usage_of(const std::string& name) {
+const Verb& verb_of(const std::string& name) {
   std::vector<std::string> known;
   for (const Verb& verb : verbs()) {
-    if (verb.name == name) return usage(verb);
+    if (verb.name == name) return verb;
     known.push_back(verb.name);
   }
   throw UsageError(
@@ -140,12 +159,22 @@ Verb help_verb() {
             app.add_flag("--man", options->man, "print the man page");
             app.add_flag("--completion", options->completion, "print the bash completion");
             return [options](Context& context) {
-              if (options->man)
+              if (context.json) {
+                if (options->man || options->completion)
+                  throw UsageError(
+                      "quadtune help: --json came with --man or --completion, expected one of them",
+                      "--json");
+                context.out << internal::readable(options->verb.empty()
+                                                      ? overview_json()
+                                                      : verb_json(verb_of(options->verb)))
+                            << "\n";
+              } else if (options->man) {
                 context.out << man_page();
-              else if (options->completion)
+              } else if (options->completion) {
                 context.out << completion();
-              else
-                context.out << (options->verb.empty() ? overview() : usage_of(options->verb));
+              } else {
+                context.out << (options->verb.empty() ? overview() : usage(verb_of(options->verb)));
+              }
             };
           }};
 }

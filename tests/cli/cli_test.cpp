@@ -68,7 +68,6 @@ TEST_F(Examples, OfTheHelpPagesWorkAsPrinted) {
 
 TEST_F(Examples, PrintJsonToo) {
   for (const cli::Verb& verb : cli::verbs()) {
-    if (verb.name == "help") continue;
     std::vector<std::string> args = arguments(verb.example);
     args.push_back("--json");
     const ProgramResult result = run_program(args);
@@ -90,6 +89,22 @@ TEST(Help, ListsEveryVerbAndEveryOption) {
   }
   EXPECT_THAT(man, HasSubstr("\\-\\-convention"));
   EXPECT_EQ(run_program({"--version"}).out, std::string("quadtune ") + kVersion + "\n");
+}
+
+TEST(Help, TellsScriptsTheSameAsPeople) {
+  const internal::Json all = json_of({"help"});
+  EXPECT_EQ(all["version"], kVersion);
+  ASSERT_EQ(all["commands"].size(), cli::verbs().size());
+  for (std::size_t i = 0; i < cli::verbs().size(); ++i) {
+    const cli::Verb& verb = cli::verbs()[i];
+    EXPECT_EQ(all["commands"][i], json_of({"help", verb.name}));
+    EXPECT_EQ(all["commands"][i], json_of({verb.name, "--help"}));
+    EXPECT_EQ(all["commands"][i]["example"], verb.example);
+    const std::string text = run_program({"help", verb.name}).out;
+    for (const internal::Json& option : all["commands"][i]["options"])
+      EXPECT_THAT(text, HasSubstr(option["option"].get<std::string>()));
+  }
+  EXPECT_EQ(run_program({"help", "--man", "--json"}).status, 2);
 }
 
 TEST(Linearize, GivesThePublicHoverModelOfTheUquad) {
