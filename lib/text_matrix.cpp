@@ -18,9 +18,6 @@ namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
 
-// Some editors begin a UTF-8 file with this byte order mark.
-std::size_t mark_length(std::string_view text) { return text.starts_with("\xef\xbb\xbf") ? 3 : 0; }
-
 std::string_view trimmed(std::string_view line) {
   line = line.substr(0, line.find('#'));
   while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
@@ -50,6 +47,11 @@ double parse_number(std::string_view word, const std::string& where) {
     throw InvalidInput(where, fmt::format("'{}' is beyond the range of a double, expected at most "
                                           "1.8e308 and no less than 4.9e-324 in size",
                                           internal::printable(word)));
+  if (word.starts_with("\xef\xbb\xbf"))  // invisible in an editor, so the message names it
+    throw InvalidInput(
+        where, fmt::format("'{}' is not a number but begins with a UTF-8 byte order mark, expected "
+                           "the file without one",
+                           internal::printable(word)));
   if (error != std::errc() || end != digits.data() + digits.size())
     throw InvalidInput(
         where, fmt::format("'{}' is not a number, expected numbers separated by blanks or commas",
@@ -93,7 +95,7 @@ Eigen::MatrixXd parse_text_matrix(const std::string& text, const std::string& or
   std::size_t rows = 0;
   std::size_t cols = 0;
   std::size_t number = 0;
-  for (std::size_t start = mark_length(text); start < text.size();) {
+  for (std::size_t start = 0; start < text.size();) {
     const std::size_t end = std::min(text.find('\n', start), text.size());
     const std::string_view line = trimmed(std::string_view(text).substr(start, end - start));
     start = end + 1;

@@ -12,8 +12,8 @@ namespace quadtune {
 inline constexpr std::size_t kMatrixTextLimit = std::size_t{16} << 20;
 
 /// Parses one row a line: numbers separated by blanks or commas, `#` starts a comment, lines with
-/// nothing else are skipped, and so is a UTF-8 byte order mark at the start. The decimal sign is a
-/// dot whatever the locale, and a number becomes the nearest double.
+/// nothing else are skipped. The decimal sign is a dot whatever the locale, and a number becomes
+/// the nearest double.
 ///
 /// @param text    The file's bytes.
 /// @param origin  What messages call the file.
