@@ -37,11 +37,12 @@ Contestant contestant(const std::string& name, bool is_ours, const Problem& prob
           [hold] { return hold->error(); }};
 }
 
+/// The function discretize_zoh(), which allocates its result.
 Contestant public_call(const Problem& problem, double dt) {
   ContinuousLti plant;
   plant.A = problem.A;
   plant.B = problem.B;
-  return contestant("quadtune", true, problem, dt, [plant](Hold& hold) {
+  return contestant("quadtune function", true, problem, dt, [plant](Hold& hold) {
     DiscreteLti sampled = discretize_zoh(plant, hold.dt);
     hold.Ad.swap(sampled.A);
     hold.Bd.swap(sampled.B);
@@ -49,9 +50,10 @@ Contestant public_call(const Problem& problem, double dt) {
   });
 }
 
+/// ZohWorkspace, which reuses its memory as the peer does.
 Contestant workspace(const Problem& problem, double dt) {
   const auto zoh = std::make_shared<ZohWorkspace>(problem.A.rows(), problem.B.cols());
-  return contestant("quadtune workspace", true, problem, dt, [zoh](Hold& hold) {
+  return contestant("quadtune", true, problem, dt, [zoh](Hold& hold) {
     zoh->solve(hold.problem.A, hold.problem.B, hold.dt, hold.Ad, hold.Bd);
     return true;
   });
@@ -87,7 +89,7 @@ Contest contest(const std::string& name, const Problem& problem, double dt, doub
                  goal,
                  1e-14,
                  "",
-                 {public_call(problem, dt), workspace(problem, dt)}};
+                 {workspace(problem, dt), public_call(problem, dt)}};
 #ifdef QUADTUNE_WITH_SLICOT
   result.rival = "MB05ND";
   result.contestants.push_back(mb05nd(problem, dt));

@@ -91,7 +91,7 @@ Contest contest(const std::string& name, Time time, const Problem& problem, doub
       goal_residual,
       rival,
       {our_solver(shared), our_function("quadtune function", RiccatiEvidence::essential, shared),
-       our_function("quadtune, rcond and poles", RiccatiEvidence::full, shared)}};
+       our_function("quadtune, with poles", RiccatiEvidence::full, shared)}};
   result.contestants.push_back(
       peer("LAPACK ordered Schur", shared, std::make_shared<OrderedSchur>(nx),
            [](OrderedSchur& solver, const Shared& s) {

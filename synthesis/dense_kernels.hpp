@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 #include <utility>
 #if defined(__FMA__) || defined(__AVX512F__)
@@ -13,62 +14,74 @@
 
 namespace quadtune::internal {
 
-template <int kWidth>
-struct VectorOf;
-template <>
-struct VectorOf<4> {
-  typedef double type __attribute__((vector_size(32)));
+/// kWidth numbers in one register.
+template <class Real, int kWidth>
+struct VectorOf {
+  typedef Real type __attribute__((vector_size(kWidth * sizeof(Real))));
 };
 
-/// a b + c. Fused by hand, since the build keeps the compiler from fusing on its own.
-inline VectorOf<4>::type multiply_add(VectorOf<4>::type a, VectorOf<4>::type b,
-                                      VectorOf<4>::type c) {
+// a b + c and c - a b. Fused by hand, since the build keeps the compiler from fusing on its own.
 #if defined(__FMA__)
-  return _mm256_fmadd_pd(a, b, c);
+inline __m256d multiply_add(__m256d a, __m256d b, __m256d c) { return _mm256_fmadd_pd(a, b, c); }
+inline __m256 multiply_add(__m256 a, __m256 b, __m256 c) { return _mm256_fmadd_ps(a, b, c); }
+inline __m256d subtract_product(__m256d a, __m256d b, __m256d c) {
+  return _mm256_fnmadd_pd(a, b, c);
+}
+inline __m256 subtract_product(__m256 a, __m256 b, __m256 c) { return _mm256_fnmadd_ps(a, b, c); }
 #else
+template <class V>
+V multiply_add(V a, V b, V c) {
   return a * b + c;
+}
+template <class V>
+V subtract_product(V a, V b, V c) {
+  return c - a * b;
+}
 #endif
-}
-
 #if defined(__AVX512F__)
-template <>
-struct VectorOf<8> {
-  typedef double type __attribute__((vector_size(64)));
-};
-inline VectorOf<8>::type multiply_add(VectorOf<8>::type a, VectorOf<8>::type b,
-                                      VectorOf<8>::type c) {
-  return _mm512_fmadd_pd(a, b, c);
+inline __m512d multiply_add(__m512d a, __m512d b, __m512d c) { return _mm512_fmadd_pd(a, b, c); }
+inline __m512 multiply_add(__m512 a, __m512 b, __m512 c) { return _mm512_fmadd_ps(a, b, c); }
+inline __m512d subtract_product(__m512d a, __m512d b, __m512d c) {
+  return _mm512_fnmadd_pd(a, b, c);
 }
+inline __m512 subtract_product(__m512 a, __m512 b, __m512 c) { return _mm512_fnmadd_ps(a, b, c); }
 inline constexpr int kRegisters = 32;
-inline constexpr int kWidest = 8;
+inline constexpr int kRegisterBytes = 64;
 #else
 inline constexpr int kRegisters = 16;
-inline constexpr int kWidest = 4;
+inline constexpr int kRegisterBytes = 32;
 #endif
 
-/// Kernels for n × n matrices with rows `stride` doubles apart. All pointers are aligned to 64
+/// Kernels for n × n matrices with rows `stride` numbers apart. All pointers are aligned to 64
 /// bytes; outputs do not overlap inputs.
-/// @tparam kSize  n, a multiple of 4, or 0 for an n that is a multiple of 8 and known at run time
-template <int kSize>
+/// @tparam kSize  n, a multiple of 4, or 0 for an n that is a multiple of kMultiple and known at
+/// run
+///                time
+/// @tparam Real   double, or float with kSize 0
+template <int kSize, class Real = double>
 class Kernels {
+  static constexpr int kWidest = kRegisterBytes / static_cast<int>(sizeof(Real));
+
  public:
+  static constexpr int kMultiple = 64 / static_cast<int>(sizeof(Real));
   static constexpr int W = kSize % kWidest == 0 ? kWidest : 4;
-  using V = typename VectorOf<W>::type;
+  using V = typename VectorOf<Real, W>::type;
 
   explicit Kernels(int n) : n_(n) {}
 
   [[nodiscard]] int n() const { return kSize > 0 ? kSize : n_; }
   /// Rows a power of two apart would fall on one another in the cache.
-  [[nodiscard]] int stride() const { return kSize > 0 ? kSize : n_ % 64 == 0 ? n_ + 8 : n_; }
+  [[nodiscard]] int stride() const {
+    return kSize > 0 ? kSize : n_ % 64 == 0 ? n_ + kMultiple : n_;
+  }
 
-  static V load(const double* p) { return *reinterpret_cast<const V*>(p); }
-  static void store(double* p, V v) { *reinterpret_cast<V*>(p) = v; }
-  static V broadcast(double x) { return x - V{}; }
+  static V load(const Real* p) { return *reinterpret_cast<const V*>(p); }
+  static void store(Real* p, V v) { *reinterpret_cast<V*>(p) = v; }
+  static V broadcast(Real x) { return x - V{}; }
 
   /// C = A B, or C = Aᵀ B.
   template <bool kTransposeA>
-  void multiply(const double* __restrict A, const double* __restrict B,
-                double* __restrict C) const {
+  void multiply(const Real* __restrict A, const Real* __restrict B, Real* __restrict C) const {
     if constexpr (kSize == kInline)
       multiply_terms<kTransposeA>(A, B, C, std::integral_constant<int, kSize>());
     else if constexpr (kSize > 0)
@@ -77,38 +90,55 @@ class Kernels {
       multiply_called<kTransposeA>(A, B, C, n());
   }
 
-  /// The same over the first `inner` terms: columns of A (rows of Aᵀ) only.
+  /// The same over the first `inner` terms, columns of A (rows of Aᵀ), only.
   template <bool kTransposeA>
-  void multiply(const double* __restrict A, const double* __restrict B, double* __restrict C,
+  void multiply(const Real* __restrict A, const Real* __restrict B, Real* __restrict C,
                 int inner) const {
     multiply_called<kTransposeA>(A, B, C, inner);
   }
 
+  /// The same of large matrices for the first `columns` columns of B and C only, a multiple of
+  /// kMultiple; of small ones all columns.
+  template <bool kTransposeA>
+  void multiply_panel(const Real* __restrict A, const Real* __restrict B, Real* __restrict C,
+                      int inner, [[maybe_unused]] int columns) const {
+    if constexpr (kSize > 0)
+      multiply_called<kTransposeA>(A, B, C, inner);
+    else
+      by_panels(
+          columns, [&]<int kVectors>(int j) __attribute__((always_inline)) {
+            multiply_columns<kTransposeA, kVectors>(A, B, C, j, n(), inner);
+          });
+  }
+
   /// The same for a C known to be symmetric: of large ones only the upper triangle is computed.
   template <bool kTransposeA>
-  void multiply_symmetric(const double* __restrict A, const double* __restrict B,
-                          double* __restrict C) const {
+  void multiply_symmetric(const Real* __restrict A, const Real* __restrict B, Real* __restrict C,
+                          int inner) const {
     if constexpr (kSize > 0) {
-      multiply<kTransposeA>(A, B, C);
+      if (inner == n())
+        multiply<kTransposeA>(A, B, C);
+      else
+        multiply<kTransposeA>(A, B, C, inner);
     } else {
-      by_panels([&]<int kVectors>(int j) {
-        constexpr int kRows = rows_with<kVectors>();
-        for (int i = 0; i < j + kVectors * W; i += kRows)
-          multiply_tile<kTransposeA, kVectors, kRows>(A, B, C, i, j, n());
+      by_panels(n(), [&]<int kVectors>(int j) {
+        multiply_columns<kTransposeA, kVectors>(A, B, C, j, j + kVectors * W, inner);
       });
-      for (int i = 0; i < n(); i += 4)
+      for (int i = 0; i < n(); i += 4) {
+        for (int r = 1; r < 4; ++r)
+          for (int c = 0; c < r; ++c) C[(i + r) * stride() + i + c] = C[(i + c) * stride() + i + r];
         for (int j = i + 4; j < n(); j += 4)
 #pragma GCC unroll 4
           for (int r = 0; r < 4; ++r)
 #pragma GCC unroll 4
             for (int c = 0; c < 4; ++c)
               C[(j + c) * stride() + i + r] = C[(i + r) * stride() + j + c];
+      }
     }
   }
 
   /// T = Aᵀ.
-  [[gnu::always_inline]] inline void transpose(const double* __restrict A,
-                                               double* __restrict T) const {
+  [[gnu::always_inline]] inline void transpose(const Real* __restrict A, Real* __restrict T) const {
     const int s = stride();
     for (int i = 0; i < n(); i += 4)
       for (int j = 0; j < n(); j += 4)
@@ -120,7 +150,7 @@ class Kernels {
 
   /// Factors P M = L U in place with partial pivoting; M is given by columns, so that a column is
   /// contiguous. The diagonal of U is left inverted. False when a pivot is 0 or not finite.
-  bool factor(double* __restrict M, int* __restrict pivots) const {
+  bool factor(Real* __restrict M, int* __restrict pivots) const {
     const int block = n() <= kUnblocked ? n() : kBlock;
     for (int first = 0; first < n(); first += block) {
       const int last = std::min(first + block, n());
@@ -137,20 +167,21 @@ class Kernels {
   }
 
   /// X = M⁻¹ X from factor().
-  void solve(const double* __restrict LU, const int* pivots, double* __restrict X) const {
+  void solve(const Real* __restrict LU, const int* pivots, Real* __restrict X) const {
     for (int k = 0; k < n(); ++k) {
       if (pivots[k] == k) continue;
       for (int j = 0; j < n(); j += W) {
-        double* upper = X + k * stride() + j;
-        double* lower = X + pivots[k] * stride() + j;
+        Real* upper = X + k * stride() + j;
+        Real* lower = X + pivots[k] * stride() + j;
         const V held = load(upper);
         store(upper, load(lower));
         store(lower, held);
       }
     }
-    by_panels([&]<int kVectors>(int j) {
-      for (int i = 0; i < n(); i += 4) solve_lower<kVectors>(LU, X + j, i);
-      for (int i = n() - 4; i >= 0; i -= 4) solve_upper<kVectors>(LU, X + j, i);
+    by_panels(n(), [&]<int kVectors>(int j) {
+      constexpr int kRows = rows_with<kVectors>();
+      for (int i = 0; i < n(); i += kRows) solve_lower<kVectors, kRows>(LU, X + j, i);
+      for (int i = n() - kRows; i >= 0; i -= kRows) solve_upper<kVectors, kRows>(LU, X + j, i);
     });
   }
 
@@ -158,7 +189,7 @@ class Kernels {
   /// rows[r]: 1 for the lanes from r on.
   static constexpr auto make_masks() {
     struct Masks {
-      alignas(64) double rows[W][W] = {};
+      alignas(64) Real rows[W][W] = {};
     } masks;
     for (int r = 0; r < W; ++r)
       for (int lane = r; lane < W; ++lane) masks.rows[r][lane] = 1;
@@ -166,8 +197,8 @@ class Kernels {
   }
   static constexpr auto kMasks = make_masks();
 
-  static constexpr int kBlock = 16;      ///< columns that factor() eliminates together
-  static constexpr int kUnblocked = 64;  ///< up to this size it eliminates one by one
+  static constexpr int kBlock = kMultiple;  ///< columns that factor() eliminates together
+  static constexpr int kUnblocked = 32;     ///< up to this size it eliminates one by one
 
   /// Rows that share one pass over a panel: as many as the registers hold beside the panel's row.
   template <int kVectors>
@@ -181,44 +212,57 @@ class Kernels {
   /// Calls work.template operator()<vectors>(first column) for panels of up to three vectors, four
   /// where that leaves none over.
   template <class Work>
-  [[gnu::always_inline]] inline void by_panels(const Work& work) const {
+  [[gnu::always_inline]] inline void by_panels([[maybe_unused]] int columns,
+                                               const Work& work) const {
     if constexpr (kSize > 0 && kSize / W <= 4) {
       work.template operator()<kSize / W>(0);
     } else {
       int j = 0;
-      for (; n() - j >= 3 * W && n() - j != 4 * W; j += 3 * W) work.template operator()<3>(j);
-      if (n() - j == 4 * W)
+      for (; columns - j >= 3 * W && columns - j != 4 * W; j += 3 * W)
+        work.template operator()<3>(j);
+      if (columns - j == 4 * W)
         work.template operator()<4>(j);
-      else if (n() - j == 2 * W)
+      else if (columns - j == 2 * W)
         work.template operator()<2>(j);
-      else if (n() - j == W)
+      else if (columns - j == W)
         work.template operator()<1>(j);
     }
   }
+
+  static constexpr Real kHuge = std::numeric_limits<Real>::max() / 1000;
 
   /// Calls cost more than the work itself at this size.
   static constexpr int kInline = 4;
 
   template <bool kTransposeA, class Inner>
-  [[gnu::noinline]] void multiply_called(const double* __restrict A, const double* __restrict B,
-                                         double* __restrict C, Inner inner) const {
+  [[gnu::noinline]] void multiply_called(const Real* __restrict A, const Real* __restrict B,
+                                         Real* __restrict C, Inner inner) const {
     multiply_terms<kTransposeA>(A, B, C, inner);
   }
 
   template <bool kTransposeA, class Inner>
-  [[gnu::always_inline]] inline void multiply_terms(const double* __restrict A,
-                                                    const double* __restrict B,
-                                                    double* __restrict C, Inner inner) const {
-    by_panels([&]<int kVectors>(int j) __attribute__((always_inline)) {
-      constexpr int kRows = rows_with<kVectors>();
-      for (int i = 0; i < n(); i += kRows)
-        multiply_tile<kTransposeA, kVectors, kRows>(A, B, C, i, j, inner);
-    });
+  [[gnu::always_inline]] inline void multiply_terms(const Real* __restrict A,
+                                                    const Real* __restrict B, Real* __restrict C,
+                                                    Inner inner) const {
+    by_panels(
+        n(), [&]<int kVectors>(int j) __attribute__((always_inline)) {
+          multiply_columns<kTransposeA, kVectors>(A, B, C, j, n(), inner);
+        });
+  }
+
+  /// kVectors vectors of columns of C from j on, the first `rows` of them.
+  template <bool kTransposeA, int kVectors, class Inner>
+  [[gnu::always_inline]] inline void multiply_columns(const Real* __restrict A,
+                                                      const Real* __restrict B, Real* __restrict C,
+                                                      int j, int rows, Inner inner) const {
+    constexpr int kRows = rows_with<kVectors>();
+    for (int i = 0; i < rows; i += kRows)
+      multiply_tile<kTransposeA, kVectors, kRows>(A, B, C, i, j, inner);
   }
 
   template <bool kTransposeA, int kVectors, int kRows, class Inner>
-  [[gnu::always_inline]] inline void multiply_tile(const double* __restrict A,
-                                                   const double* __restrict B, double* __restrict C,
+  [[gnu::always_inline]] inline void multiply_tile(const Real* __restrict A,
+                                                   const Real* __restrict B, Real* __restrict C,
                                                    int i, int j, Inner inner) const {
     const int s = stride();
     V sum[kRows][kVectors] = {};
@@ -241,24 +285,24 @@ class Kernels {
 
   /// Eliminates the columns [first, last) over all rows below; swaps rows of the columns before
   /// `last` only.
-  bool factor_block(double* __restrict M, int* __restrict pivots, int first, int last) const {
+  bool factor_block(Real* __restrict M, int* __restrict pivots, int first, int last) const {
     for (int k = first; k < last; ++k) {
-      double* column = M + k * stride();
+      Real* column = M + k * stride();
       int pivot = k;
-      double largest = std::abs(column[k]);
+      Real largest = std::abs(column[k]);
       for (int i = k + 1; i < n(); ++i) {
-        const double size = std::abs(column[i]);
+        const Real size = std::abs(column[i]);
         if (size > largest) {
           largest = size;
           pivot = i;
         }
       }
       pivots[k] = pivot;
-      if (!(largest > 0) || !(largest <= 1e300)) return false;
+      if (!(largest > 0) || !(largest <= kHuge)) return false;
       if (pivot != k)
         for (int j = 0; j < last; ++j) std::swap(M[j * stride() + k], M[j * stride() + pivot]);
       // Rows up to k in the first vector are not eliminated: their multipliers are 0.
-      const double inverse = 1 / column[k];
+      const Real inverse = 1 / column[k];
       const V scale = broadcast(inverse);
       const int aligned = (k + 1) / W * W;
       V multipliers = {};
@@ -272,22 +316,22 @@ class Kernels {
       column[k] = inverse;
       if (aligned == n()) continue;
       for (int j = k + 1; j < last; ++j) {
-        double* target = M + j * stride();
-        const V factor = broadcast(-target[k]);
-        store(target + aligned, multiply_add(factor, multipliers, load(target + aligned)));
+        Real* target = M + j * stride();
+        const V factor = broadcast(target[k]);
+        store(target + aligned, subtract_product(factor, multipliers, load(target + aligned)));
         for (int i = aligned + W; i < n(); i += W)
-          store(target + i, multiply_add(factor, load(column + i), load(target + i)));
+          store(target + i, subtract_product(factor, load(column + i), load(target + i)));
       }
     }
     return true;
   }
 
   /// U12 = L11⁻¹ of the rows [first, last) of four columns from j on.
-  void solve_block(double* __restrict M, int j, int first, int last) const {
+  void solve_block(Real* __restrict M, int j, int first, int last) const {
     const int s = stride();
     for (int k = first; k < last; ++k) {
-      const double* l = M + k * s;
-      double* u = M + j * s;
+      const Real* l = M + k * s;
+      Real* u = M + j * s;
       for (int i = k + 1; i < last; ++i)
 #pragma GCC unroll 4
         for (int c = 0; c < 4; ++c) u[c * s + i] -= l[i] * u[c * s + k];
@@ -295,63 +339,79 @@ class Kernels {
   }
 
   /// Subtracts L21 U12 from four columns from j on, below the block [first, last).
-  void update_columns(double* __restrict M, int j, int first, int last) const {
-    const int s = stride();
-    for (int i = last; i < n(); i += W) {
-      V sum[4];
-#pragma GCC unroll 4
-      for (int c = 0; c < 4; ++c) sum[c] = load(M + (j + c) * s + i);
-      for (int k = first; k < last; ++k) {
-        const V l = load(M + k * s + i);
-#pragma GCC unroll 4
-        for (int c = 0; c < 4; ++c)
-          sum[c] = multiply_add(broadcast(-M[(j + c) * s + k]), l, sum[c]);
-      }
-#pragma GCC unroll 4
-      for (int c = 0; c < 4; ++c) store(M + (j + c) * s + i, sum[c]);
-    }
+  void update_columns(Real* __restrict M, int j, int first, int last) const {
+    int i = last;
+    for (; n() - i >= 4 * W; i += 4 * W) update_tile<4>(M, i, j, first, last);
+    for (; i < n(); i += W) update_tile<1>(M, i, j, first, last);
   }
 
-  /// Rows i to i + 3 of L⁻¹ X, given those above; X points at the first column of the panel.
+  /// The same for kVectors vectors of rows from i on.
   template <int kVectors>
-  void solve_lower(const double* __restrict LU, double* __restrict X, int i) const {
+  [[gnu::always_inline]] inline void update_tile(Real* __restrict M, int i, int j, int first,
+                                                 int last) const {
     const int s = stride();
     V sum[4][kVectors];
 #pragma GCC unroll 4
-    for (int r = 0; r < 4; ++r)
+    for (int c = 0; c < 4; ++c)
+#pragma GCC unroll 4
+      for (int v = 0; v < kVectors; ++v) sum[c][v] = load(M + (j + c) * s + i + v * W);
+    for (int k = first; k < last; ++k) {
+      V l[kVectors];
+#pragma GCC unroll 4
+      for (int v = 0; v < kVectors; ++v) l[v] = load(M + k * s + i + v * W);
+#pragma GCC unroll 4
+      for (int c = 0; c < 4; ++c) {
+        const V u = broadcast(M[(j + c) * s + k]);
+#pragma GCC unroll 4
+        for (int v = 0; v < kVectors; ++v) sum[c][v] = subtract_product(u, l[v], sum[c][v]);
+      }
+    }
+#pragma GCC unroll 4
+    for (int c = 0; c < 4; ++c)
+#pragma GCC unroll 4
+      for (int v = 0; v < kVectors; ++v) store(M + (j + c) * s + i + v * W, sum[c][v]);
+  }
+
+  /// kRows rows from i on of L⁻¹ X, given those above; X points at the first column of the panel.
+  template <int kVectors, int kRows>
+  void solve_lower(const Real* __restrict LU, Real* __restrict X, int i) const {
+    const int s = stride();
+    V sum[kRows][kVectors];
+#pragma GCC unroll 8
+    for (int r = 0; r < kRows; ++r)
 #pragma GCC unroll 4
       for (int v = 0; v < kVectors; ++v) sum[r][v] = load(X + (i + r) * s + v * W);
-    subtract_rows<kVectors>(LU, X, i, 0, i, sum);
-#pragma GCC unroll 4
-    for (int r = 0; r < 4; ++r) {
-#pragma GCC unroll 4
+    subtract_rows<kVectors, kRows>(LU, X, i, 0, i, sum);
+#pragma GCC unroll 8
+    for (int r = 0; r < kRows; ++r) {
+#pragma GCC unroll 8
       for (int q = 0; q < r; ++q) {
-        const V l = broadcast(-LU[(i + q) * s + i + r]);
+        const V l = broadcast(LU[(i + q) * s + i + r]);
 #pragma GCC unroll 4
-        for (int v = 0; v < kVectors; ++v) sum[r][v] = multiply_add(l, sum[q][v], sum[r][v]);
+        for (int v = 0; v < kVectors; ++v) sum[r][v] = subtract_product(l, sum[q][v], sum[r][v]);
       }
 #pragma GCC unroll 4
       for (int v = 0; v < kVectors; ++v) store(X + (i + r) * s + v * W, sum[r][v]);
     }
   }
 
-  /// Rows i to i + 3 of U⁻¹ X, given those below.
-  template <int kVectors>
-  void solve_upper(const double* __restrict LU, double* __restrict X, int i) const {
+  /// kRows rows from i on of U⁻¹ X, given those below.
+  template <int kVectors, int kRows>
+  void solve_upper(const Real* __restrict LU, Real* __restrict X, int i) const {
     const int s = stride();
-    V sum[4][kVectors];
-#pragma GCC unroll 4
-    for (int r = 0; r < 4; ++r)
+    V sum[kRows][kVectors];
+#pragma GCC unroll 8
+    for (int r = 0; r < kRows; ++r)
 #pragma GCC unroll 4
       for (int v = 0; v < kVectors; ++v) sum[r][v] = load(X + (i + r) * s + v * W);
-    subtract_rows<kVectors>(LU, X, i, i + 4, n(), sum);
+    subtract_rows<kVectors, kRows>(LU, X, i, i + kRows, n(), sum);
+#pragma GCC unroll 8
+    for (int r = kRows - 1; r >= 0; --r) {
+#pragma GCC unroll 8
+      for (int q = kRows - 1; q > r; --q) {
+        const V u = broadcast(LU[(i + q) * s + i + r]);
 #pragma GCC unroll 4
-    for (int r = 3; r >= 0; --r) {
-#pragma GCC unroll 4
-      for (int q = 3; q > r; --q) {
-        const V u = broadcast(-LU[(i + q) * s + i + r]);
-#pragma GCC unroll 4
-        for (int v = 0; v < kVectors; ++v) sum[r][v] = multiply_add(u, sum[q][v], sum[r][v]);
+        for (int v = 0; v < kVectors; ++v) sum[r][v] = subtract_product(u, sum[q][v], sum[r][v]);
       }
       const V inverse = broadcast(LU[(i + r) * s + i + r]);
 #pragma GCC unroll 4
@@ -362,20 +422,20 @@ class Kernels {
     }
   }
 
-  /// sum -= (rows i to i + 3 of LU) (rows from to to - 1 of X).
-  template <int kVectors>
-  void subtract_rows(const double* __restrict LU, const double* __restrict X, int i, int from,
-                     int to, V (&sum)[4][kVectors]) const {
+  /// sum -= (kRows rows from i on of LU) (rows from to to - 1 of X).
+  template <int kVectors, int kRows>
+  void subtract_rows(const Real* __restrict LU, const Real* __restrict X, int i, int from, int to,
+                     V (&sum)[kRows][kVectors]) const {
     const int s = stride();
     for (int k = from; k < to; ++k) {
       V row[kVectors];
 #pragma GCC unroll 4
       for (int v = 0; v < kVectors; ++v) row[v] = load(X + k * s + v * W);
+#pragma GCC unroll 8
+      for (int r = 0; r < kRows; ++r) {
+        const V l = broadcast(LU[k * s + i + r]);
 #pragma GCC unroll 4
-      for (int r = 0; r < 4; ++r) {
-        const V l = broadcast(-LU[k * s + i + r]);
-#pragma GCC unroll 4
-        for (int v = 0; v < kVectors; ++v) sum[r][v] = multiply_add(l, row[v], sum[r][v]);
+        for (int v = 0; v < kVectors; ++v) sum[r][v] = subtract_product(l, row[v], sum[r][v]);
       }
     }
   }

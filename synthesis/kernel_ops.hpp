@@ -15,19 +15,22 @@
 
 namespace quadtune::internal {
 
-template <int kSize>
+/// @tparam Real  double, or float for what need not be exact
+template <int kSize, class Real = double>
 class KernelOps {
-  using K = Kernels<kSize>;
+  using K = Kernels<kSize, Real>;
   using V = typename K::V;
   static constexpr int W = K::W;
 
  public:
-  using Square = KernelStorage<kSize, kSize>;
+  using Square = KernelStorage<kSize, kSize, Real>;
   using Panel = Square;  ///< (nx × nu), nu ≤ n, and small (nu × nu) matrices alike
 
   /// The size to which nx states and nu inputs are padded.
   static int padded(Eigen::Index nx, Eigen::Index nu) {
-    return kSize > 0 ? kSize : static_cast<int>((std::max(nx, nu) + 7) / 8 * 8);
+    return kSize > 0 ? kSize
+                     : static_cast<int>((std::max(nx, nu) + K::kMultiple - 1) / K::kMultiple) *
+                           K::kMultiple;
   }
 
   KernelOps(Eigen::Index nx, Eigen::Index nu)
@@ -106,16 +109,22 @@ class KernelOps {
   void multiply_transposed(const Square& A, const Square& B, Square& C) const {
     k_.template multiply<true>(data(A), data(B), data(C));
   }
-  void panel(const Square& A, const Panel& B, Panel& C) const { multiply(A, B, C); }
+  /// C = Aᵀ B, known to be symmetric.
+  void multiply_transposed_symmetric(const Square& A, const Square& B, Square& C) const {
+    k_.template multiply_symmetric<true>(data(A), data(B), data(C), k_.n());
+  }
+  void panel(const Square& A, const Panel& B, Panel& C) const {
+    k_.template multiply_panel<false>(data(A), data(B), data(C), k_.n(), panel_columns());
+  }
   void panel_transposed(const Square& A, const Panel& B, Panel& C) const {
-    multiply_transposed(A, B, C);
+    k_.template multiply_panel<true>(data(A), data(B), data(C), k_.n(), panel_columns());
   }
   void times_small(const Panel& A, const Panel& S, Panel& C) const {
-    k_.template multiply<false>(data(A), data(S), data(C), nu_);
+    k_.template multiply_panel<false>(data(A), data(S), data(C), nu_, panel_columns());
   }
   void times_small_transposed(const Panel& A, const Panel& S, Panel& C) {
     k_.transpose(data(S), data(scratch_));
-    k_.template multiply<false>(data(A), data(scratch_), data(C), nu_);
+    k_.template multiply_panel<false>(data(A), data(scratch_), data(C), nu_, panel_columns());
   }
   /// C = A Bᵀ of two panels.
   void outer(const Panel& A, const Panel& B, Square& C) {
@@ -123,15 +132,17 @@ class KernelOps {
     k_.template multiply<false>(data(A), data(scratch_), data(C), nu_);
   }
 
+  /// C = A Aᵀ of a panel.
+  void outer(const Panel& A, Square& C) {
+    k_.transpose(data(A), data(scratch_));
+    k_.template multiply_symmetric<false>(data(A), data(scratch_), data(C), nu_);
+  }
+
   bool factor(Square& A) {
     k_.transpose(data(A), data(factor_));
     return k_.factor(data(factor_), pivots_.data());
   }
   void solve(Square& X) const { k_.solve(data(factor_), pivots_.data(), data(X)); }
-  void solve(Square& X, Square& Y) const {
-    solve(X);
-    solve(Y);
-  }
 
   // Entry by entry.
   // Copies go by the kernels' own vectors: wider loads would have to wait for narrower stores.
@@ -159,7 +170,7 @@ class KernelOps {
     for (int i = 0; i < entries(); i += W)
       K::store(at(C, i), K::load(at(A, i)) - K::load(at(B, i)));
   }
-  void multiply_by(Square& A, double factor) const {
+  void multiply_by(Square& A, Real factor) const {
     const V f = K::broadcast(factor);
     for (int i = 0; i < entries(); i += W) K::store(at(A, i), K::load(at(A, i)) * f);
   }
@@ -167,17 +178,17 @@ class KernelOps {
     A.fill(0);
     add_diagonal(A, 1);
   }
-  void add_diagonal(Square& A, double value) const {
+  void add_diagonal(Square& A, Real value) const {
     for (int i = 0; i < k_.n(); ++i) data(A)[i * s() + i] += value;
   }
   /// Sets the diagonal of the states that are only padding.
-  void set_padding(Square& A, double value) const {
+  void set_padding(Square& A, Real value) const {
     for (int i = nx_; i < k_.n(); ++i) data(A)[i * s() + i] = value;
   }
   /// S = factor · (M + Mᵀ)/2.
-  void scaled_symmetric(const Square& M, double factor, Square& S) {
+  void scaled_symmetric(const Square& M, Real factor, Square& S) {
     k_.transpose(data(M), data(scratch_));
-    const V f = K::broadcast(0.5 * factor);
+    const V f = K::broadcast(Real(0.5) * factor);
     for (int i = 0; i < entries(); i += W)
       K::store(at(S, i), (K::load(at(M, i)) + K::load(at(scratch_, i))) * f);
   }
@@ -185,33 +196,25 @@ class KernelOps {
   std::pair<double, double> add_symmetric(const Square& M, Square& S) {
     k_.transpose(data(M), data(scratch_));
     const V half = K::broadcast(0.5);
-    V changes = {};
-    V sizes = {};
-    for (int i = 0; i < entries(); i += W) {
-      const V change = (K::load(at(M, i)) + K::load(at(scratch_, i))) * half;
-      const V sum = K::load(at(S, i)) + change;
-      K::store(at(S, i), sum);
-      changes = multiply_add(change, change, changes);
-      sizes = multiply_add(sum, sum, sizes);
-    }
-    return {std::sqrt(total(changes)), std::sqrt(total(sizes))};
+    return add_measured(
+        S, [&](int i) { return (K::load(at(M, i)) + K::load(at(scratch_, i))) * half; });
   }
 
   /// S ← S + AᵀB, the product known to be symmetric; returns as add_symmetric().
   std::pair<double, double> add_product_tn(const Square& A, const Square& B, Square& S) {
-    k_.template multiply_symmetric<true>(data(A), data(B), data(product_));
-    return add_symmetric(product_, S);
+    k_.template multiply_symmetric<true>(data(A), data(B), data(product_), k_.n());
+    return add_product(S);
   }
   /// S ← S + A Bᵀ, the product known to be symmetric.
   void add_product_nt(const Square& A, const Square& B, Square& S) {
     k_.transpose(data(B), data(scratch_));
-    k_.template multiply_symmetric<false>(data(A), data(scratch_), data(product_));
-    add_symmetric(product_, S);
+    k_.template multiply_symmetric<false>(data(A), data(scratch_), data(product_), k_.n());
+    add_product(S);
   }
 
   // Norms and measures.
   [[nodiscard]] double norm1(const Square& A) {
-    double largest = 0;
+    Real largest = 0;
     for (int j = 0; j < s(); j += W) {
       V sums = {};
       for (int i = 0; i < k_.n(); ++i) sums += magnitude(K::load(at(A, i * s() + j)));
@@ -240,20 +243,19 @@ class KernelOps {
   [[nodiscard]] double speed(const Square& A, const Square& G, const Square& Q) const {
     GeometricSpeed speed;
     for (int i = 0; i < nx_; i += W) {
-      V columns = {};
-      for (int k = 0; k < nx_; ++k) {
-        const V a = K::load(at(A, k * s() + i));
-        const V q = K::load(at(Q, k * s() + i));
-        columns = multiply_add(a, a, multiply_add(q, q, columns));
-      }
+      V squares = {};
+      V sums = {};
+      for (int k = 0; k < nx_; ++k)
+        add_sizes(K::load(at(A, k * s() + i)), K::load(at(Q, k * s() + i)), squares, sums);
       for (int lane = 0; lane < std::min(W, nx_ - i); ++lane) {
-        V row = {};
+        V row_squares = {};
+        V row_sums = {};
         for (int j = 0; j < s(); j += W) {
-          const V a = K::load(at(A, (i + lane) * s() + j));
-          const V g = K::load(at(G, (i + lane) * s() + j));
-          row = multiply_add(a, a, multiply_add(g, g, row));
+          const int row = (i + lane) * s() + j;
+          add_sizes(K::load(at(A, row)), K::load(at(G, row)), row_squares, row_sums);
         }
-        speed.add(total(row), columns[lane]);
+        speed.add(total(row_squares), total(row_sums));
+        speed.add(squares[lane], sums[lane]);
       }
     }
     return speed.value();
@@ -280,6 +282,17 @@ class KernelOps {
     });
   }
 
+  /// Writes factor · M, M of other kernels, of which the padding is not copied.
+  template <class OtherOps>
+  void convert(const OtherOps& other, const typename OtherOps::Square& M, double factor,
+               Square& to) const {
+    to.fill(0);
+    for (int i = 0; i < nx_; ++i)
+      for (int j = 0; j < nx_; ++j)
+        data(to)[i * s() + j] = static_cast<Real>(factor * M.data()[i * other.stride() + j]);
+  }
+  [[nodiscard]] int stride() const { return k_.stride(); }
+
   // Scaling of the states.
   void balance(const Square& A, const Square& G, const Square& Q) {
     for (int i = 0; i < entries(); i += W) {
@@ -295,6 +308,11 @@ class KernelOps {
     };
     level_scales(data(scratch_), data(columns_), data(factor_), data(absolute_), k_.n(), s(),
                  scale_.data(), inverse_scale_.data(), dot);
+  }
+  /// Largest scale over smallest.
+  [[nodiscard]] double scale_spread() const {
+    const auto [low, high] = std::minmax_element(scale_.data(), scale_.data() + nx_);
+    return *high / *low;
   }
   /// A_ij ← d_i^left A_ij d_j^right, with left and right ±1.
   void scale_square(Square& A, int left, int right) const {
@@ -340,15 +358,23 @@ class KernelOps {
  private:
   [[nodiscard]] int s() const { return k_.stride(); }
   [[nodiscard]] int entries() const { return k_.n() * k_.stride(); }
-  static double* data(Square& A) { return A.data(); }
-  static const double* data(const Square& A) { return A.data(); }
-  static double* at(Square& A, int i) { return A.data() + i; }
-  static const double* at(const Square& A, int i) { return A.data() + i; }
+  [[nodiscard]] int panel_columns() const {
+    return (nu_ + K::kMultiple - 1) / K::kMultiple * K::kMultiple;
+  }
+  static Real* data(Square& A) { return A.data(); }
+  static const Real* data(const Square& A) { return A.data(); }
+  static Real* at(Square& A, int i) { return A.data() + i; }
+  static const Real* at(const Square& A, int i) { return A.data() + i; }
   static V magnitude(V v) { return v < V{} ? -v : v; }
-  static double total(V v) {
-    double sum = 0;
+  static Real total(V v) {
+    Real sum = 0;
     for (int i = 0; i < W; ++i) sum += v[i];
     return sum;
+  }
+
+  static void add_sizes(V a, V b, V& squares, V& sums) {
+    squares = multiply_add(a, a, multiply_add(b, b, squares));
+    sums += magnitude(a) + magnitude(b);
   }
 
   template <class M>
@@ -358,6 +384,25 @@ class KernelOps {
     const Eigen::Index stride = from.outerStride();
     for (int j = 0; j < cols; ++j)
       for (int i = 0; i < rows; ++i) data(to)[i * s() + j] = p[j * stride + i];
+  }
+
+  /// S ← S + product_, whose halves are equal already where the kernels computed only one.
+  std::pair<double, double> add_product(Square& S) {
+    if constexpr (kSize > 0) return add_symmetric(product_, S);
+    return add_measured(S, [&](int i) { return K::load(at(product_, i)); });
+  }
+  template <class Change>
+  std::pair<double, double> add_measured(Square& S, const Change& change_at) const {
+    V changes = {};
+    V sizes = {};
+    for (int i = 0; i < entries(); i += W) {
+      const V change = change_at(i);
+      const V sum = K::load(at(S, i)) + change;
+      K::store(at(S, i), sum);
+      changes = multiply_add(change, change, changes);
+      sizes = multiply_add(sum, sum, sizes);
+    }
+    return {std::sqrt(total(changes)), std::sqrt(total(sizes))};
   }
 
   /// Sums four terms into `out`; measures the sum against them.
@@ -397,8 +442,8 @@ class KernelOps {
   int nu_;
   K k_;
   std::vector<int> pivots_;
-  KernelStorage<1, kSize> scale_;
-  KernelStorage<1, kSize> inverse_scale_;
+  KernelStorage<1, kSize, Real> scale_;
+  KernelStorage<1, kSize, Real> inverse_scale_;
   Square scratch_ = square();
   Square product_ = square();
   Square factor_ = square();

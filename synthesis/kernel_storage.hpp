@@ -10,27 +10,27 @@
 
 namespace quadtune::internal {
 
-/// kRows rows of kColumns doubles, all 0 at first.
-template <int kRows, int kColumns>
+/// kRows rows of kColumns numbers, all 0 at first.
+template <int kRows, int kColumns, class Real = double>
 class KernelStorage {
  public:
   KernelStorage(int /*rows*/, int /*stride*/) {}
-  [[nodiscard]] double* data() { return values_.data(); }
-  [[nodiscard]] const double* data() const { return values_.data(); }
-  [[nodiscard]] double operator[](int i) const { return data()[i]; }
-  void fill(double value) { values_.fill(value); }
+  [[nodiscard]] Real* data() { return values_.data(); }
+  [[nodiscard]] const Real* data() const { return values_.data(); }
+  [[nodiscard]] Real operator[](int i) const { return data()[i]; }
+  void fill(Real value) { values_.fill(value); }
 
  private:
-  alignas(64) std::array<double, static_cast<std::size_t>(kRows) * kColumns> values_{};
+  alignas(64) std::array<Real, static_cast<std::size_t>(kRows) * kColumns> values_{};
 };
 
 /// The same with sizes known at run time only.
-template <int kRows>
-class KernelStorage<kRows, 0> {
+template <int kRows, class Real>
+class KernelStorage<kRows, 0, Real> {
  public:
   KernelStorage(int rows, int stride)
       : size_(static_cast<std::size_t>(rows) * static_cast<std::size_t>(stride)),
-        values_(new (kAlignment) double[size_]()) {}
+        values_(new (kAlignment) Real[size_]()) {}
   ~KernelStorage() { ::operator delete[](values_, kAlignment); }
   KernelStorage(const KernelStorage&) = delete;
   KernelStorage(KernelStorage&& other) noexcept
@@ -45,16 +45,16 @@ class KernelStorage<kRows, 0> {
     return *this;
   }
 
-  [[nodiscard]] double* data() { return values_; }
-  [[nodiscard]] const double* data() const { return values_; }
-  [[nodiscard]] double operator[](int i) const { return values_[i]; }
-  void fill(double value) { std::fill_n(values_, size_, value); }
+  [[nodiscard]] Real* data() { return values_; }
+  [[nodiscard]] const Real* data() const { return values_; }
+  [[nodiscard]] Real operator[](int i) const { return values_[i]; }
+  void fill(Real value) { std::fill_n(values_, size_, value); }
 
  private:
   static constexpr std::align_val_t kAlignment{64};
 
   std::size_t size_;
-  double* values_;
+  Real* values_;
 };
 
 }  // namespace quadtune::internal

@@ -1,39 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Structure-preserving doubling for both Riccati equations, written once over the kernels that do
-/// the arithmetic (`Ops`: sizes known to the compiler, or Eigen).
+/// the arithmetic (`Ops`: sizes known to the compiler, or not).
 ///
-/// In scaled states z, x = D z. Doubling: Chu, Fan, Lin 2005 (continuous) and Chu, Fan, Lin, Wang
-/// 2004 (discrete). The closed loop's Lyapunov equation, solved by squaring (Smith 1968), gives the
-/// Newton step; that its powers vanish is the proof that X is stabilizing.
+/// In scaled states z, x = D z. The closed loop's Lyapunov equation, solved by squaring (Smith
+/// 1968), gives the Newton step; that its powers vanish is the proof that X is stabilizing.
 #pragma once
 
 #include <Eigen/Core>
 #include <cmath>
 
+#include "doubling_steps.hpp"
 #include "riccati_parts.hpp"
 #include "riccati_scaling.hpp"
 
 namespace quadtune::internal {
 
 template <class Ops>
-class Doubling final : public DoublingSolver {
-  using Square = typename Ops::Square;
-  using Panel = typename Ops::Panel;
-
+class Doubling : public DoublingSolver, protected DoublingSteps<Ops> {
  public:
-  Doubling(Eigen::Index nx, Eigen::Index nu) : ops_(nx, nu) {}
+  Doubling(Eigen::Index nx, Eigen::Index nu) : Steps(nx, nu) {}
 
   bool solve(const RiccatiEquation& problem, const Eigen::MatrixXd& factor_R,
              const RiccatiOptions& options, Candidate& found, SquaredNorms& norms) override {
     load(problem, factor_R);
-    const bool continuous = problem.time == Time::continuous;
-    if (continuous && !start_continuous()) return false;
-    if (!continuous) start_discrete();
-    if (!iterate(options, found.iterations)) return false;
+    return solve_loaded(problem.time == Time::continuous, options, found, norms);
+  }
+
+ protected:
+  using Steps = DoublingSteps<Ops>;
+  using Square = typename Ops::Square;
+  using Panel = typename Ops::Panel;
+  using Steps::At_, Steps::Qt_, Steps::E_, Steps::G_, Steps::H_, Steps::T_, Steps::U_, Steps::next_,
+      Steps::V_, Steps::gamma_, Steps::ops_;
+
+  bool solve_loaded(bool continuous, const RiccatiOptions& options, Candidate& found,
+                    SquaredNorms& norms) {
+    if (continuous && !Steps::start_continuous(ops_.speed(At_, G_, Qt_))) return false;
+    if (!continuous) Steps::start_discrete();
+    if (!Steps::iterate(options.max_iterations, kStands, found.iterations)) return false;
     return polish(continuous, found, norms);
   }
 
- private:
   /// Fills the scaled matrices: A, B, Q, N as given; A_, Q_ of the problem without cross term.
   void load(const RiccatiEquation& problem, const Eigen::MatrixXd& factor_R) {
     cross_ = problem.has_cross_term();
@@ -44,13 +51,13 @@ class Doubling final : public DoublingSolver {
     ops_.load_small(problem.R, R_);
     ops_.invert_factor(factor_R, Linv_);
     ops_.times_small_transposed(B_, Linv_, Bs_);  // Bs = B L⁻ᵀ, so that G = Bs Bsᵀ
-    ops_.outer(Bs_, Bs_, G_);
+    ops_.outer(Bs_, G_);
     if (cross_) {
       ops_.load_panel(problem.N, N_);
       ops_.times_small_transposed(N_, Linv_, Ns_);
       ops_.outer(Bs_, Ns_, T_);
       ops_.subtract(A_, T_, At_);  // A - B R⁻¹ Nᵀ
-      ops_.outer(Ns_, Ns_, T_);
+      ops_.outer(Ns_, T_);
       ops_.subtract(Q_, T_, Qt_);  // Q - N R⁻¹ Nᵀ
     } else {
       ops_.copy(A_, At_);
@@ -76,91 +83,6 @@ class Doubling final : public DoublingSolver {
     }
   }
 
-  /// Cayley transform of the Hamiltonian matrix at γ: E_, G_, H_ of the doubling.
-  /// A γ near an eigenvalue shows in the condition of the two matrices solved with; then it moves.
-  bool start_continuous() {
-    gamma_ = ops_.speed(At_, G_, Qt_);
-    if (!(gamma_ > 0) || !std::isfinite(gamma_)) return false;
-    double best_gamma = gamma_;
-    double best = std::numeric_limits<double>::infinity();
-    for (const double factor : {1.0, 1.6, 0.62, 2.7, 0.37, 5.0, 0.2}) {
-      const double condition = cayley(gamma_ * factor);
-      if (condition < best) {
-        best = condition;
-        best_gamma = gamma_ * factor;
-      }
-      if (condition < kGoodCondition) break;
-    }
-    if (!std::isfinite(best)) return false;
-    if (best >= kGoodCondition) cayley(best_gamma);
-    gamma_ = best_gamma;
-    ops_.swap(G_, next_);
-    return true;
-  }
-
-  /// With A_γ = A - γI and W = A_γᵀ + Q A_γ⁻¹ G:
-  /// E = I + 2γ W⁻ᵀ, G = 2γ A_γ⁻¹ G W⁻¹ (left in next_), H = 2γ W⁻¹ Q A_γ⁻¹.
-  /// @return  the worse of the conditions of A_γ and W, 1-norm; infinite when one is singular
-  double cayley(double gamma) {
-    const double infinite = std::numeric_limits<double>::infinity();
-    ops_.set_padding(At_, -gamma);
-    ops_.copy(At_, W_);
-    ops_.add_diagonal(W_, -gamma);
-    const double norm_A = ops_.norm1(W_);
-    if (!ops_.factor(W_)) return infinite;
-    ops_.identity(V_);
-    ops_.solve(V_);  // V = A_γ⁻¹
-    const double condition_A = norm_A * ops_.norm1(V_);
-    ops_.multiply(Qt_, V_, H_);
-    ops_.multiply(V_, G_, U_);
-    ops_.multiply(H_, G_, T_);
-    ops_.transpose(At_, W_);
-    ops_.add_diagonal(W_, -gamma);
-    ops_.add(W_, T_);
-    const double norm_W = ops_.norm1(W_);
-    if (!ops_.factor(W_)) return infinite;
-    ops_.identity(V_);
-    ops_.solve(V_, H_);  // V = W⁻¹, H = W⁻¹ Q A_γ⁻¹
-    const double condition = std::max(condition_A, norm_W * ops_.norm1(V_));
-    if (!std::isfinite(condition)) return infinite;
-    ops_.multiply(U_, V_, T_);
-    ops_.scaled_symmetric(T_, 2 * gamma, next_);
-    ops_.copy(H_, T_);
-    ops_.scaled_symmetric(T_, 2 * gamma, H_);
-    ops_.transpose(V_, E_);
-    ops_.multiply_by(E_, 2 * gamma);
-    ops_.add_diagonal(E_, 1);
-    return condition;
-  }
-
-  void start_discrete() {
-    ops_.set_padding(At_, 0);
-    ops_.copy(At_, E_);
-    ops_.scaled_symmetric(Qt_, 1, H_);
-  }
-
-  /// E ← E (I+GH)⁻¹ E, G ← G + E (I+GH)⁻¹ G Eᵀ, H ← H + Eᵀ H (I+GH)⁻¹ E until H stands.
-  bool iterate(const RiccatiOptions& options, int& iterations) {
-    for (iterations = 1; iterations <= options.max_iterations; ++iterations) {
-      ops_.multiply(G_, H_, W_);
-      ops_.add_diagonal(W_, 1);
-      if (!ops_.factor(W_)) return false;
-      ops_.copy(E_, V_);
-      ops_.copy(G_, U_);
-      ops_.solve(V_, U_);  // V = (I+GH)⁻¹ E, U = (I+GH)⁻¹ G
-      ops_.multiply(H_, V_, T_);
-      const auto [change, size] = ops_.add_product_tn(E_, T_, H_);
-      if (!std::isfinite(size)) return false;
-      // Convergence is quadratic: the change after this one is lost in rounding.
-      if (change <= kStands * size) return true;
-      ops_.multiply(E_, U_, T_);
-      ops_.add_product_nt(T_, E_, G_);
-      ops_.multiply(E_, V_, T_);
-      ops_.swap(E_, T_);
-    }
-    return false;
-  }
-
   /// Judges X = H; takes Newton steps while they pay; writes X, K and the residual back.
   bool polish(bool continuous, Candidate& found, SquaredNorms& norms) {
     Residual now = residual(continuous);
@@ -182,10 +104,14 @@ class Doubling final : public DoublingSolver {
       if ((!paid || now.worst() <= worth_refining_) && proof_covers_correction(continuous)) break;
       if (!paid) step = kMaxNewtonSteps;
     }
-    fill_norms(now, norms);
+    publish(continuous, now, found, norms);
+    return true;
+  }
+
+  void publish(bool continuous, const Residual& of_X, Candidate& found, SquaredNorms& norms) {
+    fill_norms(of_X, norms);
     ops_.times_small(Y_, continuous ? Linv_ : Sinv_, Kt_);
     ops_.store_solution(H_, Kt_, found.X, found.K);
-    return true;
   }
 
   /// Leaves the residual matrix in residual_, Y_ with Y Yᵀ the quadratic term, and, for the
@@ -197,7 +123,7 @@ class Doubling final : public DoublingSolver {
       ops_.times_small_transposed(XB_, Linv_, Y_);
       if (cross_) ops_.add_panel(Y_, Ns_);
       ops_.multiply_transposed(A_, H_, T_);
-      ops_.outer(Y_, Y_, U_);
+      ops_.outer(Y_, U_);
       return ops_.residual_continuous(T_, U_, Q_, residual_);
     }
     // S = R + BᵀXB, F = BᵀXA + Nᵀ, Y = Fᵀ L⁻ᵀ with L Lᵀ = S; residual = AᵀXA - X - Y Yᵀ + Q
@@ -207,7 +133,7 @@ class Doubling final : public DoublingSolver {
     ops_.times_small_transposed(Kt_, Sinv_, Y_);
     ops_.multiply(H_, A_, V_);
     ops_.multiply_transposed(A_, V_, T_);
-    ops_.outer(Y_, Y_, U_);
+    ops_.outer(Y_, U_);
     return ops_.residual_discrete(T_, H_, U_, Q_, residual_);
   }
 
@@ -249,11 +175,9 @@ class Doubling final : public DoublingSolver {
     ops_.add_product_tn(E_, T_, M);
   }
 
-  /// Proves X stabilizing by squaring E_ until it is small. The same powers solve the closed loop's
-  /// Lyapunov equation for I into h0_ and for X² (discrete AcᵀX²Ac) into h2_, in the caller's
-  /// units, and, with `refine`, for Newton's correction of X.
-  bool prove_stable(bool continuous, bool refine) {
-    if (!close_loop(continuous)) return false;
+  /// Right sides of the Lyapunov equations that the condition is estimated from: I into h0_, X²
+  /// (discrete AcᵀX²Ac, Ac in E_) into h2_, in the caller's units.
+  void load_norm_sums(bool continuous) {
     ops_.squared_scales(h0_);  // D I D
     ops_.divide_rows_twice(H_, T_);
     ops_.multiply(H_, T_, h2_);  // D X² D = X_z D⁻² X_z
@@ -261,6 +185,13 @@ class Doubling final : public DoublingSolver {
       ops_.multiply(h2_, E_, T_);
       ops_.multiply_transposed(E_, T_, h2_);
     }
+  }
+
+  /// Proves X stabilizing by squaring E_ until it is small. The same powers solve the closed loop's
+  /// Lyapunov equation for h0_, h2_ and, with `refine`, Newton's correction of X.
+  bool prove_stable(bool continuous, bool refine) {
+    if (!close_loop(continuous)) return false;
+    load_norm_sums(continuous);
     start_sum(continuous, h0_);
     start_sum(continuous, h2_);
     if (refine) {
@@ -310,22 +241,18 @@ class Doubling final : public DoublingSolver {
 
   /// Norm of the powers at which the sums are exact to its square.
   static constexpr double kVanished = 0.03;
-  static constexpr double kGoodCondition = 1e6;
-  static constexpr double kStands = 1e-9;
+  /// Change of H after which the next one is lost in rounding.
+  static constexpr double kStands = 1e-8;
   static constexpr int kMaxNewtonSteps = 8;
   static constexpr int kMaxSquarings = 45;
 
-  Ops ops_;
   /// Below this residual, which rounding leaves in sums of so many terms, a step cannot pay.
   double worth_refining_ = std::max(4e-15, 5e-17 * static_cast<double>(ops_.size()));
   bool cross_ = false;
-  double gamma_ = 1;
   double norm_A_ = 0;
   double norm_G_ = 0;
   double norm_Q_ = 0;
-  Square A_ = ops_.square(), Q_ = ops_.square(), At_ = ops_.square(), Qt_ = ops_.square();
-  Square E_ = ops_.square(), G_ = ops_.square(), H_ = ops_.square(), W_ = ops_.square();
-  Square T_ = ops_.square(), U_ = ops_.square(), V_ = ops_.square(), next_ = ops_.square();
+  Square A_ = ops_.square(), Q_ = ops_.square();
   Square residual_ = ops_.square(), correction_ = ops_.square(), F_ = ops_.square();
   Square BK_ = ops_.square(), h0_ = ops_.square(), h2_ = ops_.square();
   Panel B_ = ops_.panel(), Bs_ = ops_.panel(), N_ = ops_.panel(), Ns_ = ops_.panel();

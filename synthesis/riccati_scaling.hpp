@@ -76,17 +76,20 @@ inline double relative_size(double squared, const std::array<double, 4>& terms) 
 }
 
 /// Collects a speed γ [1/s] for the Cayley transform, near √(slowest · fastest closed-loop pole),
-/// for which the doubling takes the fewest steps: the geometric mean, over the states of the
-/// balanced problem, of the sizes of their rows [A G] and columns [A; Q].
+/// for which the doubling takes the fewest steps: the geometric mean of the sizes of the rows [A G]
+/// and columns [A; Q] of the balanced problem. The size of a row is its norm ‖h‖₂ where one entry
+/// rules; of p about equal entries, most of which cancel in a slow pole, it is ‖h‖₂ p^(-1/4), with
+/// p = ‖h‖₁²/‖h‖₂². The exponent was found by trial on random problems of 12 to 192 states.
 class GeometricSpeed {
  public:
-  void add(double squared_row, double squared_column) {
-    if (!(squared_row > 0) || !(squared_column > 0)) return;
-    logarithms_ += std::log(squared_row) + std::log(squared_column);
+  /// Of one row or column: Σ h², Σ |h|.
+  void add(double squares, double sum) {
+    if (!(squares > 0)) return;
+    logarithms_ += 2 * (std::log(squares) - std::log(sum));
     ++count_;
   }
   [[nodiscard]] double value() const {
-    return count_ == 0 ? 1.0 : std::exp(logarithms_ / (4.0 * count_));
+    return count_ == 0 ? 1.0 : std::exp(logarithms_ / (2.0 * count_));
   }
 
  private:

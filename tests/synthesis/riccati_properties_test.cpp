@@ -53,6 +53,48 @@ TEST_P(RandomPlants, AreSolvedToRounding) {
     }
 }
 
+// Above 32 states the doubling steps are done in single precision and corrected.
+TEST_P(RandomPlants, LargeOnesAreSolvedToRounding) {
+  const bool discrete = GetParam();
+  std::mt19937_64 random(77);
+  for (const Eigen::Index n : {33, 48, 63, 64, 65, 96, 128, 200}) {
+    SCOPED_TRACE(n);
+    const RiccatiCase c = testing::random_case(n, (n + 2) / 3, discrete, n % 2 == 0, random);
+    const RiccatiResult r = solve(c, discrete);
+    expect_stabilizing(c, r, discrete, 1e-13);
+    EXPECT_FALSE(r.used_schur);
+  }
+}
+
+// What single precision does not hold is left to double precision: a weight on one state only,
+// units a million apart, a loop whose poles are ten decades apart.
+TEST_P(RandomPlants, LargeOnesThatSinglePrecisionDoesNotHold) {
+  const bool discrete = GetParam();
+  std::mt19937_64 random(78);
+  const Eigen::Index n = 40;
+  const RiccatiCase plain = testing::random_case(n, 10, discrete, false, random);
+  RiccatiCase one_weight = plain;
+  one_weight.Q.setZero();
+  one_weight.Q(3, 3) = 1;
+  expect_stabilizing(one_weight, solve(one_weight, discrete), discrete, 1e-12);
+  Eigen::VectorXd units = Eigen::VectorXd::Ones(n);
+  units.head(n / 2).setConstant(0x1p20);
+  const auto T = units.asDiagonal();
+  const auto T_inverse = units.cwiseInverse().asDiagonal();
+  const RiccatiCase in_units{T_inverse * plain.A * T, T_inverse * plain.B, T * plain.Q * T,
+                             plain.R};
+  expect_stabilizing(in_units, solve(in_units, discrete), discrete, 1e-12);
+  RiccatiCase stiff = plain;
+  stiff.A *= 0.01;
+  stiff.A(0, 0) = discrete ? 1 - 1e-9 : -1e-9;
+  stiff.A.row(0).tail(n - 1).setZero();
+  stiff.B.row(0) *= 1e-9;
+  stiff.Q.row(0).setZero();
+  stiff.Q.col(0).setZero();
+  stiff.Q(0, 0) = 1e-9;
+  expect_stabilizing(stiff, solve(stiff, discrete), discrete, 1e-12);
+}
+
 // One doubling step is not enough, so that the Schur method must answer.
 TEST_P(RandomPlants, DoublingAgreesWithSchur) {
   const bool discrete = GetParam();
