@@ -49,9 +49,27 @@ void fill_with_nan(RiccatiResult& result, Eigen::Index nx, Eigen::Index nu) {
   result.iterations = 0;
 }
 
-void fail(const RiccatiEquation& problem, Culprit culprit, RiccatiResult& result) {
+/// Empty, or a warning that the sizes of the matrices leave no digits to tell a culprit by.
+std::string note_on_sizes(const RiccatiEquation& p) {
+  constexpr double kTooFarApart = 1e14;
+  double largest = 1;
+  double smallest = 1;
+  for (const ConstRef* M : {&p.A, &p.B, &p.Q, &p.R}) {
+    const double size = M->cwiseAbs().maxCoeff();
+    largest = std::max(largest, size);
+    if (size > 0) smallest = std::min(smallest, size);
+  }
+  if (largest / smallest < kTooFarApart) return "";
+  return fmt::format(
+      "; it may be rounding, for entries reach {:.1g} in A, {:.1g} in B, {:.1g} in Q, {:.1g} in R: "
+      "choose units, weights or a period that bring them nearer to 1",
+      p.A.cwiseAbs().maxCoeff(), p.B.cwiseAbs().maxCoeff(), p.Q.cwiseAbs().maxCoeff(),
+      p.R.cwiseAbs().maxCoeff());
+}
+
+void fail(const RiccatiEquation& problem, const Culprit& culprit, RiccatiResult& result) {
   result.status = culprit.status;
-  result.culprit = std::move(culprit.text);
+  result.culprit = culprit.text + note_on_sizes(problem);
   fill_with_nan(result, problem.A.rows(), problem.B.cols());
 }
 
@@ -151,9 +169,9 @@ struct RiccatiSolver::State {
   /// Asks first whether there is a solution at all: the Schur method does not tell.
   void solve_slowly(const RiccatiEquation& problem, WeightR weight_R, bool want_poles) {
     const double rounding = kNoCoupling * static_cast<double>(nx);
-    Culprit culprit = internal::find_culprit(problem, rounding, options);
+    const Culprit culprit = internal::find_culprit(problem, rounding, options);
     if (culprit.status != RiccatiStatus::no_convergence) {
-      fail(problem, std::move(culprit), result);
+      fail(problem, culprit, result);
       return;
     }
     const internal::SchurOutcome schur = internal::solve_by_schur(problem, weight_R, found);

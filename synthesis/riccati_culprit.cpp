@@ -4,6 +4,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "lapack.hpp"
 #include "mode_names.hpp"
@@ -145,30 +146,57 @@ Mode find_mode(Time time, const Unreachable& part, bool beyond, double boundary,
   return mode;
 }
 
+/// The problem in scaled states.
+PlainProblem scaled(const PlainProblem& p, const Eigen::VectorXd& d) {
+  const Eigen::VectorXd e = d.cwiseInverse();
+  return {e.asDiagonal() * p.A * d.asDiagonal(), e.asDiagonal() * p.B,
+          d.asDiagonal() * p.Q * d.asDiagonal()};
+}
+
+/// M in a unit in which it is as large as A. A common factor steers and sees nothing.
+Eigen::MatrixXd as_large_as(const Eigen::MatrixXd& A, const Eigen::MatrixXd& M) {
+  const double largest = M.cwiseAbs().maxCoeff();
+  if (largest == 0) return M;
+  const Eigen::MatrixXd unit = M / largest;
+  return unit * (std::max(A.norm(), std::numeric_limits<double>::min()) / unit.norm());
+}
+
+/// What B steers and Q sees in the caller's units and without the weights' size, which, when
+/// extreme, makes couplings look like rounding.
+bool is_unsteered(const RiccatiEquation& p, const Eigen::MatrixXd& A, double tolerance,
+                  double boundary) {
+  const Unreachable part = unreachable_part(A, as_large_as(A, p.B), tolerance);
+  return find_mode(p.time, part, true, boundary, {}).found;
+}
+bool is_unseen(const RiccatiEquation& p, const PlainProblem& plain, double tolerance,
+               double boundary) {
+  const Unreachable part =
+      unreachable_part(plain.A.transpose(), as_large_as(plain.A, plain.Q), tolerance);
+  return find_mode(p.time, part, false, boundary, {}).found;
+}
+
 }  // namespace
 
 Culprit find_culprit(const RiccatiEquation& p, double tolerance, const RiccatiOptions& options) {
-  PlainProblem plain = without_cross_term(p);
-  const Eigen::VectorXd d = balancing(plain.A, plain.B * plain.B.transpose(), plain.Q);
-  const Eigen::VectorXd e = d.cwiseInverse();
-  plain.A = (e.asDiagonal() * plain.A * d.asDiagonal()).eval();
-  plain.B = (e.asDiagonal() * plain.B).eval();
-  plain.Q = (d.asDiagonal() * plain.Q * d.asDiagonal()).eval();
+  const PlainProblem plain = without_cross_term(p);
+  const PlainProblem in_scale =
+      scaled(plain, balancing(plain.A, plain.B * plain.B.transpose(), plain.Q));
   const bool filter = options.problem == RiccatiProblem::filter;
   const double boundary = std::max(1e-8, std::sqrt(tolerance));
   const auto sentence = [](const Mode& mode, const std::string& one, const std::string& many) {
     return fmt::format("mode at {}: {} {}", format_mode(mode.value), join_names(mode.states),
                        mode.states.size() == 1 ? one : many);
   };
-  const Mode unsteered = find_mode(p.time, unreachable_part(plain.A, plain.B, tolerance), true,
-                                   boundary, options.state_names);
-  if (unsteered.found) {
+  const Mode unsteered = find_mode(p.time, unreachable_part(in_scale.A, in_scale.B, tolerance),
+                                   true, boundary, options.state_names);
+  if (unsteered.found && is_unsteered(p, plain.A, tolerance, boundary)) {
     const std::string words = filter ? "cannot be seen by the measurements" : "cannot be steered";
     return {RiccatiStatus::not_stabilizable, sentence(unsteered, words, words)};
   }
-  const Mode unseen = find_mode(p.time, unreachable_part(plain.A.transpose(), plain.Q, tolerance),
-                                false, boundary, options.state_names);
-  if (unseen.found)
+  const Mode unseen =
+      find_mode(p.time, unreachable_part(in_scale.A.transpose(), in_scale.Q, tolerance), false,
+                boundary, options.state_names);
+  if (unseen.found && is_unseen(p, plain, tolerance, boundary))
     return {RiccatiStatus::not_detectable,
             filter ? sentence(unseen, "is not driven by the noise", "are not driven by the noise")
                    : sentence(unseen, "is not seen by Q", "are not seen by Q")};

@@ -328,5 +328,15 @@ TEST(Riccati, PrintsWhatHappened) {
   EXPECT_EQ(to_string(RiccatiStatus::solved), "solved");
 }
 
+TEST(RiccatiCulprit, WeightsOfExtremeSizeAreCalledThat) {
+  const testing::RiccatiCase hover = testing::small_hover();
+  for (const double size : {1e-300, 1e300}) {
+    const RiccatiResult r = care(hover.A, hover.B, size * hover.Q, hover.R);
+    ASSERT_FALSE(r.solved());
+    EXPECT_THAT(r.culprit, ::testing::Not(::testing::HasSubstr("cannot be steered")));
+    EXPECT_THAT(r.culprit, ::testing::HasSubstr("it may be rounding, for entries reach"));
+  }
+}
+
 }  // namespace
 }  // namespace quadtune
