@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -23,12 +24,6 @@ using internal::TomlTable;
 
 std::string joined(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, " "));
-}
-
-std::vector<std::string> names_of(const std::vector<Signal>& signals) {
-  std::vector<std::string> all;
-  for (const Signal& signal : signals) all.push_back(signal.name);
-  return all;
 }
 
 // "lqr.Q": how messages call a key of a design.
@@ -69,7 +64,7 @@ Eigen::MatrixXd read_shaped(const TomlTable& table, const std::string& key, Eige
 // Names of a list, each known and none twice.
 std::vector<std::string> read_names(const TomlTable& table, const std::string& key,
                                     const std::vector<std::string>& known) {
-  const std::vector<std::string> words = table.texts(key);
+  std::vector<std::string> words = table.texts(key);
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (std::find(known.begin(), known.end(), words[i]) == known.end())
       throw InvalidInput(table.where(key),
@@ -99,10 +94,10 @@ std::vector<std::string> states_without_position(const Convention& convention) {
 
 // "full", "no-position" or a list of names.
 std::vector<std::string> read_states(const TomlTable& table, const Convention& convention) {
-  const std::vector<std::string> all = names_of(convention.states);
+  std::vector<std::string> all = names_or_numbers(convention.states, std::ssize(convention.states));
   if (!table.has("states")) return all;
   if (!table.is_text("states")) {
-    const std::vector<std::string> states = read_names(table, "states", all);
+    std::vector<std::string> states = read_names(table, "states", all);
     if (!states.empty()) return states;
     throw InvalidInput(table.where("states"), "lqr.states is empty, expected at least one state");
   }
@@ -130,8 +125,9 @@ LqrDesign read_lqr(const TomlTable& table, const Vehicle& vehicle) {
   lqr.convention = table.text_or("convention", "ned");
   const Convention& words = convention(lqr.convention, table.where("convention"));
   lqr.input_kind = input_kind(table.text("inputs"), table.where("inputs"));
-  lqr.inputs = names_of(input_signals(words, lqr.input_kind,
-                                      static_cast<int>(vehicle.rotors.size()), vehicle.motor.unit));
+  const std::vector<Signal> inputs = input_signals(
+      words, lqr.input_kind, static_cast<int>(vehicle.rotors.size()), vehicle.motor.unit);
+  lqr.inputs = names_or_numbers(inputs, std::ssize(inputs));
   lqr.states = read_states(table, words);
   lqr.Q = read_weight(table, "Q", static_cast<Eigen::Index>(lqr.states.size()),
                       "states: " + joined(lqr.states), Range::not_negative());

@@ -44,23 +44,24 @@ void validate(const DiscreteTransferFunction& plant, const std::string& where);
 [[nodiscard]] std::complex<double> polynomial(const Eigen::VectorXd& coefficients,
                                               std::complex<double> x);
 
-/// Roots of a polynomial, coefficients in descending powers; leading zeros are passed over. From the
-/// eigenvalues of the balanced companion matrix. Empty for a constant.
+/// Roots of a polynomial, coefficients in descending powers; leading zeros are passed over. From
+/// the eigenvalues of the balanced companion matrix. Empty for a constant.
 /// @throws InvalidInput  when all coefficients are 0, or not finite.
 [[nodiscard]] Eigen::VectorXcd polynomial_roots(const Eigen::VectorXd& coefficients);
 
-/// gain · Π (x - root), real coefficients in descending powers. Complex roots must come in conjugate
-/// pairs (to rounding); the imaginary parts that rounding leaves are dropped.
+/// gain · Π (x - root), real coefficients in descending powers. Complex roots must come in
+/// conjugate pairs (to rounding); the imaginary parts that rounding leaves are dropped.
 [[nodiscard]] Eigen::VectorXd polynomial_of_roots(const Eigen::VectorXcd& roots, double gain = 1);
 
-/// Realization in controllable canonical form, states scaled by powers of two; the delay is left out.
-/// nx = degree of den. A gain alone has no states.
+/// Realization in controllable canonical form, states scaled by powers of two; the delay is left
+/// out. nx = degree of den.
+/// @throws InvalidInput  when den is a constant: a gain alone has no states.
 [[nodiscard]] ContinuousLti realize(const ContinuousTransferFunction& plant);
 /// The same; the delay becomes `delay` more states at the input.
 [[nodiscard]] DiscreteLti realize(const DiscreteTransferFunction& plant);
 
-/// Finite transmission zeros of one channel of a plant, by the generalized eigenvalues of its system
-/// matrix [A - λI, b; c, d].
+/// Finite transmission zeros of one channel of a plant, by the generalized eigenvalues of its
+/// system matrix [A - λI, b; c, d].
 [[nodiscard]] Eigen::VectorXcd transmission_zeros(const ContinuousLti& plant, Eigen::Index output,
                                                   Eigen::Index input);
 [[nodiscard]] Eigen::VectorXcd transmission_zeros(const DiscreteLti& plant, Eigen::Index output,
