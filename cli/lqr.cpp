@@ -123,7 +123,7 @@ void read_weights(const Options& options, LqrDesign& design) {
 /// Names of states to integrate, each a state of the model and named once.
 std::vector<std::string> read_integrals(const std::string& text,
                                         const std::vector<std::string>& states) {
-  const std::vector<std::string> names = word_list(text);
+  std::vector<std::string> names = word_list(text);
   for (const std::string& name : names) {
     if (std::find(states.begin(), states.end(), name) == states.end())
       throw UsageError(

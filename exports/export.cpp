@@ -103,6 +103,7 @@ std::vector<ManifestFile> write_export(const std::filesystem::path& directory, E
   const std::vector<FileContent> files = export_files(kind, content);
   write_files(directory, files, left_behind(directory, files), interrupted);
   std::vector<ManifestFile> written;
+  written.reserve(files.size());
   for (const FileContent& file : files) written.push_back(listed(file));
   return written;
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 
 #include "export_text.hpp"
 #include "quadtune/errors.hpp"
@@ -23,12 +24,6 @@ const std::vector<std::string> kWithoutPosition = {"z",   "psi", "phi", "theta",
 const std::vector<std::string> kFull = {"x",   "y",   "z",   "psi", "phi", "theta",
                                         "vqx", "vqy", "vqz", "wqx", "wqy", "wqz"};
 
-std::vector<std::string> names_of(const std::vector<Signal>& signals) {
-  std::vector<std::string> result;
-  for (const Signal& signal : signals) result.push_back(signal.name);
-  return result;
-}
-
 bool same_names(std::vector<std::string> a, std::vector<std::string> b) {
   std::sort(a.begin(), a.end());
   std::sort(b.begin(), b.end());
@@ -39,6 +34,7 @@ bool same_names(std::vector<std::string> a, std::vector<std::string> b) {
 std::vector<int> columns(const std::vector<Signal>& signals,
                          const std::vector<std::string>& wanted) {
   std::vector<int> result;
+  result.reserve(wanted.size());
   for (const std::string& name : wanted)
     result.push_back(
         static_cast<int>(std::find_if(signals.begin(), signals.end(),
@@ -169,8 +165,8 @@ const UquadFileSet& uquad_file_set(const Gains& gains) {
                              to_string(gains.sign_law), to_string(SignLaw::set_point_minus_state)));
   require_hover_at_program_rate(gains);
   for (const UquadFileSet& set : uquad_file_sets())
-    if (same_names(names_of(gains.states), set.states) &&
-        same_names(names_of(gains.integrals), set.integrals))
+    if (same_names(names_or_numbers(gains.states, std::ssize(gains.states)), set.states) &&
+        same_names(names_or_numbers(gains.integrals, std::ssize(gains.integrals)), set.integrals))
       return set;
   throw InvalidInput("uquad",
                      fmt::format("states {} with integrals '{}' fit no build, expected one of {}",

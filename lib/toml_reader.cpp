@@ -110,6 +110,7 @@ void TomlTable::refuse_unknown(const TomlNode::Entry& entry,
     throw InvalidInput(place, fmt::format("{}, expected '{}' (the unit is part of the key)",
                                           message, sibling->name()));
   std::vector<std::string> names;
+  names.reserve(known.size());
   for (const TomlKey& key : known) names.push_back(key.name());
   throw InvalidInput(place, fmt::format("{}, expected one of {}{}", message, fmt::join(names, ", "),
                                         did_you_mean(entry.key, names)));
@@ -153,7 +154,7 @@ std::string TomlTable::text(const std::string& key) const {
 }
 
 std::string TomlTable::word(const std::string& key) const {
-  const std::string value = text(key);
+  std::string value = text(key);
   const auto fits = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
            c == '_' || c == '-';

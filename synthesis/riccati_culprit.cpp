@@ -32,7 +32,7 @@ Unreachable unreachable_part(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(entry, Eigen::ComputeFullU);
     const Eigen::Index rank = (svd.singularValues().array() > threshold).count();
     if (rank == 0) break;
-    const Eigen::MatrixXd U = svd.matrixU();
+    const Eigen::MatrixXd& U = svd.matrixU();
     const Eigen::Index rest = F.rows() - rank;
     const Eigen::MatrixXd turned = U.transpose() * F * U;
     P = (U.transpose() * P).bottomRows(rest).eval();
