@@ -48,6 +48,7 @@ Gains numbered(const std::vector<std::string>& states, const std::vector<std::st
 
 std::vector<std::string> names_of(const std::vector<FileContent>& files) {
   std::vector<std::string> names;
+  names.reserve(files.size());
   for (const FileContent& file : files) names.push_back(file.name);
   return names;
 }

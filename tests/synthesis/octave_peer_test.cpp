@@ -71,6 +71,7 @@ TEST(OctavePeer, GainsOfAThousandRandomSystemsAgree) {
   constexpr int kCount = 1000;
   std::mt19937_64 random(2026);
   std::vector<System> systems;
+  systems.reserve(kCount);
   for (int i = 0; i < kCount; ++i) systems.push_back(draw(random, i));
 
   const testing::TemporaryDirectory folder;
