@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The integral of the uquad flight program, guarded three times against running away.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <type_traits>
+
+namespace quadtune {
+
+/// Set once. validate() tells whether step() may be given these; step() does not look.
+template <class Scalar>
+struct GuardedIntegralSettings {
+  Scalar dt = 0;               ///< sample period [s], > 0
+  Scalar error_limit = 0;      ///< beyond this |error| the integral stands [error], ≥ 0
+  Scalar increment_limit = 0;  ///< of |error · dt| in one sample [error · s], ≥ 0
+  Scalar integral_limit = 0;   ///< of |integral| [error · s], ≥ 0
+};
+
+template <class Scalar>
+struct GuardedIntegralState {
+  Scalar integral = 0;  ///< ∫error [error · s]
+};
+
+/// One sample; returns the integral after it.
+///
+/// Far from the set point the proportional part does the work and the integral waits; near it, it
+/// grows by the limited error · dt and stops at its limit. All limits act on both signs alike. An
+/// error that is NaN leaves the integral as it is.
+template <class Scalar>
+Scalar step(const GuardedIntegralSettings<Scalar>& settings, GuardedIntegralState<Scalar>& state,
+            Scalar error) noexcept {
+  if (!(std::abs(error) <= settings.error_limit)) return state.integral;
+  const Scalar increment =
+      std::min(std::max(error * settings.dt, -settings.increment_limit), settings.increment_limit);
+  state.integral = std::min(std::max(state.integral + increment, -settings.integral_limit),
+                            settings.integral_limit);
+  return state.integral;
+}
+
+static_assert(std::is_trivially_copyable_v<GuardedIntegralState<float>>);
+static_assert(std::is_trivially_copyable_v<GuardedIntegralState<double>>);
+
+/// Whether step() may run with these: dt > 0 and finite, limits ≥ 0 (infinite: no limit).
+/// @throws InvalidInput  "where: error_limit is -1, expected 0 or more because …"
+void validate(const GuardedIntegralSettings<double>& settings, const std::string& where);
+void validate(const GuardedIntegralSettings<float>& settings, const std::string& where);
+
+}  // namespace quadtune

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A PID controller as it runs on board: the same code is simulated, analysed and flown.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <type_traits>
+
+#include "quadtune/cascade.hpp"
+#include "quadtune/transfer_function.hpp"
+
+namespace quadtune {
+
+/// What the sampled controller puts in the place of s.
+enum class PidMethod {
+  forward_euler,   ///< (z - 1) / dt
+  backward_euler,  ///< (z - 1) / (dt z)
+  tustin,          ///< (2/dt) (z - 1) / (z + 1)
+};
+
+/// What the derivative is taken of. v = c · set point - measurement.
+enum class PidDerivative {
+  measured_rate,  ///< -Kd · rate: the measurement's rate has its own sensor; c and Tf are not used
+  difference,     ///< Kd (v[k] - v[k-1]) / dt; Tf is not used
+  filtered,       ///< Kd s / (Tf s + 1) of v, with s as the method says
+};
+
+/// Set once. validate() tells whether step() may be given these; step() does not look.
+template <class Scalar>
+struct PidSettings {
+  static constexpr Scalar kInfinity = std::numeric_limits<Scalar>::infinity();
+
+  Scalar dt = 0;  ///< sample period [s], > 0
+  Scalar Kp = 0;  ///< [output / error]
+  Scalar Ki = 0;  ///< [output / (error · s)]
+  Scalar Kd = 0;  ///< [output · s / error]; of Kp's sign where it damps
+  Scalar Tf = 0;  ///< time constant of the filtered derivative [s]
+  Scalar b = 1;   ///< weight of the set point in the proportional part
+  Scalar c = 0;   ///< weight of the set point in the derivative
+  PidMethod method = PidMethod::forward_euler;
+  PidDerivative derivative = PidDerivative::measured_rate;
+  Scalar output_min = -kInfinity;    ///< [output]
+  Scalar output_max = kInfinity;     ///< [output], ≥ output_min
+  Scalar integral_min = -kInfinity;  ///< of the integral's part of the output [output]
+  Scalar integral_max = kInfinity;   ///< [output], ≥ integral_min
+  Scalar back_calculation = 0;       ///< anti-windup gain [1/s], 0 … 1/dt; 0 switches it off
+};
+
+/// What is kept from one sample to the next. A copy of it resumes identically.
+template <class Scalar>
+struct PidState {
+  Scalar integral = 0;    ///< Ki ∫error, in units of the output
+  Scalar error = 0;       ///< of the last sample
+  Scalar v = 0;           ///< c · set point - measurement of the last sample
+  Scalar derivative = 0;  ///< the derivative's part of the last output
+  Scalar output = 0;      ///< the last output
+};
+
+template <class Scalar>
+struct PidInput {
+  Scalar set_point = 0;
+  Scalar measurement = 0;
+  Scalar rate = 0;          ///< of the measurement [1/s]; used with PidDerivative::measured_rate
+  Scalar feed_forward = 0;  ///< added before the output is limited
+};
+
+template <class Scalar>
+struct PidOutput {
+  Scalar value = 0;      ///< within output_min … output_max
+  Scalar unlimited = 0;  ///< what it would be without these
+  bool finite = true;    ///< false: an input was not; value is the last one, the state did not move
+};
+
+/// d[k] = pole · d[k-1] + gain · (v[k] - v[k-1]).
+template <class Scalar>
+struct PidDifference {
+  Scalar pole = 0;
+  Scalar gain = 0;
+};
+
+/// I[k] = I[k-1] + Ki dt (now · error[k] + before · error[k-1]).
+template <class Scalar>
+struct PidQuadrature {
+  Scalar now = 0;
+  Scalar before = 0;
+};
+
+template <class Scalar>
+[[nodiscard]] constexpr PidQuadrature<Scalar> pid_quadrature(PidMethod method) noexcept {
+  switch (method) {
+    case PidMethod::backward_euler:
+      return {1, 0};
+    case PidMethod::tustin:
+      return {Scalar(0.5), Scalar(0.5)};
+    case PidMethod::forward_euler:
+      break;
+  }
+  return {0, 1};
+}
+
+/// Zero for a measured rate, which needs no difference.
+template <class Scalar>
+[[nodiscard]] constexpr PidDifference<Scalar> pid_difference(
+    const PidSettings<Scalar>& settings) noexcept {
+  const Scalar dt = settings.dt;
+  const Scalar Tf = settings.Tf;
+  if (settings.derivative == PidDerivative::measured_rate) return {0, 0};
+  if (settings.derivative == PidDerivative::difference) return {0, settings.Kd / dt};
+  switch (settings.method) {
+    case PidMethod::backward_euler:
+      return {Tf / (Tf + dt), settings.Kd / (Tf + dt)};
+    case PidMethod::tustin:
+      return {(2 * Tf - dt) / (2 * Tf + dt), 2 * settings.Kd / (2 * Tf + dt)};
+    case PidMethod::forward_euler:
+      break;
+  }
+  return {1 - dt / Tf, settings.Kd / Tf};
+}
+
+/// One sample: output = Kp (b r - y) + I + D + feed forward, limited.
+///
+/// I and D are the difference equations of PidQuadrature and PidDifference, I within its limits.
+/// The back-calculation moves I by dt · back_calculation · (limited - unlimited) after the output
+/// is formed, so it shows in the next one. Neither allocates nor throws. Theory: "PID element".
+template <class Scalar>
+PidOutput<Scalar> step(const PidSettings<Scalar>& settings, PidState<Scalar>& state,
+                       const PidInput<Scalar>& input) noexcept {
+  const Scalar error = input.set_point - input.measurement;
+  const Scalar v = settings.c * input.set_point - input.measurement;
+
+  const PidQuadrature<Scalar> weight = pid_quadrature<Scalar>(settings.method);
+  Scalar integral = state.integral +
+                    settings.Ki * settings.dt * (weight.now * error + weight.before * state.error);
+  integral = std::min(std::max(integral, settings.integral_min), settings.integral_max);
+
+  Scalar derivative = -settings.Kd * input.rate;
+  if (settings.derivative != PidDerivative::measured_rate) {
+    const PidDifference<Scalar> difference = pid_difference(settings);
+    derivative = difference.pole * state.derivative + difference.gain * (v - state.v);
+  }
+
+  const Scalar proportional = settings.Kp * (settings.b * input.set_point - input.measurement);
+  const Scalar unlimited = proportional + integral + derivative + input.feed_forward;
+  // A NaN that once entered the state would never leave it.
+  if (!std::isfinite(unlimited + error + v)) return {state.output, unlimited, false};
+
+  const Scalar output = std::min(std::max(unlimited, settings.output_min), settings.output_max);
+  state.integral = integral + settings.dt * settings.back_calculation * (output - unlimited);
+  state.error = error;
+  state.v = v;
+  state.derivative = derivative;
+  state.output = output;
+  return {output, unlimited, true};
+}
+
+/// The state from which a controller goes on without a bump: as if `input` and `output` had stood
+/// for long. With a standing input the next output differs from `output` by the integral's one
+/// increment.
+template <class Scalar>
+[[nodiscard]] PidState<Scalar> pid_start(const PidSettings<Scalar>& settings,
+                                         const PidInput<Scalar>& input, Scalar output) noexcept {
+  PidState<Scalar> state;
+  state.error = input.set_point - input.measurement;
+  state.v = settings.c * input.set_point - input.measurement;
+  const Scalar proportional = settings.Kp * (settings.b * input.set_point - input.measurement);
+  if (settings.derivative == PidDerivative::measured_rate)
+    state.derivative = -settings.Kd * input.rate;
+  state.integral = output - proportional - state.derivative - input.feed_forward;
+  state.output = output;
+  return state;
+}
+
+/// The same settings in another precision.
+template <class To, class From>
+[[nodiscard]] constexpr PidSettings<To> pid_cast(const PidSettings<From>& from) noexcept {
+  return {To(from.dt),
+          To(from.Kp),
+          To(from.Ki),
+          To(from.Kd),
+          To(from.Tf),
+          To(from.b),
+          To(from.c),
+          from.method,
+          from.derivative,
+          To(from.output_min),
+          To(from.output_max),
+          To(from.integral_min),
+          To(from.integral_max),
+          To(from.back_calculation)};
+}
+
+static_assert(std::is_trivially_copyable_v<PidState<float>>);
+static_assert(std::is_trivially_copyable_v<PidState<double>>);
+static_assert(std::is_trivially_copyable_v<PidSettings<float>>);
+
+/// Whether step() may run with these: dt > 0, finite gains, limits in order, a filter that is
+/// stable (Tf > dt/2 by forward Euler, Tf ≥ 0 by backward Euler, Tf > 0 by Tustin), and a
+/// back-calculation that does not overshoot.
+/// @throws InvalidInput  "where: Tf is 0.001 s, expected more than dt/2 = 0.0025 s because …"
+void validate(const PidSettings<double>& settings, const std::string& where);
+void validate(const PidSettings<float>& settings, const std::string& where);
+
+/// A loop of a cascade as an element: derivative of the measured rate, integral by forward Euler,
+/// no limits. The sign of Kd turns around: PidLoop adds Kd · rate, the element subtracts it.
+/// @throws InvalidInput  as validate(), naming the loop.
+[[nodiscard]] PidSettings<double> pid_settings(const PidLoop& loop, double dt);
+
+/// Between which signals a transfer function of the element is asked for. The output is always the
+/// element's. By linearity, output = set_point · r + measurement · y + rate · y'.
+enum class PidChannel {
+  error,        ///< -measurement: the controller in the loop's transfer function
+  set_point,    ///< with the weights b and c
+  measurement,  ///< -(Kp + I + D); the D of a measured rate is not in it
+  rate,         ///< -Kd with a measured rate, otherwise 0
+};
+
+/// What runs, exactly, as long as no limit is met.
+/// @throws InvalidInput  as validate()
+[[nodiscard]] DiscreteTransferFunction pid_transfer_function(const PidSettings<double>& settings,
+                                                             PidChannel channel);
+
+}  // namespace quadtune
