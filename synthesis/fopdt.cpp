@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/synthesis/fopdt.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "quadtune/discretize/zoh.hpp"
+
+namespace quadtune {
+namespace {
+
+std::string written(std::complex<double> root) {
+  if (root.imag() == 0) return fmt::format("{:.4g}", root.real());
+  return fmt::format("{:.4g} +- {:.4g}i", root.real(), std::abs(root.imag()));
+}
+
+/// Why the plant's step response does not settle at a gain other than 0; empty when it does.
+std::string unsettled(const ContinuousTransferFunction& plant) {
+  if (plant.den.size() < 2) return "the plant has no pole, so there is no lag to be fitted";
+  const Eigen::VectorXcd poles = polynomial_roots(plant.den);
+  for (Eigen::Index i = 0; i < poles.size(); ++i)
+    if (!(poles[i].real() < -1e-12 * poles.cwiseAbs().maxCoeff()))
+      return fmt::format("the pole at {} does not settle", written(poles[i]));
+  if (plant.num[plant.num.size() - 1] == 0) return "the plant's gain is 0";
+  return "";
+}
+
+/// Step response at time t without the delay: the hold over t, exactly.
+double step_at(const ContinuousLti& plant, double t) {
+  const double direct = plant.D.size() > 0 ? plant.D(0, 0) : 0;
+  return plant.C.row(0).dot(discretize_zoh(plant, t).B.col(0)) + direct;
+}
+
+/// First time at which the response is `part` of its way; empty when it starts beyond.
+std::optional<double> first_passage(const ContinuousLti& plant, const std::vector<double>& times,
+                                    double gain, double part) {
+  const auto beyond = [&](double t) { return step_at(plant, t) / gain >= part; };
+  std::size_t k = 0;
+  while (k < times.size() && !beyond(times[k])) ++k;
+  if (k == 0 || k == times.size()) return std::nullopt;
+  double low = times[k - 1];
+  double high = times[k];
+  while (high - low > 4e-16 * high) {
+    const double middle = low + (high - low) / 2;
+    if (middle <= low || middle >= high) break;
+    (beyond(middle) ? high : low) = middle;
+  }
+  return high;
+}
+
+/// Lags in falling order and the delay that cannot be helped, or why there are none.
+struct Lags {
+  double gain = 0;
+  std::vector<double> lags;
+  double delay = 0;
+  std::string culprit;
+};
+
+Lags lags_of(const ContinuousTransferFunction& plant) {
+  Lags result;
+  result.culprit = unsettled(plant);
+  if (!result.culprit.empty()) return result;
+  result.gain = plant.num[plant.num.size() - 1] / plant.den[plant.den.size() - 1];
+  result.delay = plant.delay;
+  const Eigen::VectorXcd poles = polynomial_roots(plant.den);
+  for (Eigen::Index i = 0; i < poles.size(); ++i) {
+    // Equal poles come out as pairs that are complex by rounding, up to its n-th root.
+    if (std::abs(poles[i].imag()) > 1e-3 * std::abs(poles[i])) {
+      result.culprit = fmt::format(
+          "the half rule has nothing to say of poles at {}, which "
+          "oscillate",
+          written(poles[i]));
+      return result;
+    }
+    result.lags.push_back(-1 / poles[i].real());
+  }
+  const Eigen::VectorXcd zeros = polynomial_roots(plant.num);
+  for (Eigen::Index i = 0; i < zeros.size(); ++i) {
+    if (zeros[i].imag() != 0 || !(zeros[i].real() > 0)) {
+      result.culprit =
+          fmt::format("the half rule has nothing to say of the zero at {}", written(zeros[i]));
+      return result;
+    }
+    result.delay += 1 / zeros[i].real();
+  }
+  std::sort(result.lags.rbegin(), result.lags.rend());
+  return result;
+}
+
+/// Keeps the `kept` largest lags: the half of the next goes to the last of them, the rest to delay.
+void apply_half_rule(Lags& lags, std::size_t kept) {
+  if (lags.lags.size() > kept) {
+    lags.lags[kept - 1] += lags.lags[kept] / 2;
+    lags.delay += lags.lags[kept] / 2;
+    for (std::size_t i = kept + 1; i < lags.lags.size(); ++i) lags.delay += lags.lags[i];
+  }
+  lags.lags.resize(kept);
+}
+
+}  // namespace
+
+LagFit<FopdtModel> fit_fopdt(const ContinuousTransferFunction& plant) {
+  validate(plant, "fit_fopdt");
+  LagFit<FopdtModel> fit;
+  fit.culprit = unsettled(plant);
+  if (!fit.fitted()) return fit;
+  const Eigen::VectorXcd poles = polynomial_roots(plant.den);
+  const double first = 1e-6 / poles.cwiseAbs().maxCoeff();
+  const double last = 40 * static_cast<double>(poles.size()) / poles.real().cwiseAbs().minCoeff();
+  std::vector<double> times;
+  for (double t = first; t < last; t *= 1.02) times.push_back(t);
+
+  const double gain = plant.num[plant.num.size() - 1] / plant.den[plant.den.size() - 1];
+  const ContinuousLti model = realize(plant);
+  const std::optional<double> t28 = first_passage(model, times, gain, 1 - std::exp(-1.0 / 3));
+  const std::optional<double> t63 = first_passage(model, times, gain, 1 - std::exp(-1.0));
+  if (!t28 || !t63) {
+    fit.culprit = "the step response jumps past 28 % of its way at once: there is no lag to fit";
+    return fit;
+  }
+  const double T = 1.5 * (*t63 - *t28);
+  fit.model = {gain, T, plant.delay + std::max(*t63 - T, 0.0)};
+  return fit;
+}
+
+LagFit<FopdtModel> half_rule_fopdt(const ContinuousTransferFunction& plant) {
+  validate(plant, "half_rule_fopdt");
+  Lags lags = lags_of(plant);
+  if (!lags.culprit.empty()) return {{}, lags.culprit};
+  apply_half_rule(lags, 1);
+  return {{lags.gain, lags.lags[0], lags.delay}, ""};
+}
+
+LagFit<SopdtModel> half_rule_sopdt(const ContinuousTransferFunction& plant) {
+  validate(plant, "half_rule_sopdt");
+  Lags lags = lags_of(plant);
+  if (!lags.culprit.empty()) return {{}, lags.culprit};
+  if (lags.lags.size() < 2) return {{}, "the plant has one lag, and the model needs two"};
+  apply_half_rule(lags, 2);
+  return {{lags.gain, lags.lags[0], lags.lags[1], lags.delay}, ""};
+}
+
+}  // namespace quadtune

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Published rules: PID gains from a gain, a time constant and a delay.
+#pragma once
+
+#include "quadtune/synthesis/fopdt.hpp"
+#include "quadtune/synthesis/pid_gains.hpp"
+
+namespace quadtune {
+
+/// The derivative's filter of all rules below: Tf = Td / N, which none of them prescribes. Infinite
+/// N means no filter.
+inline constexpr double kPidFilterRatio = 10;
+
+/// Ziegler and Nichols, from the step response: K = T/(gain L) · {1; 0.9; 1.2}, Ti = L/0.3 (PI), 2 L (PID),
+/// Td = L/2.
+/// @param type  P, PI or PID
+/// @throws InvalidInput  unless the gain is a number other than 0, T > 0 and L > 0; for type PD.
+/// Source: Ziegler and Nichols 1942.
+[[nodiscard]] PidGains ziegler_nichols_step(PidType type, const FopdtModel& model,
+                                            double N = kPidFilterRatio);
+
+/// Ziegler and Nichols, from the limit of stability: K = Ku · {0.5; 0.45; 0.6}, Ti = Tu/1.2 (PI), Tu/2 (PID),
+/// Td = Tu/8.
+/// @param type             P, PI or PID
+/// @param ultimate_gain    Ku, the gain at which a proportional loop oscillates; not 0
+/// @param ultimate_period  Tu, of that oscillation [s], > 0
+/// @throws InvalidInput  for other numbers; for type PD.
+/// Source: Ziegler and Nichols 1942.
+[[nodiscard]] PidGains ziegler_nichols_ultimate(PidType type, double ultimate_gain,
+                                                double ultimate_period, double N = kPidFilterRatio);
+
+/// Cohen and Coon: dominant closed-loop poles with a quarter of decay. With r = L/T,
+///
+///     P    K = (1/(gain r)) (1 + r/3)
+///     PI   K = (1/(gain r)) (9/10 + r/12),  Ti = L (30 + 3 r)/(9 + 20 r)
+///     PD   K = (1/(gain r)) (5/4 + r/6),    Td = L (6 - 2 r)/(22 + 3 r), for r < 3
+///     PID  K = (1/(gain r)) (4/3 + r/4),    Ti = L (32 + 6 r)/(13 + 8 r),  Td = 4 L/(11 + 2 r)
+///
+/// @throws InvalidInput  unless the gain is a number other than 0, T > 0 and L > 0; for PD with
+///                       L ≥ 3 T.
+/// Source: Cohen and Coon 1953.
+[[nodiscard]] PidGains cohen_coon(PidType type, const FopdtModel& model,
+                                  double N = kPidFilterRatio);
+
+/// AMIGO, fitted to gains of the greatest Ki with Ms = Mt = 1.4:
+///
+///     PI   K = 0.15/gain + (0.35 - L T/(L + T)²) T/(gain L),
+///          Ti = 0.35 L + 13 L T²/(T² + 12 L T + 7 L²)
+///     PID  K = (0.2 + 0.45 T/L)/gain,  Ti = L (0.4 L + 0.8 T)/(L + 0.1 T),
+///          Td = 0.5 L T/(0.3 L + T)
+///
+/// @param type  PI or PID
+/// @throws InvalidInput  unless the gain is a number other than 0, T > 0 and L > 0; for other
+/// types. Source: Åström and Hägglund 2006, chapter 7.
+[[nodiscard]] PidGains amigo(PidType type, const FopdtModel& model, double N = kPidFilterRatio);
+
+/// SIMC, PI: K = T/(gain (tau_c + L)), Ti = min(T, 4 (tau_c + L)).
+/// @param tau_c  wanted time constant of the closed loop [s], > -L; L itself is the tight setting
+///               that the source recommends
+/// @throws InvalidInput  unless the gain is a number other than 0, T > 0, L ≥ 0 and tau_c + L > 0.
+/// Source: Skogestad 2003.
+[[nodiscard]] PidGains simc(const FopdtModel& model, double tau_c);
+
+/// SIMC, PID: the same in series form, K' (1 + 1/(Ti' s)) (1 + Td' s), with Td' the second time
+/// constant, written as K = K' f, Ti = Ti' f, Td = Td'/f, f = 1 + Td'/Ti'.
+/// @throws InvalidInput  as above; the second time constant ≥ 0.
+[[nodiscard]] PidGains simc(const SopdtModel& model, double tau_c, double N = kPidFilterRatio);
+
+/// Lambda tuning (IMC): the model inverted, with e^(-L s) as 1 - L s (PI) or as Padé's first-order
+/// fraction (PID), so that the closed loop is about e^(-L s)/(lambda s + 1).
+///
+///     PI   K = T/(gain (lambda + L)),  Ti = T
+///     PID  K = (T + L/2)/(gain (lambda + L/2)),  Ti = T + L/2,  Td = T L/(2 T + L)
+///
+/// @param type    PI or PID
+/// @param lambda  wanted time constant of the closed loop [s], > 0
+/// @throws InvalidInput  unless the gain is a number other than 0, T > 0, L ≥ 0; for other types.
+/// Source: Rivera, Morari, Skogestad 1986.
+[[nodiscard]] PidGains lambda_tuning(PidType type, const FopdtModel& model, double lambda,
+                                     double N = kPidFilterRatio);
+
+/// PI for gain/(T s + 1) that puts the closed loop's poles at s² + 2 zeta w0 s + w0² = 0:
+/// Kp = (2 zeta w0 T - 1)/gain, Ki = w0² T/gain.
+/// @param time_constant  T [s], > 0
+/// @param w0             [rad/s], > 0
+/// @param zeta           damping, > 0
+/// @throws InvalidInput  for other numbers, or a gain of 0
+[[nodiscard]] PidGains pi_by_poles(double gain, double time_constant, double w0, double zeta);
+
+}  // namespace quadtune

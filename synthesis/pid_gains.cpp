@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/synthesis/pid_gains.hpp"
+
+#include <fmt/format.h>
+
+#include <ostream>
+
+#include "quadtune/errors.hpp"
+
+namespace quadtune {
+
+std::string to_string(PidType type) {
+  switch (type) {
+    case PidType::P:
+      return "P";
+    case PidType::PI:
+      return "PI";
+    case PidType::PD:
+      return "PD";
+    case PidType::PID:
+      return "PID";
+  }
+  return "unknown";
+}
+
+std::complex<double> PidGains::operator()(std::complex<double> s) const {
+  std::complex<double> C = Kp;
+  if (Ki != 0) C += Ki / s;
+  if (Kd != 0) C += Kd * s / (Tf * s + 1.0);
+  return C;
+}
+
+std::ostream& operator<<(std::ostream& out, const PidGains& gains) {
+  return out << fmt::format("Kp {:.6g}, Ki {:.6g}, Kd {:.6g}, Tf {:.6g} s", gains.Kp, gains.Ki,
+                            gains.Kd, gains.Tf);
+}
+
+PidStandard standard_form(const PidGains& gains) {
+  if (gains.Kp == 0 && (gains.Ki != 0 || gains.Kd != 0))
+    throw InvalidInput("standard_form",
+                       fmt::format("Kp is 0 with Ki {} and Kd {}, expected another "
+                                   "Kp because the standard form multiplies by it",
+                                   gains.Ki, gains.Kd));
+  PidStandard standard;
+  standard.K = gains.Kp;
+  standard.Tf = gains.Tf;
+  if (gains.Ki != 0) standard.Ti = gains.Kp / gains.Ki;
+  if (gains.Kd != 0) standard.Td = gains.Kd / gains.Kp;
+  return standard;
+}
+
+PidGains parallel_form(const PidStandard& standard) {
+  if (standard.Ti == 0 || standard.Ti != standard.Ti)
+    throw InvalidInput("parallel_form", fmt::format("Ti is {} s, expected another number because "
+                                                    "Ki = K/Ti",
+                                                    standard.Ti));
+  return {standard.K, standard.K / standard.Ti, standard.K * standard.Td, standard.Tf};
+}
+
+PidSettings<double> pid_settings(const PidGains& gains, double dt, PidMethod method) {
+  PidSettings<double> settings;
+  settings.dt = dt;
+  settings.Kp = gains.Kp;
+  settings.Ki = gains.Ki;
+  settings.Kd = gains.Kd;
+  settings.Tf = gains.Tf;
+  settings.method = method;
+  settings.derivative = gains.Tf > 0 ? PidDerivative::filtered : PidDerivative::difference;
+  validate(settings, "pid_settings");
+  return settings;
+}
+
+}  // namespace quadtune
