@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <complex>
+#include <numbers>
 #include <random>
 
 #include "matrix_near.hpp"
@@ -120,6 +121,40 @@ TEST(DiscretizeTustin, RefusesAPoleThatWouldGoToInfinity) {
                   HasSubstr("tustin: A has a pole at 200 1/s, expected none at 2/dt because the "
                             "transformation sends it to infinity (dt is 0.01 s)")));
   EXPECT_NO_THROW((void)discretize_tustin(p, 0.011));
+}
+
+TEST(DiscretizeTustin, PrewarpedHasThePlantsOwnResponseThere) {
+  std::mt19937_64 generator(6);
+  const double dt = 0.1;
+  const ContinuousLti p = random_plant(6, 2, 3, generator);
+  for (const double w : {0.1, 5.0, 25.0, 31.0}) {
+    const DiscreteLti d = discretize_tustin(p, dt, w);
+    const MatrixXcd theirs = response(p, Complex(0, w));
+    EXPECT_LT((response(d, std::exp(Complex(0, w * dt))) - theirs).norm(), 1e-12 * theirs.norm());
+  }
+}
+
+TEST(DiscretizeTustin, RefusesToPrewarpWhereSamplesDoNotReach) {
+  ContinuousLti p;
+  p.A = MatrixXd{{1}};
+  p.B = MatrixXd{{1}};
+  for (const double w : {0.0, -1.0, std::numbers::pi / 0.1, 100.0, std::nan("")})
+    EXPECT_THAT([&] { (void)discretize_tustin(p, 0.1, w); },
+                ThrowsMessage<InvalidInput>(HasSubstr(
+                    "rad/s, expected more than 0 and less than 31.4159 rad/s (pi/dt) because")));
+}
+
+TEST(DiscretizeTustin, RefusesThePoleThatPrewarpingSendsToInfinity) {
+  const double dt = 0.1;
+  const double w = 10;
+  ContinuousLti p;
+  p.A = MatrixXd{{w / std::tan(w * dt / 2)}};
+  p.B = MatrixXd{{1}};
+  EXPECT_THAT([&] { (void)discretize_tustin(p, dt, w); },
+              ThrowsMessage<InvalidInput>(HasSubstr(
+                  "tustin: A has a pole at 18.3049 1/s, expected none at w/tan(w dt/2) with w = 10 "
+                  "rad/s because")));
+  EXPECT_NO_THROW((void)discretize_tustin(p, dt));
 }
 
 TEST(DiscretizeTustin, RefusesBadPeriodsAndPlants) {

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What the methods have in common whose discrete state is not the plant's state at the samples.
+#pragma once
+
+#include <string>
+
+#include "quadtune/lti.hpp"
+
+namespace quadtune::internal {
+
+/// The plant's names and its C and D, with the identity and zeros where it left them out; A and B
+/// are empty.
+[[nodiscard]] DiscreteLti written_out(const ContinuousLti& plant, double dt);
+
+/// @throws InvalidInput  if an entry exceeds the range of a double.
+void refuse_overflow(const DiscreteLti& result, const std::string& where);
+
+}  // namespace quadtune::internal
