@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Matched poles and zeros: each goes where the exponential takes it.
+#pragma once
+
+#include "quadtune/lti.hpp"
+#include "quadtune/transfer_function.hpp"
+
+namespace quadtune {
+
+/// Poles p and zeros q become e^(p dt) and e^(q dt). Of the zeros that G has at infinity, one stays
+/// there, so that the computer has a sample to compute in, and the others go to z = -1, the highest
+/// frequency there is.
+///
+/// The gain is that of G at DC: G_d(1) = G(0). Where a pole or a zero is nearer to 0 than 1e-6/dt,
+/// it is matched on the real axis instead, at the first of s = 0.1/dt, 0.2/dt, … that none is near
+/// to: G_d(e^(s dt)) = G(s).
+///
+/// @param plant  one input, one output; no more zeros than poles; whole samples of delay
+/// @param dt     Sample period [s], 0 < dt < ∞.
+/// @throws InvalidInput  as validate(), for dt out of range, for a delay that is no whole number of
+///                       samples, and when a pole or zero goes beyond the range of a double.
+/// Source: Franklin, Powell, Workman 1998, section 6.2.
+[[nodiscard]] DiscreteTransferFunction discretize_matched(const ContinuousTransferFunction& plant,
+                                                          double dt);
+
+/// The same for a state-space model, by its poles and transmission zeros.
+///
+/// @param plant  A (nx × nx), B (nx × 1), C (1 × nx); time in seconds.
+/// @return       Controllable canonical form, nx states without names; input and output keep
+/// theirs.
+/// @throws InvalidInput  likewise, and for more than one input or output.
+[[nodiscard]] DiscreteLti discretize_matched(const ContinuousLti& plant, double dt);
+
+}  // namespace quadtune
