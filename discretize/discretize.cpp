@@ -5,7 +5,12 @@
 
 #include <vector>
 
+#include "options.hpp"
+#include "quadtune/discretize/backward_euler.hpp"
 #include "quadtune/discretize/euler.hpp"
+#include "quadtune/discretize/foh.hpp"
+#include "quadtune/discretize/impulse.hpp"
+#include "quadtune/discretize/matched.hpp"
 #include "quadtune/discretize/tustin.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
@@ -14,16 +19,32 @@
 namespace quadtune {
 namespace {
 
+using Options = DiscretizationOptions;
+
 struct Method {
   DiscretizationMethod method;
   const char* name;
-  DiscreteLti (*run)(const ContinuousLti&, double);
+  DiscreteLti (*run)(const ContinuousLti&, double, const Options&);
 };
 
+// Every method alike; what it has no use for has been refused before.
+template <DiscreteLti (*discretize_by)(const ContinuousLti&, double)>
+DiscreteLti plain(const ContinuousLti& plant, double dt, const Options&) {
+  return discretize_by(plant, dt);
+}
+
+DiscreteLti tustin(const ContinuousLti& plant, double dt, const Options& options) {
+  return discretize_tustin(plant, dt, options.prewarp);
+}
+
 constexpr Method kMethods[] = {
-    {DiscretizationMethod::zoh, "zoh", discretize_zoh},
-    {DiscretizationMethod::euler, "euler", discretize_euler},
-    {DiscretizationMethod::tustin, "tustin", discretize_tustin},
+    {DiscretizationMethod::zoh, "zoh", plain<discretize_zoh>},
+    {DiscretizationMethod::foh, "foh", plain<discretize_foh>},
+    {DiscretizationMethod::impulse, "impulse", plain<discretize_impulse>},
+    {DiscretizationMethod::euler, "euler", plain<discretize_euler>},
+    {DiscretizationMethod::backward_euler, "backward-euler", plain<discretize_backward_euler>},
+    {DiscretizationMethod::tustin, "tustin", tustin},
+    {DiscretizationMethod::matched, "matched", plain<discretize_matched>},
 };
 
 const Method& entry(DiscretizationMethod method) {
@@ -34,6 +55,18 @@ const Method& entry(DiscretizationMethod method) {
 }
 
 }  // namespace
+
+namespace internal {
+
+void refuse_prewarp(DiscretizationMethod method, const std::optional<double>& prewarp) {
+  if (prewarp && method != DiscretizationMethod::tustin)
+    throw InvalidInput(to_string(method),
+                       fmt::format("prewarp is {:.6g} rad/s, expected none because only tustin "
+                                   "bends frequencies in a way that this undoes",
+                                   *prewarp));
+}
+
+}  // namespace internal
 
 std::string to_string(DiscretizationMethod method) { return entry(method).name; }
 
@@ -49,8 +82,12 @@ DiscretizationMethod discretization_method(const std::string& name, const std::s
                                         listed, internal::did_you_mean(name, known)));
 }
 
-DiscreteLti discretize(const ContinuousLti& plant, double dt, DiscretizationMethod method) {
-  return entry(method).run(plant, dt);
+DiscreteLti discretize(const ContinuousLti& plant, double dt, DiscretizationMethod method,
+                       const DiscretizationOptions& options) {
+  internal::refuse_prewarp(method, options.prewarp);
+  if (!options.delays.any()) return entry(method).run(plant, dt, options);
+  if (method == DiscretizationMethod::zoh) return discretize_zoh(plant, dt, options.delays);
+  return with_delays(entry(method).run(plant, dt, options), options.delays);
 }
 
 }  // namespace quadtune

@@ -3,7 +3,10 @@
 
 #include "hover_model.hpp"
 #include "matrix_near.hpp"
+#include "quadtune/discretize/backward_euler.hpp"
 #include "quadtune/discretize/euler.hpp"
+#include "quadtune/discretize/foh.hpp"
+#include "quadtune/discretize/impulse.hpp"
 #include "quadtune/discretize/tustin.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
@@ -16,26 +19,58 @@ using ::testing::HasSubstr;
 using testing::MatrixNear;
 using ::testing::ThrowsMessage;
 
+constexpr DiscretizationMethod kAll[] = {DiscretizationMethod::zoh,
+                                         DiscretizationMethod::foh,
+                                         DiscretizationMethod::impulse,
+                                         DiscretizationMethod::euler,
+                                         DiscretizationMethod::backward_euler,
+                                         DiscretizationMethod::tustin,
+                                         DiscretizationMethod::matched};
+
 TEST(Discretize, WordsReadBack) {
-  for (const DiscretizationMethod method :
-       {DiscretizationMethod::zoh, DiscretizationMethod::euler, DiscretizationMethod::tustin})
+  std::string words;
+  for (const DiscretizationMethod method : kAll) {
     EXPECT_EQ(discretization_method(to_string(method), "--method"), method);
-  EXPECT_EQ(to_string(DiscretizationMethod::zoh), "zoh");
+    words += to_string(method) + " ";
+  }
+  EXPECT_EQ(words, "zoh foh impulse euler backward-euler tustin matched ");
 }
 
 TEST(Discretize, RefusesUnknownWordsAndSuggests) {
   EXPECT_THAT([] { (void)discretization_method("tusting", "--method"); },
               ThrowsMessage<InvalidInput>(
-                  HasSubstr("--method: no discretization method 'tusting', expected zoh, euler, "
-                            "tustin; did you mean 'tustin'?")));
+                  HasSubstr("--method: no discretization method 'tusting', expected zoh, foh, "
+                            "impulse, euler, backward-euler, tustin, matched; did you mean "
+                            "'tustin'?")));
 }
 
 TEST(Discretize, GoesThroughTheNamedMethod) {
   const ContinuousLti p = testing::uquad_hover();
-  const auto A = [&](DiscretizationMethod method) { return discretize(p, 0.01, method).A; };
-  EXPECT_THAT(A(DiscretizationMethod::zoh), MatrixNear(discretize_zoh(p, 0.01).A, 0));
-  EXPECT_THAT(A(DiscretizationMethod::euler), MatrixNear(discretize_euler(p, 0.01).A, 0));
-  EXPECT_THAT(A(DiscretizationMethod::tustin), MatrixNear(discretize_tustin(p, 0.01).A, 0));
+  const auto sampled = [&](DiscretizationMethod method) { return discretize(p, 0.01, method); };
+  const auto expect_same = [](const DiscreteLti& got, const DiscreteLti& want) {
+    EXPECT_THAT(got.A, MatrixNear(want.A, 0));
+    EXPECT_THAT(got.B, MatrixNear(want.B, 0));
+    EXPECT_THAT(got.D, MatrixNear(want.D, 0));
+  };
+  using Method = DiscretizationMethod;
+  expect_same(sampled(Method::zoh), discretize_zoh(p, 0.01));
+  expect_same(sampled(Method::foh), discretize_foh(p, 0.01));
+  expect_same(sampled(Method::impulse), discretize_impulse(p, 0.01));
+  expect_same(sampled(Method::euler), discretize_euler(p, 0.01));
+  expect_same(sampled(Method::backward_euler), discretize_backward_euler(p, 0.01));
+  expect_same(sampled(Method::tustin), discretize_tustin(p, 0.01));
+  expect_same(discretize(p, 0.01, Method::tustin, {.prewarp = 20, .delays = {}}),
+              discretize_tustin(p, 0.01, 20));
+}
+
+TEST(Discretize, RefusesToPrewarpOtherMethods) {
+  const ContinuousLti p = testing::uquad_hover();
+  for (const DiscretizationMethod method : kAll) {
+    if (method == DiscretizationMethod::tustin) continue;
+    EXPECT_THAT([&] { (void)discretize(p, 0.01, method, {.prewarp = 20, .delays = {}}); },
+                ThrowsMessage<InvalidInput>(HasSubstr(
+                    to_string(method) + ": prewarp is 20 rad/s, expected none because only")));
+  }
 }
 
 TEST(DiscretizeEuler, AddsOneStepOfTheDerivative) {
