@@ -228,7 +228,8 @@ std::string toml_of(const internal::Json& vehicle) {
 
 TEST(Vehicle, ShowsTheKeysOfAVehicleFile) {
   const TemporaryDirectory folder;
-  for (const auto& name : json_of({"vehicle", "list"})["vehicles"]) {
+  const internal::Json list = json_of({"vehicle", "list"});
+  for (const auto& name : list["vehicles"]) {
     const internal::Json shown = json_of({"vehicle", "show", name});
     const std::string file = folder.write("v.toml", toml_of(shown)).string();
     EXPECT_EQ(json_of({"vehicle", "show", file}), shown) << toml_of(shown);
