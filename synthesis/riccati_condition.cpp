@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lapack.hpp"
+#include "eigenvalues.hpp"
 #include "riccati_parts.hpp"
 #include "riccati_scaling.hpp"
 #include "schur_lyapunov.hpp"
@@ -33,18 +33,7 @@ double SquaredNorms::reciprocal_condition() const {
 }
 
 Eigen::VectorXcd closed_loop_poles(const RiccatiEquation& p, const Eigen::MatrixXd& K) {
-  Eigen::MatrixXd Ac = p.A - p.B * K;
-  const auto n = static_cast<lapack_int>(Ac.rows());
-  Eigen::VectorXd real(n);
-  Eigen::VectorXd imaginary(n);
-  double unused = 0;
-  if (LAPACKE_dgeev(LAPACK_COL_MAJOR, 'N', 'N', n, Ac.data(), n, real.data(), imaginary.data(),
-                    &unused, 1, &unused, 1) != 0)
-    return {};
-  Eigen::VectorXcd poles(n);
-  poles.real() = real;
-  poles.imag() = imaginary;
-  return poles;
+  return eigenvalues(p.A - p.B * K);
 }
 
 bool all_stable(Time time, const Eigen::VectorXcd& poles) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "eigenvalues.hpp"
 #include "lapack.hpp"
 #include "mode_names.hpp"
 #include "riccati_parts.hpp"
@@ -83,20 +84,6 @@ void name_states(const Unreachable& part, std::complex<double> member, double wi
                                           : names[static_cast<std::size_t>(i)]);
 }
 
-Eigen::VectorXcd eigenvalues_of(Eigen::MatrixXd F) {
-  const auto k = static_cast<lapack_int>(F.rows());
-  Eigen::VectorXd real(k);
-  Eigen::VectorXd imaginary(k);
-  double unused = 0;
-  if (k == 0 || LAPACKE_dgeev(LAPACK_COL_MAJOR, 'N', 'N', k, F.data(), k, real.data(),
-                              imaginary.data(), &unused, 1, &unused, 1) != 0)
-    return {};
-  Eigen::VectorXcd values(k);
-  values.real() = real;
-  values.imag() = imaginary;
-  return values;
-}
-
 /// Mean of the eigenvalues within `width` of value or, when that is near the real axis, of its
 /// conjugate: the mean of a multiple eigenvalue that rounding has scattered is far more exact than
 /// its members.
@@ -121,7 +108,7 @@ Mode find_mode(Time time, const Unreachable& part, bool beyond, double boundary,
   const double near = boundary * size;
   const double tight = std::max(100 * near, 1e-300);
   const double wide = std::max(1e-3 * size, tight);
-  const Eigen::VectorXcd values = eigenvalues_of(part.F);
+  const Eigen::VectorXcd values = eigenvalues(part.F);
   Mode mode;
   std::complex<double> member;
   double width = tight;

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "frequency_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace quadtune::internal {
+
+namespace {
+
+constexpr double kPerDecade = 40;
+/// How far the grid reaches beyond the slowest and the fastest landmark.
+constexpr double kBeyond = 1e3;
+constexpr double kPhaseStep = 0.2;  ///< [rad] that a delay may turn between two frequencies
+constexpr std::size_t kMostForDelay = 5000;
+
+/// A pole or zero as a resonance: its frequency and its distance to the boundary [rad/s].
+struct Landmark {
+  double w;
+  double width;
+};
+
+void add_landmarks(const Eigen::VectorXcd& roots, double dt, std::vector<Landmark>& all) {
+  for (const std::complex<double>& root : roots) {
+    // Where a discrete root would be in continuous time; one at 0 is a delay and has no frequency.
+    const std::complex<double> s = dt > 0 ? std::log(root) / dt : root;
+    if (!std::isfinite(s.real()) || !std::isfinite(s.imag())) continue;
+    all.push_back({std::abs(s.imag()), std::abs(s.real())});
+  }
+}
+
+}  // namespace
+
+std::vector<double> frequency_grid(const OpenLoop& loop) {
+  std::vector<Landmark> landmarks;
+  add_landmarks(loop.poles(), loop.dt(), landmarks);
+  add_landmarks(loop.closed_loop_poles(), loop.dt(), landmarks);
+  if (loop.size() == 1) add_landmarks(loop.zeros(), loop.dt(), landmarks);
+  const double nyquist = loop.discrete() ? std::numbers::pi / loop.dt() : 0;
+  double fastest = loop.discrete() ? nyquist : 1e-12;
+  for (const Landmark& mark : landmarks)
+    if (!loop.discrete()) fastest = std::max(fastest, std::hypot(mark.w, mark.width));
+  // What is smaller than rounding beside the fastest is an integrator.
+  double slowest = fastest;
+  for (const Landmark& mark : landmarks) {
+    const double size = std::hypot(mark.w, mark.width);
+    if (size > 1e-10 * fastest) slowest = std::min(slowest, size);
+  }
+  const double top = loop.discrete() ? nyquist : fastest * kBeyond;
+  const double bottom = std::min(slowest, top) / kBeyond;
+  std::vector<double> grid{0};
+  const auto steps = static_cast<int>(std::ceil(std::log10(top / bottom) * kPerDecade));
+  for (int i = 0; i <= steps; ++i)
+    grid.push_back(bottom * std::pow(top / bottom, double(i) / steps));
+  for (const Landmark& mark : landmarks) {
+    grid.push_back(std::hypot(mark.w, mark.width));
+    for (const double k : {0.0, 0.1, 0.3, 0.6, 1.0, 1.5, 2.5, 4.0, 8.0})
+      for (const double side : {-k, k}) grid.push_back(mark.w + side * mark.width);
+  }
+  if (loop.delay() > 0) {
+    const double step = kPhaseStep / loop.delay();
+    for (std::size_t i = 1; i <= kMostForDelay && double(i) * step < top; ++i)
+      grid.push_back(double(i) * step);
+  }
+  if (loop.discrete()) grid.push_back(nyquist);
+  std::erase_if(grid, [&](double w) { return !(w >= 0) || w > top; });
+  std::sort(grid.begin(), grid.end());
+  grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+  return grid;
+}
+
+double refine_root(const std::function<double(double)>& f, double low, double high) {
+  const bool rises = f(high) > 0;
+  constexpr int kMaxHalvings = 100;
+  for (int i = 0; i < kMaxHalvings; ++i) {
+    // Halving the logarithm, where the ends are decades apart, takes fewer steps.
+    const double middle =
+        low > 0 && high > 4 * low ? std::sqrt(low * high) : low + 0.5 * (high - low);
+    if (middle <= low || middle >= high) break;
+    ((f(middle) > 0) == rises ? high : low) = middle;
+  }
+  return high;
+}
+
+namespace {
+
+/// Golden section between two frequencies that enclose a peak.
+std::pair<double, double> climb(const std::function<double(double)>& f, double low, double high) {
+  constexpr double kGolden = 0.6180339887498949;
+  double a = high - kGolden * (high - low);
+  double b = low + kGolden * (high - low);
+  double at_a = f(a);
+  double at_b = f(b);
+  // A peak is flat: its place is known to the root of rounding only, its height to rounding.
+  while (high - low > 1e-9 * high) {
+    if (at_a > at_b) {
+      high = b;
+      b = a;
+      at_b = at_a;
+      a = high - kGolden * (high - low);
+      at_a = f(a);
+    } else {
+      low = a;
+      a = b;
+      at_a = at_b;
+      b = low + kGolden * (high - low);
+      at_b = f(b);
+    }
+  }
+  return at_a > at_b ? std::pair{at_a, a} : std::pair{at_b, b};
+}
+
+}  // namespace
+
+std::pair<double, double> refine_peak(const std::function<double(double)>& f,
+                                      const std::vector<double>& grid,
+                                      const std::vector<double>& values) {
+  constexpr double kNear = 0.7;
+  if (grid.empty()) return {0, 0};
+  const auto largest = std::max_element(values.begin(), values.end());
+  std::pair<double, double> best{*largest,
+                                 grid[static_cast<std::size_t>(largest - values.begin())]};
+  const double level = kNear * *largest;
+  for (std::size_t i = 1; i + 1 < grid.size(); ++i) {
+    if (values[i] < level || values[i] < values[i - 1] || values[i] < values[i + 1]) continue;
+    best = std::max(best, climb(f, grid[i - 1], grid[i + 1]));
+  }
+  return best;
+}
+
+}  // namespace quadtune::internal

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/synthesis/margins.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ostream.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <numbers>
+#include <ostream>
+
+#include "disk.hpp"
+#include "frequency_grid.hpp"
+#include "quadtune/errors.hpp"
+
+namespace quadtune {
+
+namespace {
+
+using Complex = std::complex<double>;
+using internal::refine_peak;
+using internal::refine_root;
+constexpr double kPi = std::numbers::pi;
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+/// One channel's response on the grid.
+struct Samples {
+  std::vector<double> w;
+  std::vector<Complex> L;
+};
+
+class SingleLoop {
+ public:
+  explicit SingleLoop(const OpenLoop& loop) : loop_(loop) {
+    for (const double w : internal::frequency_grid(loop)) {
+      const Complex L = at(w);
+      // A pole on the axis has no value; its neighbours show its size.
+      if (!std::isfinite(L.real()) || !std::isfinite(L.imag())) continue;
+      samples_.w.push_back(w);
+      samples_.L.push_back(L);
+    }
+    // Real to the last bit, so that a crossing there is seen.
+    if (loop.discrete() && !samples_.L.empty()) samples_.L.back().imag(0);
+  }
+
+  [[nodiscard]] Complex at(double w) const { return loop_.at(w)(0, 0); }
+
+  /// Roots of f(L) on the grid, and between neighbours where it changes sign. f is continuous
+  /// there. Where it is 0 at neighbours it is so all along, and this is no root.
+  [[nodiscard]] std::vector<double> roots(const std::function<double(Complex)>& f) const {
+    std::vector<double> found;
+    const std::size_t count = samples_.w.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      const double here = f(samples_.L[i]);
+      const bool last = i + 1 == count;
+      const double next = last ? 1 : f(samples_.L[i + 1]);
+      const double before = i == 0 ? 1 : f(samples_.L[i - 1]);
+      if (here == 0 && next != 0 && before != 0) found.push_back(samples_.w[i]);
+      if (!last && here * next < 0)
+        found.push_back(
+            refine_root([&](double w) { return f(at(w)); }, samples_.w[i], samples_.w[i + 1]));
+    }
+    return found;
+  }
+
+  /// The largest f(L) and where.
+  [[nodiscard]] std::pair<double, double> peak(const std::function<double(Complex)>& f) const {
+    std::vector<double> values;
+    values.reserve(samples_.L.size());
+    for (const Complex& L : samples_.L) values.push_back(f(L));
+    const auto best = refine_peak([&](double w) { return f(at(w)); }, samples_.w, values);
+    if (loop_.discrete() || loop_.delay() > 0) return best;
+    return std::max(best, {f(at(kInfinite)), kInfinite});
+  }
+
+  /// Of a continuous loop without delay; otherwise 0.
+  [[nodiscard]] double feed_through() const {
+    return loop_.discrete() || loop_.delay() > 0 ? 0 : at(kInfinite).real();
+  }
+
+ private:
+  const OpenLoop& loop_;
+  Samples samples_;
+};
+
+/// In (-π, π].
+double wrapped(double angle) {
+  const double turned = std::remainder(angle, 2 * kPi);
+  return turned <= -kPi ? turned + 2 * kPi : turned;
+}
+
+std::vector<GainCrossover> gain_crossovers(const SingleLoop& loop) {
+  std::vector<GainCrossover> all;
+  for (const double w : loop.roots([](Complex L) { return std::log(std::abs(L)); })) {
+    const double phase = wrapped(std::arg(loop.at(w)) + kPi);
+    all.push_back({w, phase, w > 0 ? (phase > 0 ? phase : phase + 2 * kPi) / w : kInfinite});
+  }
+  return all;
+}
+
+std::vector<PhaseCrossover> phase_crossovers(const SingleLoop& loop) {
+  // A delay turns the smallest L on and on; beyond this factor nobody raises a gain.
+  constexpr double kOfInterest = 1e6;
+  std::vector<PhaseCrossover> all;
+  for (const double w : loop.roots([](Complex L) { return L.imag(); })) {
+    const Complex L = loop.at(w);
+    // A change of sign through infinity, at a pole on the axis, is not one through 0.
+    const bool real = std::abs(L.imag()) <= 1e-6 * std::abs(L);
+    if (real && L.real() < 0 && std::abs(L) * kOfInterest > 1) all.push_back({w, 1 / std::abs(L)});
+  }
+  // A continuous loop's feed-through is real as well, but no frequency of the grid.
+  if (loop.feed_through() < 0) all.push_back({kInfinite, -1 / loop.feed_through()});
+  return all;
+}
+
+/// Stability with a delay (Walton, Marshall 1987): as the delay grows from 0, roots cross the axis
+/// only at the gain crossovers, two at a time, out where |L| falls and back where it rises.
+bool stable_with_delay(const OpenLoop& loop) {
+  const OpenLoop prompt = loop.without_delay();
+  // With |L| ≥ 1 at infinity every delay leaves poles of any speed on the wrong side.
+  if (std::abs(prompt.at(kInfinite)(0, 0)) >= 1) return false;
+  const Eigen::VectorXcd poles = prompt.closed_loop_poles();
+  auto unstable = static_cast<long>((poles.real().array() >= 0).count());
+  const SingleLoop response(prompt);
+  for (const GainCrossover& crossover : gain_crossovers(response)) {
+    const double w = crossover.w;
+    if (!(w > 0) || crossover.delay_margin > loop.delay()) continue;
+    const double passed = std::floor((loop.delay() - crossover.delay_margin) * w / (2 * kPi)) + 1;
+    const bool falls = std::abs(response.at(w * (1 + 1e-6))) < std::abs(response.at(w));
+    unstable += (falls ? 2 : -2) * static_cast<long>(passed);
+  }
+  return unstable == 0;
+}
+
+}  // namespace
+
+namespace internal {
+
+bool closed_loop_is_stable(const OpenLoop& loop) {
+  if (loop.delay() > 0) return stable_with_delay(loop);
+  const Eigen::VectorXcd poles = loop.closed_loop_poles();
+  return loop.discrete() ? poles.cwiseAbs().maxCoeff() < 1 : poles.real().maxCoeff() < 0;
+}
+
+DiskMargin disk_of_peak(double peak, double w, double skew) {
+  DiskMargin disk;
+  disk.alpha = 1 / peak;
+  disk.w = w;
+  const double a = disk.alpha;
+  disk.gain_low = (2 - a * (1 - skew)) / (2 + a * (1 + skew));
+  const double open = 2 - a * (1 + skew);
+  disk.gain_high = open > 0 ? (2 + a * (1 - skew)) / open : kInfinite;
+  const double cosine =
+      open > 0 ? (1 + disk.gain_low * disk.gain_high) / (disk.gain_low + disk.gain_high)
+               : disk.gain_low;
+  disk.phase = cosine < -1 || disk.gain_low + (open > 0 ? disk.gain_high : 1) <= 0
+                   ? kPi
+                   : std::acos(std::clamp(cosine, -1.0, 1.0));
+  return disk;
+}
+
+}  // namespace internal
+
+LoopMargins loop_margins(const OpenLoop& loop, double skew) {
+  if (loop.size() != 1)
+    throw InvalidInput(
+        "loop_margins",
+        fmt::format("the loop has {} channels, expected 1: take one of them", loop.size()));
+  if (!std::isfinite(skew))
+    throw InvalidInput("loop_margins", fmt::format("skew is {}, expected a finite number", skew));
+  const SingleLoop response(loop);
+  LoopMargins margins;
+  margins.stable = internal::closed_loop_is_stable(loop);
+  margins.gain_crossovers = gain_crossovers(response);
+  margins.phase_crossovers = phase_crossovers(response);
+  for (const PhaseCrossover& at : margins.phase_crossovers) {
+    if (at.gain_margin > 1) margins.gain_margin = std::min(margins.gain_margin, at.gain_margin);
+    if (at.gain_margin < 1)
+      margins.gain_reduction = std::max(margins.gain_reduction, at.gain_margin);
+  }
+  for (const GainCrossover& at : margins.gain_crossovers) {
+    margins.delay_margin = std::min(margins.delay_margin, at.delay_margin);
+    if (std::abs(at.phase_margin) >= std::abs(margins.phase_margin)) continue;
+    margins.phase_margin = at.phase_margin;
+    margins.crossover = at.w;
+  }
+  const auto sensitivity = [](Complex L) { return 1.0 / (1.0 + L); };
+  std::tie(margins.Ms, margins.w_Ms) =
+      response.peak([&](Complex L) { return std::abs(sensitivity(L)); });
+  std::tie(margins.Mt, margins.w_Mt) =
+      response.peak([&](Complex L) { return std::abs(1.0 - sensitivity(L)); });
+  if (margins.stable) {
+    const auto [peak, w] =
+        response.peak([&](Complex L) { return std::abs(sensitivity(L) + (skew - 1) / 2); });
+    margins.disk = internal::disk_of_peak(peak, w, skew);
+  }
+  return margins;
+}
+
+std::ostream& operator<<(std::ostream& out, const LoopMargins& m) {
+  return out << fmt::format(
+             "{}, gain margin {:.4g} (reduction {:.4g}), phase margin {:.4g} rad at {:.4g} rad/s, "
+             "delay margin {:.4g} s, Ms {:.4g}, Mt {:.4g}, disk {:.4g} at {:.4g} rad/s",
+             m.stable ? "stable" : "unstable", m.gain_margin, m.gain_reduction, m.phase_margin,
+             m.crossover, m.delay_margin, m.Ms, m.Mt, m.disk.alpha, m.disk.w);
+}
+
+}  // namespace quadtune
