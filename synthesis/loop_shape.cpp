@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "loop_shape.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <tuple>
+
+namespace quadtune::internal {
+namespace {
+
+using Complex = std::complex<double>;
+using std::numbers::pi;
+
+Eigen::VectorXd product(const Eigen::VectorXd& p, const Eigen::VectorXd& q) {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(p.size() + q.size() - 1);
+  for (Eigen::Index i = 0; i < p.size(); ++i) result.segment(i, q.size()) += p(i) * q;
+  return result;
+}
+
+/// p + q, both in descending powers.
+Eigen::VectorXd sum(const Eigen::VectorXd& p, const Eigen::VectorXd& q) {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(std::max(p.size(), q.size()));
+  result.tail(p.size()) += p;
+  result.tail(q.size()) += q;
+  return result;
+}
+
+Eigen::VectorXd trimmed(const Eigen::VectorXd& p) {
+  Eigen::Index first = 0;
+  while (first + 1 < p.size() && p[first] == 0) ++first;
+  return p.tail(p.size() - first);
+}
+
+/// L without its delay.
+struct Fraction {
+  Eigen::VectorXd num;
+  Eigen::VectorXd den;
+};
+
+Fraction loop_fraction(const ContinuousTransferFunction& plant, const PidGains& gains) {
+  const Eigen::VectorXd one = Eigen::VectorXd::Ones(1);
+  const Eigen::VectorXd s = Eigen::Vector2d(1, 0);
+  const bool filtered = gains.Kd != 0 && gains.Tf > 0;
+  const Eigen::VectorXd integral = gains.Ki != 0 ? s : one;
+  const Eigen::VectorXd filter = filtered ? Eigen::VectorXd(Eigen::Vector2d(gains.Tf, 1)) : one;
+  Eigen::VectorXd num = gains.Kp * product(integral, filter);
+  if (gains.Ki != 0) num = sum(num, gains.Ki * filter);
+  if (gains.Kd != 0) num = sum(num, gains.Kd * product(s, integral));
+  return {trimmed(product(num, plant.num)), product(product(integral, filter), plant.den)};
+}
+
+/// By how much arg F(jω) turns from one frequency to another, halving until no step turns far.
+/// Not a number where F passes through 0.
+template <class F>
+double turn(const F& f, double low, Complex f_low, double high, Complex f_high, int depth) {
+  const double middle = low + (high - low) / 2;
+  const Complex f_middle = f(middle);
+  const double first = std::arg(f_middle / f_low);
+  const double second = std::arg(f_high / f_middle);
+  if (std::abs(first) < 0.8 && std::abs(second) < 0.8) return first + second;
+  if (!(depth < 50)) return std::numeric_limits<double>::quiet_NaN();
+  return turn(f, low, f_low, middle, f_middle, depth + 1) +
+         turn(f, middle, f_middle, high, f_high, depth + 1);
+}
+
+/// What arg(jω - p), summed over the roots p, still turns from ω = w to infinity.
+double remaining_turn(const Eigen::VectorXcd& roots, double w) {
+  double sum = 0;
+  for (Eigen::Index i = 0; i < roots.size(); ++i) {
+    const double right = roots[i].real() > 0 ? -1 : 1;
+    sum += right * (pi / 2 - std::atan2(w - roots[i].imag(), std::abs(roots[i].real())));
+  }
+  return sum;
+}
+
+/// Where |L| stays below `bound` for good, given that it falls beyond the grid.
+double last_frequency_of_note(const Fraction& loop, const std::vector<double>& grid, double bound) {
+  const auto size = [&](double w) {
+    return std::abs(polynomial(loop.num, {0, w}) / polynomial(loop.den, {0, w}));
+  };
+  std::size_t k = grid.size();
+  while (k > 0 && size(grid[k - 1]) < bound) --k;
+  if (k < grid.size()) return grid[k];
+  double w = grid.back();
+  for (int doubling = 0; doubling < 200 && !(size(w) < bound); ++doubling) w *= 2;
+  return w;
+}
+
+/// F(jω) = den + num e^(-jω delay) turns by n π/2 from ω = 0 to infinity if and only if none of its
+/// roots lies right; each that does takes π away (Mikhailov).
+bool mikhailov_stable(const Fraction& loop, double delay, const std::vector<double>& grid) {
+  const auto n = static_cast<double>(loop.den.size() - 1);
+  const double at_infinity =
+      loop.num.size() == loop.den.size() ? std::abs(loop.num[0] / loop.den[0]) : 0;
+  if (!(at_infinity < 1)) return false;  // infinitely many roots right or on the axis
+  const auto F = [&](double w) {
+    return polynomial(loop.den, {0, w}) +
+           polynomial(loop.num, {0, w}) * std::polar(1.0, -w * delay);
+  };
+  const double end = last_frequency_of_note(loop, grid, std::max(0.5, (1 + at_infinity) / 2));
+  double w = 0;
+  Complex f = F(0);
+  const double scale =
+      std::abs(loop.den[loop.den.size() - 1]) + std::abs(loop.num[loop.num.size() - 1]);
+  if (!(std::abs(f) > 1e-14 * scale)) return false;
+  double total = 0;
+  while (w < end) {
+    double next = w == 0 ? grid.front() : w + std::min(0.1 * w, 0.5 / delay);
+    next = std::min(next, end);
+    const Complex f_next = F(next);
+    total += turn(F, w, f, next, f_next, 0);
+    w = next;
+    f = f_next;
+  }
+  // F = den (1 + L), and from here on 1 + L turns no more than it returns.
+  total += remaining_turn(polynomial_roots(loop.den), end);
+  total -= std::arg(1.0 + polynomial(loop.num, {0, end}) / polynomial(loop.den, {0, end}) *
+                              std::polar(1.0, -end * delay));
+  const double roots_right = (n * pi / 2 - total) / pi;
+  return std::abs(roots_right) < 0.25;
+}
+
+/// The largest of a function near grid point k, on the logarithmic axis.
+template <class F>
+std::pair<double, double> climb(const F& f, const std::vector<double>& grid, std::size_t k) {
+  constexpr double kGolden = 0.6180339887498949;
+  double low = std::log(grid[k > 0 ? k - 1 : 0]);
+  double high = std::log(grid[std::min(k + 1, grid.size() - 1)]);
+  double a = high - kGolden * (high - low);
+  double b = low + kGolden * (high - low);
+  double f_a = f(std::exp(a));
+  double f_b = f(std::exp(b));
+  for (int i = 0; i < 60 && high - low > 1e-9; ++i) {
+    if (f_a > f_b) {
+      high = b;
+      b = a;
+      f_b = f_a;
+      a = high - kGolden * (high - low);
+      f_a = f(std::exp(a));
+    } else {
+      low = a;
+      a = b;
+      f_a = f_b;
+      b = low + kGolden * (high - low);
+      f_b = f(std::exp(b));
+    }
+  }
+  return f_a > f_b ? std::pair(f_a, std::exp(a)) : std::pair(f_b, std::exp(b));
+}
+
+/// The largest of all peaks that come within 5 % of the grid's largest value.
+template <class F>
+std::pair<double, double> highest_peak(const F& f, const std::vector<double>& grid,
+                                       const std::vector<double>& values) {
+  const double largest = *std::max_element(values.begin(), values.end());
+  std::pair<double, double> best = {0, grid.front()};
+  for (std::size_t k = 0; k < grid.size(); ++k) {
+    const bool peak = (k == 0 || values[k] >= values[k - 1]) &&
+                      (k + 1 == grid.size() || values[k] >= values[k + 1]);
+    if (!peak || values[k] < 0.95 * largest) continue;
+    best = std::max({best, std::pair(values[k], grid[k]), climb(f, grid, k)});
+  }
+  return best;
+}
+
+std::vector<double> plant_grid(const ContinuousTransferFunction& plant,
+                               const std::vector<double>& corners) {
+  std::vector<double> marks;
+  std::vector<double> grid;
+  const auto mark_roots = [&](const Eigen::VectorXd& p) {
+    const Eigen::VectorXcd roots = polynomial_roots(p);
+    for (Eigen::Index i = 0; i < roots.size(); ++i) {
+      const double size = std::abs(roots[i]);
+      if (!(size > 0)) continue;
+      marks.push_back(size);
+      const double damping = std::max(std::abs(roots[i].real()) / size, 1e-6);
+      const double peak = std::abs(roots[i].imag());
+      if (damping < 0.3)
+        for (const double step : {0.0, 0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0, 15.0, 30.0})
+          for (const double side : {-1.0, 1.0})
+            if (damping * step < 0.5) grid.push_back(peak * (1 + side * damping * step));
+    }
+  };
+  mark_roots(trimmed(plant.num));
+  mark_roots(plant.den);
+  if (plant.delay > 0) marks.push_back(1 / plant.delay);
+  for (const double corner : corners)
+    if (corner > 0) marks.push_back(corner);
+  if (marks.empty()) marks.push_back(1);
+  const auto [least, most] = std::minmax_element(marks.begin(), marks.end());
+  const double end = *most * 1e3;
+  // Beyond fifty turns of the delay every size of L that matters has come by at every phase.
+  const double delayed = plant.delay > 0 ? 50 / plant.delay : 0;
+  for (double w = *least * 1e-3; w < end;) {
+    grid.push_back(w);
+    w += w < delayed ? std::min(0.03 * w, 0.2 / plant.delay) : 0.03 * w;
+  }
+  grid.push_back(end);
+  std::sort(grid.begin(), grid.end());
+  grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+  return grid;
+}
+
+}  // namespace
+
+LoopShape::LoopShape(const ContinuousTransferFunction& plant, const std::vector<double>& corners)
+    : plant_(plant), grid_(plant_grid(plant, corners)) {
+  plant_.num = trimmed(plant.num);
+  responses_.reserve(grid_.size());
+  for (const double w : grid_) responses_.push_back(plant_({0, w}));
+}
+
+Complex LoopShape::at(const PidGains& gains, double w) const {
+  return gains({0, w}) * plant_({0, w});
+}
+
+bool LoopShape::stable(const PidGains& gains) const {
+  const Fraction loop = loop_fraction(plant_, gains);
+  if (loop.num.size() > loop.den.size()) return false;
+  if (loop.den.size() < 2) return false;  // a static loop is algebraic
+  if (plant_.delay > 0) return mikhailov_stable(loop, plant_.delay, grid_);
+  const Eigen::VectorXd closed = sum(loop.den, loop.num);
+  if (!(std::abs(closed[0]) > 1e-14 * std::abs(loop.den[0]))) return false;
+  const Eigen::VectorXcd poles = polynomial_roots(closed);
+  return (poles.real().array() < -1e-12 * poles.cwiseAbs().maxCoeff()).all();
+}
+
+SensitivityPeaks LoopShape::peaks(const PidGains& gains) const {
+  std::vector<double> sensitivity(grid_.size());
+  std::vector<double> complementary(grid_.size());
+  for (std::size_t k = 0; k < grid_.size(); ++k) {
+    const Complex L = gains({0, grid_[k]}) * responses_[k];
+    sensitivity[k] = 1 / std::abs(1.0 + L);
+    complementary[k] = std::abs(L) * sensitivity[k];
+  }
+  SensitivityPeaks peaks;
+  std::tie(peaks.Ms, peaks.w_Ms) =
+      highest_peak([&](double w) { return 1 / std::abs(1.0 + at(gains, w)); }, grid_, sensitivity);
+  std::tie(peaks.Mt, peaks.w_Mt) = highest_peak(
+      [&](double w) {
+        const Complex L = at(gains, w);
+        return std::abs(L / (1.0 + L));
+      },
+      grid_, complementary);
+  return peaks;
+}
+
+LeastPhaseMargin LoopShape::least_phase_margin(const PidGains& gains) const {
+  LeastPhaseMargin least;
+  double before = 0;
+  for (std::size_t k = 0; k < grid_.size(); ++k) {
+    const double size = std::abs(gains({0, grid_[k]}) * responses_[k]);
+    if (k > 0 && (before < 1) != (size < 1)) {
+      double low = grid_[k - 1];
+      double high = grid_[k];
+      for (int i = 0; i < 60; ++i) {
+        const double middle = low + (high - low) / 2;
+        ((std::abs(at(gains, middle)) < 1) == (before < 1) ? low : high) = middle;
+      }
+      const double margin = std::arg(-at(gains, high));
+      if (least.w == 0 || std::abs(margin) < std::abs(least.margin)) {
+        least.w = high;
+        least.margin = margin;
+      }
+      least.last_w = high;
+      least.last_margin = margin;
+    }
+    before = size;
+  }
+  return least;
+}
+
+}  // namespace quadtune::internal

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+/// One plant under many PID controllers: what a search asks of each of them.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <utility>
+#include <vector>
+
+#include "quadtune/synthesis/pid_gains.hpp"
+#include "quadtune/transfer_function.hpp"
+
+namespace quadtune::internal {
+
+struct SensitivityPeaks {
+  double Ms = 0;    ///< max |1/(1 + L)|
+  double w_Ms = 0;  ///< [rad/s]
+  double Mt = 0;    ///< max |L/(1 + L)|
+  double w_Mt = 0;  ///< [rad/s]
+};
+
+struct LeastPhaseMargin {
+  double w = 0;       ///< [rad/s]; 0 when |L| is nowhere 1
+  double margin = 0;  ///< [rad], least in size
+  double last_w = 0;  ///< the highest frequency at which |L| = 1 [rad/s]
+  double last_margin = 0;
+};
+
+/// L = C P under negative feedback. The plant's response is computed once, on a grid that spans
+/// three decades beyond all its corners, is dense around its resonances and turns the phase of its
+/// delay by at most 0.2 rad a step.
+class LoopShape {
+ public:
+  /// @param corners  further frequencies that the grid must contain with its decades [rad/s]
+  LoopShape(const ContinuousTransferFunction& plant, const std::vector<double>& corners);
+
+  /// Whether the closed loop has all its poles left: by their polynomial, or with a delay by
+  /// Mikhailov's criterion, which follows the argument of den(jω) + num(jω) e^(-jω delay). False as
+  /// well for loops that differentiate, and for those that hide a pole at 0.
+  [[nodiscard]] bool stable(const PidGains& gains) const;
+  [[nodiscard]] SensitivityPeaks peaks(const PidGains& gains) const;
+  [[nodiscard]] LeastPhaseMargin least_phase_margin(const PidGains& gains) const;
+
+  [[nodiscard]] std::complex<double> at(const PidGains& gains, double w) const;
+  [[nodiscard]] const std::vector<double>& grid() const { return grid_; }
+
+ private:
+  ContinuousTransferFunction plant_;
+  std::vector<double> grid_;                     ///< [rad/s]
+  std::vector<std::complex<double>> responses_;  ///< of the plant
+};
+
+}  // namespace quadtune::internal
