@@ -287,6 +287,98 @@ std::vector<Mistake> command_line_mistakes() {
   };
 }
 
+/// discretize on good matrix files A (2x2), B, C (2x2) and one sample period.
+Mistake sampling_mistake(const std::string& name, int status, const std::vector<std::string>& said,
+                         const std::vector<std::string>& extra,
+                         const std::string& A = "0 1\n0 0\n") {
+  std::vector<std::string> args = {"discretize", "--A", "@/A", "--B", "@/B", "--dt", "0.1"};
+  args.insert(args.end(), extra.begin(), extra.end());
+  return {name, args, status, said, {{"A", A}, {"B", "0\n1\n"}, {"D", "0\n1\n"}}};
+}
+
+/// discretize of a transfer function.
+Mistake fraction_mistake(const std::string& name, int status, const std::vector<std::string>& said,
+                         const std::string& num, const std::string& den,
+                         const std::vector<std::string>& extra = {}) {
+  std::vector<std::string> args = {"discretize", "--num", num, "--den", den, "--dt", "0.1"};
+  args.insert(args.end(), extra.begin(), extra.end());
+  return {name, args, status, said};
+}
+
+std::vector<Mistake> sampling_mistakes() {
+  return {
+      sampling_mistake("PrewarpAboveNyquist", 2,
+                       {"--prewarp is 32 rad/s", "less than 31.4159 rad/s (pi/dt)"},
+                       {"--method", "tustin", "--prewarp", "32"}),
+      sampling_mistake("PrewarpAtZero", 2, {"--prewarp is 0 rad/s, expected more than 0"},
+                       {"--method", "tustin", "--prewarp", "0"}),
+      sampling_mistake("PrewarpOfAHold", 2, {"--prewarp came with --method zoh, expected tustin"},
+                       {"--prewarp", "3"}),
+      sampling_mistake("PrewarpedPole", 3, {"A has a pole at 18.3049 1/s", "w/tan(w dt/2)"},
+                       {"--method", "tustin", "--prewarp", "10"}, "18.304877217124517 0\n0 -1\n"),
+      sampling_mistake("BackwardEulerPole", 3, {"backward-euler: A has a pole at 10 1/s", "1/dt"},
+                       {"--method", "backward-euler"}, "10 0\n0 -1\n"),
+      sampling_mistake("MatchedOfManyChannels", 3,
+                       {"matched: the plant has 1 inputs and 2 outputs, expected one of each"},
+                       {"--method", "matched"}),
+      sampling_mistake("ImpulseOfAFeedthrough", 3, {"impulse: D has 1 at (2,1), expected 0"},
+                       {"--method", "impulse", "--D", "@/D"}),
+      sampling_mistake("FractionalDelayOfTustin", 3,
+                       {"the delay of input 1 is 0.05 s", "a fraction of one is exact by zoh only"},
+                       {"--method", "tustin", "--input-delay", "0.05"}),
+      sampling_mistake("NegativeDelay", 2, {"--output-delay has -0.1 s, expected 0 or more"},
+                       {"--output-delay", "0,-0.1"}),
+      sampling_mistake("DelaysForOtherChannels", 2,
+                       {"--output-delay has 3 entries, expected 2 or one for all outputs"},
+                       {"--output-delay", "0,0,0"}),
+      sampling_mistake("DelayOfAWeek", 3, {"samples, expected at most 2000 altogether"},
+                       {"--input-delay", "604800"}),
+      sampling_mistake("DelayOfMatrices", 2, {"--delay came without --num and --den"},
+                       {"--delay", "0.1"}),
+      sampling_mistake("InverseWithDelays", 2, {"--input-delay came with --inverse"},
+                       {"--inverse", "--input-delay", "0.1"}),
+      sampling_mistake("InverseOfAnotherMethod", 2,
+                       {"--inverse came with --method foh, expected zoh or tustin"},
+                       {"--inverse", "--method", "foh"}),
+      sampling_mistake("InverseOfANegativePole", 3,
+                       {"zoh: A has a pole at -0.5, expected none on the negative real axis"},
+                       {"--inverse"}, "-0.5 1\n0 0.5\n"),
+      sampling_mistake("InverseOfAPoleAtZero", 3, {"zoh: A has a pole at 0, expected none"},
+                       {"--inverse"}, "0 1\n0 0.5\n"),
+      sampling_mistake("InverseOfAPoleAtMinusOne", 3, {"tustin: A has a pole at -1, expected none"},
+                       {"--inverse", "--method", "tustin"}, "-1 1\n0 0.5\n"),
+      sampling_mistake("MatricesAndFraction", 2, {"--A came with --num and --den"},
+                       {"--num", "1", "--den", "1,1"}),
+      fraction_mistake("ImproperFraction", 3,
+                       {"zoh: num has degree 2, den 1, expected no more zeros than poles"}, "1,0,0",
+                       "1,1"),
+      fraction_mistake("LeadingZeroOfDen", 3, {"the first coefficient of den is 0"}, "1", "0,1,1"),
+      fraction_mistake("WordInNum", 2, {"--num: 'one' is not a finite number"}, "one", "1,1"),
+      fraction_mistake("FractionTustinPole", 3, {"tustin: A has a pole at 20 1/s", "2/dt"}, "1",
+                       "1,-20", {"--method", "tustin"}),
+      fraction_mistake("NegativeDelayOfAFraction", 2, {"--delay is -1 s, expected 0 or more"}, "1",
+                       "1,1", {"--delay", "-1"}),
+      fraction_mistake("FractionalDelayMatched", 3,
+                       {"matched: the delay is 0.05 s, expected a whole number of samples"}, "1",
+                       "1,1", {"--delay", "0.05", "--method", "matched"}),
+      fraction_mistake("FractionalDelayInverse", 2,
+                       {"--delay is 0.05 s, expected a whole number of samples of 0.1 s"}, "1",
+                       "1,-0.5", {"--delay", "0.05", "--inverse"}),
+      {"NumWithoutDen",
+       {"discretize", "--num", "1", "--dt", "0.1"},
+       2,
+       {"--den is missing, expected coefficients"}},
+      {"NegativePeriod",
+       {"discretize", "--num", "1", "--den", "1,1", "--dt", "-0.1"},
+       2,
+       {"--dt is -0.1, expected a positive number of seconds"}},
+      {"MethodNearlyKnown",
+       {"discretize", "--num", "1", "--den", "1,1", "--dt", "0.1", "--method", "backwards-euler"},
+       2,
+       {"--method", "backwards-euler", "did you mean 'backward-euler'?"}},
+  };
+}
+
 class BadInput : public ::testing::TestWithParam<Mistake> {};
 
 /// `where` of the JSON error of a command that ends with `status`.
@@ -362,6 +454,7 @@ INSTANTIATE_TEST_SUITE_P(Files, BadInput, ::testing::ValuesIn(file_mistakes()), 
 INSTANTIATE_TEST_SUITE_P(Vehicles, BadInput, ::testing::ValuesIn(vehicle_mistakes()), name_of);
 INSTANTIATE_TEST_SUITE_P(Matrices, BadInput, ::testing::ValuesIn(matrix_mistakes()), name_of);
 INSTANTIATE_TEST_SUITE_P(Designs, BadInput, ::testing::ValuesIn(design_mistakes()), name_of);
+INSTANTIATE_TEST_SUITE_P(Sampling, BadInput, ::testing::ValuesIn(sampling_mistakes()), name_of);
 INSTANTIATE_TEST_SUITE_P(CommandLine, BadInput, ::testing::ValuesIn(command_line_mistakes()),
                          name_of);
 
