@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fraction.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace quadtune::internal {
@@ -13,7 +14,9 @@ ContinuousLti realize_for_sampling(const ContinuousTransferFunction& plant, doub
   ContinuousLti result = realize(plant);
   const Index n = result.A.rows();
   if (n < 2) return result;
-  const double ratio = std::scalbn(1.0, -std::ilogb(dt)) / result.A(1, 0);  // a power of two
+  // A power of two, at most such that its n-th power is a number.
+  const double ratio = std::min(std::scalbn(1.0, -std::ilogb(dt)) / result.A(1, 0),
+                                std::scalbn(1.0, 900 / static_cast<int>(n)));
   if (!(ratio > 1)) return result;
   double scale = 1;  // x_i ← ratio^i x_i
   for (Index i = 0; i < n; ++i, scale *= ratio) {

@@ -95,6 +95,14 @@ TEST(DiscretizeTransferFunction, FourIntegratorsKeepTheirDigitsAtAnyPeriod) {
   }
 }
 
+// dt³ is below the range of a double.
+TEST(DiscretizeTransferFunction, SurvivesAbsurdlyShortPeriods) {
+  const DiscreteTransferFunction d =
+      discretize({list({1}), list({1, 0, 0, 0}), 0}, 1e-300, Method::zoh);
+  EXPECT_THAT(d.num, MatrixNear(VectorXd::Zero(4), 0));
+  EXPECT_THAT(d.den, MatrixNear(list({1, -3, 3, -1}), 0));
+}
+
 ContinuousTransferFunction random_fraction(int poles, std::mt19937_64& generator) {
   std::normal_distribution<double> normal;
   const auto draw = [&] { return normal(generator); };
