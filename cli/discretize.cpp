@@ -95,7 +95,7 @@ Eigen::VectorXd read_list(const std::string& text, const std::string& option) {
 Eigen::VectorXd read_delays(const std::string& text, const std::string& option, Eigen::Index count,
                             const std::string& channels) {
   if (text.empty()) return {};
-  const Eigen::VectorXd delays = read_list(text, option);
+  Eigen::VectorXd delays = read_list(text, option);
   for (const double delay : delays)
     if (delay < 0)
       refuse(option,

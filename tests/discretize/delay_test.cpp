@@ -75,6 +75,7 @@ TEST(Delays, AgreeWithFinerHoldsForAnyFractions) {
     const DiscreteLti d = discretize_zoh(p, dt, {seconds(input, dt), seconds(output, dt)});
     EXPECT_THAT(response(d, u), MatrixNear(fine_response(p, dt, input, output, u), 1e-12))
         << "delays " << input.transpose() << " and " << output.transpose() << " tenths of a sample";
+    EXPECT_NO_THROW(validate(d, ""));
     EXPECT_EQ(std::ssize(d.states), d.A.rows());
   }
 }
