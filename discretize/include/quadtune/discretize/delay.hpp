@@ -38,7 +38,7 @@ struct ChannelDelays {
 /// @return        The sampled plant; C and D are written out.
 /// @throws InvalidInput  as discretize_zoh(), and for delays of another number than channels, that
 ///                       are negative or not finite, or that make too many states.
-/// Source: Åström and Wittenmark 1997, section 2.3 (inputs).
+/// Source: Åström and Wittenmark 1997, chapter 2 (inputs).
 [[nodiscard]] DiscreteLti discretize_zoh(const ContinuousLti& plant, double dt,
                                          const ChannelDelays& delays);
 

@@ -24,7 +24,7 @@ inline constexpr double kLongPeriod = 0.5;
 /// @param poles  of a continuous plant [1/s]
 /// @param dt     Sample period [s], 0 < dt < ∞.
 /// @throws InvalidInput  if dt is out of range.
-/// Source: Åström and Wittenmark 1997, section 3.9 (choice of the sampling rate).
+/// Source: Åström and Wittenmark 1997, chapter 2 (choice of the sampling rate).
 [[nodiscard]] std::vector<std::string> sample_time_warnings(const Eigen::VectorXcd& poles,
                                                             double dt);
 [[nodiscard]] std::vector<std::string> sample_time_warnings(const ContinuousLti& plant, double dt);
