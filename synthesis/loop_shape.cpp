@@ -247,6 +247,16 @@ SensitivityPeaks LoopShape::peaks(const PidGains& gains) const {
   return peaks;
 }
 
+double LoopShape::noise_gain(const PidGains& gains) const {
+  std::vector<double> values(grid_.size());
+  for (std::size_t k = 0; k < grid_.size(); ++k) {
+    const Complex C = gains({0, grid_[k]});
+    values[k] = std::abs(C / (1.0 + C * responses_[k]));
+  }
+  const auto gain = [&](double w) { return std::abs(gains({0, w}) / (1.0 + at(gains, w))); };
+  return highest_peak(gain, grid_, values).first;
+}
+
 LeastPhaseMargin LoopShape::least_phase_margin(const PidGains& gains) const {
   LeastPhaseMargin least;
   double before = 0;

@@ -39,6 +39,8 @@ class LoopShape {
   /// well for loops that differentiate, and for those that hide a pole at 0.
   [[nodiscard]] bool stable(const PidGains& gains) const;
   [[nodiscard]] SensitivityPeaks peaks(const PidGains& gains) const;
+  /// max |C/(1 + L)|, as far as the grid goes.
+  [[nodiscard]] double noise_gain(const PidGains& gains) const;
   [[nodiscard]] LeastPhaseMargin least_phase_margin(const PidGains& gains) const;
 
   [[nodiscard]] std::complex<double> at(const PidGains& gains, double w) const;
