@@ -55,8 +55,8 @@ std::ostream& operator<<(std::ostream& out, const PidOptimum& optimum);
 /// For given Kp and Kd each bound is, at each frequency, a quadratic inequality in Ki; the greatest
 /// Ki is at the end of the highest gap that they leave and in which the loop is stable. It is
 /// climbed over Kp for every Kd, and over Kd, by golden sections, which follow the ridge where two
-/// bounds meet. The start is the best of AMIGO's gains, where a model for them can be fitted, and of
-/// a scan over crossovers. A local search: a better optimum elsewhere is not excluded.
+/// bounds meet. The start is the best of AMIGO's gains, where a model for them can be fitted, and
+/// of a scan over crossovers. A local search: a better optimum elsewhere is not excluded.
 ///
 /// @param plant   with its delay
 /// @param type    PI or PID

@@ -11,16 +11,16 @@ namespace quadtune {
 /// N means no filter.
 inline constexpr double kPidFilterRatio = 10;
 
-/// Ziegler and Nichols, from the step response: K = T/(gain L) · {1; 0.9; 1.2}, Ti = L/0.3 (PI), 2 L (PID),
-/// Td = L/2.
+/// Ziegler and Nichols, from the step response: K = T/(gain L) · {1; 0.9; 1.2}, Ti = L/0.3 (PI), 2
+/// L (PID), Td = L/2.
 /// @param type  P, PI or PID
 /// @throws InvalidInput  unless the gain is a number other than 0, T > 0 and L > 0; for type PD.
 /// Source: Ziegler and Nichols 1942.
 [[nodiscard]] PidGains ziegler_nichols_step(PidType type, const FopdtModel& model,
                                             double N = kPidFilterRatio);
 
-/// Ziegler and Nichols, from the limit of stability: K = Ku · {0.5; 0.45; 0.6}, Ti = Tu/1.2 (PI), Tu/2 (PID),
-/// Td = Tu/8.
+/// Ziegler and Nichols, from the limit of stability: K = Ku · {0.5; 0.45; 0.6}, Ti = Tu/1.2 (PI),
+/// Tu/2 (PID), Td = Tu/8.
 /// @param type             P, PI or PID
 /// @param ultimate_gain    Ku, the gain at which a proportional loop oscillates; not 0
 /// @param ultimate_period  Tu, of that oscillation [s], > 0
