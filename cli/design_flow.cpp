@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <iterator>
 
 #include "plant_arguments.hpp"
 #include "program.hpp"
@@ -11,6 +12,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/model/rotation.hpp"
+#include "quadtune/synthesis/lqr.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -81,6 +83,7 @@ void solve_feedback(DesignOutcome& outcome) {
                      design.file.string());
   outcome.gains = make_gains(design.vehicle, outcome.model, *design.lqr, *outcome.feedback);
   outcome.poles = flying_poles(outcome.model, *outcome.gains, riccati);
+  outcome.margins = flying_margins(outcome.model, *outcome.gains, riccati);
   if (design.lqr->dt > 0) outcome.sampled = discretize_zoh(outcome.model.plant, design.lqr->dt);
   if (design.published) outcome.published = compare(*design.published, *outcome.gains);
 }
@@ -161,6 +164,17 @@ Eigen::VectorXcd flying_poles(const Linearization& model, const Gains& gains,
                               const RiccatiResult& riccati) {
   return gains.dt > 0 ? closed_loop_poles(discretize_zoh(model.plant, gains.dt), gains)
                       : riccati.poles;
+}
+
+MarginsReport flying_margins(const Linearization& model, const Gains& gains,
+                             const RiccatiResult& riccati) {
+  std::vector<std::string> inputs = names_or_numbers(gains.inputs, std::ssize(gains.inputs));
+  if (gains.dt > 0)
+    return margins_report(OpenLoop(open_loop(discretize_zoh(model.plant, gains.dt), gains)),
+                          std::move(inputs));
+  const ContinuousLti augmented =
+      with_integrals(model.plant, names_or_numbers(gains.integrals, std::ssize(gains.integrals)));
+  return margins_report(loop_at_inputs(augmented, riccati.K), std::move(inputs));
 }
 
 DesignOutcome run_design(const std::string& path) {

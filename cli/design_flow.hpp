@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "margins_report.hpp"
 #include "quadtune/design.hpp"
 #include "quadtune/exports/content.hpp"
 #include "quadtune/exports/manifest.hpp"
@@ -40,8 +41,9 @@ struct DesignOutcome {
   Linearization model;
   std::optional<StateFeedback> feedback;
   std::optional<Gains> gains;
-  std::optional<DiscreteLti> sampled;  ///< the plant as the flight computer sees it; if dt > 0
-  Eigen::VectorXcd poles;              ///< of the loop as it flies, integrals included
+  std::optional<DiscreteLti> sampled;    ///< the plant as the flight computer sees it; if dt > 0
+  Eigen::VectorXcd poles;                ///< of the loop as it flies, integrals included
+  std::optional<MarginsReport> margins;  ///< of the loop as it flies, at the plant's inputs
   std::vector<DesignedFilter> filters;
   std::optional<PublishedDifference> published;
 };
@@ -57,6 +59,10 @@ struct DesignOutcome {
 /// Poles of the loop as it flies: sampled if the law is, else continuous.
 [[nodiscard]] Eigen::VectorXcd flying_poles(const Linearization& model, const Gains& gains,
                                             const RiccatiResult& riccati);
+
+/// Margins of the same loop, cut at the plant's inputs.
+[[nodiscard]] MarginsReport flying_margins(const Linearization& model, const Gains& gains,
+                                           const RiccatiResult& riccati);
 
 /// The model of gains that came from elsewhere: the vehicle in the flight that gains.x0 names.
 /// @throws NoSolution  if the vehicle has no such trim.

@@ -37,7 +37,8 @@ Json lqr_json(const DesignOutcome& outcome) {
           {"poles", internal::poles_to_json(outcome.poles, "poles")},
           {"residual", internal::number_to_json(riccati.residual, "residual")},
           {"rcond", internal::number_to_json(riccati.rcond, "rcond")},
-          {"iterations", riccati.iterations}};
+          {"iterations", riccati.iterations},
+          {"margins", to_json(*outcome.margins)}};
 }
 
 Json filter_json(const DesignedFilter& designed) {
@@ -144,10 +145,21 @@ std::string feedback_text(const DesignOutcome& outcome) {
                   fmt::format("{} = {:.6g}: {}\n", gains.dt > 0 ? "largest |z|" : "largest Re s",
                               measure, measure < (gains.dt > 0 ? 1 : 0) ? "stable" : "UNSTABLE") +
                       pole_table(outcome.poles, gains.dt));
+  text += section("margins", to_text(*outcome.margins));
   text += section("evidence", evidence_text(outcome.feedback->riccati));
   if (outcome.published)
     text += section("published", published_text(*outcome.published, *outcome.design.published));
   return text;
+}
+
+std::vector<std::string> design_warnings(const DesignOutcome& outcome) {
+  return outcome.margins ? margin_warnings(*outcome.margins) : std::vector<std::string>();
+}
+
+/// "pass", "pass with warnings" or "fail".
+std::string verdict(const DesignOutcome& outcome, const std::vector<WrittenExport>& written) {
+  if (!passed(written)) return "fail";
+  return design_warnings(outcome).empty() ? "pass" : "pass with warnings";
 }
 
 /// Failed checks in full, passed ones by their number.
@@ -198,7 +210,8 @@ Json design_json(const DesignOutcome& outcome, const std::vector<WrittenExport>&
     entry["verification"] = to_json(one.verification);
     json["exports"].push_back(entry);
   }
-  json["verdict"] = passed(written) ? "pass" : "fail";
+  json["warnings"] = design_warnings(outcome);
+  json["verdict"] = verdict(outcome, written);
   return json;
 }
 
@@ -211,7 +224,8 @@ std::string design_text(const DesignOutcome& outcome, const std::vector<WrittenE
   for (const DesignedFilter& filter : outcome.filters)
     text += section("filter", filter_text(filter));
   for (const WrittenExport& one : written) text += section("written", written_text(one));
-  return text + section("verdict", passed(written) ? "pass" : "fail");
+  for (const std::string& warning : design_warnings(outcome)) text += section("warning", warning);
+  return text + section("verdict", verdict(outcome, written));
 }
 
 }  // namespace quadtune::cli

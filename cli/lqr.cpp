@@ -10,6 +10,7 @@
 #include <ostream>
 
 #include "design_flow.hpp"
+#include "margins_report.hpp"
 #include "matrix_arguments.hpp"
 #include "number_arguments.hpp"
 #include "plant_arguments.hpp"
@@ -78,29 +79,33 @@ void run_matrices(const Options& options, bool sampled, Context& context) {
   const LqrWeights weights = {need(options.Q, "--Q"), need(options.R, "--R"),
                               read_matrix(options.N, context.in)};
   RiccatiResult result;
-  double dt = 0;
+  DiscreteLti discrete{plant.A, plant.B, {}, {}, 1, {}, {}, {}};
   if (options.discrete) {
-    dt = 1;
-    result = lqr(DiscreteLti{plant.A, plant.B, {}, {}, dt, {}, {}, {}}, weights);
+    result = lqr(discrete, weights);
   } else if (sampled) {
-    dt = options.sampled;
-    const SampledLqr problem = sample(plant, weights, dt);
+    SampledLqr problem = sample(plant, weights, options.sampled);
     result = lqr(problem.plant, problem.weights);
+    discrete = std::move(problem.plant);
   } else {
     result = lqr(plant, weights);
   }
   require_solved(result, "--A", context);
+  const bool is_discrete = options.discrete || sampled;
+  const MarginsReport margins = margins_report(
+      is_discrete ? loop_at_inputs(discrete, result.K) : loop_at_inputs(plant, result.K),
+      numbered("u", plant.B.cols()));
   if (context.json) {
     Json json = {{"status", to_string(result.status)},
                  {"K", internal::matrix_to_json(result.K, "K")},
                  {"S", internal::matrix_to_json(result.X, "S")}};
     json.update(evidence_json(result));
+    json["margins"] = to_json(margins);
     context.out << internal::readable(json) << "\n";
     return;
   }
   context.out << section("gain K", plain(result.K)) << section("cost S", plain(result.X))
-              << section("poles", pole_table(result.poles, dt))
-              << section("evidence", evidence_text(result));
+              << section("poles", pole_table(result.poles, is_discrete ? discrete.dt : 0))
+              << section("margins", to_text(margins)) << section("evidence", evidence_text(result));
 }
 
 // --- a vehicle -----------------------------------------------------------------------------------
@@ -164,6 +169,7 @@ void run_vehicle(const Options& options, bool has_dt, Context& context) {
   const Gains gains = make_gains(plant.vehicle, plant.model, design, feedback);
   require_solved(feedback.riccati, options.plant.vehicle, context);
   for (const std::string& note : plant.model.notes) context.note("lqr: note: " + note);
+  const MarginsReport margins = flying_margins(plant.model, gains, feedback.riccati);
   if (context.json) {
     Json json = {{"status", to_string(feedback.riccati.status)},
                  {"K", internal::matrix_to_json(feedback.K, "K")},
@@ -173,6 +179,7 @@ void run_vehicle(const Options& options, bool has_dt, Context& context) {
     json["states"] = internal::signals_to_json(plant.model.plant.states);
     json["inputs"] = internal::signals_to_json(plant.model.plant.inputs);
     json["integrals"] = design.integrals;
+    json["margins"] = to_json(margins);
     context.out << internal::readable(json) << "\n";
     return;
   }
@@ -181,6 +188,7 @@ void run_vehicle(const Options& options, bool has_dt, Context& context) {
     context.out << section("integral K", table(feedback.K_int, design.inputs, design.integrals));
   context.out << section("poles",
                          pole_table(flying_poles(plant.model, gains, feedback.riccati), design.dt))
+              << section("margins", to_text(margins))
               << section("evidence", evidence_text(feedback.riccati));
 }
 

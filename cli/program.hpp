@@ -100,6 +100,7 @@ Verb linearize_verb();
 Verb lqr_verb();
 Verb kalman_verb();
 Verb discretize_verb();
+Verb margins_verb();
 Verb export_verb();
 Verb verify_verb();
 Verb diff_verb();

@@ -30,4 +30,49 @@ void validate(const Gains& gains, const std::string& where) {
     throw InvalidInput(where, fmt::format("dt is {} s, expected 0 (continuous) or more", gains.dt));
 }
 
+namespace {
+
+int index_of(const std::vector<Signal>& signals, const std::string& name) {
+  for (std::size_t i = 0; i < signals.size(); ++i)
+    if (signals[i].name == name) return static_cast<int>(i);
+  throw InvalidInput("open_loop",
+                     fmt::format("no state '{}' in the plant, expected {}", name, names(signals)));
+}
+
+}  // namespace
+
+DiscreteLti open_loop(const DiscreteLti& plant, const Gains& gains) {
+  validate(plant, "open_loop");
+  validate(gains, "open_loop");
+  const auto nx = static_cast<Eigen::Index>(gains.states.size());
+  const auto ni = static_cast<Eigen::Index>(gains.integrals.size());
+  require_shape(plant.A, nx, nx, "open_loop", "plant.A", "states: " + names(gains.states));
+  if (names(plant.inputs) != names(gains.inputs))
+    throw InvalidInput("open_loop", fmt::format("the plant's inputs are {}, expected {}",
+                                                names(plant.inputs), names(gains.inputs)));
+  std::vector<int> order;
+  for (const Signal& state : gains.states) order.push_back(index_of(plant.states, state.name));
+  const double sign = gains.sign_law == SignLaw::set_point_minus_state ? -1 : 1;
+
+  // With s = -1 for set point minus state: [x; i]⁺ = [A, 0; s dt E, I] [x; i] + [B; 0] u, and
+  // u = s K x + K_int i comes back.
+  DiscreteLti loop;
+  loop.dt = plant.dt;
+  loop.A = Eigen::MatrixXd::Identity(nx + ni, nx + ni);
+  loop.A.topLeftCorner(nx, nx) = plant.A(order, order);
+  loop.B = Eigen::MatrixXd::Zero(nx + ni, plant.B.cols());
+  loop.B.topRows(nx) = plant.B(order, Eigen::all);
+  loop.C.resize(plant.B.cols(), nx + ni);
+  loop.C << -sign * gains.K, -gains.K_int;
+  loop.states = gains.states;
+  for (Eigen::Index i = 0; i < ni; ++i) {
+    const Signal& integral = gains.integrals[static_cast<std::size_t>(i)];
+    loop.A(nx + i, index_of(gains.states, integral.name)) = sign * plant.dt;
+    loop.states.push_back({"int_" + integral.name, integral.unit});
+  }
+  loop.inputs = gains.inputs;
+  loop.outputs = gains.inputs;
+  return loop;
+}
+
 }  // namespace quadtune

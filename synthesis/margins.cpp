@@ -29,6 +29,7 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 struct Samples {
   std::vector<double> w;
   std::vector<Complex> L;
+  std::vector<Complex> S;
 };
 
 class SingleLoop {
@@ -40,12 +41,14 @@ class SingleLoop {
       if (!std::isfinite(L.real()) || !std::isfinite(L.imag())) continue;
       samples_.w.push_back(w);
       samples_.L.push_back(L);
+      samples_.S.push_back(sensitivity(w));
     }
     // Real to the last bit, so that a crossing there is seen.
     if (loop.discrete() && !samples_.L.empty()) samples_.L.back().imag(0);
   }
 
   [[nodiscard]] Complex at(double w) const { return loop_.at(w)(0, 0); }
+  [[nodiscard]] Complex sensitivity(double w) const { return loop_.sensitivity(w)(0, 0); }
 
   /// Roots of f(L) on the grid, and between neighbours where it changes sign. f is continuous
   /// there. Where it is 0 at neighbours it is so all along, and this is no root.
@@ -65,14 +68,15 @@ class SingleLoop {
     return found;
   }
 
-  /// The largest f(L) and where.
-  [[nodiscard]] std::pair<double, double> peak(const std::function<double(Complex)>& f) const {
+  /// The largest |S + offset| and where.
+  [[nodiscard]] std::pair<double, double> peak(double offset) const {
     std::vector<double> values;
-    values.reserve(samples_.L.size());
-    for (const Complex& L : samples_.L) values.push_back(f(L));
-    const auto best = refine_peak([&](double w) { return f(at(w)); }, samples_.w, values);
+    values.reserve(samples_.S.size());
+    for (const Complex& S : samples_.S) values.push_back(std::abs(S + offset));
+    const auto best = refine_peak([&](double w) { return std::abs(sensitivity(w) + offset); },
+                                  samples_.w, values);
     if (loop_.discrete() || loop_.delay() > 0) return best;
-    return std::max(best, {f(at(kInfinite)), kInfinite});
+    return std::max(best, {std::abs(sensitivity(kInfinite) + offset), kInfinite});
   }
 
   /// Of a continuous loop without delay; otherwise 0.
@@ -101,14 +105,17 @@ std::vector<GainCrossover> gain_crossovers(const SingleLoop& loop) {
 }
 
 std::vector<PhaseCrossover> phase_crossovers(const SingleLoop& loop) {
-  // A delay turns the smallest L on and on; beyond this factor nobody raises a gain.
+  // A delay turns the smallest L on and on, and the largest, beside an integrator, is at rounding's
+  // mercy; by this factor nobody changes a gain.
   constexpr double kOfInterest = 1e6;
   std::vector<PhaseCrossover> all;
   for (const double w : loop.roots([](Complex L) { return L.imag(); })) {
     const Complex L = loop.at(w);
     // A change of sign through infinity, at a pole on the axis, is not one through 0.
     const bool real = std::abs(L.imag()) <= 1e-6 * std::abs(L);
-    if (real && L.real() < 0 && std::abs(L) * kOfInterest > 1) all.push_back({w, 1 / std::abs(L)});
+    const double size = std::abs(L);
+    if (real && L.real() < 0 && size * kOfInterest > 1 && size < kOfInterest)
+      all.push_back({w, 1 / size});
   }
   // A continuous loop's feed-through is real as well, but no frequency of the grid.
   if (loop.feed_through() < 0) all.push_back({kInfinite, -1 / loop.feed_through()});
@@ -186,14 +193,10 @@ LoopMargins loop_margins(const OpenLoop& loop, double skew) {
     margins.phase_margin = at.phase_margin;
     margins.crossover = at.w;
   }
-  const auto sensitivity = [](Complex L) { return 1.0 / (1.0 + L); };
-  std::tie(margins.Ms, margins.w_Ms) =
-      response.peak([&](Complex L) { return std::abs(sensitivity(L)); });
-  std::tie(margins.Mt, margins.w_Mt) =
-      response.peak([&](Complex L) { return std::abs(1.0 - sensitivity(L)); });
+  std::tie(margins.Ms, margins.w_Ms) = response.peak(0);
+  std::tie(margins.Mt, margins.w_Mt) = response.peak(-1);  // |T| = |1 - S|
   if (margins.stable) {
-    const auto [peak, w] =
-        response.peak([&](Complex L) { return std::abs(sensitivity(L) + (skew - 1) / 2); });
+    const auto [peak, w] = response.peak((skew - 1) / 2);
     margins.disk = internal::disk_of_peak(peak, w, skew);
   }
   return margins;

@@ -32,6 +32,27 @@ FrequencyResponse response_of(const MatrixXd& A, const MatrixXd& B, const Matrix
   return FrequencyResponse(plant);
 }
 
+FrequencyResponse response_of(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C,
+                              const MatrixXd& D, double dt) {
+  return dt > 0 ? response_of<DiscreteLti>(A, B, C, D, dt)
+                : response_of<ContinuousLti>(A, B, C, D, dt);
+}
+
+/// Of the loop when closed: u = r - y, y = C x + D u, so u = (I + D)⁻¹ (r - C x).
+FrequencyResponse sensitivity_of(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C,
+                                 const MatrixXd& D, double dt) {
+  if (D.rows() != D.cols())
+    throw InvalidInput("open loop", fmt::format("{} outputs and {} inputs, expected as many of one "
+                                                "as of the other because each comes back to itself",
+                                                D.rows(), D.cols()));
+  const Eigen::PartialPivLU<MatrixXd> lu(MatrixXd::Identity(D.rows(), D.rows()) + D);
+  if (!(lu.rcond() > 1e-14))
+    throw InvalidInput("open loop",
+                       "I + D is singular, expected a loop that can be closed at once");
+  const MatrixXd closing = lu.inverse();
+  return response_of(A - B * closing * C, B * closing, -closing * C, closing, dt);
+}
+
 template <class Lti>
 MatrixXd outputs_of(const Lti& plant) {
   validate(plant, "open loop");
@@ -54,12 +75,8 @@ OpenLoop::OpenLoop(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C, cons
       D_(D),
       dt_(dt),
       delay_(delay),
-      response_(dt > 0 ? response_of<DiscreteLti>(A, B, C, D, dt)
-                       : response_of<ContinuousLti>(A, B, C, D, dt)) {
-  if (D.rows() != D.cols())
-    throw InvalidInput("open loop", fmt::format("{} outputs and {} inputs, expected as many of one "
-                                                "as of the other because each comes back to itself",
-                                                D.rows(), D.cols()));
+      response_(response_of(A, B, C, D, dt)),
+      sensitivity_(sensitivity_of(A, B, C, D, dt)) {
   if (!(delay >= 0) || !std::isfinite(delay))
     throw InvalidInput("open loop",
                        fmt::format("delay is {} s, expected a finite number >= 0", delay));
@@ -68,10 +85,6 @@ OpenLoop::OpenLoop(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C, cons
                        fmt::format("delay is {} s with {} channels, expected one channel, or a "
                                    "discrete loop, where a delay is states",
                                    delay, D.rows()));
-  const MatrixXd closing = MatrixXd::Identity(D.rows(), D.rows()) + D;
-  if (!(closing.partialPivLu().rcond() > 1e-14))
-    throw InvalidInput("open loop",
-                       "I + D is singular, expected a loop that can be closed at once");
 }
 
 OpenLoop::OpenLoop(const ContinuousLti& L, double delay)
@@ -85,6 +98,12 @@ MatrixXcd OpenLoop::at(double w) const {
   if (std::isinf(w)) return D_.cast<std::complex<double>>();
   if (delay_ == 0) return response_.at(w);
   return response_.at(w) * std::polar(1.0, -w * delay_);
+}
+
+MatrixXcd OpenLoop::sensitivity(double w) const {
+  const MatrixXd I = MatrixXd::Identity(size(), size());
+  if (std::isinf(w) || delay_ > 0) return (I + at(w)).inverse();
+  return sensitivity_.at(w);
 }
 
 VectorXcd OpenLoop::poles() const { return internal::eigenvalues(A_); }

@@ -2,7 +2,6 @@
 #include "quadtune/synthesis/simultaneous_margins.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -33,12 +32,15 @@ VectorXd frobenius_scaling(const MatrixXcd& M) {
   VectorXd d = VectorXd::Ones(n);
   Eigen::MatrixXd squares = M.cwiseAbs2();
   squares.diagonal().setZero();
+  // Where one channel acts on another and not back, they would be driven apart without end.
+  constexpr double kFarthest = 1e8;
   for (int sweep = 0; sweep < 30; ++sweep) {
     double change = 0;
     for (Index i = 0; i < n; ++i) {
       const double ratio = squares.col(i).sum() / squares.row(i).sum();
-      if (!(ratio > 1e-30 && ratio < 1e30)) continue;
-      const double factor = std::pow(ratio, 0.25);
+      if (!(ratio > 0) || !std::isfinite(ratio)) continue;
+      const double factor =
+          std::clamp(d[i] * std::pow(ratio, 0.25), 1 / kFarthest, kFarthest) / d[i];
       d[i] *= factor;
       squares.row(i) *= factor * factor;
       squares.col(i) /= factor * factor;
@@ -111,9 +113,7 @@ SimultaneousDiskMargin simultaneous_disk_margin(const OpenLoop& loop, double ske
   SimultaneousDiskMargin margin;
   if (!internal::closed_loop_is_stable(loop)) return margin;
   const MatrixXcd I = MatrixXcd::Identity(loop.size(), loop.size());
-  const auto at = [&](double w) -> MatrixXcd {
-    return (I + loop.at(w)).partialPivLu().inverse() + 0.5 * (skew - 1) * I;
-  };
+  const auto at = [&](double w) -> MatrixXcd { return loop.sensitivity(w) + 0.5 * (skew - 1) * I; };
   // A bound that costs one singular value first, the best one where that comes near the largest.
   std::vector<double> grid;
   std::vector<double> values;

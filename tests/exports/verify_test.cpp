@@ -309,7 +309,7 @@ TEST(Verify, CannotSayYesWithoutAVehicleOrInAnotherSampleTime) {
   std::swap(plant.states[0], plant.states[1]);
   plant.states[0].name = "north";
   EXPECT_THAT(all_details(verify_export(directory.path(), model)),
-              HasSubstr("FAIL closed loop is stable: closed_loop_poles: no state 'y'"));
+              HasSubstr("FAIL closed loop is stable: open_loop: no state 'y'"));
 }
 
 TEST(Verify, NeedsADirectory) {

@@ -34,4 +34,12 @@ struct Gains {
 /// @throws InvalidInput  naming the matrix, its shape and what was expected.
 void validate(const Gains& gains, const std::string& where);
 
+/// The loop of the gains, integrals included, cut at the plant's inputs: L with L under negative
+/// feedback the loop as it flies.
+///
+/// @param plant  sampled, with the gains' states in any order, and the gains' inputs
+/// @return       nx + ni states, those of the gains and their integrals; nu inputs and outputs
+/// @throws InvalidInput  for a plant of other states or inputs
+[[nodiscard]] DiscreteLti open_loop(const DiscreteLti& plant, const Gains& gains);
+
 }  // namespace quadtune

@@ -17,7 +17,7 @@ struct GainCrossover {
   double delay_margin = 0;  ///< [s] > 0: the least delay that turns L to -1 here
 };
 
-/// Where L is real and negative, at a single frequency, and above 1e-6.
+/// Where L is real and negative, at a single frequency, and |L| between 1e-6 and 1e6.
 struct PhaseCrossover {
   double w = 0;            ///< [rad/s]
   double gain_margin = 0;  ///< 1/|L|: the factor that brings L to -1

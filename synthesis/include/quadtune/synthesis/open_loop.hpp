@@ -27,6 +27,10 @@ class OpenLoop {
   /// @param w  [rad/s]; infinite for the feed-through of a continuous loop
   [[nodiscard]] Eigen::MatrixXcd at(double w) const;
 
+  /// S = (I + L)⁻¹ there. Of a loop without delay it is the response of the closed loop's states:
+  /// near integrators in series L is large and known to few digits, its inverse is not.
+  [[nodiscard]] Eigen::MatrixXcd sensitivity(double w) const;
+
   [[nodiscard]] Eigen::Index size() const { return D_.rows(); }
   [[nodiscard]] bool discrete() const { return dt_ > 0; }
   [[nodiscard]] double dt() const { return dt_; }        ///< [s]; 0 of a continuous loop
@@ -50,6 +54,7 @@ class OpenLoop {
   double dt_;
   double delay_;
   FrequencyResponse response_;
+  FrequencyResponse sensitivity_;
 };
 
 /// The loop of u = -K x cut at the plant's inputs: K (sI - A)⁻¹ B.

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune margins: of a transfer function, of a gain on matrices, or of a vehicle's gains.
+#include "quadtune/synthesis/margins.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <memory>
+#include <ostream>
+
+#include "design_flow.hpp"
+#include "margins_report.hpp"
+#include "matrix_arguments.hpp"
+#include "number_arguments.hpp"
+#include "print.hpp"
+#include "program.hpp"
+#include "quadtune/discretize/delay.hpp"
+#include "quadtune/exports/read_gains.hpp"
+#include "quadtune/model/vehicle.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+struct Options {
+  std::string vehicle, gains, num, den, A, B, K;
+  std::string cut = "inputs";
+  double dt = 0;
+  double delay = 0;
+};
+
+/// A loop with the names of its channels.
+struct NamedLoop {
+  OpenLoop loop;
+  std::vector<std::string> names;
+};
+
+bool cut_at_states(const Options& options) {
+  if (options.cut == "inputs") return false;
+  if (options.cut == "states") return true;
+  throw UsageError(
+      fmt::format("quadtune margins: --cut is '{}', expected inputs or states", options.cut),
+      "--cut");
+}
+
+Eigen::VectorXd coefficients(const std::string& text, const char* option) {
+  if (text.empty())
+    throw UsageError(fmt::format("quadtune margins: {} is missing, expected coefficients in "
+                                 "descending powers, e.g. 1,6,11,6",
+                                 option),
+                     option);
+  const std::vector<double> values = number_list(text, "margins", option);
+  return Eigen::VectorXd::Map(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+void require_delay(double delay) {
+  if (delay < 0)
+    throw UsageError(
+        fmt::format("quadtune margins: --delay is {} s, expected 0 or more", number(delay)),
+        "--delay");
+}
+
+/// Whole samples: of a discrete loop nothing between them is known.
+int delay_in_samples(double delay, double dt) {
+  const double samples = delay / dt;
+  if (std::abs(samples - std::round(samples)) > 1e-9 * std::max(1.0, samples))
+    throw UsageError(fmt::format("quadtune margins: --delay is {} s, expected a whole number of "
+                                 "samples of {} s because the loop is discrete",
+                                 number(delay), number(dt)),
+                     "--delay");
+  constexpr double kMost = 2000;
+  if (samples > kMost)
+    throw UsageError(fmt::format("quadtune margins: --delay is {} samples, expected at most {}",
+                                 number(samples), kMost),
+                     "--delay");
+  return static_cast<int>(std::round(samples));
+}
+
+NamedLoop transfer_function_loop(const Options& options, bool discrete) {
+  const Eigen::VectorXd num = coefficients(options.num, "--num");
+  const Eigen::VectorXd den = coefficients(options.den, "--den");
+  if (discrete) {
+    const DiscreteTransferFunction g{num, den, options.dt,
+                                     delay_in_samples(options.delay, options.dt)};
+    validate(g, "--num, --den");
+    return {OpenLoop(g), {}};
+  }
+  const ContinuousTransferFunction g{num, den, options.delay};
+  validate(g, "--num, --den");
+  return {OpenLoop(g), {}};
+}
+
+DiscreteLti delayed(DiscreteLti loop, double delay) {
+  if (delay == 0) return loop;
+  const double exact = delay_in_samples(delay, loop.dt) * loop.dt;
+  return with_delays(loop, {Eigen::VectorXd::Constant(loop.B.cols(), exact), {}});
+}
+
+/// The loop K (λI - A)⁻¹ B, or (λI - A)⁻¹ B K.
+template <class Lti>
+Lti cut(const Lti& plant, const Eigen::MatrixXd& K, bool at_states) {
+  Lti loop = plant;
+  if (at_states)
+    loop.B = (plant.B * K).eval();
+  else
+    loop.C = K;
+  return loop;
+}
+
+NamedLoop matrix_loop(const Options& options, bool discrete, std::istream& in) {
+  const Eigen::MatrixXd A = require_matrix(options.A, in, "margins", "--A");
+  const Eigen::MatrixXd B = require_matrix(options.B, in, "margins", "--B");
+  const Eigen::MatrixXd K = require_matrix(options.K, in, "margins", "--K");
+  require_shape(K, B.cols(), A.rows(), "--K", "K", "one row per input, one column per state");
+  require_finite(K, "--K", "K");
+  const bool at_states = cut_at_states(options);
+  const std::vector<std::string> names =
+      at_states ? numbered("x", A.rows()) : numbered("u", B.cols());
+  if (!discrete) {
+    const ContinuousLti plant{A, B, {}, {}, {}, {}, {}};
+    validate(plant, "--A, --B");
+    return {OpenLoop(cut(plant, K, at_states), options.delay), names};
+  }
+  const DiscreteLti plant{A, B, {}, {}, options.dt, {}, {}, {}};
+  validate(plant, "--A, --B");
+  return {OpenLoop(delayed(cut(plant, K, at_states), options.delay)), names};
+}
+
+NamedLoop vehicle_loop(const Options& options) {
+  if (options.gains.empty())
+    throw UsageError(
+        "quadtune margins: --gains is missing, expected the gains of the vehicle: a "
+        "file or the directory of an export",
+        "--gains");
+  if (cut_at_states(options))
+    throw UsageError(
+        "quadtune margins: --cut states belongs to matrices, expected inputs with a "
+        "vehicle",
+        "--cut");
+  const Vehicle vehicle = load_vehicle(options.vehicle);
+  const Gains gains = read_gains(options.gains);
+  if (!(gains.dt > 0))
+    throw InvalidInput(options.gains,
+                       "the gains have no sample period, expected one because the "
+                       "loop is looked at as it flies");
+  const VerifyModel model = model_of(vehicle, gains);
+  return {OpenLoop(delayed(open_loop(model.plant, gains), options.delay)),
+          names_or_numbers(gains.inputs, std::ssize(gains.inputs))};
+}
+
+/// Exactly one of the three ways to name a loop.
+void require_one_loop(const Options& options) {
+  const bool fraction = !options.num.empty() || !options.den.empty();
+  const bool matrices = !options.A.empty() || !options.B.empty() || !options.K.empty();
+  const bool vehicle = !options.vehicle.empty();
+  if (static_cast<int>(fraction) + static_cast<int>(matrices) + static_cast<int>(vehicle) != 1)
+    throw UsageError(
+        "quadtune margins: expected one of --num and --den, or --A, --B and --K, or a "
+        "vehicle with --gains",
+        "V");
+  if (!options.gains.empty() && !vehicle)
+    throw UsageError("quadtune margins: --gains belongs to a vehicle, expected one", "--gains");
+}
+
+void run(const Options& options, bool has_dt, Context& context) {
+  require_one_loop(options);
+  require_delay(options.delay);
+  if (has_dt) require_positive(options.dt, "margins", "--dt");
+  if (has_dt && !options.vehicle.empty())
+    throw UsageError(
+        "quadtune margins: --dt belongs to a transfer function or matrices, expected "
+        "none because the gains have their own",
+        "--dt");
+  const NamedLoop named = !options.vehicle.empty() ? vehicle_loop(options)
+                          : !options.A.empty() || !options.B.empty() || !options.K.empty()
+                              ? matrix_loop(options, has_dt, context.in)
+                              : transfer_function_loop(options, has_dt);
+  const MarginsReport report = margins_report(named.loop, named.names);
+  if (context.json)
+    context.out << internal::readable(to_json(report)) << "\n";
+  else
+    context.out << section("margins", to_text(report));
+  for (const std::string& warning : margin_warnings(report))
+    context.note("margins: warning: " + warning);
+}
+
+}  // namespace
+
+Verb margins_verb() {
+  return {
+      "margins",
+      "--num LIST --den LIST [--delay S]   or   --A FILE --B FILE --K FILE [--dt T]   or   "
+      "V --gains FILE",
+      "gain, phase, delay and disk margins of a loop under negative feedback",
+      "quadtune margins --num 25 --den 1,10,10,10", [](CLI::App& app) -> Action {
+        auto options = std::make_shared<Options>();
+        app.add_option("V", options->vehicle, "built-in vehicle or vehicle file");
+        app.add_option("--gains", options->gains, "with V: an export, or a file of gains")
+            ->type_name("FILE");
+        app.add_option("--num", options->num, "numerator, descending powers")->type_name("LIST");
+        app.add_option("--den", options->den, "denominator, descending powers")->type_name("LIST");
+        app.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
+        app.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");
+        app.add_option("--K", options->K, "gain of u = -K x (nu x nx)")->type_name("FILE");
+        app.add_option("--cut", options->cut,
+                       "with matrices: where the loop is cut, inputs (default) or states")
+            ->type_name("PLACE");
+        CLI::Option* dt =
+            add_number(app, "--dt", options->dt,
+                       "sample period [s]: the coefficients are of z, the matrices discrete")
+                ->type_name("T");
+        add_number(app, "--delay", options->delay,
+                   "delay in the loop [s]; whole samples of a discrete one")
+            ->type_name("S");
+        return [options, dt](Context& context) { run(*options, dt->count() > 0, context); };
+      }};
+}
+
+}  // namespace quadtune::cli
