@@ -112,7 +112,9 @@ LagFit<FopdtModel> fit_fopdt(const ContinuousTransferFunction& plant) {
   const double first = 1e-6 / poles.cwiseAbs().maxCoeff();
   const double last = 40 * static_cast<double>(poles.size()) / poles.real().cwiseAbs().minCoeff();
   std::vector<double> times;
-  for (double t = first; t < last; t *= 1.02) times.push_back(t);
+  const int count = static_cast<int>(std::log(last / first) / std::log(1.02)) + 1;
+  times.reserve(static_cast<std::size_t>(count));
+  for (int k = 0; k < count; ++k) times.push_back(first * std::pow(1.02, k));
 
   const double gain = plant.num[plant.num.size() - 1] / plant.den[plant.den.size() - 1];
   const ContinuousLti model = realize(plant);

@@ -211,9 +211,11 @@ class Problem {
     if (!(high >= low)) return {};
     const double width = high - low;
     std::vector<double> scan = {low};
-    for (double part = 1e-3; part < 1; part *= 1.2)
-      if (part * size < width) scan.push_back(low + part * size);
-    for (double part = 1; part * size < width; part *= 1.5) scan.push_back(low + part * size);
+    double part = 1e-3;
+    while (part * size < width) {
+      scan.push_back(low + part * size);
+      part *= part < 1 ? 1.2 : 1.5;
+    }
     scan.push_back(high);
     std::optional<Attempt> refused;
     for (std::size_t k = scan.size(); k-- > 0;) {

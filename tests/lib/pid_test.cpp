@@ -20,6 +20,7 @@ using ::testing::StrEq;
 using ::testing::ThrowsMessage;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kFrequencies[] = {0.1, 0.3, 1, 3, 10, 30, 100, 300};  // [rad/s]
 constexpr PidMethod kMethods[] = {PidMethod::forward_euler, PidMethod::backward_euler,
                                   PidMethod::tustin};
 
@@ -41,6 +42,7 @@ PidSettings<double> filtered_pid(PidMethod method) {
 std::vector<double> step_response(const PidSettings<double>& settings, int samples) {
   PidState<double> state;
   std::vector<double> outputs;
+  outputs.reserve(static_cast<std::size_t>(samples));
   for (int k = 0; k < samples; ++k) outputs.push_back(step(settings, state, {1, 0}).value);
   return outputs;
 }
@@ -132,7 +134,7 @@ TEST(Pid, RunsItsTransferFunction) {
       const auto measurement = pid_transfer_function(settings, PidChannel::measurement);
       const auto error = pid_transfer_function(settings, PidChannel::error);
       const auto rate = pid_transfer_function(settings, PidChannel::rate);
-      for (double w = 0.1; w < 300; w *= 1.7) {
+      for (const double w : kFrequencies) {
         const std::complex<double> z = std::polar(1.02, w * settings.dt);
         const auto near = [&](const DiscreteTransferFunction& G, const PidInput<double>& unit) {
           return std::abs(G(z) - transformed_impulse(settings, unit, z));
@@ -152,7 +154,7 @@ TEST(Pid, TransferFunctionIsTheContinuousOneWithSReplaced) {
   for (const PidMethod method : kMethods) {
     const PidSettings<double> p = filtered_pid(method);
     const auto C = pid_transfer_function(p, PidChannel::error);
-    for (double w = 0.1; w < 300; w *= 1.7) {
+    for (const double w : kFrequencies) {
       const std::complex<double> z = std::polar(1.0, w * dt);
       const std::complex<double> s = method == PidMethod::forward_euler ? (z - 1.0) / dt
                                      : method == PidMethod::backward_euler

@@ -136,8 +136,8 @@ TEST(PidLoop, GreatestKiEndsWhereAnotherCrossoverWouldAppear) {
   r.freedom = PidFreedom::greatest_Ki;
   const PidGains gains = pid_for_crossover(three_lags(), r).gains;
   double largest = 0;
-  for (double w = 1.4; w < 10; w *= 1.001)
-    largest = std::max(largest, std::abs(loop(three_lags(), gains, w)));
+  for (int k = 0; k < 2000; ++k)
+    largest = std::max(largest, std::abs(loop(three_lags(), gains, 1.4 * std::pow(1.001, k))));
   EXPECT_NEAR(largest, 1, 1e-3);
 
   r.Ms_max = 1.3;

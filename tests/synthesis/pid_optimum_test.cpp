@@ -23,13 +23,16 @@ ContinuousTransferFunction three_lags() { return {kOne, Eigen::Vector4d(1, 3, 3,
 /// Greatest Ki of a PI by looking: Kp and Ki on a fine grid, Ms on another, stability by Routh.
 double looked_for_PI(double Ms_max) {
   double best = 0;
-  for (double Kp = 0.3; Kp < 1.6; Kp *= 1.01) {
-    for (double Ki = std::max(best, 0.2); Ki < 1.2; Ki *= 1.002) {
+  for (int i = 0; i < 170; ++i) {
+    const double Kp = 0.3 * std::pow(1.01, i);
+    const double start = std::max(best, 0.2);
+    for (int j = 0; j < 900; ++j) {
+      const double Ki = start * std::pow(1.002, j);
       // s⁴ + 3 s³ + 3 s² + (1 + Kp) s + Ki: stable for (1 + Kp)(9 - 1 - Kp) > 9 Ki
       if (!((1 + Kp) * (8 - Kp) > 9 * Ki)) break;
       double least = 1;
-      for (double w = 0.2; w < 4; w *= 1.01) {
-        const std::complex<double> s(0, w);
+      for (int k = 0; k < 300; ++k) {
+        const std::complex<double> s(0, 0.2 * std::pow(1.01, k));
         least = std::min(least, std::abs(1.0 + (Kp + Ki / s) / std::pow(s + 1.0, 3)));
       }
       if (1 / least > Ms_max) break;
@@ -80,10 +83,10 @@ TEST(GreatestIntegralGain, CannotBeImprovedNearby) {
   ASSERT_TRUE(pid.solved()) << pid;
   EXPECT_GT(pid.gains.Ki, pi.gains.Ki);
   const internal::LoopShape shape(P, {});
-  for (double Kp = 0.9; Kp < 1.11; Kp += 0.01) {
-    for (double Kd = 0.9; Kd < 1.11; Kd += 0.01) {
-      const PidGains more = {pid.gains.Kp * Kp, pid.gains.Ki * 1.002, pid.gains.Kd * Kd,
-                             pid.gains.Tf};
+  for (int i = -10; i <= 10; ++i) {
+    for (int j = -10; j <= 10; ++j) {
+      const PidGains more = {pid.gains.Kp * (1 + 0.01 * i), pid.gains.Ki * 1.002,
+                             pid.gains.Kd * (1 + 0.01 * j), pid.gains.Tf};
       const internal::SensitivityPeaks peaks = shape.peaks(more);
       EXPECT_FALSE(peaks.Ms <= bounds.Ms_max && peaks.Mt <= bounds.Mt_max &&
                    shape.noise_gain(more) <= bounds.noise_gain_max && shape.stable(more))
