@@ -43,16 +43,6 @@ bool cut_at_states(const Options& options) {
       "--cut");
 }
 
-Eigen::VectorXd coefficients(const std::string& text, const char* option) {
-  if (text.empty())
-    throw UsageError(fmt::format("quadtune margins: {} is missing, expected coefficients in "
-                                 "descending powers, e.g. 1,6,11,6",
-                                 option),
-                     option);
-  const std::vector<double> values = number_list(text, "margins", option);
-  return Eigen::VectorXd::Map(values.data(), static_cast<Eigen::Index>(values.size()));
-}
-
 void require_delay(double delay) {
   if (delay < 0)
     throw UsageError(
@@ -77,8 +67,8 @@ int delay_in_samples(double delay, double dt) {
 }
 
 NamedLoop transfer_function_loop(const Options& options, bool discrete) {
-  const Eigen::VectorXd num = coefficients(options.num, "--num");
-  const Eigen::VectorXd den = coefficients(options.den, "--den");
+  const Eigen::VectorXd num = coefficients(options.num, "margins", "--num");
+  const Eigen::VectorXd den = coefficients(options.den, "margins", "--den");
   if (discrete) {
     const DiscreteTransferFunction g{num, den, options.dt,
                                      delay_in_samples(options.delay, options.dt)};

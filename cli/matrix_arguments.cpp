@@ -57,6 +57,17 @@ std::vector<double> number_list(const std::string& text, const std::string& verb
   return numbers;
 }
 
+Eigen::VectorXd coefficients(const std::string& text, const std::string& verb,
+                             const std::string& option) {
+  if (text.empty())
+    throw UsageError(fmt::format("quadtune {}: {} is missing, expected coefficients in descending "
+                                 "powers, e.g. 1,6,11,6",
+                                 verb, option),
+                     option);
+  const std::vector<double> values = number_list(text, verb, option);
+  return Eigen::VectorXd::Map(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
 Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count,
                                  const std::string& what, const std::string& verb,
                                  const std::string& option) {

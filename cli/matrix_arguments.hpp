@@ -23,6 +23,11 @@ namespace quadtune::cli {
 [[nodiscard]] std::vector<double> number_list(const std::string& text, const std::string& verb,
                                               const std::string& option);
 
+/// "1,6,11,6" as the coefficients of a polynomial, descending powers.
+/// @throws UsageError  as number_list(), or "quadtune pid: --num is missing, expected …".
+[[nodiscard]] Eigen::VectorXd coefficients(const std::string& text, const std::string& verb,
+                                           const std::string& option);
+
 /// A diagonal of `count` weights from a list: one number stands for all.
 /// @param what  what the entries belong to, e.g. "states: x y z".
 /// @throws UsageError  naming the option, how many came and how many were expected, or

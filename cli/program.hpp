@@ -101,6 +101,7 @@ Verb lqr_verb();
 Verb kalman_verb();
 Verb discretize_verb();
 Verb margins_verb();
+Verb pid_verb();
 Verb export_verb();
 Verb verify_verb();
 Verb diff_verb();

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "eigenvalues.hpp"
+#include "frequency_grid.hpp"
 #include "mode_names.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/frequency_response.hpp"
@@ -95,6 +96,14 @@ PeakGain climb(const ContinuousLti& plant, const VectorXcd& poles, double tolera
     if (!at.empty()) try_at(2 * at.back());
     if (best.gain <= before * (1 + 2 * tolerance)) break;
   }
+  // Just below a flat top the two crossings have met, and rounding takes them off the axis.
+  constexpr double kNear = 3e-3;
+  if (!(best.w > 0) || std::isinf(best.w)) return best;
+  const std::vector<double> around = {best.w * (1 - kNear), best.w, best.w * (1 + kNear)};
+  const double w =
+      internal::refine_peak(gain_at, around, {gain_at(around[0]), best.gain, gain_at(around[2])})
+          .second;
+  try_at(w);
   return best;
 }
 

@@ -43,8 +43,7 @@ TEST(MarginsVerb, OfATransferFunction) {
 TEST(MarginsVerb, WarnsByName) {
   const ProgramResult low = run_program({"margins", "--num", "25", "--den", "1,10,10,10"});
   EXPECT_EQ(low.status, 0);
-  EXPECT_EQ(low.err,
-            "margins: warning: the loop: phase margin 29.1 deg, less than 30 deg\n");
+  EXPECT_EQ(low.err, "margins: warning: the loop: phase margin 29.1 deg, less than 30 deg\n");
   const ProgramResult unstable = run_program({"margins", "--num", "1", "--den", "1,0,0"});
   EXPECT_THAT(unstable.out, HasSubstr("UNSTABLE"));
   EXPECT_THAT(unstable.err, HasSubstr("the loop: unstable"));

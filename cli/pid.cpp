@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune pid: PID gains for a transfer function, by requirement, by rule, or the best within
+/// bounds.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <ostream>
+
+#include "margins_report.hpp"
+#include "matrix_arguments.hpp"
+#include "number_arguments.hpp"
+#include "print.hpp"
+#include "program.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/synthesis/pid_loop.hpp"
+#include "quadtune/synthesis/pid_optimum.hpp"
+#include "quadtune/synthesis/pid_rules.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+using internal::Json;
+
+struct Options {
+  std::string num, den, type = "PID", rule;
+  double delay = 0;         // [s]
+  double crossover = 0;     // [rad/s]
+  double phase_margin = 0;  // [deg]
+  double Tf = 0;            // [s]
+  double tau_c = 0;         // [s]
+  double Ms_max = 0;
+  double Mt_max = 0;
+  double noise_gain_max = 0;
+};
+
+/// Which options came; 0 may be a value.
+struct Given {
+  bool crossover, phase_margin, Tf, tau_c, Ms_max, Mt_max, noise_gain_max;
+};
+
+/// Gains, and how they were found, in words.
+struct Found {
+  PidGains gains;
+  std::string how;
+};
+
+const std::vector<std::string> kRules = {"amigo", "simc", "ziegler-nichols", "cohen-coon",
+                                         "lambda"};
+
+PidType read_type(const std::string& word) {
+  for (const PidType type : {PidType::P, PidType::PI, PidType::PD, PidType::PID})
+    if (word == to_string(type)) return type;
+  throw UsageError(fmt::format("quadtune pid: --type is '{}', expected P, PI, PD or PID", word),
+                   "--type");
+}
+
+ContinuousTransferFunction read_plant(const Options& options) {
+  ContinuousTransferFunction plant{coefficients(options.num, "pid", "--num"),
+                                   coefficients(options.den, "pid", "--den"), options.delay};
+  if (options.delay < 0)
+    throw UsageError(
+        fmt::format("quadtune pid: --delay is {} s, expected 0 or more", number(options.delay)),
+        "--delay");
+  validate(plant, "--num, --den");
+  return plant;
+}
+
+// --- three ways ----------------------------------------------------------------------------------
+
+Found by_requirement(const ContinuousTransferFunction& plant, PidType type,
+                     const Options& options) {
+  require_positive(options.crossover, "pid", "--crossover");
+  if (!(options.phase_margin > 0 && options.phase_margin < 180))
+    throw UsageError(fmt::format("quadtune pid: --phase-margin is {} deg, expected more than 0 and "
+                                 "less than 180",
+                                 number(options.phase_margin)),
+                     "--phase-margin");
+  LoopRequirement requirement;
+  requirement.type = type;
+  requirement.crossover = options.crossover;
+  requirement.phase_margin = options.phase_margin * std::numbers::pi / 180;
+  requirement.Tf = options.Tf;
+  const PidLoopDesign design = pid_for_crossover(plant, requirement);
+  if (!design.solved())
+    throw NoSolution(fmt::format("pid: {}: {}", to_string(design.status), design.culprit),
+                     "--crossover");
+  return {design.gains,
+          fmt::format("{} for a crossover of {} rad/s and a phase margin of {} deg", options.type,
+                      number(options.crossover), number(options.phase_margin))};
+}
+
+template <class Model>
+Model require_fitted(const LagFit<Model>& fit) {
+  if (!fit.fitted())
+    throw NoSolution("pid: the rule needs a model of one lag and a delay: " + fit.culprit,
+                     "--rule");
+  return fit.model;
+}
+
+std::string model_text(const FopdtModel& model) {
+  return fmt::format("{} e^(-{} s)/({} s + 1)", number(model.gain), number(model.delay),
+                     number(model.time_constant));
+}
+
+/// SIMC keeps a second lag for its PID, as its half rule gives it.
+Found by_simc(const ContinuousTransferFunction& plant, PidType type, double tau_c, bool has_tau_c) {
+  if (type == PidType::PID) {
+    const SopdtModel model = require_fitted(half_rule_sopdt(plant));
+    const double used = has_tau_c ? tau_c : model.delay;
+    return {simc(model, used),
+            fmt::format("PID by SIMC for {} e^(-{} s)/(({} s + 1)({} s + 1)), tau_c {} s",
+                        number(model.gain), number(model.delay), number(model.time_constant),
+                        number(model.second), number(used))};
+  }
+  if (type != PidType::PI)
+    throw UsageError("quadtune pid: --rule simc has PI and PID, expected one of them as --type",
+                     "--type");
+  const LagFit<FopdtModel> half = half_rule_fopdt(plant);
+  const FopdtModel model = half.fitted() ? half.model : require_fitted(fit_fopdt(plant));
+  const double used = has_tau_c ? tau_c : model.delay;
+  return {simc(model, used),
+          fmt::format("PI by SIMC for {}, tau_c {} s", model_text(model), number(used))};
+}
+
+Found by_rule(const ContinuousTransferFunction& plant, PidType type, const Options& options,
+              bool has_tau_c) {
+  if (std::find(kRules.begin(), kRules.end(), options.rule) == kRules.end())
+    throw UsageError(
+        fmt::format("quadtune pid: --rule is '{}', expected one of {}{}", options.rule,
+                    fmt::join(kRules, ", "), internal::did_you_mean(options.rule, kRules)),
+        "--rule");
+  const bool takes_tau_c = options.rule == "simc" || options.rule == "lambda";
+  if (has_tau_c && !takes_tau_c)
+    throw UsageError("quadtune pid: --tau-c belongs to the rules simc and lambda, expected none",
+                     "--tau-c");
+  if (has_tau_c) require_positive(options.tau_c, "pid", "--tau-c");
+  if (options.rule == "simc") return by_simc(plant, type, options.tau_c, has_tau_c);
+  const FopdtModel model = require_fitted(fit_fopdt(plant));
+  const double lambda = has_tau_c ? options.tau_c : std::max(model.delay, model.time_constant / 3);
+  const PidGains gains = options.rule == "amigo"             ? amigo(type, model)
+                         : options.rule == "ziegler-nichols" ? ziegler_nichols_step(type, model)
+                         : options.rule == "cohen-coon"      ? cohen_coon(type, model)
+                                                             : lambda_tuning(type, model, lambda);
+  return {gains, fmt::format(
+                     "{} by {} for {}{}", options.type, options.rule, model_text(model),
+                     options.rule == "lambda" ? fmt::format(", lambda {} s", number(lambda)) : "")};
+}
+
+Found by_bounds(const ContinuousTransferFunction& plant, PidType type, const Options& options,
+                const Given& given) {
+  PidBounds bounds;
+  if (given.Ms_max) bounds.Ms_max = options.Ms_max;
+  if (given.Mt_max) bounds.Mt_max = options.Mt_max;
+  if (given.noise_gain_max) bounds.noise_gain_max = options.noise_gain_max;
+  if (type != PidType::PI && type != PidType::PID)
+    throw UsageError(
+        "quadtune pid: --Ms-max asks for the greatest integral gain, expected --type "
+        "PI or PID",
+        "--type");
+  const PidOptimum optimum = greatest_integral_gain(plant, type, bounds, options.Tf);
+  if (!optimum.solved())
+    throw NoSolution(fmt::format("pid: {}: {}", to_string(optimum.status), optimum.culprit),
+                     "--Ms-max");
+  return {optimum.gains, fmt::format("{} of the greatest Ki; bound by {}", options.type,
+                                     optimum.binding.empty()
+                                         ? "nothing"
+                                         : fmt::format("{}", fmt::join(optimum.binding, ", ")))};
+}
+
+// --- what came out -------------------------------------------------------------------------------
+
+Eigen::VectorXd product(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  Eigen::VectorXd c = Eigen::VectorXd::Zero(a.size() + b.size() - 1);
+  for (Eigen::Index i = 0; i < a.size(); ++i) c.segment(i, b.size()) += a[i] * b;
+  return c;
+}
+
+/// Coefficients from the first that is not 0.
+Eigen::VectorXd trimmed(const Eigen::VectorXd& c) {
+  Eigen::Index first = 0;
+  while (first + 1 < c.size() && c[first] == 0) ++first;
+  return c.tail(c.size() - first);
+}
+
+/// C P: (Kp s (Tf s + 1) + Ki (Tf s + 1) + Kd s²) / (s (Tf s + 1)), without what is not there.
+ContinuousTransferFunction loop_of(const ContinuousTransferFunction& plant, const PidGains& g) {
+  Eigen::VectorXd num{{g.Kp * g.Tf + g.Kd, g.Kp + g.Ki * g.Tf, g.Ki}};
+  Eigen::VectorXd den{{g.Tf, 1, 0}};
+  if (g.Ki == 0) {
+    num = num.head(2).eval();
+    den = den.head(2).eval();
+  }
+  return {product(plant.num, trimmed(num)), product(plant.den, trimmed(den)), plant.delay};
+}
+
+void print(const Found& found, const MarginsReport& margins, Context& context) {
+  const LoopMargins& m = margins.loops[0];
+  const PidGains& g = found.gains;
+  if (context.json) {
+    const Json loops = to_json(margins)["loops"];
+    const Json& loop = loops[0];
+    context.out << internal::readable(Json{{"Kp", g.Kp},
+                                           {"Ki", g.Ki},
+                                           {"Kd", g.Kd},
+                                           {"Tf", g.Tf},
+                                           {"stable", m.stable},
+                                           {"crossover", loop["crossover"]},
+                                           {"phase_margin_deg", loop["phase_margin_deg"]},
+                                           {"gain_margin_db", loop["gain_margin_db"]},
+                                           {"Ms", loop["Ms"]},
+                                           {"Mt", loop["Mt"]},
+                                           {"how", found.how},
+                                           {"margins", to_json(margins)}})
+                << "\n";
+    return;
+  }
+  std::string gains = fmt::format("Kp {}", number(g.Kp));
+  if (g.Ki != 0) gains += fmt::format("  Ki {} 1/s", number(g.Ki));
+  if (g.Kd != 0) gains += fmt::format("  Kd {} s  Tf {} s", number(g.Kd), number(g.Tf));
+  context.out << section("gains", gains) << section("by", found.how)
+              << section("margins", to_text(margins));
+}
+
+void run(const Options& options, const Given& given, Context& context) {
+  const bool requirement = given.crossover || given.phase_margin;
+  const bool rule = !options.rule.empty();
+  const bool bounds = given.Ms_max || given.Mt_max || given.noise_gain_max;
+  if (static_cast<int>(requirement) + static_cast<int>(rule) + static_cast<int>(bounds) != 1)
+    throw UsageError(
+        "quadtune pid: expected one of --crossover with --phase-margin, --rule, or "
+        "--Ms-max with --Mt-max and --noise-gain-max as wanted",
+        "--crossover");
+  if (requirement && !(given.crossover && given.phase_margin))
+    throw UsageError("quadtune pid: --crossover and --phase-margin belong together, expected both",
+                     given.crossover ? "--phase-margin" : "--crossover");
+  if (options.Tf < 0)
+    throw UsageError(
+        fmt::format("quadtune pid: --Tf is {} s, expected 0 or more", number(options.Tf)), "--Tf");
+  if (rule && given.Tf)
+    throw UsageError(
+        "quadtune pid: --Tf does not belong to --rule, whose filter is a tenth of its "
+        "derivative time",
+        "--Tf");
+  const PidType type = read_type(options.type);
+  const ContinuousTransferFunction plant = read_plant(options);
+  const Found found = requirement ? by_requirement(plant, type, options)
+                      : rule      ? by_rule(plant, type, options, given.tau_c)
+                                  : by_bounds(plant, type, options, given);
+  const ContinuousTransferFunction loop = loop_of(plant, found.gains);
+  if (loop.num.size() > loop.den.size())
+    throw UsageError(
+        "quadtune pid: the derivative of this plant has no bound, expected a filter "
+        "with --Tf",
+        "--Tf");
+  const MarginsReport margins = margins_report(OpenLoop(loop), {});
+  print(found, margins, context);
+  for (const std::string& warning : margin_warnings(margins))
+    context.note("pid: warning: " + warning);
+}
+
+}  // namespace
+
+Verb pid_verb() {
+  return {
+      "pid",
+      "--num LIST --den LIST [--delay S] (--crossover W --phase-margin DEG | --rule NAME | "
+      "--Ms-max M)",
+      "PID gains for a transfer function",
+      "quadtune pid --num 1 --den 1,3,3,1 --type PI --crossover 0.5205 --phase-margin 60",
+      [](CLI::App& app) -> Action {
+        auto options = std::make_shared<Options>();
+        app.add_option("--num", options->num, "numerator of the plant, descending powers")
+            ->type_name("LIST");
+        app.add_option("--den", options->den, "denominator, descending powers")->type_name("LIST");
+        add_number(app, "--delay", options->delay, "delay of the plant [s]")->type_name("S");
+        app.add_option("--type", options->type, "P, PI, PD or PID (default)")->type_name("TYPE");
+        CLI::Option* crossover = add_number(app, "--crossover", options->crossover,
+                                            "where the loop's gain shall be 1 [rad/s]")
+                                     ->type_name("W");
+        CLI::Option* phase = add_number(app, "--phase-margin", options->phase_margin, "there [deg]")
+                                 ->type_name("DEG");
+        CLI::Option* Tf =
+            add_number(app, "--Tf", options->Tf, "time constant of the derivative's filter [s]; 0")
+                ->type_name("S");
+        app.add_option("--rule", options->rule,
+                       "amigo, simc, ziegler-nichols, cohen-coon or lambda")
+            ->type_name("NAME");
+        CLI::Option* tau_c =
+            add_number(app, "--tau-c", options->tau_c,
+                       "with the rules simc and lambda: time constant of the closed loop [s]")
+                ->type_name("S");
+        CLI::Option* Ms = add_number(app, "--Ms-max", options->Ms_max,
+                                     "greatest integral gain with max |S| up to this; 1.4")
+                              ->type_name("M");
+        CLI::Option* Mt =
+            add_number(app, "--Mt-max", options->Mt_max, "and max |T| up to this")->type_name("M");
+        CLI::Option* noise =
+            add_number(app, "--noise-gain-max", options->noise_gain_max, "and max |C S| up to this")
+                ->type_name("G");
+        return [=](Context& context) {
+          run(*options,
+              {crossover->count() > 0, phase->count() > 0, Tf->count() > 0, tau_c->count() > 0,
+               Ms->count() > 0, Mt->count() > 0, noise->count() > 0},
+              context);
+        };
+      }};
+}
+
+}  // namespace quadtune::cli
