@@ -129,7 +129,8 @@ TEST(LoopMargins, DelayMayStabilize) {
     return polynomial_roots(closed).real().maxCoeff() < 0;
   };
   int changes = 0;
-  for (double delay = 0.05; delay < 7; delay += 0.11) {
+  for (int step = 0; step < 63; ++step) {
+    const double delay = 0.05 + 0.11 * step;
     EXPECT_EQ(stable(delay), by_pade(delay)) << delay;
     changes += stable(delay) != stable(delay + 0.11) ? 1 : 0;
   }
