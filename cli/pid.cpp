@@ -174,30 +174,6 @@ Found by_bounds(const ContinuousTransferFunction& plant, PidType type, const Opt
 
 // --- what came out -------------------------------------------------------------------------------
 
-Eigen::VectorXd product(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-  Eigen::VectorXd c = Eigen::VectorXd::Zero(a.size() + b.size() - 1);
-  for (Eigen::Index i = 0; i < a.size(); ++i) c.segment(i, b.size()) += a[i] * b;
-  return c;
-}
-
-/// Coefficients from the first that is not 0.
-Eigen::VectorXd trimmed(const Eigen::VectorXd& c) {
-  Eigen::Index first = 0;
-  while (first + 1 < c.size() && c[first] == 0) ++first;
-  return c.tail(c.size() - first);
-}
-
-/// C P: (Kp s (Tf s + 1) + Ki (Tf s + 1) + Kd s²) / (s (Tf s + 1)), without what is not there.
-ContinuousTransferFunction loop_of(const ContinuousTransferFunction& plant, const PidGains& g) {
-  Eigen::VectorXd num{{g.Kp * g.Tf + g.Kd, g.Kp + g.Ki * g.Tf, g.Ki}};
-  Eigen::VectorXd den{{g.Tf, 1, 0}};
-  if (g.Ki == 0) {
-    num = num.head(2).eval();
-    den = den.head(2).eval();
-  }
-  return {product(plant.num, trimmed(num)), product(plant.den, trimmed(den)), plant.delay};
-}
-
 void print(const Found& found, const MarginsReport& margins, Context& context) {
   const LoopMargins& m = margins.loops[0];
   const PidGains& g = found.gains;

@@ -22,13 +22,6 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Coefficients from the first that is not 0.
-VectorXd trimmed(const VectorXd& coefficients) {
-  Index first = 0;
-  while (first < coefficients.size() && coefficients[first] == 0) ++first;
-  return coefficients.tail(coefficients.size() - first);
-}
-
 void require_fraction(const VectorXd& num, const VectorXd& den, const std::string& where) {
   if (num.size() == 0) throw InvalidInput(where, "num is empty, expected at least one coefficient");
   if (den.size() == 0) throw InvalidInput(where, "den is empty, expected at least one coefficient");
@@ -38,7 +31,7 @@ void require_fraction(const VectorXd& num, const VectorXd& den, const std::strin
     throw InvalidInput(where,
                        "the first coefficient of den is 0, expected another number because it is "
                        "that of the highest power; leave leading zeros out");
-  const Index zeros = trimmed(num).size();
+  const Index zeros = without_leading_zeros(num).size();
   if (zeros > den.size())
     throw InvalidInput(where, fmt::format("num has degree {}, den {}, expected no more zeros than "
                                           "poles because what differentiates has no states",
@@ -59,7 +52,7 @@ Lti canonical_form(const VectorXd& num, const VectorXd& den, double sigma) {
   const Index n = den.size() - 1;
   const VectorXd a = den / den[0];
   VectorXd b = VectorXd::Zero(n + 1);
-  const VectorXd short_num = trimmed(num);
+  const VectorXd short_num = without_leading_zeros(num);
   b.tail(short_num.size()) = short_num / den[0];
   Lti plant;
   plant.A = MatrixXd::Zero(n, n);
@@ -162,6 +155,18 @@ std::complex<double> polynomial(const VectorXd& coefficients, std::complex<doubl
   return value;
 }
 
+VectorXd polynomial_product(const VectorXd& p, const VectorXd& q) {
+  VectorXd product = VectorXd::Zero(p.size() + q.size() - 1);
+  for (Index i = 0; i < p.size(); ++i) product.segment(i, q.size()) += p[i] * q;
+  return product;
+}
+
+VectorXd without_leading_zeros(const VectorXd& coefficients) {
+  Index first = 0;
+  while (first + 1 < coefficients.size() && coefficients[first] == 0) ++first;
+  return coefficients.tail(coefficients.size() - first);
+}
+
 std::complex<double> ContinuousTransferFunction::operator()(std::complex<double> s) const {
   return polynomial(num, s) / polynomial(den, s) * std::exp(-delay * s);
 }
@@ -192,8 +197,8 @@ void validate(const DiscreteTransferFunction& plant, const std::string& where) {
 
 VectorXcd polynomial_roots(const VectorXd& coefficients) {
   require_finite(coefficients, "polynomial_roots", "the polynomial");
-  const VectorXd c = trimmed(coefficients);
-  if (c.size() == 0)
+  const VectorXd c = without_leading_zeros(coefficients);
+  if (c.size() == 0 || c[0] == 0)
     throw InvalidInput("polynomial_roots",
                        "all coefficients are 0, expected one that is not "
                        "because every number is a root");

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "golden_section.hpp"
+
 namespace quadtune::internal {
 
 namespace {
@@ -83,36 +85,6 @@ double refine_root(const std::function<double(double)>& f, double low, double hi
   return high;
 }
 
-namespace {
-
-/// Golden section between two frequencies that enclose a peak.
-std::pair<double, double> climb(const std::function<double(double)>& f, double low, double high) {
-  constexpr double kGolden = 0.6180339887498949;
-  double a = high - kGolden * (high - low);
-  double b = low + kGolden * (high - low);
-  double at_a = f(a);
-  double at_b = f(b);
-  // A peak is flat: its place is known to the root of rounding only, its height to rounding.
-  while (high - low > 1e-9 * high) {
-    if (at_a > at_b) {
-      high = b;
-      b = a;
-      at_b = at_a;
-      a = high - kGolden * (high - low);
-      at_a = f(a);
-    } else {
-      low = a;
-      a = b;
-      at_a = at_b;
-      b = low + kGolden * (high - low);
-      at_b = f(b);
-    }
-  }
-  return at_a > at_b ? std::pair{at_a, a} : std::pair{at_b, b};
-}
-
-}  // namespace
-
 std::pair<double, double> refine_peak(const std::function<double(double)>& f,
                                       const std::vector<double>& grid,
                                       const std::vector<double>& values) {
@@ -124,7 +96,7 @@ std::pair<double, double> refine_peak(const std::function<double(double)>& f,
   const double level = kNear * *largest;
   for (std::size_t i = 1; i + 1 < grid.size(); ++i) {
     if (values[i] < level || values[i] < values[i - 1] || values[i] < values[i + 1]) continue;
-    best = std::max(best, climb(f, grid[i - 1], grid[i + 1]));
+    best = std::max(best, golden_section(f, grid[i - 1], grid[i + 1], 1e-9 * grid[i + 1]));
   }
   return best;
 }

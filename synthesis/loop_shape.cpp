@@ -7,17 +7,13 @@
 #include <numbers>
 #include <tuple>
 
+#include "golden_section.hpp"
+
 namespace quadtune::internal {
 namespace {
 
 using Complex = std::complex<double>;
 using std::numbers::pi;
-
-Eigen::VectorXd product(const Eigen::VectorXd& p, const Eigen::VectorXd& q) {
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(p.size() + q.size() - 1);
-  for (Eigen::Index i = 0; i < p.size(); ++i) result.segment(i, q.size()) += p(i) * q;
-  return result;
-}
 
 /// p + q, both in descending powers.
 Eigen::VectorXd sum(const Eigen::VectorXd& p, const Eigen::VectorXd& q) {
@@ -25,30 +21,6 @@ Eigen::VectorXd sum(const Eigen::VectorXd& p, const Eigen::VectorXd& q) {
   result.tail(p.size()) += p;
   result.tail(q.size()) += q;
   return result;
-}
-
-Eigen::VectorXd trimmed(const Eigen::VectorXd& p) {
-  Eigen::Index first = 0;
-  while (first + 1 < p.size() && p[first] == 0) ++first;
-  return p.tail(p.size() - first);
-}
-
-/// L without its delay.
-struct Fraction {
-  Eigen::VectorXd num;
-  Eigen::VectorXd den;
-};
-
-Fraction loop_fraction(const ContinuousTransferFunction& plant, const PidGains& gains) {
-  const Eigen::VectorXd one = Eigen::VectorXd::Ones(1);
-  const Eigen::VectorXd s = Eigen::Vector2d(1, 0);
-  const bool filtered = gains.Kd != 0 && gains.Tf > 0;
-  const Eigen::VectorXd integral = gains.Ki != 0 ? s : one;
-  const Eigen::VectorXd filter = filtered ? Eigen::VectorXd(Eigen::Vector2d(gains.Tf, 1)) : one;
-  Eigen::VectorXd num = gains.Kp * product(integral, filter);
-  if (gains.Ki != 0) num = sum(num, gains.Ki * filter);
-  if (gains.Kd != 0) num = sum(num, gains.Kd * product(s, integral));
-  return {trimmed(product(num, plant.num)), product(product(integral, filter), plant.den)};
 }
 
 /// By how much arg F(jω) turns from one frequency to another, halving until no step turns far.
@@ -76,7 +48,8 @@ double remaining_turn(const Eigen::VectorXcd& roots, double w) {
 }
 
 /// Where |L| stays below `bound` for good, given that it falls beyond the grid.
-double last_frequency_of_note(const Fraction& loop, const std::vector<double>& grid, double bound) {
+double last_frequency_of_note(const ContinuousTransferFunction& loop,
+                              const std::vector<double>& grid, double bound) {
   const auto size = [&](double w) {
     return std::abs(polynomial(loop.num, {0, w}) / polynomial(loop.den, {0, w}));
   };
@@ -90,7 +63,8 @@ double last_frequency_of_note(const Fraction& loop, const std::vector<double>& g
 
 /// F(jω) = den + num e^(-jω delay) turns by n π/2 from ω = 0 to infinity if and only if none of its
 /// roots lies right; each that does takes π away (Mikhailov).
-bool mikhailov_stable(const Fraction& loop, double delay, const std::vector<double>& grid) {
+bool mikhailov_stable(const ContinuousTransferFunction& loop, const std::vector<double>& grid) {
+  const double delay = loop.delay;
   const auto n = static_cast<double>(loop.den.size() - 1);
   const double at_infinity =
       loop.num.size() == loop.den.size() ? std::abs(loop.num[0] / loop.den[0]) : 0;
@@ -125,29 +99,11 @@ bool mikhailov_stable(const Fraction& loop, double delay, const std::vector<doub
 /// The largest of a function near grid point k, on the logarithmic axis.
 template <class F>
 std::pair<double, double> climb(const F& f, const std::vector<double>& grid, std::size_t k) {
-  constexpr double kGolden = 0.6180339887498949;
-  double low = std::log(grid[k > 0 ? k - 1 : 0]);
-  double high = std::log(grid[std::min(k + 1, grid.size() - 1)]);
-  double a = high - kGolden * (high - low);
-  double b = low + kGolden * (high - low);
-  double f_a = f(std::exp(a));
-  double f_b = f(std::exp(b));
-  for (int i = 0; i < 60 && high - low > 1e-9; ++i) {
-    if (f_a > f_b) {
-      high = b;
-      b = a;
-      f_b = f_a;
-      a = high - kGolden * (high - low);
-      f_a = f(std::exp(a));
-    } else {
-      low = a;
-      a = b;
-      f_a = f_b;
-      b = low + kGolden * (high - low);
-      f_b = f(std::exp(b));
-    }
-  }
-  return f_a > f_b ? std::pair(f_a, std::exp(a)) : std::pair(f_b, std::exp(b));
+  const double low = std::log(grid[k > 0 ? k - 1 : 0]);
+  const double high = std::log(grid[std::min(k + 1, grid.size() - 1)]);
+  const auto [value, place] =
+      golden_section([&](double log_w) { return f(std::exp(log_w)); }, low, high, 1e-9);
+  return {value, std::exp(place)};
 }
 
 /// The largest of all peaks that come within 5 % of the grid's largest value.
@@ -183,7 +139,7 @@ std::vector<double> plant_grid(const ContinuousTransferFunction& plant,
             if (damping * step < 0.5) grid.push_back(peak * (1 + side * damping * step));
     }
   };
-  mark_roots(trimmed(plant.num));
+  mark_roots(without_leading_zeros(plant.num));
   mark_roots(plant.den);
   if (plant.delay > 0) marks.push_back(1 / plant.delay);
   for (const double corner : corners)
@@ -207,7 +163,7 @@ std::vector<double> plant_grid(const ContinuousTransferFunction& plant,
 
 LoopShape::LoopShape(const ContinuousTransferFunction& plant, const std::vector<double>& corners)
     : plant_(plant), grid_(plant_grid(plant, corners)) {
-  plant_.num = trimmed(plant.num);
+  plant_.num = without_leading_zeros(plant.num);
   responses_.reserve(grid_.size());
   for (const double w : grid_) responses_.push_back(plant_({0, w}));
 }
@@ -217,10 +173,10 @@ Complex LoopShape::at(const PidGains& gains, double w) const {
 }
 
 bool LoopShape::stable(const PidGains& gains) const {
-  const Fraction loop = loop_fraction(plant_, gains);
+  const ContinuousTransferFunction loop = loop_of(plant_, gains);
   if (loop.num.size() > loop.den.size()) return false;
   if (loop.den.size() < 2) return false;  // a static loop is algebraic
-  if (plant_.delay > 0) return mikhailov_stable(loop, plant_.delay, grid_);
+  if (plant_.delay > 0) return mikhailov_stable(loop, grid_);
   const Eigen::VectorXd closed = sum(loop.den, loop.num);
   if (!(std::abs(closed[0]) > 1e-14 * std::abs(loop.den[0]))) return false;
   const Eigen::VectorXcd poles = polynomial_roots(closed);

@@ -30,6 +30,22 @@ std::complex<double> PidGains::operator()(std::complex<double> s) const {
   return C;
 }
 
+ContinuousTransferFunction loop_of(const ContinuousTransferFunction& plant, const PidGains& gains) {
+  const Eigen::VectorXd one = Eigen::VectorXd::Ones(1);
+  const Eigen::VectorXd s = Eigen::Vector2d(1, 0);
+  const bool filtered = gains.Kd != 0 && gains.Tf > 0;
+  const Eigen::VectorXd integral = gains.Ki != 0 ? s : one;
+  const Eigen::VectorXd filter = filtered ? Eigen::VectorXd(Eigen::Vector2d(gains.Tf, 1)) : one;
+  const Eigen::VectorXd both = polynomial_product(integral, filter);
+  const Eigen::VectorXd lead = polynomial_product(s, integral);
+  Eigen::VectorXd num = Eigen::VectorXd::Zero(3);
+  num.tail(both.size()) += gains.Kp * both;
+  if (gains.Ki != 0) num.tail(filter.size()) += gains.Ki * filter;
+  if (gains.Kd != 0) num.tail(lead.size()) += gains.Kd * lead;
+  return {without_leading_zeros(polynomial_product(num, plant.num)),
+          polynomial_product(both, plant.den), plant.delay};
+}
+
 std::ostream& operator<<(std::ostream& out, const PidGains& gains) {
   return out << fmt::format("Kp {:.6g}, Ki {:.6g}, Kd {:.6g}, Tf {:.6g} s", gains.Kp, gains.Ki,
                             gains.Kd, gains.Tf);

@@ -9,6 +9,7 @@
 #include <ostream>
 #include <vector>
 
+#include "golden_section.hpp"
 #include "loop_shape.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/synthesis/fopdt.hpp"
@@ -90,30 +91,9 @@ double dot(Complex a, Complex b) { return a.real() * b.real() + a.imag() * b.ima
 /// it is found at an end, from there again.
 template <class F>
 double climb(const F& f, double centre, double half_width) {
-  constexpr double kGolden = 0.6180339887498949;
   for (int move = 0; move < 20; ++move) {
-    double low = centre - half_width;
-    double high = centre + half_width;
-    double a = high - kGolden * (high - low);
-    double b = low + kGolden * (high - low);
-    double f_a = f(a);
-    double f_b = f(b);
-    while (high - low > 1e-6) {
-      if (f_a > f_b) {
-        high = b;
-        b = a;
-        f_b = f_a;
-        a = high - kGolden * (high - low);
-        f_a = f(a);
-      } else {
-        low = a;
-        a = b;
-        f_a = f_b;
-        b = low + kGolden * (high - low);
-        f_b = f(b);
-      }
-    }
-    const double found = f_a > f_b ? a : b;
+    const double found =
+        internal::golden_section(f, centre - half_width, centre + half_width, 1e-6).second;
     if (std::abs(found - centre) < 0.99 * half_width) return found;
     centre = found;
   }

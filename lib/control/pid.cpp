@@ -71,12 +71,6 @@ void validate_settings(const PidSettings<Scalar>& settings, const std::string& w
   require_stable_filter(settings, where);
 }
 
-Eigen::VectorXd product(const Eigen::VectorXd& p, const Eigen::VectorXd& q) {
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(p.size() + q.size() - 1);
-  for (Eigen::Index i = 0; i < p.size(); ++i) result.segment(i, q.size()) += p(i) * q;
-  return result;
-}
-
 /// proportional + integral · Ki dt (now z + before)/(z - 1)
 ///              + difference · gain (z - 1)/(z - pole), over one denominator
 DiscreteTransferFunction combine(const PidSettings<double>& settings, double proportional,
@@ -91,10 +85,12 @@ DiscreteTransferFunction combine(const PidSettings<double>& settings, double pro
       difference * d.gain != 0 ? Eigen::VectorXd(Eigen::Vector2d(1, -d.pole)) : one;
   DiscreteTransferFunction result;
   result.dt = settings.dt;
-  result.den = product(z_1, z_pole);
+  result.den = polynomial_product(z_1, z_pole);
   result.num = proportional * result.den;
-  if (z_1.size() > 1) result.num += i * product(Eigen::Vector2d(weight.now, weight.before), z_pole);
-  if (z_pole.size() > 1) result.num += difference * d.gain * product(Eigen::Vector2d(1, -1), z_1);
+  if (z_1.size() > 1)
+    result.num += i * polynomial_product(Eigen::Vector2d(weight.now, weight.before), z_pole);
+  if (z_pole.size() > 1)
+    result.num += difference * d.gain * polynomial_product(Eigen::Vector2d(1, -1), z_1);
   return result;
 }
 

@@ -113,12 +113,6 @@ ContinuousTransferFunction random_fraction(int poles, std::mt19937_64& generator
   return plant;
 }
 
-VectorXd product(const VectorXd& a, const VectorXd& b) {
-  VectorXd c = VectorXd::Zero(a.size() + b.size() - 1);
-  for (Eigen::Index i = 0; i < a.size(); ++i) c.segment(i, b.size()) += a[i] * b;
-  return c;
-}
-
 /// Σ cᵢ ((2/h) (z - 1))ⁿ⁻ⁱ (z + 1)ⁱ, degree n.
 VectorXd substituted(const VectorXd& c, Eigen::Index n, double h) {
   VectorXd sum = VectorXd::Zero(n + 1);
@@ -126,7 +120,7 @@ VectorXd substituted(const VectorXd& c, Eigen::Index n, double h) {
     VectorXd term = VectorXd::Constant(1, c[i]);
     const Eigen::Index power = c.size() - 1 - i;
     for (Eigen::Index k = 0; k < n; ++k)
-      term = product(term, k < power ? list({2 / h, -2 / h}) : list({1, 1}));
+      term = polynomial_product(term, k < power ? list({2 / h, -2 / h}) : list({1, 1}));
     sum += term;
   }
   return sum;

@@ -44,6 +44,13 @@ void validate(const DiscreteTransferFunction& plant, const std::string& where);
 [[nodiscard]] std::complex<double> polynomial(const Eigen::VectorXd& coefficients,
                                               std::complex<double> x);
 
+/// p · q, coefficients in descending powers; neither empty.
+[[nodiscard]] Eigen::VectorXd polynomial_product(const Eigen::VectorXd& p,
+                                                 const Eigen::VectorXd& q);
+
+/// The same polynomial from its first coefficient that is not 0; of zeros alone one remains.
+[[nodiscard]] Eigen::VectorXd without_leading_zeros(const Eigen::VectorXd& coefficients);
+
 /// Roots of a polynomial, coefficients in descending powers; leading zeros are passed over. From
 /// the eigenvalues of the balanced companion matrix. Empty for a constant.
 /// @throws InvalidInput  when all coefficients are 0, or not finite.

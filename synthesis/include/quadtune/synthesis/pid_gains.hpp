@@ -8,6 +8,7 @@
 #include <string>
 
 #include "quadtune/control/pid.hpp"
+#include "quadtune/transfer_function.hpp"
 
 namespace quadtune {
 
@@ -29,6 +30,11 @@ struct PidGains {
 };
 
 std::ostream& operator<<(std::ostream& out, const PidGains& gains);
+
+/// C(s) P(s), with the plant's delay and without poles and zeros of parts that the gains leave out.
+/// The derivative without a filter may leave it with more zeros than poles.
+[[nodiscard]] ContinuousTransferFunction loop_of(const ContinuousTransferFunction& plant,
+                                                 const PidGains& gains);
 
 /// Standard form: C(s) = K (1 + 1/(Ti s) + Td s/(Tf s + 1)).
 struct PidStandard {
