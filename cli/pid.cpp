@@ -10,6 +10,8 @@
 #include <numbers>
 #include <ostream>
 
+#include "cascade_arguments.hpp"
+#include "cascade_report.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
 #include "number_arguments.hpp"
@@ -27,6 +29,8 @@ namespace {
 using internal::Json;
 
 struct Options {
+  std::string vehicle;
+  CascadeArguments cascade;
   std::string num, den, type = "PID", rule;
   double delay = 0;         // [s]
   double crossover = 0;     // [rad/s]
@@ -239,17 +243,48 @@ void run(const Options& options, const Given& given, Context& context) {
     context.note("pid: warning: " + warning);
 }
 
+// --- a vehicle -----------------------------------------------------------------------------------
+
+/// Refuses options of the other mode: taken in silence they would give other gains than were asked.
+void refuse_options(const CLI::App& app, const std::vector<std::string>& names, const char* why) {
+  for (const std::string& name : names)
+    if (app.get_option(name)->count() > 0)
+      throw UsageError(fmt::format("quadtune pid: {} {}", name, why), name);
+}
+
+void run_vehicle(const CLI::App& app, const Options& options, Context& context) {
+  refuse_options(app,
+                 {"--num", "--den", "--delay", "--type", "--crossover", "--phase-margin", "--Tf",
+                  "--rule", "--tau-c", "--Mt-max", "--noise-gain-max"},
+                 "belongs to a transfer function, expected --bandwidth, --Ms-max and the like with "
+                 "a vehicle");
+  const Vehicle vehicle = load_vehicle(options.vehicle);
+  const CascadeSpecification specification =
+      cascade_specification(app, options.cascade, options.Ms_max, vehicle);
+  const CascadeReport report = design_cascade(vehicle, specification, options.vehicle);
+  if (context.json) {
+    context.out << internal::readable(to_json(report)) << "\n";
+  } else {
+    context.out << to_text(report);
+  }
+  for (const std::string& note : report.cascade.notes) context.note("pid: note: " + note);
+  for (const std::string& warning : margin_warnings(report.margins))
+    context.note("pid: warning: " + warning);
+}
+
 }  // namespace
 
 Verb pid_verb() {
   return {
       "pid",
-      "--num LIST --den LIST [--delay S] (--crossover W --phase-margin DEG | --rule NAME | "
-      "--Ms-max M)",
-      "PID gains for a transfer function",
+      "V [options]   or   --num LIST --den LIST [--delay S] (--crossover W --phase-margin DEG | "
+      "--rule NAME | --Ms-max M)",
+      "PID gains for a vehicle's cascade or for a transfer function",
       "quadtune pid --num 1 --den 1,3,3,1 --type PI --crossover 0.5205 --phase-margin 60",
       [](CLI::App& app) -> Action {
         auto options = std::make_shared<Options>();
+        app.add_option("V", options->vehicle, "a built-in vehicle's name or a vehicle file");
+        add_cascade_options(app, options->cascade);
         app.add_option("--num", options->num, "numerator of the plant, descending powers")
             ->type_name("LIST");
         app.add_option("--den", options->den, "denominator, descending powers")->type_name("LIST");
@@ -278,7 +313,9 @@ Verb pid_verb() {
         CLI::Option* noise =
             add_number(app, "--noise-gain-max", options->noise_gain_max, "and max |C S| up to this")
                 ->type_name("G");
-        return [=](Context& context) {
+        return [=, owner = &app](Context& context) {
+          if (!options->vehicle.empty()) return run_vehicle(*owner, *options, context);
+          refuse_options(*owner, cascade_option_names(), "belongs to a vehicle, expected one");
           run(*options,
               {crossover->count() > 0, phase->count() > 0, Tf->count() > 0, tau_c->count() > 0,
                Ms->count() > 0, Mt->count() > 0, noise->count() > 0},

@@ -153,6 +153,17 @@ Json vehicle_to_json(const Vehicle& vehicle) {
   add_unless(0, flight, "takeoff_gain", vehicle.takeoff_gain);
   add_unless(1, flight, "altitude_thrust_fraction", vehicle.altitude_thrust_fraction);
   if (!flight.empty()) json["flight"] = flight;
+  if (vehicle.published_cascade) {
+    Json& published = json["published_cascade"];
+    published["source"] = vehicle.published_cascade->source;
+    published["dt_s"] = number_to_json(vehicle.published_cascade->gains.dt, "published_cascade.dt");
+    for (const PidLoop& loop : vehicle.published_cascade->gains.loops) {
+      Json& table = published[loop.name];
+      table["Kp"] = number_to_json(loop.Kp, loop.name);
+      add_unless(0, table, "Ki", loop.Ki);
+      add_unless(0, table, "Kd", loop.Kd);
+    }
+  }
   return json;
 }
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "cascade_reader.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -204,35 +205,26 @@ KalmanDesign read_kalman(const TomlTable& table) {
   return kalman;
 }
 
-// Loops of the cascade in order, what they command and in which unit.
-struct CascadeLoop {
-  const char* name;
-  const char* output;
-  const char* unit;
-};
-constexpr std::array<CascadeLoop, 6> kCascadeLoops = {
-    {{"x", "pitch reference", "rad/m"},
-     {"y", "roll reference", "rad/m"},
-     {"pitch", "tau_y", "N m/rad"},
-     {"roll", "tau_x", "N m/rad"},
-     {"yaw", "tau_z", "N m/rad"},
-     {"altitude", "force along +z beside -m g", "N/m"}}};
-
 CascadeDesign read_cascade(const TomlTable& table) {
-  std::vector<TomlKey> keys = {{"dt", "s"},
-                               {"attitude_limit", "rad"},
-                               {"integrator_limit"},
-                               {"back_calculation", "per_s"},
-                               {"takeoff_time", "s"}};
-  for (const CascadeLoop& loop : kCascadeLoops) keys.push_back({loop.name});
+  std::vector<TomlKey> keys = internal::cascade_gain_keys();
+  keys.insert(keys.end(), {{"design"},
+                           {"attitude_limit", "rad"},
+                           {"integrator_limit"},
+                           {"back_calculation", "per_s"},
+                           {"takeoff_time", "s"}});
   table.allow(keys);
   CascadeDesign cascade;
-  cascade.gains.dt = table.number("dt_s", Range::positive());
-  for (const CascadeLoop& known : kCascadeLoops) {
-    const TomlTable loop = table.table(known.name);
-    loop.allow({{"Kp"}, {"Ki"}, {"Kd"}});
-    cascade.gains.loops.push_back({known.name, known.output, known.unit, loop.number("Kp"),
-                                   loop.number_or("Ki", 0), loop.number_or("Kd", 0)});
+  if (const auto wanted = table.maybe_table("design")) {
+    for (const std::string& name : cascade_axis_names())
+      if (table.has(name))
+        throw InvalidInput(table.where(name),
+                           fmt::format("[cascade] has gains of {} beside [cascade.design], "
+                                       "expected one or the other",
+                                       name));
+    cascade.gains.dt = table.number("dt_s", Range::positive());
+    cascade.specification = internal::read_cascade_specification(*wanted, cascade.gains.dt);
+  } else {
+    cascade.gains = internal::read_cascade_gains(table);
   }
   cascade.attitude_limit =
       table.number_or("attitude_limit_rad", cascade.attitude_limit, Range::positive());

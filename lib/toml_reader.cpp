@@ -243,6 +243,14 @@ bool TomlTable::is_list_of_lists(const std::string& key) const {
          node->list.front().kind == TomlNode::Kind::list;
 }
 
+bool TomlTable::truth(const std::string& key) const {
+  const TomlNode& node = need(key);
+  if (node.kind != TomlNode::Kind::boolean)
+    throw InvalidInput(at(node),
+                       fmt::format("{} is {}, expected true or false", named(key), in_words(node)));
+  return node.truth;
+}
+
 bool TomlTable::is_text(const std::string& key) const {
   const TomlNode* node = find(key);
   return node != nullptr && node->kind == TomlNode::Kind::text;

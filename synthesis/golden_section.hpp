@@ -2,6 +2,7 @@
 /// The top of a function of one variable.
 #pragma once
 
+#include <cmath>
 #include <utility>
 
 namespace quadtune::internal {
@@ -33,6 +34,18 @@ std::pair<double, double> golden_section(const F& f, double low, double high, do
     }
   }
   return at_a > at_b ? std::pair{at_a, a} : std::pair{at_b, b};
+}
+
+/// The place of a top of f near `centre`: looked for within half a width of it, and as long as it
+/// is found at an end, from there again.
+template <class F>
+double climb_from(const F& f, double centre, double half_width, double width = 1e-6) {
+  for (int move = 0; move < 20; ++move) {
+    const double found = golden_section(f, centre - half_width, centre + half_width, width).second;
+    if (std::abs(found - centre) < 0.99 * half_width) return found;
+    centre = found;
+  }
+  return centre;
 }
 
 }  // namespace quadtune::internal

@@ -9,6 +9,7 @@
 #include <ostream>
 #include <vector>
 
+#include "gain_gaps.hpp"
 #include "golden_section.hpp"
 #include "loop_shape.hpp"
 #include "quadtune/errors.hpp"
@@ -18,6 +19,9 @@
 namespace quadtune {
 namespace {
 
+using internal::climb_from;
+using internal::forbid;
+using internal::GainInterval;
 using internal::LoopShape;
 using internal::SensitivityPeaks;
 using Complex = std::complex<double>;
@@ -47,57 +51,6 @@ void validate(const PidBounds& bounds, PidType type, double Tf) {
     throw InvalidInput(where,
                        "Tf is 0 s with a bound on the noise gain, expected a filter because "
                        "without one the noise gain is infinite");
-}
-
-/// Values of Ki > 0 that break a bound at one frequency.
-struct Forbidden {
-  double low = 0;
-  double high = 0;
-  double w = 0;  ///< [rad/s]
-};
-
-/// |1 + L|² less what a bound demands of it is, at one frequency, a quadratic in Ki:
-/// square Ki² + 2 half Ki + constant, which must not be negative.
-void forbid(double square, double half, double constant, double w, std::vector<Forbidden>& all) {
-  const auto add = [&](double low, double high) {
-    if (high > 0 && high > low) all.push_back({std::max(low, 0.0), high, w});
-  };
-  const double discriminant = half * half - square * constant;
-  if (discriminant < 0) {
-    if (square < 0) add(0, kInfinity);
-    return;
-  }
-  const double root = std::sqrt(discriminant);
-  const double far = half > 0 ? -half - root : -half + root;  // square times a root, uncancelled
-  const double first = square != 0 ? far / square : kInfinity;
-  const double second = far != 0 ? constant / far : 0;
-  const double low = std::min(first, second);
-  const double high = std::max(first, second);
-  if (square > 0) {
-    add(low, high);
-  } else if (square < 0) {
-    add(0, low);
-    add(high, kInfinity);
-  } else if (half < 0) {
-    add(second, kInfinity);
-  } else {
-    add(0, second);
-  }
-}
-
-double dot(Complex a, Complex b) { return a.real() * b.real() + a.imag() * b.imag(); }
-
-/// The place of the largest value within half a width of the centre, by golden section; as long as
-/// it is found at an end, from there again.
-template <class F>
-double climb(const F& f, double centre, double half_width) {
-  for (int move = 0; move < 20; ++move) {
-    const double found =
-        internal::golden_section(f, centre - half_width, centre + half_width, 1e-6).second;
-    if (std::abs(found - centre) < 0.99 * half_width) return found;
-    centre = found;
-  }
-  return centre;
 }
 
 class Search {
@@ -152,9 +105,9 @@ class Search {
 
   /// Over Kp for every Kd: where two bounds meet there is a ridge, along which a step in both at
   /// once would be needed.
-  [[nodiscard]] Point climb_from(Point x) {
+  [[nodiscard]] Point climb(Point x) {
     const auto best_Kp = [&](double log_Kd) {
-      x.log_Kp = climb(
+      x.log_Kp = climb_from(
           [&](double log_Kp) {
             return log_greatest_Ki({log_Kp, log_Kd});
           },
@@ -162,7 +115,7 @@ class Search {
       return x.log_Kp;
     };
     if (with_derivative_)
-      x.log_Kd = climb(
+      x.log_Kd = climb_from(
           [&](double log_Kd) {
             return log_greatest_Ki({best_Kp(log_Kd), log_Kd});
           },
@@ -186,18 +139,12 @@ class Search {
   [[nodiscard]] double log_greatest_Ki(const Point& x) {
     ++evaluations_;
     const PidGains proportional = gains(x, -kInfinity);
-    std::vector<Forbidden>& all = forbidden_;
+    std::vector<GainInterval>& all = forbidden_;
     all.clear();
     for (std::size_t k = 0; k < responses_.size(); ++k)
       forbid_at(proportional, shape_.grid()[k], responses_[k], all);
-    std::sort(all.begin(), all.end(),
-              [](const Forbidden& p, const Forbidden& q) { return p.low < q.low; });
-    std::vector<Forbidden> gaps;  // low and high of what is allowed, w of what ends it
     double reached = 0;
-    for (const Forbidden& f : all) {
-      if (f.low > reached) gaps.push_back({reached, f.low, f.w});
-      reached = std::max(reached, f.high);
-    }
+    const std::vector<GainInterval> gaps = internal::gaps_between(all, reached);
     if (reached < kInfinity) {
       const double beyond = reached > 0 ? 2 * reached : std::exp(x.log_Kp) * shape_.grid().front();
       if (shape_.stable(gains(x, std::log(beyond)))) return kInfinity;
@@ -216,34 +163,31 @@ class Search {
 
  private:
   void forbid_at(const PidGains& proportional, double w, Complex P,
-                 std::vector<Forbidden>& all) const {
+                 std::vector<GainInterval>& all) const {
     const Complex integral = 1.0 / Complex(0, w);
     const Complex C = sign_ * proportional({0, w});
     const Complex L = C * P;
     const Complex slope = P * integral;  // of L, with Ki
-    const auto bound = [&](double share, Complex direction, Complex start, double least) {
-      forbid(std::norm(slope) - share * std::norm(direction),
-             dot(1.0 + L, slope) - share * dot(start, direction),
-             std::norm(1.0 + L) - share * std::norm(start) - least, w, all);
-    };
-    bound(0, 0, 0, 1 / (bounds_.Ms_max * bounds_.Ms_max));
-    if (std::isfinite(bounds_.Mt_max)) bound(1 / (bounds_.Mt_max * bounds_.Mt_max), slope, L, 0);
+    const internal::AffineResponse returned{1.0 + L, slope};
+    forbid(returned, {}, 1 / bounds_.Ms_max, w, all);
+    if (std::isfinite(bounds_.Mt_max))
+      forbid(returned, {L / bounds_.Mt_max, slope / bounds_.Mt_max}, 0, w, all);
     if (std::isfinite(bounds_.noise_gain_max))
-      bound(1 / (bounds_.noise_gain_max * bounds_.noise_gain_max), integral, C, 0);
+      forbid(returned, {C / bounds_.noise_gain_max, integral / bounds_.noise_gain_max}, 0, w, all);
   }
 
   /// log of the end of a gap, between the frequencies of the grid, and a hair below it.
-  [[nodiscard]] double end_of(const Forbidden& gap, const PidGains& proportional) const {
+  [[nodiscard]] double end_of(const GainInterval& gap, const PidGains& proportional) const {
     const auto end = [&](double log_w) {
       const double w = std::exp(log_w);
-      std::vector<Forbidden> here;
+      std::vector<GainInterval> here;
       forbid_at(proportional, w, sign_ * plant_({0, w}), here);
       double least = kInfinity;
-      for (const Forbidden& f : here)
+      for (const GainInterval& f : here)
         if (f.low > gap.low) least = std::min(least, f.low);
       return -least;
     };
-    const double log_w = climb(end, std::log(gap.w), 0.04);
+    const double log_w = climb_from(end, std::log(gap.w), 0.04);
     return std::log(std::min(gap.high, -end(log_w))) - 1e-9;
   }
 
@@ -261,9 +205,9 @@ class Search {
   PidBounds bounds_;
   double Tf_;
   LoopShape shape_;
-  double sign_ = 1;                   ///< of the plant's response to what is slow, and of the gains
-  std::vector<Complex> responses_;    ///< of sign · plant on the shape's grid
-  std::vector<Forbidden> forbidden_;  ///< kept, so that it is not allocated anew
+  double sign_ = 1;                 ///< of the plant's response to what is slow, and of the gains
+  std::vector<Complex> responses_;  ///< of sign · plant on the shape's grid
+  std::vector<GainInterval> forbidden_;  ///< kept, so that it is not allocated anew
   int evaluations_ = 0;
 };
 
@@ -301,7 +245,7 @@ PidOptimum greatest_integral_gain(const ContinuousTransferFunction& plant, PidTy
     throw InvalidInput("greatest_integral_gain",
                        "num is 0, expected a plant that answers its input");
   Search search(plant, type, bounds, Tf);
-  const Search::Point best = search.climb_from(search.start());
+  const Search::Point best = search.climb(search.start());
   const double value = search.log_greatest_Ki(best);
   PidOptimum optimum;
   optimum.evaluations = search.evaluations();

@@ -201,6 +201,23 @@ class SpeedSearch {
 
 }  // namespace
 
+Eigen::Vector4d wrench_authority(const Vehicle& vehicle, const Eigen::VectorXd& w) {
+  const Eigen::MatrixXd J = wrench_jacobian(vehicle, w);
+  const Eigen::MatrixXd speeds = J.completeOrthogonalDecomposition().pseudoInverse();
+  const double slowest = speed_of_command(vehicle.motor, vehicle.motor.min);
+  const double fastest = speed_of_command(vehicle.motor, vehicle.motor.max);
+  Eigen::Vector4d authority = Eigen::Vector4d::Zero();
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const Eigen::VectorXd change = speeds.col(i).cwiseAbs();
+    double most = std::numeric_limits<double>::infinity();
+    for (Eigen::Index k = 0; k < w.size(); ++k)
+      if (change(k) > 0)
+        most = std::min(most, std::max(0.0, std::min(fastest - w(k), w(k) - slowest)) / change(k));
+    if (std::isfinite(most)) authority(i) = most;
+  }
+  return authority;
+}
+
 Eigen::MatrixXd wrench_jacobian(const Vehicle& vehicle, const Eigen::VectorXd& w,
                                 double density_ratio) {
   require_speeds(vehicle, w, "wrench_jacobian");

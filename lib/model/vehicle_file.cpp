@@ -7,6 +7,7 @@
 #include <numbers>
 #include <system_error>
 
+#include "cascade_reader.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/built_in.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -284,7 +285,8 @@ Vehicle parse_vehicle(const std::string& text, const std::string& origin) {
               {"rotor"},
               {"rotors"},
               {"motor"},
-              {"flight"}});
+              {"flight"},
+              {"published_cascade"}});
   Vehicle vehicle;
   vehicle.text = text;
   vehicle.name = file.word("name");
@@ -304,6 +306,12 @@ Vehicle parse_vehicle(const std::string& text, const std::string& origin) {
     vehicle.takeoff_gain = table->number_or("takeoff_gain", 0, Range::not_negative());
     vehicle.altitude_thrust_fraction = table->number_or(
         "altitude_thrust_fraction", 1, {0, Range::Bound::open, 1, Range::Bound::closed});
+  }
+  if (const auto table = file.maybe_table("published_cascade")) {
+    std::vector<TomlKey> keys = internal::cascade_gain_keys();
+    keys.push_back({"source"});
+    table->allow(keys);
+    vehicle.published_cascade = {table->text("source"), internal::read_cascade_gains(*table)};
   }
   validate(vehicle, file.where("rotors"));  // what is left concerns the rotors
   return vehicle;

@@ -52,13 +52,16 @@ struct KalmanDesign {
   Eigen::MatrixXd N;  ///< (nw × ny) covariance of w and v; zero where the file has none
 };
 
-/// A PID cascade that flies as it stands: its gains are written, not designed.
+/// A PID cascade: its gains as written, or what is asked of them.
 ///
 /// x and y give pitch and roll references [rad] from position errors [m]; pitch, roll and yaw give
 /// torques [N m] from angles [rad]; altitude gives the force along +z (down, so
 /// negative in flight) beside -m g [N] from the error in pz [m].
 struct CascadeDesign {
-  CascadeGains gains;  ///< loops x, y, pitch, roll, yaw, altitude, in this order
+  /// Loops x, y, pitch, roll, yaw, altitude, in this order; none while they wait to be designed.
+  CascadeGains gains;
+  std::optional<CascadeSpecification>
+      specification;  ///< of the gains, where the file asks for them
   double attitude_limit = std::numeric_limits<double>::infinity();    ///< of the references [rad]
   double integrator_limit = std::numeric_limits<double>::infinity();  ///< of each integral's output
   double back_calculation = 0;  ///< anti-windup gain of the integrators [1/s]

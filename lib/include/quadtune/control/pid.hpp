@@ -9,16 +9,10 @@
 #include <type_traits>
 
 #include "quadtune/cascade.hpp"
+#include "quadtune/control/pid_method.hpp"
 #include "quadtune/transfer_function.hpp"
 
 namespace quadtune {
-
-/// What the sampled controller puts in the place of s.
-enum class PidMethod {
-  forward_euler,   ///< (z - 1) / dt
-  backward_euler,  ///< (z - 1) / (dt z)
-  tustin,          ///< (2/dt) (z - 1) / (z + 1)
-};
 
 /// What the derivative is taken of. v = c · set point - measurement.
 enum class PidDerivative {

@@ -36,6 +36,12 @@ template <class Derived>
   return wrench;
 }
 
+/// How far each component of the wrench alone, thrust, roll, pitch, yaw, may move either way from
+/// that at speeds w [rad/s] until a rotor meets a limit of its command, to first order [N, N m].
+/// 0 where no rotor moves it. The least-norm change of speeds is taken where there are many.
+/// @throws InvalidInput  if w has not one entry per rotor.
+[[nodiscard]] Eigen::Vector4d wrench_authority(const Vehicle& vehicle, const Eigen::VectorXd& w);
+
 /// ∂wrench/∂w at speeds w [rad/s], (4 × n).
 /// @throws InvalidInput  if w has not one entry per rotor.
 [[nodiscard]] Eigen::MatrixXd wrench_jacobian(const Vehicle& vehicle, const Eigen::VectorXd& w,

@@ -6,8 +6,11 @@
 #include <cstddef>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "quadtune/cascade.hpp"
 
 namespace quadtune {
 
@@ -77,6 +80,8 @@ struct Vehicle {
   double altitude_thrust_fraction = 1;  ///< share of the greatest thrust left to the altitude loop
   double airframe_height = std::numeric_limits<double>::quiet_NaN();    ///< [m]
   double airframe_diameter = std::numeric_limits<double>::quiet_NaN();  ///< [m]
+  /// Gains that fly on it today, to measure new ones by.
+  std::optional<PublishedCascade> published_cascade;
   std::filesystem::path file;  ///< it was read from; empty when made in memory
   std::string text;            ///< the file's bytes, for the manifest's hash
 };

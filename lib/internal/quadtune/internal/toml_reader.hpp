@@ -87,6 +87,7 @@ class TomlTable {
   [[nodiscard]] std::string text(const std::string& key) const;
   /// Letters, digits, '.', '_' and '-', 1 to 64 of them: fit for the name of a file.
   [[nodiscard]] std::string word(const std::string& key) const;
+  [[nodiscard]] bool truth(const std::string& key) const;
   [[nodiscard]] std::vector<std::string> texts(const std::string& key) const;
   [[nodiscard]] Eigen::VectorXd vector(const std::string& key,
                                        const Range& range = Range::any()) const;

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cascade_arguments.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "matrix_arguments.hpp"
+#include "number_arguments.hpp"
+#include "print.hpp"
+#include "program.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+/// The sample rate of a flight computer, where nothing else is known.
+constexpr double kUsualPeriod = 0.005;  // [s]
+
+CascadeAxis axis_of(const std::string& name, const std::string& option) {
+  try {
+    return cascade_axis(name, option);
+  } catch (const InvalidInput& error) {
+    throw UsageError(std::string("quadtune pid: ") + error.what(), option);
+  }
+}
+
+/// Calls `use` for "roll=40,x=2", or for all loops where one number stands alone.
+template <class Use>
+void each_axis(const std::string& text, const std::string& option, const char* what,
+               const Use& use) {
+  for (const std::string& word : word_list(text)) {
+    const std::size_t sign = word.find('=');
+    double value = 0;
+    const std::string digits = sign == std::string::npos ? word : word.substr(sign + 1);
+    if (!read_number(digits, value) || !(value >= 0))
+      throw UsageError(fmt::format("quadtune pid: {} has '{}', expected {}", option,
+                                   internal::printable(word), what),
+                       option);
+    if (sign != std::string::npos)
+      use(axis_of(word.substr(0, sign), option), value);
+    else
+      for (const CascadeAxis axis : kAllCascadeAxes) use(axis, value);
+  }
+}
+
+void read_bandwidths(const std::string& text, CascadeSpecification& specification) {
+  const double nyquist = std::numbers::pi / specification.dt;
+  each_axis(text, "--bandwidth", "a list like roll=40,x=2 in rad/s",
+            [&](CascadeAxis axis, double w) {
+              if (!(w > 0) || !(w < nyquist))
+                throw UsageError(
+                    fmt::format("quadtune pid: --bandwidth of {} is {} rad/s, expected more than 0 "
+                                "and less than pi/dt = {}",
+                                to_string(axis), number(w), number(nyquist)),
+                    "--bandwidth");
+              specification.requirements[index_of(axis)].bandwidth = w;
+            });
+}
+
+void read_integrals(const std::string& text, CascadeSpecification& specification) {
+  for (CascadeRequirement& requirement : specification.requirements) requirement.integral = false;
+  for (const std::string& name : word_list(text))
+    if (name != "none")
+      specification.requirements[index_of(axis_of(name, "--integral"))].integral = true;
+}
+
+void require_more_than_one(double value, const std::string& option) {
+  if (!(value > 1))
+    throw UsageError(fmt::format("quadtune pid: {} is {}, expected more than 1 because an integral "
+                                 "makes it at least 1",
+                                 option, number(value)),
+                     option);
+}
+
+}  // namespace
+
+void add_cascade_options(CLI::App& app, CascadeArguments& arguments) {
+  add_number(app, "--dt", arguments.dt,
+             "with V: sample period [s]; that of its published gains, or 0.005")
+      ->type_name("T");
+  app.add_option("--bandwidth", arguments.bandwidth,
+                 "with V: where the rate's loop of an axis crosses 1 [rad/s], e.g. roll=40,x=2")
+      ->type_name("LIST");
+  app.add_option(
+         "--sensor-delay", arguments.sensor_delay,
+         "with V: how late the loops see their values [s]: one number, or roll=0.005,x=0.02")
+      ->type_name("LIST");
+  add_number(app, "--motor-lag", arguments.motor_lag,
+             "with V: time constant of the motors [s]; the vehicle's")
+      ->type_name("S");
+  add_number(app, "--tracking-max", arguments.tracking_max,
+             "with V: max |value / set point| up to this; 1.3")
+      ->type_name("M");
+  app.add_option("--integral", arguments.integral,
+                 "with V: loops that have an integral, or none; all")
+      ->type_name("LIST");
+  app.add_option("--integrator", arguments.integrator,
+                 "with V: euler (default), backward-euler or tustin")
+      ->type_name("NAME");
+  app.add_flag("--free", arguments.free,
+               "with V: do not hold the loops to the noise of the published gains");
+}
+
+const std::vector<std::string>& cascade_option_names() {
+  static const std::vector<std::string> names = {"--dt",         "--bandwidth",    "--sensor-delay",
+                                                 "--motor-lag",  "--tracking-max", "--integral",
+                                                 "--integrator", "--free"};
+  return names;
+}
+
+CascadeSpecification cascade_specification(const CLI::App& app, const CascadeArguments& arguments,
+                                           double Ms_max, const Vehicle& vehicle) {
+  const auto came = [&](const char* name) { return app.get_option(name)->count() > 0; };
+  CascadeSpecification specification;
+  specification.dt = vehicle.published_cascade ? vehicle.published_cascade->gains.dt : kUsualPeriod;
+  if (came("--dt")) {
+    require_positive(arguments.dt, "pid", "--dt");
+    specification.dt = arguments.dt;
+  }
+  specification.method = [&] {
+    try {
+      return pid_method(arguments.integrator, "--integrator");
+    } catch (const InvalidInput& error) {
+      throw UsageError(std::string("quadtune pid: ") + error.what(), "--integrator");
+    }
+  }();
+  if (came("--motor-lag")) {
+    if (arguments.motor_lag < 0)
+      throw UsageError(fmt::format("quadtune pid: --motor-lag is {} s, expected 0 or more",
+                                   number(arguments.motor_lag)),
+                       "--motor-lag");
+    specification.lag = arguments.motor_lag;
+  }
+  each_axis(arguments.sensor_delay, "--sensor-delay",
+            "seconds, 0 or more, or a list like roll=0.005,x=0.02",
+            [&](CascadeAxis axis, double delay) { specification.delay[index_of(axis)] = delay; });
+  read_bandwidths(arguments.bandwidth, specification);
+  if (came("--integral")) read_integrals(arguments.integral, specification);
+  for (CascadeRequirement& requirement : specification.requirements) {
+    if (came("--Ms-max")) requirement.Ms_max = Ms_max;
+    if (came("--tracking-max")) requirement.tracking_max = arguments.tracking_max;
+  }
+  if (came("--Ms-max")) require_more_than_one(Ms_max, "--Ms-max");
+  if (came("--tracking-max")) require_more_than_one(arguments.tracking_max, "--tracking-max");
+  specification.use_published = !arguments.free;
+  return specification;
+}
+
+}  // namespace quadtune::cli

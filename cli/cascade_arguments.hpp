@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Options of `pid V`: what is asked of a vehicle's cascade.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "quadtune/cascade.hpp"
+#include "quadtune/model/vehicle.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace quadtune::cli {
+
+struct CascadeArguments {
+  double dt = 0;             // [s]
+  std::string bandwidth;     // "roll=40,x=2" [rad/s]
+  std::string sensor_delay;  // "0.005" or "roll=0.005,x=0.02" [s]
+  double motor_lag = 0;      // [s]
+  double tracking_max = 0;   // max |value / set point|
+  std::string integral;      // names
+  std::string integrator = "euler";
+  bool free = false;
+};
+
+/// Adds --dt, --bandwidth, --sensor-delay, --motor-lag, --tracking-max, --integral, --integrator,
+/// --free.
+void add_cascade_options(CLI::App& app, CascadeArguments& arguments);
+
+/// The options' names, for refusals.
+[[nodiscard]] const std::vector<std::string>& cascade_option_names();
+
+/// @param app  the one that parsed them; tells which options came, --Ms-max among them
+/// @throws UsageError  naming the option
+[[nodiscard]] CascadeSpecification cascade_specification(const CLI::App& app,
+                                                         const CascadeArguments& arguments,
+                                                         double Ms_max, const Vehicle& vehicle);
+
+}  // namespace quadtune::cli

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cascade_report.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "plant_arguments.hpp"
+#include "print.hpp"
+#include "program.hpp"
+#include "quadtune/control/cascade_law.hpp"
+#include "quadtune/model/mixer.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+using internal::Json;
+
+double decibels(double gain) { return 20 * std::log10(gain); }
+double degrees(double angle) { return angle * 180 / std::numbers::pi; }
+Json finite_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+const PidLoop& written(const CascadeReport& report, CascadeAxis axis) {
+  return report.cascade.gains.loops[index_of(axis)];
+}
+
+Json evidence_json(const CascadeLoopEvidence& evidence) {
+  const LoopMargins& m = evidence.margins;
+  return {{"stable", m.stable},
+          {"rate_crossover", evidence.rate.crossover},
+          {"bandwidth", evidence.bandwidth},
+          {"crossover", m.crossover},
+          {"phase_margin_deg", finite_or_null(degrees(m.phase_margin))},
+          {"gain_margin_db", finite_or_null(decibels(m.gain_margin))},
+          {"delay_margin_s", finite_or_null(m.delay_margin)},
+          {"Ms", finite_or_null(m.Ms)},
+          {"Mt", finite_or_null(m.Mt)},
+          {"tracking_peak", finite_or_null(evidence.tracking_peak)},
+          {"load_integral", finite_or_null(evidence.load_integral)},
+          {"load_peak", finite_or_null(evidence.load_peak)},
+          {"load_left", finite_or_null(evidence.load_left)},
+          {"value_noise", finite_or_null(evidence.value_noise)},
+          {"rate_noise", finite_or_null(evidence.rate_noise)}};
+}
+
+Json gains_json(const PidLoop& loop) {
+  return {{"name", loop.name}, {"output", loop.output}, {"unit", loop.unit},
+          {"Kp", loop.Kp},     {"Ki", loop.Ki},         {"Kd", loop.Kd}};
+}
+
+/// Beside the vehicle's own flight, which the report is not asked to change, numbers with signs.
+std::string loop_row(const CascadeReport& report, const CascadeAxisDesign& loop) {
+  const PidLoop& gains = written(report, loop.axis);
+  const CascadeLoopEvidence& e = loop.design.evidence;
+  const LoopMargins& m = e.margins;
+  return fmt::format(
+      "{:<9}{:>11.4g}{:>11.4g}{:>11.4g}  {:<16}{:>8.3g}{:>8.3g}{:>7.1f}{:>8.1f}{:>8.1f}{:>8.3f}"
+      "{:>9.2f}\n",
+      gains.name, gains.Kp, gains.Ki, gains.Kd,
+      gains.output.substr(0, gains.output.find(" beside")), e.rate.crossover, e.bandwidth,
+      decibels(m.gain_margin), degrees(m.phase_margin), 1e3 * m.delay_margin, m.Ms,
+      e.tracking_peak);
+}
+
+std::string loops_text(const CascadeReport& report) {
+  std::string text =
+      fmt::format("{:<9}{:>11}{:>11}{:>11}  {:<16}{:>8}{:>8}{:>7}{:>8}{:>8}{:>8}{:>9}\n", "", "",
+                  "", "", "", "rate", "value", "gain", "phase", "delay", "", "set point");
+  text += fmt::format("{:<9}{:>11}{:>11}{:>11}  {:<16}{:>8}{:>8}{:>7}{:>8}{:>8}{:>8}{:>9}\n",
+                      "loop", "Kp", "Ki", "Kd", "to", "[rad/s]", "[rad/s]", "[dB]", "[deg]", "[ms]",
+                      "Ms", "peak");
+  for (const CascadeAxisDesign& loop : report.cascade.loops) text += loop_row(report, loop);
+  text.pop_back();
+  return text;
+}
+
+std::string bound_text(const CascadeReport& report) {
+  std::string text;
+  for (const CascadeAxisDesign& loop : report.cascade.loops)
+    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", to_string(loop.axis),
+                        loop.design.binding.empty()
+                            ? "nothing"
+                            : fmt::format("{}", fmt::join(loop.design.binding, ", ")));
+  return text;
+}
+
+/// "1.067 (1.075)"
+std::string pair(double here, double there, const char* form) {
+  const auto one = [&](double value) {
+    return std::isfinite(value) ? fmt::format(fmt::runtime(form), value) : std::string("-");
+  };
+  return fmt::format("{} ({})", one(here), one(there));
+}
+
+std::string comparison_text(const CascadeReport& report) {
+  std::string text =
+      report.published_source +
+      ", here (there): a step of load at the loop's output, noise of the sensors put on it\n" +
+      fmt::format("{:<9}{:>14}{:>17}{:>16}{:>12}{:>20}{:>20}\n", "loop", "Ms", "Ki", "load: peak",
+                  "left", "noise: value", "rate");
+  for (const CascadeAxisDesign& loop : report.cascade.loops) {
+    if (!loop.published) continue;
+    const CascadeLoopEvidence& here = loop.design.evidence;
+    const CascadeLoopEvidence& there = loop.published_evidence;
+    text +=
+        fmt::format("{:<9}{:>14}{:>17}{:>16}{:>12}{:>20}{:>20}\n", to_string(loop.axis),
+                    pair(here.margins.Ms, there.margins.Ms, "{:.3f}"),
+                    pair(std::abs(loop.design.gains.Ki), std::abs(loop.published->Ki), "{:.3g}"),
+                    pair(here.load_peak, there.load_peak, "{:.4g}"),
+                    pair(here.load_left, there.load_left, "{:.3g}"),
+                    pair(here.value_noise, there.value_noise, "{:.3g}"),
+                    pair(here.rate_noise, there.rate_noise, "{:.3g}"));
+  }
+  text.pop_back();
+  return text;
+}
+
+/// One figure of a loop, smaller the better, here and as published.
+struct Figure {
+  const char* name;
+  double here;
+  double there;
+
+  /// In per cent; a part of a millionth is what the search leaves of a bound.
+  [[nodiscard]] double gain() const { return here == there ? 0 : 100 * (1 - here / there); }
+  [[nodiscard]] bool worse() const { return here > there * (1 + 1e-6); }
+  [[nodiscard]] std::string text() const {
+    if (here == there || std::abs(gain()) < 0.05) return "same";
+    if (std::isinf(there)) return "all";
+    return fmt::format("{:.1f} %", gain());
+  }
+};
+
+std::vector<Figure> figures(const CascadeAxisDesign& loop) {
+  const CascadeLoopEvidence& here = loop.design.evidence;
+  const CascadeLoopEvidence& there = loop.published_evidence;
+  return {{"Ms - 1", here.margins.Ms - 1, there.margins.Ms - 1},
+          {"load: integral", here.load_integral, there.load_integral},
+          {"load: peak", here.load_peak, there.load_peak},
+          {"noise: value", here.value_noise, there.value_noise},
+          {"noise: rate", here.rate_noise, there.rate_noise}};
+}
+
+/// By how much the cascade is better than what is published, and where it is not.
+std::string verdict(const CascadeReport& report) {
+  std::string text = fmt::format("{:<9}", "loop");
+  for (const Figure& figure : figures(report.cascade.loops.front()))
+    text += fmt::format("{:>16}", figure.name);
+  std::string losses;
+  for (const CascadeAxisDesign& loop : report.cascade.loops) {
+    if (!loop.published) continue;
+    text += fmt::format("\n{:<9}", to_string(loop.axis));
+    for (const Figure& figure : figures(loop)) {
+      text += fmt::format("{:>16}", figure.text());
+      if (figure.worse())
+        losses += fmt::format("{}{} in {}", losses.empty() ? "" : ", ", to_string(loop.axis),
+                              figure.name);
+    }
+  }
+  return text + (losses.empty() ? "\nno figure is worse" : "\nWORSE: " + losses);
+}
+
+}  // namespace
+
+CascadeVehicle cascade_vehicle(const Vehicle& vehicle, const std::string& where) {
+  LinearizeOptions options;
+  options.inputs = InputKind::wrench;
+  CascadeVehicle hover;
+  const Linearization model = linearize_or_refuse(vehicle, FlightCondition{}, options, where);
+  hover.hover = model.plant;
+  hover.authority = wrench_authority(vehicle, model.trim.u);
+  for (const Rotor& rotor : vehicle.rotors) hover.lag = std::max(hover.lag, rotor.lag);
+  if (vehicle.published_cascade) hover.published = vehicle.published_cascade->gains;
+  return hover;
+}
+
+CascadeReport design_cascade(const Vehicle& vehicle, const CascadeSpecification& specification,
+                             const std::string& where) {
+  CascadeReport report;
+  report.vehicle = vehicle.name;
+  report.specification = specification;
+  const CascadeVehicle hover = cascade_vehicle(vehicle, where);
+  if (!report.specification.lag) report.specification.lag = hover.lag;
+  if (vehicle.published_cascade) report.published_source = vehicle.published_cascade->source;
+  report.cascade = pid_cascade(hover, report.specification);
+  if (!report.cascade.solved()) {
+    const CascadeAxisDesign& failed = report.cascade.failed();
+    throw NoSolution(fmt::format("{}: {}: {}", to_string(failed.axis),
+                                 to_string(failed.design.status), failed.design.culprit),
+                     where);
+  }
+  const DiscreteLti law = cascade_law(report.cascade.gains, specification.method);
+  report.margins = margins_report(OpenLoop(cut_at_inputs(report.cascade.plant, law)),
+                                  names_or_numbers(law.outputs, 4));
+  return report;
+}
+
+Json to_json(const CascadeReport& report) {
+  Json json = {{"dt", report.specification.dt},
+               {"integrator", to_string(report.specification.method)},
+               {"motor_lag_s", *report.specification.lag},
+               {"published",
+                report.published_source.empty() ? Json(nullptr) : Json(report.published_source)}};
+  json["loops"] = Json::array();
+  for (const CascadeAxisDesign& loop : report.cascade.loops) {
+    Json row = gains_json(written(report, loop.axis));
+    row.update(evidence_json(loop.design.evidence));
+    row["binding"] = loop.design.binding;
+    row["highest_rate_crossover"] = loop.design.highest_rate_crossover;
+    row["published"] = nullptr;
+    if (loop.published) row["published"] = evidence_json(loop.published_evidence);
+    json["loops"].push_back(std::move(row));
+  }
+  json["margins"] = to_json(report.margins);
+  json["spectral_radius"] = report.cascade.poles.cwiseAbs().maxCoeff();
+  return json;
+}
+
+std::string to_text(const CascadeReport& report) {
+  const CascadeSpecification& s = report.specification;
+  std::string text =
+      section("cascade",
+              fmt::format("{} at hover, every {} s, motor lag {} s, integrals by {}",
+                          report.vehicle, number(s.dt), number(*s.lag), to_string(s.method))) +
+      section("loops", loops_text(report)) + section("bound by", bound_text(report));
+  if (!report.published_source.empty())
+    text += section("beside", comparison_text(report)) + section("lower by", verdict(report));
+  const double radius = report.cascade.poles.cwiseAbs().maxCoeff();
+  text += section("margins", to_text(report.margins)) +
+          section("closed", fmt::format("{}: {} poles of all loops together, the greatest of "
+                                        "modulus {:.6f}",
+                                        radius < 1 ? "stable" : "UNSTABLE",
+                                        report.cascade.poles.size(), radius));
+  return text;
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A vehicle's PID cascade, designed and shown: for `pid V` and `design`.
+#pragma once
+
+#include <string>
+
+#include "margins_report.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/model/vehicle.hpp"
+#include "quadtune/synthesis/pid_cascade.hpp"
+
+namespace quadtune::cli {
+
+/// A cascade with what it was designed for and how it does as a whole.
+struct CascadeReport {
+  std::string vehicle;                 ///< name
+  CascadeSpecification specification;  ///< with the lag that was used
+  std::string published_source;        ///< empty where nothing is published
+  PidCascade cascade;
+  MarginsReport margins;  ///< at the wrench, all loops closed
+};
+
+/// Hover of the vehicle with the lag of its slowest motor and its published gains.
+/// @param where  the file or vehicle that asked for it
+/// @throws NoSolution  if the vehicle cannot hover
+[[nodiscard]] CascadeVehicle cascade_vehicle(const Vehicle& vehicle, const std::string& where);
+
+/// @throws NoSolution  naming the loop that cannot be had, and the highest that can.
+[[nodiscard]] CascadeReport design_cascade(const Vehicle& vehicle,
+                                           const CascadeSpecification& specification,
+                                           const std::string& where);
+
+/// "dt", "integrator", "motor_lag_s", "loops", "margins", "spectral_radius".
+[[nodiscard]] internal::Json to_json(const CascadeReport& report);
+
+/// Sections: loops, beside what is published, margins, stability.
+[[nodiscard]] std::string to_text(const CascadeReport& report);
+
+}  // namespace quadtune::cli
