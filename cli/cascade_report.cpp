@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -163,6 +164,21 @@ std::string verdict(const CascadeReport& report) {
   return text + (losses.empty() ? "\nno figure is worse" : "\nWORSE: " + losses);
 }
 
+void add_margins(CascadeReport& report) {
+  const DiscreteLti law = cascade_law(report.cascade.gains, report.specification.method);
+  report.margins = margins_report(OpenLoop(cut_at_inputs(report.cascade.plant, law)),
+                                  names_or_numbers(law.outputs, 4));
+}
+
+/// Gains alone, of a cascade that was written.
+std::string gains_text(const CascadeGains& gains) {
+  std::string text = fmt::format("{:<9}{:>11}{:>11}{:>11}  to", "loop", "Kp", "Ki", "Kd");
+  for (const PidLoop& loop : gains.loops)
+    text += fmt::format("\n{:<9}{:>11.4g}{:>11.4g}{:>11.4g}  {}", loop.name, loop.Kp, loop.Ki,
+                        loop.Kd, loop.output);
+  return text;
+}
+
 }  // namespace
 
 CascadeVehicle cascade_vehicle(const Vehicle& vehicle, const std::string& where) {
@@ -188,14 +204,31 @@ CascadeReport design_cascade(const Vehicle& vehicle, const CascadeSpecification&
   report.cascade = pid_cascade(hover, report.specification);
   if (!report.cascade.solved()) {
     const CascadeAxisDesign& failed = report.cascade.failed();
-    throw NoSolution(fmt::format("{}: {}: {}", to_string(failed.axis),
+    throw NoSolution(fmt::format("{}: pid: {}: {}: {}", where, to_string(failed.axis),
                                  to_string(failed.design.status), failed.design.culprit),
                      where);
   }
-  const DiscreteLti law = cascade_law(report.cascade.gains, specification.method);
-  report.margins = margins_report(OpenLoop(cut_at_inputs(report.cascade.plant, law)),
-                                  names_or_numbers(law.outputs, 4));
+  add_margins(report);
   return report;
+}
+
+CascadeReport assess_cascade(const Vehicle& vehicle, const CascadeGains& gains,
+                             const std::string& where) {
+  CascadeReport report;
+  report.vehicle = vehicle.name;
+  report.specification.dt = gains.dt;
+  const CascadeVehicle hover = cascade_vehicle(vehicle, where);
+  report.specification.lag = hover.lag;
+  report.cascade.gains = gains;
+  report.cascade.plant = sampled_hover(hover, report.specification);
+  add_margins(report);
+  const DiscreteLti law = cascade_law(gains, report.specification.method);
+  report.cascade.poles = closed_loop(report.cascade.plant, law).A.eigenvalues();
+  return report;
+}
+
+bool unstable(const CascadeReport& report) {
+  return !(report.cascade.poles.cwiseAbs().maxCoeff() < 1);
 }
 
 Json to_json(const CascadeReport& report) {
@@ -205,6 +238,9 @@ Json to_json(const CascadeReport& report) {
                {"published",
                 report.published_source.empty() ? Json(nullptr) : Json(report.published_source)}};
   json["loops"] = Json::array();
+  if (report.cascade.loops.empty())
+    for (const PidLoop& loop : report.cascade.gains.loops)
+      json["loops"].push_back(gains_json(loop));
   for (const CascadeAxisDesign& loop : report.cascade.loops) {
     Json row = gains_json(written(report, loop.axis));
     row.update(evidence_json(loop.design.evidence));
@@ -225,14 +261,16 @@ std::string to_text(const CascadeReport& report) {
       section("cascade",
               fmt::format("{} at hover, every {} s, motor lag {} s, integrals by {}",
                           report.vehicle, number(s.dt), number(*s.lag), to_string(s.method))) +
-      section("loops", loops_text(report)) + section("bound by", bound_text(report));
+      (report.cascade.loops.empty()
+           ? section("loops", gains_text(report.cascade.gains))
+           : section("loops", loops_text(report)) + section("bound by", bound_text(report)));
   if (!report.published_source.empty())
     text += section("beside", comparison_text(report)) + section("lower by", verdict(report));
   const double radius = report.cascade.poles.cwiseAbs().maxCoeff();
   text += section("margins", to_text(report.margins)) +
           section("closed", fmt::format("{}: {} poles of all loops together, the greatest of "
                                         "modulus {:.6f}",
-                                        radius < 1 ? "stable" : "UNSTABLE",
+                                        unstable(report) ? "UNSTABLE" : "stable",
                                         report.cascade.poles.size(), radius));
   return text;
 }

@@ -30,6 +30,13 @@ struct CascadeReport {
                                            const CascadeSpecification& specification,
                                            const std::string& where);
 
+/// The same for gains that were written: no evidence loop by loop, nothing beside it.
+[[nodiscard]] CascadeReport assess_cascade(const Vehicle& vehicle, const CascadeGains& gains,
+                                           const std::string& where);
+
+/// Whether a pole of all loops together is not inside the unit circle.
+[[nodiscard]] bool unstable(const CascadeReport& report);
+
 /// "dt", "integrator", "motor_lag_s", "loops", "margins", "spectral_radius".
 [[nodiscard]] internal::Json to_json(const CascadeReport& report);
 

@@ -71,7 +71,10 @@ Verb design_verb() {
             context.out << internal::readable(design_json(outcome, written)) << "\n";
           else
             context.out << design_text(outcome, written);
-          if (!passed(written)) throw AnswerIsNo("design: what was written does not verify");
+          if (!passed(outcome, written))
+            throw AnswerIsNo(outcome.cascade && unstable(*outcome.cascade)
+                                 ? "design: the cascade does not hold the vehicle"
+                                 : "design: what was written does not verify");
         };
       }};
 }

@@ -186,6 +186,12 @@ DesignOutcome run_design(const std::string& path) {
     outcome.model = linearize_or_refuse(outcome.design.vehicle, outcome.design.condition, {}, path);
   for (const KalmanDesign& filter : outcome.design.kalman)
     outcome.filters.push_back(solve_filter(filter, path));
+  if (outcome.design.cascade) {
+    const CascadeDesign& cascade = *outcome.design.cascade;
+    outcome.cascade = cascade.specification
+                          ? design_cascade(outcome.design.vehicle, *cascade.specification, path)
+                          : assess_cascade(outcome.design.vehicle, cascade.gains, path);
+  }
   return outcome;
 }
 
@@ -228,6 +234,7 @@ ExportContent export_content(const DesignOutcome& outcome) {
   content.plant = outcome.sampled;
   for (const DesignedFilter& designed : outcome.filters) content.filters.push_back(designed.filter);
   content.cascade = design.cascade;
+  if (outcome.cascade) content.cascade->gains = outcome.cascade->cascade.gains;
   content.versions = library_versions();
   content.inputs = {{design.file.filename().string(), design.text},
                     {design.vehicle.file.empty() ? design.vehicle.name + ".toml"

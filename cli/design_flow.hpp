@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "cascade_report.hpp"
 #include "margins_report.hpp"
 #include "quadtune/design.hpp"
 #include "quadtune/exports/content.hpp"
@@ -44,6 +45,7 @@ struct DesignOutcome {
   std::optional<DiscreteLti> sampled;    ///< the plant as the flight computer sees it; if dt > 0
   Eigen::VectorXcd poles;                ///< of the loop as it flies, integrals included
   std::optional<MarginsReport> margins;  ///< of the loop as it flies, at the plant's inputs
+  std::optional<CascadeReport> cascade;
   std::vector<DesignedFilter> filters;
   std::optional<PublishedDifference> published;
 };

@@ -153,12 +153,17 @@ std::string feedback_text(const DesignOutcome& outcome) {
 }
 
 std::vector<std::string> design_warnings(const DesignOutcome& outcome) {
-  return outcome.margins ? margin_warnings(*outcome.margins) : std::vector<std::string>();
+  std::vector<std::string> warnings;
+  if (outcome.margins) warnings = margin_warnings(*outcome.margins);
+  if (outcome.cascade)
+    for (const std::string& warning : margin_warnings(outcome.cascade->margins))
+      warnings.push_back("cascade: " + warning);
+  return warnings;
 }
 
 /// "pass", "pass with warnings" or "fail".
 std::string verdict(const DesignOutcome& outcome, const std::vector<WrittenExport>& written) {
-  if (!passed(written)) return "fail";
+  if (!passed(outcome, written)) return "fail";
   return design_warnings(outcome).empty() ? "pass" : "pass with warnings";
 }
 
@@ -179,7 +184,8 @@ std::string written_text(const WrittenExport& written) {
 
 }  // namespace
 
-bool passed(const std::vector<WrittenExport>& written) {
+bool passed(const DesignOutcome& outcome, const std::vector<WrittenExport>& written) {
+  if (outcome.cascade && unstable(*outcome.cascade)) return false;
   return std::all_of(written.begin(), written.end(),
                      [](const WrittenExport& one) { return one.verification.ok(); });
 }
@@ -198,6 +204,7 @@ Json design_json(const DesignOutcome& outcome, const std::vector<WrittenExport>&
                   {"rotor_speed_rad_s", internal::vector_to_json(trim.u, "u")},
                   {"residual", internal::number_to_json(trim.residual, "residual")}};
   if (outcome.gains) json["lqr"] = lqr_json(outcome);
+  if (outcome.cascade) json["pid"] = to_json(*outcome.cascade);
   json["kalman"] = Json::array();
   for (const DesignedFilter& filter : outcome.filters)
     json["kalman"].push_back(filter_json(filter));
@@ -221,6 +228,7 @@ std::string design_text(const DesignOutcome& outcome, const std::vector<WrittenE
   text += section("vehicle", design.vehicle.description);
   text += section("trim", trim_text(outcome));
   if (outcome.gains) text += feedback_text(outcome);
+  if (outcome.cascade) text += to_text(*outcome.cascade);
   for (const DesignedFilter& filter : outcome.filters)
     text += section("filter", filter_text(filter));
   for (const WrittenExport& one : written) text += section("written", written_text(one));

@@ -21,7 +21,7 @@ struct WrittenExport {
 };
 
 /// True when every export read back right; a design that wrote nothing has nothing to fail.
-[[nodiscard]] bool passed(const std::vector<WrittenExport>& written);
+[[nodiscard]] bool passed(const DesignOutcome& outcome, const std::vector<WrittenExport>& written);
 
 [[nodiscard]] internal::Json design_json(const DesignOutcome& outcome,
                                          const std::vector<WrittenExport>& written);

@@ -63,7 +63,7 @@ struct CascadeDesign {
   std::optional<CascadeSpecification>
       specification;  ///< of the gains, where the file asks for them
   double attitude_limit = std::numeric_limits<double>::infinity();    ///< of the references [rad]
-  double integrator_limit = std::numeric_limits<double>::infinity();  ///< of each integral's output
+  double integrator_limit = std::numeric_limits<double>::infinity();  ///< of |∫error| [error · s]
   double back_calculation = 0;  ///< anti-windup gain of the integrators [1/s]
   double takeoff_time = 0;      ///< constant thrust (1 + takeoff_gain) m g at the start [s]
 };
