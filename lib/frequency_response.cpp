@@ -30,7 +30,7 @@ MatrixXcd solve_hessenberg(const MatrixXd& H, std::complex<double> lambda, const
   M.diagonal().array() += lambda;
   MatrixXcd X = B.cast<std::complex<double>>();
   for (Index k = 0; k + 1 < n; ++k) {
-    if (std::abs(M(k + 1, k)) > std::abs(M(k, k))) {
+    if (std::norm(M(k + 1, k)) > std::norm(M(k, k))) {
       M.row(k).tail(n - k).swap(M.row(k + 1).tail(n - k));
       X.row(k).swap(X.row(k + 1));
     }

@@ -165,7 +165,7 @@ class LoopResponses {
     std::vector<double> values;
     values.reserve(points_.size());
     for (const Point& p : points_) values.push_back(size(p));
-    return internal::refine_peak([&](double w) { return size(at(w)); }, grid_, values).first;
+    return internal::refine_peak([&](double w) { return size(at(w)); }, grid_, values, 1e-5).first;
   }
 
   [[nodiscard]] StepOfLoad load(const PidGains& gains) const {
@@ -215,6 +215,11 @@ CascadeLoopEvidence evidence_of(const LoopResponses& responses, const PidGains& 
 /// the others are.
 constexpr double kLoadTooHigh = -1e3;
 constexpr double kNoRoom = -2e3;
+
+/// How near the search comes to the best Kp and Kd, relative. What it misses of Ki is as little;
+/// the bounds are kept all the same, for Ki is computed anew at every point.
+constexpr double kKpWidth = 1e-6;
+constexpr double kKdWidth = 1e-5;
 
 class Search {
  public:
@@ -283,7 +288,7 @@ class Search {
             [&](double log_Kp) {
               return log_greatest({log_Kp, here.log_Kd});
             },
-            x.log_Kp, 0.2, 1e-6);
+            x.log_Kp, 0.2, kKpWidth);
         x.log_Kp = here.log_Kp;
       }
       return here;
@@ -296,7 +301,7 @@ class Search {
                                             return log_greatest(at_Kd(log_Kd)) -
                                                    std::max(0.0, log_Kd - log_Kd_max);
                                           },
-                                          x.log_Kd, 0.2, 1e-6));
+                                          x.log_Kd, 0.2, kKdWidth));
     return at_Kd(x.log_Kd);
   }
 
@@ -329,7 +334,7 @@ class Search {
         if (f.low > gap.low) least = std::min(least, f.low);
       return -least;
     };
-    const double log_w = internal::climb_from(end, std::log(gap.w), 0.04);
+    const double log_w = internal::climb_from(end, std::log(gap.w), 0.04, 1e-5);
     return std::log(std::min(gap.high, -end(log_w))) - 1e-9;
   }
 

@@ -87,7 +87,7 @@ double refine_root(const std::function<double(double)>& f, double low, double hi
 
 std::pair<double, double> refine_peak(const std::function<double(double)>& f,
                                       const std::vector<double>& grid,
-                                      const std::vector<double>& values) {
+                                      const std::vector<double>& values, double width) {
   constexpr double kNear = 0.7;
   if (grid.empty()) return {0, 0};
   const auto largest = std::max_element(values.begin(), values.end());
@@ -96,7 +96,7 @@ std::pair<double, double> refine_peak(const std::function<double(double)>& f,
   const double level = kNear * *largest;
   for (std::size_t i = 1; i + 1 < grid.size(); ++i) {
     if (values[i] < level || values[i] < values[i - 1] || values[i] < values[i + 1]) continue;
-    best = std::max(best, golden_section(f, grid[i - 1], grid[i + 1], 1e-9 * grid[i + 1]));
+    best = std::max(best, golden_section(f, grid[i - 1], grid[i + 1], width * grid[i + 1]));
   }
   return best;
 }

@@ -21,8 +21,10 @@ namespace quadtune::internal {
 
 /// The largest value of f, given its values on the grid: each peak of the grid that comes near the
 /// largest is climbed by golden section. Returns value and place.
+/// @param width  how near, relative, its place is looked for; its height is known to the square
 [[nodiscard]] std::pair<double, double> refine_peak(const std::function<double(double)>& f,
                                                     const std::vector<double>& grid,
-                                                    const std::vector<double>& values);
+                                                    const std::vector<double>& values,
+                                                    double width = 1e-9);
 
 }  // namespace quadtune::internal

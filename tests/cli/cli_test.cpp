@@ -217,6 +217,12 @@ std::string toml_of(const internal::Json& vehicle) {
   for (const char* table : {"environment", "body", "motor", "flight"})
     if (vehicle.contains(table))
       text += std::string("[") + table + "]\n" + toml_lines(vehicle[table]);
+  if (vehicle.contains("published_cascade")) {
+    const internal::Json& cascade = vehicle["published_cascade"];
+    text += "[published_cascade]\n" + toml_lines(cascade);
+    for (const auto& [name, loop] : cascade.items())
+      if (loop.is_object()) text += "[published_cascade." + name + "]\n" + toml_lines(loop);
+  }
   for (internal::Json rotor : vehicle["rotors"]) {
     if (rotor.contains("Ct"))
       rotor.erase("thrust_a2_N_s2_per_rad2");  // a file has one or the other

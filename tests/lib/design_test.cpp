@@ -101,18 +101,74 @@ TEST(Design, ReadsTheMamboHover) {
   EXPECT_EQ(altitude.N.size(), 1);
   EXPECT_EQ(design.kalman[1].R(1, 1), 5);
   ASSERT_TRUE(design.cascade.has_value());
-  // The Mambo page's table of the control law.
-  const std::vector<std::array<double, 3>> table = {{-0.24, 0, 0.1},       {0.24, 0, -0.1},
-                                                    {0.013, 0.01, -0.002}, {0.01, 0.01, -0.003},
-                                                    {0.004, 0, -0.0012},   {0.8, 0.1, -0.5}};
-  ASSERT_EQ(design.cascade->gains.loops.size(), table.size());
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    const PidLoop& loop = design.cascade->gains.loops[i];
-    EXPECT_EQ(loop.Kp, table[i][0]) << loop.name;
-    EXPECT_EQ(loop.Ki, table[i][1]) << loop.name;
-    EXPECT_EQ(loop.Kd, table[i][2]) << loop.name;
-  }
-  EXPECT_EQ(design.cascade->gains.loops[2].output, "tau_y");
+  ASSERT_TRUE(design.cascade->specification.has_value());
+  EXPECT_TRUE(design.cascade->gains.loops.empty());
+  EXPECT_EQ(design.cascade->specification->dt, 0.005);
+  EXPECT_EQ(design.cascade->specification->method, PidMethod::forward_euler);
+  EXPECT_EQ(design.cascade->specification->requirements[0].Ms_max, 1.4);
+  EXPECT_EQ(design.cascade->integrator_limit, 2);
+}
+
+const std::string kCascadeHead = "name = \"c\"\nvehicle = \"mambo\"\n[cascade]\ndt_s = 0.01\n";
+
+TEST(Design, ReadsACascadeAsWritten) {
+  const Design design = parse(kCascadeHead +
+                              "x = { Kp = -0.24, Kd = 0.1 }\ny = { Kp = 0.24, Kd = -0.1 }\n"
+                              "pitch = { Kp = 0.013, Ki = 0.01, Kd = -0.002 }\n"
+                              "roll = { Kp = 0.01, Ki = 0.01, Kd = -0.003 }\n"
+                              "yaw = { Kp = 0.004, Kd = -0.0012 }\n"
+                              "altitude = { Kp = 0.8, Ki = 0.1, Kd = -0.5 }\n");
+  EXPECT_FALSE(design.cascade->specification.has_value());
+  ASSERT_EQ(design.cascade->gains.loops.size(), kCascadeAxes);
+  const PidLoop& pitch = design.cascade->gains.loops[2];
+  EXPECT_EQ(pitch.output, "tau_y");
+  EXPECT_EQ(pitch.Kp, 0.013);
+  EXPECT_EQ(pitch.Ki, 0.01);
+  EXPECT_EQ(pitch.Kd, -0.002);
+}
+
+TEST(Design, ReadsWhatIsAskedOfACascade) {
+  const Design design =
+      parse(kCascadeHead +
+            "[cascade.design]\nintegrator = \"tustin\"\nmotor_lag_s = 0.02\n"
+            "sensor_delay_s = { roll = 0.005, x = 0.02 }\nbandwidth_rad_per_s = { roll = 40 }\n"
+            "Ms_max = 1.6\ntracking_max = 1.2\nintegral = [\"roll\", \"altitude\"]\n"
+            "published = false\n");
+  const CascadeSpecification& asked = *design.cascade->specification;
+  EXPECT_EQ(asked.dt, 0.01);
+  EXPECT_EQ(asked.method, PidMethod::tustin);
+  EXPECT_EQ(asked.lag, 0.02);
+  EXPECT_EQ(asked.delay[index_of(CascadeAxis::roll)], 0.005);
+  EXPECT_EQ(asked.delay[index_of(CascadeAxis::x)], 0.02);
+  EXPECT_EQ(asked.delay[index_of(CascadeAxis::yaw)], 0);
+  EXPECT_EQ(asked.requirements[index_of(CascadeAxis::roll)].bandwidth, 40);
+  EXPECT_FALSE(asked.requirements[index_of(CascadeAxis::pitch)].bandwidth.has_value());
+  EXPECT_TRUE(asked.requirements[index_of(CascadeAxis::roll)].integral);
+  EXPECT_FALSE(asked.requirements[index_of(CascadeAxis::yaw)].integral);
+  EXPECT_EQ(asked.requirements[3].Ms_max, 1.6);
+  EXPECT_EQ(asked.requirements[3].tracking_max, 1.2);
+  EXPECT_FALSE(asked.use_published);
+}
+
+TEST(Design, RefusesACascadeThatIsAskedWrongly) {
+  const auto said = [&](const std::string& text) -> std::string {
+    try {
+      (void)parse(kCascadeHead + text);
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "nothing";
+  };
+  EXPECT_THAT(said("x = { Kp = 1 }\n[cascade.design]\n"), HasSubstr("has gains of x beside"));
+  EXPECT_THAT(said("[cascade.design]\nMs_max = 1\n"), HasSubstr("more than 1"));
+  EXPECT_THAT(said("[cascade.design]\nintegrator = \"tusin\"\n"),
+              HasSubstr("did you mean 'tustin'"));
+  EXPECT_THAT(said("[cascade.design]\nintegral = [\"z\"]\n"), HasSubstr("no loop 'z'"));
+  EXPECT_THAT(said("[cascade.design]\npublished = 1\n"), HasSubstr("expected true or false"));
+  EXPECT_THAT(said("[cascade.design]\nbandwidth_rad_per_s = { roll = 0 }\n"),
+              HasSubstr("more than 0"));
+  EXPECT_THAT(said("[cascade.design]\nsensor_delay_s = { rol = 0.1 }\n"), HasSubstr("roll"));
+  EXPECT_THAT(said("[cascade.design]\nbandwidth = 4\n"), HasSubstr("bandwidth_rad_per_s"));
 }
 
 TEST(Design, LeavesOutHorizontalPosition) {
