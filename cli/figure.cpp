@@ -112,7 +112,7 @@ std::vector<Tick> decades(const Scale& scale, double most) {
   const double stride = std::max(1.0, std::ceil((last - first + 1) / most));
   const double span = std::log10(scale.high / scale.low);
   std::vector<double> mantissas = {1};
-  if (span < 2.5) mantissas = {1, 3};
+  if (span < 3.2) mantissas = {1, 3};
   if (span < 1.4) mantissas = {1, 2, 5};
   std::vector<Tick> ticks;
   const auto count = static_cast<int>((last - first) / stride) + 2;
@@ -142,7 +142,8 @@ double round_step(double wanted, double unit) {
 }
 
 std::vector<Tick> linear_ticks(const Scale& scale, double most, double unit) {
-  const double step = round_step((scale.high - scale.low) / most, unit);
+  const double span = scale.high - scale.low;
+  const double step = round_step(span / most, span < 2.5 * unit ? 0 : unit);
   std::vector<Tick> ticks;
   const double first = std::ceil(scale.low / step - 1e-9);
   const auto count = static_cast<int>(std::floor(scale.high / step + 1e-9) - first) + 1;
@@ -177,6 +178,7 @@ struct Layout {
   Room room;
   Scale x, y;
   std::vector<Tick> x_ticks, y_ticks;
+  double room_for_ticks;  ///< [px] left of the y axis
 };
 
 constexpr double kMostX = 5;  // ticks
@@ -196,10 +198,11 @@ Layout lay_out(const Panel& panel, const Room& cell, double room_for_ticks) {
                 scale_of(panel.x, panel.series, &Series::x),
                 scale_of(panel.y, panel.series, &Series::y),
                 {},
-                {}};
-  layout.room.left += 2.9 * kFont + room_for_ticks;
+                {},
+                room_for_ticks};
+  layout.room.left += 3.3 * kFont + room_for_ticks;
   layout.room.right -= 1.7 * kFont;
-  layout.room.bottom += 3.9 * kFont;
+  layout.room.bottom += 4.1 * kFont;
   layout.room.top -= 2.3 * kFont;
   if (panel.equal) {
     const double x_unit = (layout.room.right - layout.room.left) / (layout.x.high - layout.x.low);
@@ -255,7 +258,8 @@ std::string data_block(const std::string& name, const std::vector<std::vector<Po
   return text + "EOD\n";
 }
 
-std::string drawn(const Series& series) {
+/// @param point  how large this terminal draws points, beside the other
+std::string drawn(const Series& series, double point) {
   const std::string ink = fmt::format("lc rgb '{}'", color(series.look.color));
   const std::string line =
       fmt::format("lw {} dt {} {}", series.look.width,
@@ -266,16 +270,35 @@ std::string drawn(const Series& series) {
     case Shape::stairs:
       return "with steps " + line;
     case Shape::crosses:
-      return "with points pt 2 ps 1.7 lw 3 " + ink;
+      return fmt::format("with points pt 2 ps {:g} lw 3 {}", 1.7 / point, ink);
     case Shape::circles:
-      return "with points pt 6 ps 1.7 lw 2.5 " + ink;
+      return fmt::format("with points pt 6 ps {:g} lw 2.5 {}", 1.7 / point, ink);
     case Shape::dots:
-      return "with points pt 7 ps 1.1 " + ink;
+      return fmt::format("with points pt 7 ps {:g} {}", 1.1 / point, ink);
     case Shape::area:
       break;
   }
   return fmt::format("with filledcurves closed fc rgb '{}' fs transparent solid 0.22 noborder",
                      color(series.look.color));
+}
+
+/// A text in the middle of this point of the picture [px].
+std::string text_at(const std::string& text, double x, double y, double font = kFont,
+                    const std::string& how = "") {
+  if (text.empty()) return "";
+  return fmt::format("set label {} at screen {:.5f},{:.5f} center {} font ',{}'\n", quoted(text),
+                     x / kWidth, y / kHeight, how, font);
+}
+
+/// Title and names of the axes. The terminals place their own at different distances.
+std::string axis_texts(const Panel& panel, const Layout& layout) {
+  const Room& room = layout.room;
+  const double x = (room.left + room.right) / 2;
+  const double y = (room.bottom + room.top) / 2;
+  return text_at(panel.title, x, room.top + 1.1 * kFont) +
+         text_at(panel.x.label, x, room.bottom - 3.1 * kFont) +
+         text_at(panel.y.label, room.left - layout.room_for_ticks - 2.1 * kFont, y, kFont,
+                 "rotate by 90");
 }
 
 /// Size of the legend in the panel; empty without names.
@@ -312,21 +335,24 @@ std::string labels(const Panel& panel, const Layout& layout, Placement& placemen
         text_width(label.text, kSmallFont) / (layout.room.right - layout.room.left);
     const double height = kLine * kSmallFont / (layout.room.top - layout.room.bottom);
     const Box box = placement.beside(anchor, width, height);
-    text +=
-        fmt::format("set label {} at graph {:.4f},{:.4f} center front boxed font ',{}'\n",
-                    quoted(label.text), box.x + box.width / 2, box.y + box.height / 2, kSmallFont);
+    text += fmt::format(
+        "set object rectangle from graph {:.4f},{:.4f} to graph {:.4f},{:.4f} front fc rgb "
+        "'#ffffff' fs solid noborder\n"
+        "set label {} at graph {:.4f},{:.4f} center front font ',{}'\n",
+        box.x, box.y, box.x + box.width, box.y + box.height, quoted(label.text),
+        box.x + box.width / 2, box.y + box.height / 2, kSmallFont);
   }
   return text;
 }
 
-std::string panel_script(const Panel& panel, const Layout& layout, std::size_t number) {
+std::string panel_script(const Panel& panel, const Layout& layout, std::size_t number,
+                         double point) {
   const Room& room = layout.room;
   std::string text = fmt::format(
-      "unset label\nset lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\n"
+      "unset label\nunset object\nset lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\n"
       "set bmargin at screen {:.5f}\nset tmargin at screen {:.5f}\n",
       room.left / kWidth, room.right / kWidth, room.bottom / kHeight, room.top / kHeight);
-  text += fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n", quoted(panel.title),
-                      quoted(panel.x.label), quoted(panel.y.label));
+  text += axis_texts(panel, layout);
   text += fmt::format("{} logscale x\n{} logscale y\n", panel.x.logarithmic ? "set" : "unset",
                       panel.y.logarithmic ? "set" : "unset");
   text += fmt::format(
@@ -344,12 +370,12 @@ std::string panel_script(const Panel& panel, const Layout& layout, std::size_t n
     for (const std::vector<Point>& line : lines) {
       std::vector<Spot> spots;
       spots.reserve(line.size());
-      for (const Point& point : line) spots.push_back(point.spot);
+      for (const Point& at : line) spots.push_back(at.spot);
       placement.avoid(spots);
     }
     const std::string name = fmt::format("p{}s{}", number, i);
     blocks += data_block(name, lines);
-    plots += fmt::format(", ${} using 1:2 {} {}", name, drawn(series),
+    plots += fmt::format(", ${} using 1:2 {} {}", name, drawn(series, point),
                          series.name.empty() ? "notitle" : "title " + quoted(series.name));
   }
   text += labels(panel, layout, placement) + legend(panel, room, placement);
@@ -361,7 +387,7 @@ std::string terminal(PictureFormat format) {
       fmt::format("size {},{} noenhanced background '#ffffff'", kWidth, kHeight);
   if (format == PictureFormat::svg)
     return fmt::format("set terminal svg {} font 'sans-serif,{}' name 'quadtune'\n", size, kFont);
-  // This terminal counts in points, of which there are three to four pixels.
+  // This terminal counts in points, of which there are three to four of a pixel.
   return fmt::format("set terminal pngcairo {} font 'Sans,{}' fontscale 0.75\n", size, kFont);
 }
 
@@ -376,15 +402,11 @@ std::string gnuplot_script(const Figure& figure, PictureFormat format) {
   std::string text = "set encoding utf8\n" + terminal(format);
   text +=
       "set multiplot\n"
-      "set grid xtics ytics lw 1 lc rgb '#D0D0D0'\nset style textbox opaque noborder margins "
-      "0.4,0.2\n"
-      "set clip two\nset xlabel offset 0,0.2\n";
-  text += fmt::format("set label {} at screen 0.5,{:.5f} center font ',{}'\n", quoted(figure.title),
-                      1 - 26 / kHeight, 1.15 * kFont);
+      "set grid xtics ytics lw 1 lc rgb '#D0D0D0'\nset clip two\n";
+  text += text_at(figure.title, kWidth / 2, kHeight - 26, 1.15 * kFont);
   double top = kHeight - kTitleBand;
   if (!figure.subtitle.empty()) {
-    text += fmt::format("set label {} at screen 0.5,{:.5f} center\n", quoted(figure.subtitle),
-                        1 - (kTitleBand + 14) / kHeight);
+    text += text_at(figure.subtitle, kWidth / 2, top - 14);
     top -= kSubtitleBand;
   }
   const auto columns = static_cast<std::size_t>(std::max(figure.columns, 1));
@@ -404,7 +426,7 @@ std::string gnuplot_script(const Figure& figure, PictureFormat format) {
     const double upper = top - height * static_cast<double>(i / columns);
     const Layout layout = lay_out(figure.panels[i], {left, left + width, upper - height, upper},
                                   room_for_ticks[i % columns]);
-    text += panel_script(figure.panels[i], layout, i);
+    text += panel_script(figure.panels[i], layout, i, format == PictureFormat::svg ? 1.5 : 1);
   }
   return text + "unset multiplot\n";
 }

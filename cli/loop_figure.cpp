@@ -47,7 +47,7 @@ std::vector<NamedResponse> responses_of(const OpenLoop& loop, const MarginsRepor
   double longest = 0;
   for (const std::size_t i : channels) {
     responses.push_back({report.names[i], nth_look(responses.size()),
-                         step_response(loop, static_cast<Eigen::Index>(i))});
+                         step_response(loop, static_cast<Eigen::Index>(i)), loop.dt()});
     longest = std::max(longest, responses.back().response.t.back());
   }
   if (channels.size() > 1 && longest > 0)
@@ -108,7 +108,7 @@ Figure margins_figure(const std::string& title, const OpenLoop& loop, const Marg
   return {.title = shortened(title),
           .subtitle = summary(report, channels.size()),
           .panels = {step_panel("Step of the set point", "output / set point",
-                                responses_of(loop, report, channels), loop.dt()),
+                                responses_of(loop, report, channels)),
                      magnitude_panel(curves), nyquist_panel(curves), sensitivity_panel(curves),
                      phase_panel(curves), poles_of(loop)}};
 }
@@ -118,7 +118,7 @@ Figure pid_figure(const std::string& title, const ContinuousTransferFunction& pl
   const OpenLoop loop(loop_of(plant, gains));
   Figure figure = margins_figure(title, loop, report);
   figure.panels[3] = step_panel("Step of load at the plant's input", "output / load",
-                                {{"", nth_look(0), load_step_response(plant, gains)}}, 0);
+                                {{"", nth_look(0), load_step_response(plant, gains)}});
   return figure;
 }
 

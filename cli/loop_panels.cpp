@@ -82,15 +82,17 @@ Range shown_frequencies(const OpenLoop& loop, const LoopMargins& margins) {
   return range;
 }
 
+constexpr int kEven = 400;  ///< frequencies besides those of the grid
+
 std::vector<double> frequencies(const OpenLoop& loop, const LoopMargins& margins) {
   const Range range = shown_frequencies(loop, margins);
   std::vector<double> all = frequency_grid(loop);
+  all.reserve(all.size() + kEven + 1 + margins.gain_crossovers.size() + 4);
   // The grid ends where this range does not, if a pole lies at 0.
-  constexpr int kEven = 400;
   for (int i = 0; i <= kEven; ++i)
     all.push_back(range.low * std::pow(range.high / range.low, double(i) / kEven));
   for (const double w : marked_frequencies(margins)) all.push_back(w);
-  std::erase_if(all, [&](double w) { return !(w > 0) || w > range.high; });
+  std::erase_if(all, [&](double w) { return w < range.low || w > range.high; });
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
@@ -103,10 +105,10 @@ double first_phase(const LoopCurves& curves) {
   if (curves.w.size() < 2) return here;
   const double slope =
       std::log(std::abs(curves.L[1] / curves.L[0])) / std::log(curves.w[1] / curves.w[0]);
-  const double expected = std::isfinite(slope) ? 90 * std::round(slope) : 0;
+  const double expected = std::isfinite(slope) ? 90 * slope : 0;
   const double turns = std::round((here - expected) / 360 - 1e-6);
   const double phase = here - 360 * turns;
-  return phase - expected > 90 ? phase - 360 : phase;
+  return phase - expected > 120 ? phase - 360 : phase;
 }
 
 void unwrap(LoopCurves& curves) {
@@ -122,14 +124,6 @@ void unwrap(LoopCurves& curves) {
   }
 }
 
-void drop_below(LoopCurves& curves, double low) {
-  const auto count = std::lower_bound(curves.w.begin(), curves.w.end(), low) - curves.w.begin();
-  curves.w.erase(curves.w.begin(), curves.w.begin() + count);
-  curves.L.erase(curves.L.begin(), curves.L.begin() + count);
-  curves.S.erase(curves.S.begin(), curves.S.begin() + count);
-  curves.phase.erase(curves.phase.begin(), curves.phase.begin() + count);
-}
-
 // --- marks ---------------------------------------------------------------------------------------
 
 const LoopCurves& worst(const std::vector<LoopCurves>& loops) {
@@ -139,10 +133,14 @@ const LoopCurves& worst(const std::vector<LoopCurves>& loops) {
                            });
 }
 
-/// "PM 29.1°", or with the loop's name where there are several.
-std::string mark_text(const std::vector<LoopCurves>& loops, const LoopCurves& of,
-                      const std::string& text) {
-  return loops.size() > 1 ? fmt::format("{} ({})", text, of.name) : text;
+/// A title that says whose margins are marked, where there are several loops.
+std::string with_name(const std::string& title, const std::vector<LoopCurves>& loops) {
+  return loops.size() > 1 ? fmt::format("{}, marks of {}", title, worst(loops).name) : title;
+}
+
+/// "11.1", and "0.0" for what rounds to it from below.
+std::string tenths(double value) {
+  return fmt::format("{:.1f}", std::round(10 * value) / 10 + 0.0);
 }
 
 constexpr double kLeastPhase = -900;  // [deg] below which a delay is not followed
@@ -305,25 +303,30 @@ std::vector<Series> point_series(const std::vector<PointSet>& sets,
   return all;
 }
 
-/// 0 and powers of ten on either side.
+/// 0 and, on either side, powers of ten and their threes, from the largest down where there is
+/// room.
 std::vector<Tick> asinh_ticks(double unit, double largest) {
-  const double last = std::floor(std::log10(largest) + 1e-9);
-  const double first = std::ceil(std::log10(unit) - 1e-9);
-  constexpr double kMostASide = 3;
-  const auto stride = static_cast<int>(std::ceil((last - first + 1) / kMostASide));
+  constexpr double kRoom = 0.2;  // of half the axis
+  const double reach = std::asinh(largest / unit);
   std::vector<Tick> ticks = {{0, "0"}};
-  for (int e = static_cast<int>(last); e >= static_cast<int>(first); e -= stride) {
-    const double value = std::pow(10, e);
-    for (const double side : {-1.0, 1.0})
-      ticks.push_back({side * std::asinh(value / unit), std::abs(e) <= 3
-                                                            ? fmt::format("{:g}", side * value)
-                                                            : fmt::format("{:g}e{}", side, e)});
+  double last = std::numeric_limits<double>::infinity();
+  for (int e = static_cast<int>(std::floor(std::log10(largest))); e > -300; --e) {
+    for (const int mantissa : {3, 1}) {
+      const double value = mantissa * std::pow(10, e);
+      const double at = std::asinh(value / unit);
+      if (at < kRoom * reach) return ticks;
+      if (at > 1.1 * reach || at > last - kRoom * reach) continue;
+      last = at;
+      for (const int side : {-1, 1})
+        ticks.push_back({side * at, std::abs(e) <= 3 ? fmt::format("{:g}", side * value)
+                                                     : fmt::format("{}e{}", side * mantissa, e)});
+    }
   }
   return ticks;
 }
 
 Panel s_plane(const std::vector<PointSet>& sets) {
-  constexpr double kApart = 100;  // beyond this a linear scale hides the slow poles in one blot
+  constexpr double kApart = 25;  // beyond this a linear scale hides the slow poles in one blot
   const Range size = sizes(sets);
   const bool apart = size.high > kApart * size.low;
   const double unit = apart ? size.low : 1;
@@ -392,6 +395,7 @@ struct TimeUnit {
 };
 
 TimeUnit time_unit(double duration) {
+  if (duration < 1e-6) return {1e-9, "ns"};
   if (duration < 1e-3) return {1e-6, "µs"};
   if (duration < 1) return {1e-3, "ms"};
   return {1, "s"};
@@ -418,15 +422,17 @@ LoopCurves loop_curves(const OpenLoop& loop, const LoopMargins& margins, const s
     curves.S = {1, 1};
   }
   unwrap(curves);
-  drop_below(curves, shown_frequencies(loop, margins).low);
   const Complex at_rest = loop.at(0)(0, 0);
   const bool finite = std::isfinite(at_rest.real()) && std::isfinite(at_rest.imag());
   curves.at_rest = finite ? at_rest : curves.L.front();
+  curves.at_end = loop.discrete() || loop.delay() > 0
+                      ? curves.L.back()
+                      : loop.at(std::numeric_limits<double>::infinity())(0, 0);
   return curves;
 }
 
 Panel step_panel(const std::string& title, const std::string& output,
-                 const std::vector<NamedResponse>& responses, double dt) {
+                 const std::vector<NamedResponse>& responses) {
   constexpr double kMostStairs = 400;
   double duration = 0;
   for (const NamedResponse& named : responses)
@@ -439,11 +445,12 @@ Panel step_panel(const std::string& title, const std::string& output,
               .y = {.label = output},
               .series = {}};
   for (const NamedResponse& named : responses) {
-    Series series{.name = responses.size() > 1 ? named.name : "",
-                  .x = named.response.t,
-                  .y = named.response.y,
-                  .shape = dt > 0 && duration < kMostStairs * dt ? Shape::stairs : Shape::line,
-                  .look = named.look};
+    Series series{
+        .name = responses.size() > 1 ? named.name : "",
+        .x = named.response.t,
+        .y = named.response.y,
+        .shape = named.dt > 0 && duration < kMostStairs * named.dt ? Shape::stairs : Shape::line,
+        .look = named.look};
     for (double& t : series.x) t /= unit.seconds;
     panel.series.push_back(std::move(series));
   }
@@ -456,7 +463,7 @@ Panel magnitude_panel(const std::vector<LoopCurves>& loops) {
     return decibels(std::abs(curves.L[i]));
   });
   const double room = std::max(3.0, 0.06 * (range.high - range.low));
-  Panel panel{.title = "Bode magnitude of L",
+  Panel panel{.title = with_name("Bode magnitude of L", loops),
               .x = frequency_axis(loops),
               .y = {.label = "magnitude [dB]",
                     .low = std::min(range.low, -6.0) - room,
@@ -474,7 +481,7 @@ Panel magnitude_panel(const std::vector<LoopCurves>& loops) {
   for (const PhaseCrossover& at : least_gain_margins(of.margins))
     if (shown(of, at.w))
       mark(panel, at.w, 0, -decibels(at.gain_margin),
-           mark_text(loops, of, fmt::format("GM {:.1f} dB", decibels(at.gain_margin))));
+           fmt::format("GM {} dB", tenths(decibels(at.gain_margin))));
   return panel;
 }
 
@@ -482,7 +489,7 @@ Panel phase_panel(const std::vector<LoopCurves>& loops) {
   const Range range = ends(loops, kLeastPhase, -kLeastPhase,
                            [](const LoopCurves& curves, std::size_t i) { return curves.phase[i]; });
   const double room = 12 + 0.04 * (range.high - range.low);
-  Panel panel{.title = "Bode phase of L",
+  Panel panel{.title = with_name("Bode phase of L", loops),
               .x = frequency_axis(loops),
               .y = {.label = "phase [deg]",
                     .low = std::min(range.low, -180.0) - room,
@@ -497,17 +504,18 @@ Panel phase_panel(const std::vector<LoopCurves>& loops) {
   if (w > 0 && shown(of, w)) {
     const double phase = of.phase[nearest(of, w)];
     const double margin = degrees(of.margins.phase_margin);
-    mark(panel, w, phase, phase - margin, mark_text(loops, of, fmt::format("PM {:.1f}°", margin)));
+    mark(panel, w, phase, phase - margin, fmt::format("PM {}°", tenths(margin)));
   }
   return panel;
 }
 
 Panel sensitivity_panel(const std::vector<LoopCurves>& loops) {
   const bool one = loops.size() == 1;
-  Panel panel{.title = one ? "Sensitivity S and its complement T" : "Sensitivity S",
-              .x = frequency_axis(loops),
-              .y = {.label = one ? "|S|, |T|" : "|S|", .logarithmic = true},
-              .series = {}};
+  Panel panel{
+      .title = one ? "Sensitivity S and its complement T" : with_name("Sensitivity S", loops),
+      .x = frequency_axis(loops),
+      .y = {.label = one ? "|S|, |T|" : "|S|", .logarithmic = true},
+      .series = {}};
   double largest = 1;
   for (const LoopCurves& curves : loops) {
     const LoopMargins& m = curves.margins;
@@ -532,8 +540,7 @@ Panel sensitivity_panel(const std::vector<LoopCurves>& loops) {
   const auto peak = [&](double value, double w) {
     if (!shown(of, w) || !is_peak(value)) return;
     panel.series.push_back({.x = {w}, .y = {value}, .shape = Shape::dots, .look = mark_look()});
-    if (!one)
-      panel.labels.push_back({w, value, mark_text(loops, of, fmt::format("Ms {:.3g}", value))});
+    if (!one) panel.labels.push_back({w, value, fmt::format("Ms {:.3g}", value)});
   };
   peak(of.margins.Ms, of.margins.w_Ms);
   if (one) peak(of.margins.Mt, of.margins.w_Mt);
@@ -566,13 +573,17 @@ Panel nyquist_panel(const std::vector<LoopCurves>& loops) {
   panel.series.push_back(circle(0, 1));
   for (const LoopCurves& curves : loops) {
     Series positive{.look = curves.look};
-    positive.x.reserve(curves.L.size() + 1);
-    positive.y.reserve(curves.L.size() + 1);
+    positive.x.reserve(curves.L.size() + 2);
+    positive.y.reserve(curves.L.size() + 2);
     positive.x.push_back(curves.at_rest.real());
     positive.y.push_back(curves.at_rest.imag());
     for (std::size_t i = 0; i < curves.L.size() && curves.phase[i] > kLeastPhase; ++i) {
       positive.x.push_back(curves.L[i].real());
       positive.y.push_back(curves.L[i].imag());
+    }
+    if (curves.phase.back() > kLeastPhase) {
+      positive.x.push_back(curves.at_end.real());
+      positive.y.push_back(curves.at_end.imag());
     }
     Series negative = positive;
     for (double& y : negative.y) y = -y;

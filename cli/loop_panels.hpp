@@ -21,6 +21,7 @@ struct LoopCurves {
   std::vector<double> w;                ///< [rad/s], increasing, > 0
   std::vector<std::complex<double>> L;  ///< finite
   std::vector<std::complex<double>> S;
+  std::complex<double> at_end = 0;   ///< L(j∞) where there is one, otherwise the last of L
   std::complex<double> at_rest = 0;  ///< L(0) where it is finite, otherwise the first of L
   std::vector<double> phase;  ///< [deg] of L, unwrapped, -90 for each integrator at the slow end
 };
@@ -34,12 +35,12 @@ struct NamedResponse {
   std::string name;
   Look look;
   StepResponse response;
+  double dt = 0;  ///< sample period [s] of what is held between samples; 0 of what is continuous
 };
 
-/// Outputs over time. The unit of time follows from the duration.
-/// @param dt  sample period [s], then as stairs; 0 of continuous responses
+/// Outputs over time; the unit of time follows from the duration.
 [[nodiscard]] Panel step_panel(const std::string& title, const std::string& output,
-                               const std::vector<NamedResponse>& responses, double dt);
+                               const std::vector<NamedResponse>& responses);
 
 /// |L| [dB] with the gain margins marked, and the phase of L [deg] with the phase margin marked.
 [[nodiscard]] Panel magnitude_panel(const std::vector<LoopCurves>& loops);
