@@ -258,8 +258,11 @@ std::string data_block(const std::string& name, const std::vector<std::vector<Po
   return text + "EOD\n";
 }
 
-/// @param point  how large this terminal draws points, beside the other
-std::string drawn(const Series& series, double point) {
+std::string drawn(const Series& series, PictureFormat format) {
+  // The terminals differ in what a point of size 1 is.
+  const bool svg = format == PictureFormat::svg;
+  const double mark = svg ? 1.4 : 1.7;
+  const double dot = svg ? 0.65 : 1.1;
   const std::string ink = fmt::format("lc rgb '{}'", color(series.look.color));
   const std::string line =
       fmt::format("lw {} dt {} {}", series.look.width,
@@ -270,11 +273,11 @@ std::string drawn(const Series& series, double point) {
     case Shape::stairs:
       return "with steps " + line;
     case Shape::crosses:
-      return fmt::format("with points pt 2 ps {:g} lw 3 {}", 1.7 / point, ink);
+      return fmt::format("with points pt 2 ps {:g} lw 3 {}", mark, ink);
     case Shape::circles:
-      return fmt::format("with points pt 6 ps {:g} lw 2.5 {}", 1.7 / point, ink);
+      return fmt::format("with points pt 6 ps {:g} lw 2.5 {}", mark, ink);
     case Shape::dots:
-      return fmt::format("with points pt 7 ps {:g} {}", 1.1 / point, ink);
+      return fmt::format("with points pt 7 ps {:g} {}", dot, ink);
     case Shape::area:
       break;
   }
@@ -346,7 +349,7 @@ std::string labels(const Panel& panel, const Layout& layout, Placement& placemen
 }
 
 std::string panel_script(const Panel& panel, const Layout& layout, std::size_t number,
-                         double point) {
+                         PictureFormat format) {
   const Room& room = layout.room;
   std::string text = fmt::format(
       "unset label\nunset object\nset lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\n"
@@ -375,7 +378,7 @@ std::string panel_script(const Panel& panel, const Layout& layout, std::size_t n
     }
     const std::string name = fmt::format("p{}s{}", number, i);
     blocks += data_block(name, lines);
-    plots += fmt::format(", ${} using 1:2 {} {}", name, drawn(series, point),
+    plots += fmt::format(", ${} using 1:2 {} {}", name, drawn(series, format),
                          series.name.empty() ? "notitle" : "title " + quoted(series.name));
   }
   text += labels(panel, layout, placement) + legend(panel, room, placement);
@@ -419,14 +422,14 @@ std::string gnuplot_script(const Figure& figure, PictureFormat format) {
         std::max(room_for_ticks[i % columns], tick_room(figure.panels[i]));
   // The titles are labels of an empty plot: multiplot's own would move the panels.
   text +=
-      "unset border\nunset tics\nunset key\nset xrange [0:1]\nset yrange [0:1]\nplot NaN\n"
+      "unset border\nunset tics\nunset key\nset xrange [0:1]\nset yrange [0:1]\nplot NaN notitle\n"
       "set border 15 lw 1.5 lc rgb '#404040'\nset tics nomirror out scale 0.5\n";
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
     const double left = width * static_cast<double>(i % columns);
     const double upper = top - height * static_cast<double>(i / columns);
     const Layout layout = lay_out(figure.panels[i], {left, left + width, upper - height, upper},
                                   room_for_ticks[i % columns]);
-    text += panel_script(figure.panels[i], layout, i, format == PictureFormat::svg ? 1.5 : 1);
+    text += panel_script(figure.panels[i], layout, i, format);
   }
   return text + "unset multiplot\n";
 }
