@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "label_placement.hpp"
 
@@ -220,31 +221,81 @@ struct Point {
   Spot spot;
 };
 
-/// Stretches without a gap. Of a line, points nearer than a pixel or two to the one before are left
-/// out, so that files stay small.
+/// True of three points beyond the same edge, far enough that no line between them is seen.
+bool beyond(const Spot& a, const Spot& b, const Spot& c) {
+  constexpr double kFar = 0.5;
+  const auto all = [](double p, double q, double r) {
+    return std::max({p, q, r}) < -kFar || std::min({p, q, r}) > 1 + kFar;
+  };
+  return all(a.x, b.x, c.x) || all(a.y, b.y, c.y);
+}
+
+double distance(const Spot& point, const Spot& from, const Spot& to) {
+  const double x = to.x - from.x;
+  const double y = to.y - from.y;
+  const double length = std::hypot(x, y);
+  if (length == 0) return std::hypot(point.x - from.x, point.y - from.y);
+  return std::abs(x * (point.y - from.y) - y * (point.x - from.x)) / length;
+}
+
+/// The points without which the line would be seen to be another one, so that files stay small:
+/// Douglas and Peucker 1973.
+std::vector<Point> simplified(const std::vector<Point>& line) {
+  constexpr double kSeen = 0.0004;  // of the panel, less than a fifth of a pixel
+  if (line.size() < 3) return line;
+  std::vector<bool> kept(line.size(), false);
+  kept.front() = kept.back() = true;
+  std::vector<std::pair<std::size_t, std::size_t>> open = {{0, line.size() - 1}};
+  while (!open.empty()) {
+    const auto [first, last] = open.back();
+    open.pop_back();
+    double farthest = kSeen;
+    std::size_t at = first;
+    for (std::size_t i = first + 1; i < last; ++i) {
+      const double d = distance(line[i].spot, line[first].spot, line[last].spot);
+      if (!(d > farthest)) continue;
+      farthest = d;
+      at = i;
+    }
+    if (at == first) continue;
+    kept[at] = true;
+    open.emplace_back(first, at);
+    open.emplace_back(at, last);
+  }
+  std::vector<Point> result;
+  result.reserve(line.size());
+  for (std::size_t i = 0; i < line.size(); ++i)
+    if (kept[i]) result.push_back(line[i]);
+  return result;
+}
+
+/// Without the points that are out of sight.
+std::vector<Point> in_sight(const std::vector<Point>& line) {
+  std::vector<Point> result;
+  result.reserve(line.size());
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool inner = i > 0 && i + 1 < line.size();
+    if (!inner || !beyond(line[i - 1].spot, line[i].spot, line[i + 1].spot))
+      result.push_back(line[i]);
+  }
+  return result;
+}
+
+/// Stretches without a gap.
 std::vector<std::vector<Point>> stretches(const Series& series, const Layout& layout) {
-  constexpr double kNear = 0.003;
-  const bool thin = series.shape == Shape::line;
   std::vector<std::vector<Point>> all(1);
   const std::size_t count = std::min(series.x.size(), series.y.size());
   for (std::size_t i = 0; i < count; ++i) {
     const double x = series.x[i];
     const double y = series.y[i];
-    if (!layout.x.shows(x) || !layout.y.shows(y)) {
-      if (!all.back().empty()) all.emplace_back();
-      continue;
-    }
-    const Point point{x, y, {layout.x(x), layout.y(y)}};
-    std::vector<Point>& line = all.back();
-    const bool near = thin && line.size() > 1 &&
-                      std::hypot(point.spot.x - line[line.size() - 2].spot.x,
-                                 point.spot.y - line[line.size() - 2].spot.y) < kNear;
-    if (near)
-      line.back() = point;
-    else
-      line.push_back(point);
+    if (layout.x.shows(x) && layout.y.shows(y))
+      all.back().push_back({x, y, {layout.x(x), layout.y(y)}});
+    else if (!all.back().empty())
+      all.emplace_back();
   }
   if (all.back().empty()) all.pop_back();
+  if (series.shape == Shape::line)
+    for (std::vector<Point>& line : all) line = simplified(in_sight(line));
   return all;
 }
 
