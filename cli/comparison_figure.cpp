@@ -2,12 +2,30 @@
 #include "comparison_figure.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "loop_panels.hpp"
 
 namespace quadtune::cli {
 namespace {
+
+struct Range {
+  double low, high;
+};
+
+/// Of the exact response; what leaves it by far, such as the response of an unstable picture of the
+/// system, is not followed.
+Range range_of(const Comparison& comparison) {
+  Range range{0, 0};
+  for (const double y : comparison.continuous.y) {
+    if (!std::isfinite(y)) continue;
+    range.low = std::min(range.low, y);
+    range.high = std::max(range.high, y);
+  }
+  if (range.low == range.high) range.high = 1;
+  return range;
+}
 
 Panel steps(const Comparison& comparison) {
   std::vector<NamedResponse> responses;
@@ -17,8 +35,13 @@ Panel steps(const Comparison& comparison) {
                          nth_look(responses.size()),
                          {comparison.times, method.outputs},
                          comparison.dt});
-  responses.push_back({"exact", {Look::kInk, 0, 1.5}, comparison.continuous});
-  return step_panel("Step response", "output", responses);
+  responses.push_back({"exact", {Look::kFaint, 0, 2}, comparison.continuous});
+  Panel panel = step_panel("Step response", "output", responses);
+  const Range exact = range_of(comparison);
+  const double room = 0.6 * (exact.high - exact.low);
+  panel.y.low = exact.low - room;
+  panel.y.high = exact.high + room;
+  return panel;
 }
 
 Panel step_errors(const Comparison& comparison) {
@@ -32,7 +55,18 @@ Panel step_errors(const Comparison& comparison) {
     for (std::size_t k = 0; k < count; ++k) error.y[k] -= comparison.exact[k];
     errors.push_back({method.name, nth_look(errors.size()), std::move(error), comparison.dt});
   }
-  return step_panel("Error of the step response", "output - exact", errors);
+  Panel panel = step_panel("Error of the step response", "output - exact", errors);
+  const Range exact = range_of(comparison);
+  double most = 0;
+  for (const Series& series : panel.series)
+    for (const double error : series.y)
+      if (std::isfinite(error)) most = std::max(most, std::abs(error));
+  most = std::min(1.1 * most, 0.6 * (exact.high - exact.low));
+  if (most > 0) {
+    panel.y.low = -most;
+    panel.y.high = most;
+  }
+  return panel;
 }
 
 Panel frequency_errors(const Comparison& comparison) {
@@ -71,6 +105,7 @@ Figure comparison_figure(const Comparison& comparison) {
   return {.title = comparison.title,
           .subtitle = {},
           .columns = 2,
+          .shared_legend = true,
           .panels = {steps(comparison), frequency_errors(comparison), step_errors(comparison),
                      poles(comparison)}};
 }

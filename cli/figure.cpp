@@ -21,6 +21,8 @@ constexpr double kFont = 20;
 constexpr double kSmallFont = 18;
 constexpr double kTitleBand = 48;
 constexpr double kSubtitleBand = 40;
+constexpr double kLegendRow = 31;
+constexpr std::size_t kMostInRow = 5;
 
 /// What one character takes, and one line: a little more than in the usual sans-serif fonts.
 constexpr double kCharacter = 0.62;
@@ -274,8 +276,9 @@ std::vector<Point> in_sight(const std::vector<Point>& line) {
   std::vector<Point> result;
   result.reserve(line.size());
   for (std::size_t i = 0; i < line.size(); ++i) {
+    // Beside the last one kept, so that what is drawn instead is out of sight, too.
     const bool inner = i > 0 && i + 1 < line.size();
-    if (!inner || !beyond(line[i - 1].spot, line[i].spot, line[i + 1].spot))
+    if (!inner || !beyond(result.back().spot, line[i].spot, line[i + 1].spot))
       result.push_back(line[i]);
   }
   return result;
@@ -400,7 +403,7 @@ std::string labels(const Panel& panel, const Layout& layout, Placement& placemen
 }
 
 std::string panel_script(const Panel& panel, const Layout& layout, std::size_t number,
-                         PictureFormat format) {
+                         PictureFormat format, bool with_legend) {
   const Room& room = layout.room;
   std::string text = fmt::format(
       "unset label\nunset object\nset lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\n"
@@ -432,8 +435,27 @@ std::string panel_script(const Panel& panel, const Layout& layout, std::size_t n
     plots += fmt::format(", ${} using 1:2 {} {}", name, drawn(series, format),
                          series.name.empty() ? "notitle" : "title " + quoted(series.name));
   }
-  text += labels(panel, layout, placement) + legend(panel, room, placement);
+  text += labels(panel, layout, placement);
+  text += with_legend ? legend(panel, room, placement) : "unset key\n";
   return text + blocks + "plot " + plots + "\n";
+}
+
+/// The legend entries of an empty plot: of all panels, each name once.
+std::vector<std::string> shared_entries(const Figure& figure, PictureFormat format) {
+  std::vector<std::string> seen;
+  std::vector<std::string> entries;
+  for (const Panel& panel : figure.panels) {
+    for (const Series& series : panel.series) {
+      if (series.name.empty() || std::find(seen.begin(), seen.end(), series.name) != seen.end())
+        continue;
+      seen.push_back(series.name);
+      Series entry = series;
+      if (entry.shape == Shape::stairs) entry.shape = Shape::line;
+      entries.push_back(
+          fmt::format(", keyentry {} title {}", drawn(entry, format), quoted(entry.name)));
+    }
+  }
+  return entries;
 }
 
 std::string terminal(PictureFormat format) {
@@ -463,6 +485,17 @@ std::string gnuplot_script(const Figure& figure, PictureFormat format) {
     text += text_at(figure.subtitle, kWidth / 2, top - 14);
     top -= kSubtitleBand;
   }
+  std::vector<std::string> entries;
+  std::string key = "unset key\n";
+  if (figure.shared_legend) {
+    entries = shared_entries(figure, format);
+    const std::size_t rows_of_key = (entries.size() + kMostInRow - 1) / kMostInRow;
+    key = fmt::format(
+        "set key at screen 0.5,{:.5f} center top horizontal Left reverse maxrows {} samplen "
+        "2.2 width 1 font ',{}'\n",
+        top / kHeight, rows_of_key, kSmallFont);
+    top -= kLegendRow * static_cast<double>(rows_of_key);
+  }
   const auto columns = static_cast<std::size_t>(std::max(figure.columns, 1));
   const std::size_t rows = (figure.panels.size() + columns - 1) / columns;
   const double width = kWidth / static_cast<double>(columns);
@@ -472,15 +505,17 @@ std::string gnuplot_script(const Figure& figure, PictureFormat format) {
     room_for_ticks[i % columns] =
         std::max(room_for_ticks[i % columns], tick_room(figure.panels[i]));
   // The titles are labels of an empty plot: multiplot's own would move the panels.
-  text +=
-      "unset border\nunset tics\nunset key\nset xrange [0:1]\nset yrange [0:1]\nplot NaN notitle\n"
-      "set border 15 lw 1.5 lc rgb '#404040'\nset tics nomirror out scale 0.5\n";
+  text += key +
+          "unset border\nunset tics\nset xrange [0:1]\nset yrange [0:1]\nset margins 0,0,0,0\n"
+          "plot NaN notitle" +
+          fmt::format("{}", fmt::join(entries, "")) +
+          "\nset border 15 lw 1.5 lc rgb '#404040'\nset tics nomirror out scale 0.5\n";
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
     const double left = width * static_cast<double>(i % columns);
     const double upper = top - height * static_cast<double>(i / columns);
     const Layout layout = lay_out(figure.panels[i], {left, left + width, upper - height, upper},
                                   room_for_ticks[i % columns]);
-    text += panel_script(figure.panels[i], layout, i, format);
+    text += panel_script(figure.panels[i], layout, i, format, !figure.shared_legend);
   }
   return text + "unset multiplot\n";
 }

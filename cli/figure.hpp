@@ -66,7 +66,8 @@ struct Figure {
   std::string title;     ///< one line over all
   std::string subtitle;  ///< another, smaller; may be empty
   int columns = 3;
-  std::vector<Panel> panels;  ///< row by row
+  bool shared_legend = false;  ///< one for all panels, each name once, above them; else one in each
+  std::vector<Panel> panels;   ///< row by row
 };
 
 enum class PictureFormat { svg, png };

@@ -107,6 +107,7 @@ Figure margins_figure(const std::string& title, const OpenLoop& loop, const Marg
   const std::vector<LoopCurves> curves = curves_of(loop, report, channels);
   return {.title = shortened(title),
           .subtitle = summary(report, channels.size()),
+          .shared_legend = channels.size() > 1,
           .panels = {step_panel("Step of the set point", "output / set point",
                                 responses_of(loop, report, channels)),
                      magnitude_panel(curves), nyquist_panel(curves), sensitivity_panel(curves),

@@ -227,6 +227,33 @@ TEST(Plot, LeavesOutWhatIsNotFinite) {
   EXPECT_FALSE(cli::run_gnuplot(script, "test.svg").empty());
 }
 
+// Points far outside are left out; what is drawn in their place must not come into the panel.
+TEST(Plot, ALineAroundThePanelStaysOutside) {
+  cli::Series circle;
+  for (int i = 0; i <= 360; ++i) {
+    circle.x.push_back(100 * std::cos(i * M_PI / 180));
+    circle.y.push_back(100 * std::sin(i * M_PI / 180));
+  }
+  const cli::Axis axis{.low = -1, .high = 1};
+  const std::string script =
+      cli::gnuplot_script({.title = "",
+                           .subtitle = "",
+                           .panels = {{.title = "", .x = axis, .y = axis, .series = {circle}}}},
+                          PictureFormat::svg);
+  std::istringstream block(script.substr(script.find("$p0s0 << EOD\n") + 13));
+  double x = 0;
+  double y = 0;
+  double last_x = 100;
+  double last_y = 0;
+  while (block >> x >> y) {  // no chord passes the middle
+    const double cross = std::abs(x * last_y - y * last_x);
+    if (x != last_x || y != last_y) EXPECT_GT(cross / std::hypot(x - last_x, y - last_y), 2);
+    last_x = x;
+    last_y = y;
+  }
+  EXPECT_EQ(last_x, 100);
+}
+
 // --- what goes wrong -----------------------------------------------------------------------------
 
 TEST(Plot, WithoutGnuplotNamesThePackage) {
