@@ -270,6 +270,7 @@ void refuse_options(const CLI::App& app, const std::vector<std::string>& names, 
 }
 
 void run_vehicle(const CLI::App& app, const Options& options, Context& context) {
+  require_picture(options.plot, "pid");
   refuse_options(app,
                  {"--num", "--den", "--delay", "--type", "--crossover", "--phase-margin", "--Tf",
                   "--rule", "--tau-c", "--Mt-max", "--noise-gain-max"},
@@ -279,6 +280,14 @@ void run_vehicle(const CLI::App& app, const Options& options, Context& context) 
   const CascadeSpecification specification =
       cascade_specification(app, options.cascade, options.Ms_max, vehicle);
   const CascadeReport report = design_cascade(vehicle, specification, options.vehicle);
+  draw(
+      options.plot,
+      [&] {
+        return margins_figure(fmt::format("PID cascade of {} every {} s, cut at the wrench",
+                                          report.vehicle, number(report.specification.dt)),
+                              OpenLoop(report.open_loop), report.margins);
+      },
+      context);
   if (context.json) {
     context.out << internal::readable(to_json(report)) << "\n";
   } else {

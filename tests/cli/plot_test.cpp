@@ -176,6 +176,16 @@ TEST(Plot, OfPidShowsTheLoad) {
   EXPECT_TRUE(says(svg, "Open loop without its delay"));
 }
 
+TEST(Plot, OfACascadeShowsTheLoopsAtTheWrench) {
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "pid.svg").string();
+  const ProgramResult result = run_program({"pid", "uquad", "--plot", file});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const std::string svg = folder.read("pid.svg");
+  EXPECT_TRUE(says(svg, "PID cascade of uquad every 0.01 s, cut at the wrench"));
+  EXPECT_TRUE(says(svg, "tau_x"));
+}
+
 // Loops at the edge of what there is: all of them can be drawn, and without a complaint.
 TEST(Plot, DrawsExtremes) {
   const TemporaryDirectory folder;
