@@ -166,8 +166,8 @@ std::string verdict(const CascadeReport& report) {
 
 void add_margins(CascadeReport& report) {
   const DiscreteLti law = cascade_law(report.cascade.gains, report.specification.method);
-  report.margins = margins_report(OpenLoop(cut_at_inputs(report.cascade.plant, law)),
-                                  names_or_numbers(law.outputs, 4));
+  report.open_loop = cut_at_inputs(report.cascade.plant, law);
+  report.margins = margins_report(OpenLoop(report.open_loop), names_or_numbers(law.outputs, 4));
 }
 
 /// Gains alone, of a cascade that was written.

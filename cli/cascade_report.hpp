@@ -17,7 +17,8 @@ struct CascadeReport {
   CascadeSpecification specification;  ///< with the lag that was used
   std::string published_source;        ///< empty where nothing is published
   PidCascade cascade;
-  MarginsReport margins;  ///< at the wrench, all loops closed
+  DiscreteLti open_loop;  ///< all loops, cut at the wrench
+  MarginsReport margins;  ///< there
 };
 
 /// Hover of the vehicle with the lag of its slowest motor and its published gains.

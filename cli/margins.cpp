@@ -10,9 +10,11 @@
 #include <ostream>
 
 #include "design_flow.hpp"
+#include "loop_figure.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
 #include "number_arguments.hpp"
+#include "plot_argument.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/discretize/delay.hpp"
@@ -27,6 +29,7 @@ struct Options {
   std::string cut = "inputs";
   double dt = 0;
   double delay = 0;
+  PlotArgument plot;
 };
 
 /// A loop with the names of its channels.
@@ -152,8 +155,20 @@ void require_one_loop(const Options& options) {
     throw UsageError("quadtune margins: --gains belongs to a vehicle, expected one", "--gains");
 }
 
+/// What the picture is of, as it was asked for.
+std::string figure_title(const Options& options) {
+  const std::string what =
+      !options.vehicle.empty() ? fmt::format("{} with the gains {}", options.vehicle, options.gains)
+      : !options.num.empty()   ? fmt::format("num {}, den {}", options.num, options.den)
+                               : fmt::format("A {}, B {}, K {}", options.A, options.B, options.K);
+  return "Loop of " + what +
+         (options.dt > 0 ? fmt::format(", sampled every {} s", number(options.dt)) : "") +
+         (options.delay > 0 ? fmt::format(", delay {} s", number(options.delay)) : "");
+}
+
 void run(const Options& options, bool has_dt, Context& context) {
   require_one_loop(options);
+  require_picture(options.plot, "margins");
   require_delay(options.delay);
   if (has_dt) require_positive(options.dt, "margins", "--dt");
   if (has_dt && !options.vehicle.empty())
@@ -166,6 +181,9 @@ void run(const Options& options, bool has_dt, Context& context) {
                               ? matrix_loop(options, has_dt, context.in)
                               : transfer_function_loop(options, has_dt);
   const MarginsReport report = margins_report(named.loop, named.names);
+  draw(
+      options.plot, [&] { return margins_figure(figure_title(options), named.loop, report); },
+      context);
   if (context.json)
     context.out << internal::readable(to_json(report)) << "\n";
   else
@@ -202,6 +220,7 @@ Verb margins_verb() {
         add_number(app, "--delay", options->delay,
                    "delay in the loop [s]; whole samples of a discrete one")
             ->type_name("S");
+        add_plot_option(app, options->plot);
         return [options, dt](Context& context) { run(*options, dt->count() > 0, context); };
       }};
 }

@@ -12,9 +12,11 @@
 
 #include "cascade_arguments.hpp"
 #include "cascade_report.hpp"
+#include "loop_figure.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
 #include "number_arguments.hpp"
+#include "plot_argument.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/internal/json.hpp"
@@ -40,6 +42,7 @@ struct Options {
   double Ms_max = 0;
   double Mt_max = 0;
   double noise_gain_max = 0;
+  PlotArgument plot;
 };
 
 /// Which options came; 0 may be a value.
@@ -206,7 +209,17 @@ void print(const Found& found, const MarginsReport& margins, Context& context) {
               << section("margins", to_text(margins));
 }
 
+/// The gains and the plant in a line.
+std::string figure_title(const Options& options, const PidGains& g) {
+  std::string text = fmt::format("{}: Kp {}", options.type, number(g.Kp));
+  if (g.Ki != 0) text += fmt::format(", Ki {} 1/s", number(g.Ki));
+  if (g.Kd != 0) text += fmt::format(", Kd {} s, Tf {} s", number(g.Kd), number(g.Tf));
+  text += fmt::format(" with num {}, den {}", options.num, options.den);
+  return text + (options.delay > 0 ? fmt::format(", delay {} s", number(options.delay)) : "");
+}
+
 void run(const Options& options, const Given& given, Context& context) {
+  require_picture(options.plot, "pid");
   const bool requirement = given.crossover || given.phase_margin;
   const bool rule = !options.rule.empty();
   const bool bounds = given.Ms_max || given.Mt_max || given.noise_gain_max;
@@ -238,6 +251,10 @@ void run(const Options& options, const Given& given, Context& context) {
         "with --Tf",
         "--Tf");
   const MarginsReport margins = margins_report(OpenLoop(loop), {});
+  draw(
+      options.plot,
+      [&] { return pid_figure(figure_title(options, found.gains), plant, found.gains, margins); },
+      context);
   print(found, margins, context);
   for (const std::string& warning : margin_warnings(margins))
     context.note("pid: warning: " + warning);
@@ -253,6 +270,7 @@ void refuse_options(const CLI::App& app, const std::vector<std::string>& names, 
 }
 
 void run_vehicle(const CLI::App& app, const Options& options, Context& context) {
+  require_picture(options.plot, "pid");
   refuse_options(app,
                  {"--num", "--den", "--delay", "--type", "--crossover", "--phase-margin", "--Tf",
                   "--rule", "--tau-c", "--Mt-max", "--noise-gain-max"},
@@ -262,6 +280,14 @@ void run_vehicle(const CLI::App& app, const Options& options, Context& context) 
   const CascadeSpecification specification =
       cascade_specification(app, options.cascade, options.Ms_max, vehicle);
   const CascadeReport report = design_cascade(vehicle, specification, options.vehicle);
+  draw(
+      options.plot,
+      [&] {
+        return margins_figure(fmt::format("PID cascade of {} every {} s, cut at the wrench",
+                                          report.vehicle, number(report.specification.dt)),
+                              OpenLoop(report.open_loop), report.margins);
+      },
+      context);
   if (context.json) {
     context.out << internal::readable(to_json(report)) << "\n";
   } else {
@@ -313,6 +339,7 @@ Verb pid_verb() {
         CLI::Option* noise =
             add_number(app, "--noise-gain-max", options->noise_gain_max, "and max |C S| up to this")
                 ->type_name("G");
+        add_plot_option(app, options->plot);
         return [=, owner = &app](Context& context) {
           if (!options->vehicle.empty()) return run_vehicle(*owner, *options, context);
           refuse_options(*owner, cascade_option_names(), "belongs to a vehicle, expected one");

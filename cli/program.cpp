@@ -99,14 +99,12 @@ void refuse_options_for_values(const CLI::App& app, const std::string& verb,
 }
 
 /// Runs an action whose output goes into a file, written whole or not at all.
-void run_into_file(const Action& action, const std::string& file, const Context& context) {
+void run_into_file(const Action& action, const std::string& file, Context& context) {
   std::ostringstream text;
   Context into{context.in, text, context.err, context.json, context.quiet};
   action(into);
-  const std::filesystem::path path = std::filesystem::absolute(file);
-  if (std::filesystem::is_directory(path))
-    throw FileError(file, "is a directory, expected the name of a file to write");
-  write_files(path.parent_path(), {{path.filename().string(), text.str()}}, {}, interrupted);
+  context.written = into.written;
+  write_file(file, text.str());
 }
 
 /// Standard input can be read once: the second reader would find it empty.
@@ -206,6 +204,14 @@ int fail(const Context& context, int status, const std::string& message, const s
 }
 
 }  // namespace
+
+void write_file(const std::string& file, const std::string& bytes) {
+  const std::filesystem::path path = std::filesystem::absolute(file);
+  std::error_code ignored;  // what cannot be looked at, write_files() names with its reason
+  if (std::filesystem::is_directory(path, ignored))
+    throw FileError(file, "is a directory, expected the name of a file to write");
+  write_files(path.parent_path(), {{path.filename().string(), bytes}}, {}, interrupted);
+}
 
 bool interrupted() { return stop_asked.load(); }
 

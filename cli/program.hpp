@@ -65,7 +65,7 @@ struct Context {
   std::ostream& err;
   bool json = false;
   bool quiet = false;
-  std::vector<std::string> written = {};  ///< directories whose export is complete
+  std::vector<std::string> written = {};  ///< exports and pictures that are complete
 
   /// One line on the error stream that is not an error; silent with --quiet.
   void note(const std::string& line) const;
@@ -89,6 +89,10 @@ struct Verb {
 /// Runs `quadtune ARGS…` and returns its exit status.
 int run(const std::vector<std::string>& args, std::istream& in, std::ostream& out,
         std::ostream& err);
+
+/// Writes one file whole or not at all; a missing directory is made.
+/// @throws FileError, Interrupted  as write_files()
+void write_file(const std::string& file, const std::string& bytes);
 
 /// True once SIGINT, SIGTERM or SIGHUP came; long work and file writing poll it.
 [[nodiscard]] bool interrupted();

@@ -7,7 +7,7 @@
 
 #include "golden_section.hpp"
 
-namespace quadtune::internal {
+namespace quadtune {
 
 namespace {
 
@@ -72,6 +72,8 @@ std::vector<double> frequency_grid(const OpenLoop& loop) {
   return grid;
 }
 
+namespace internal {
+
 double refine_root(const std::function<double(double)>& f, double low, double high) {
   const bool rises = f(high) > 0;
   constexpr int kMaxHalvings = 100;
@@ -101,4 +103,6 @@ std::pair<double, double> refine_peak(const std::function<double(double)>& f,
   return best;
 }
 
-}  // namespace quadtune::internal
+}  // namespace internal
+
+}  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Frequencies at which a loop must be looked at, and what is found between them.
+/// What is found between the frequencies of a loop's grid, frequency_grid().
 #pragma once
 
 #include <functional>
@@ -9,12 +9,6 @@
 #include "quadtune/synthesis/open_loop.hpp"
 
 namespace quadtune::internal {
-
-/// Increasing frequencies [rad/s] from 0 to far beyond the fastest pole, or to Nyquist: forty a
-/// decade, more around each pole and zero of the open and of the closed loop, whose distance to the
-/// boundary is the width of what it does to the response; with a delay, as many that it turns the
-/// phase by less than 0.2 rad between two.
-[[nodiscard]] std::vector<double> frequency_grid(const OpenLoop& loop);
 
 /// The root of f in [low, high], at whose ends f has opposite signs, by bisection to rounding.
 [[nodiscard]] double refine_root(const std::function<double(double)>& f, double low, double high);

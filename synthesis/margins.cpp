@@ -35,7 +35,7 @@ struct Samples {
 class SingleLoop {
  public:
   explicit SingleLoop(const OpenLoop& loop) : loop_(loop) {
-    for (const double w : internal::frequency_grid(loop)) {
+    for (const double w : frequency_grid(loop)) {
       const Complex L = at(w);
       // A pole on the axis has no value; its neighbours show its size.
       if (!std::isfinite(L.real()) || !std::isfinite(L.imag())) continue;

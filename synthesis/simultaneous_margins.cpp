@@ -117,7 +117,7 @@ SimultaneousDiskMargin simultaneous_disk_margin(const OpenLoop& loop, double ske
   // A bound that costs one singular value first, the best one where that comes near the largest.
   std::vector<double> grid;
   std::vector<double> values;
-  for (const double w : internal::frequency_grid(loop)) {
+  for (const double w : frequency_grid(loop)) {
     const MatrixXcd M = at(w);
     if (!M.allFinite()) continue;
     grid.push_back(w);

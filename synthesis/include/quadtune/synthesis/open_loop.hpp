@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <vector>
 
 #include "quadtune/frequency_response.hpp"
 #include "quadtune/lti.hpp"
@@ -31,6 +32,12 @@ class OpenLoop {
   /// near integrators in series L is large and known to few digits, its inverse is not.
   [[nodiscard]] Eigen::MatrixXcd sensitivity(double w) const;
 
+  /// x' = A x + B e, y = C x + D e (x[k+1] of a discrete loop), the delay left out.
+  [[nodiscard]] const Eigen::MatrixXd& A() const { return A_; }  ///< (nx × nx)
+  [[nodiscard]] const Eigen::MatrixXd& B() const { return B_; }  ///< (nx × n)
+  [[nodiscard]] const Eigen::MatrixXd& C() const { return C_; }  ///< (n × nx)
+  [[nodiscard]] const Eigen::MatrixXd& D() const { return D_; }  ///< (n × n)
+
   [[nodiscard]] Eigen::Index size() const { return D_.rows(); }
   [[nodiscard]] bool discrete() const { return dt_ > 0; }
   [[nodiscard]] double dt() const { return dt_; }        ///< [s]; 0 of a continuous loop
@@ -56,6 +63,12 @@ class OpenLoop {
   FrequencyResponse response_;
   FrequencyResponse sensitivity_;
 };
+
+/// Increasing frequencies [rad/s] from 0 to far beyond the fastest pole, or to Nyquist, at which a
+/// loop must be looked at: forty a decade, more around each pole and zero of the open and of the
+/// closed loop, whose distance to the boundary is the width of what it does to the response; with a
+/// delay, as many that it turns the phase by less than 0.2 rad between two.
+[[nodiscard]] std::vector<double> frequency_grid(const OpenLoop& loop);
 
 /// The loop of u = -K x cut at the plant's inputs: K (sI - A)⁻¹ B.
 /// @param K  (nu × nx)

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Runs gnuplot, which draws what the program shows as pictures.
+#pragma once
+
+#include <string>
+
+namespace quadtune::cli {
+
+/// Gives a script to gnuplot on its standard input and returns what it puts on its standard output:
+/// the picture, where the script names a terminal and no output. No shell is in between, no file is
+/// written, and no start-up file of the user is read, so that the same script gives the same bytes.
+///
+/// @param file  the picture's file, for the messages
+/// @throws FileError    "FILE: not drawn: …": gnuplot is not installed, or its reason on one line
+/// @throws Interrupted  on a signal; gnuplot is ended then
+[[nodiscard]] std::string run_gnuplot(const std::string& script, const std::string& file);
+
+}  // namespace quadtune::cli
