@@ -12,6 +12,7 @@
 #include <ostream>
 
 #include "matrix_arguments.hpp"
+#include "method_comparison.hpp"
 #include "number_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
@@ -25,6 +26,8 @@ namespace {
 using internal::Json;
 
 struct Options {
+  std::string vehicle;
+  PlotArgument plot;
   std::string A, B, C, D, num, den, method = "zoh", input_delay, output_delay;
   double dt = 0;
   double prewarp = 0;
@@ -32,6 +35,7 @@ struct Options {
   bool has_prewarp = false;
   bool has_delay = false;
   bool inverse = false;
+  bool compare = false;
 
   [[nodiscard]] bool is_fraction() const { return !num.empty() || !den.empty(); }
 };
@@ -242,8 +246,36 @@ void run_matrices(const Options& options, Task task, Context& context) {
   print(result, options, sample_time_warnings(plant, options.dt), context);
 }
 
-void run_discretize(const Options& options, Context& context) {
+/// The options of one system do not belong to the comparison, nor the comparison's to one system.
+void refuse_options_of_a_system(const CLI::App& app) {
+  for (const char* option : {"--A", "--B", "--C", "--D", "--num", "--den", "--delay", "--method",
+                             "--prewarp", "--input-delay", "--output-delay", "--inverse"})
+    if (app.get_option(option)->count() > 0)
+      refuse(option,
+             "came with --compare, expected a vehicle alone because all methods are tried "
+             "on its closed loops");
+}
+
+void run_comparison(const Options& options, Context& context) {
+  if (options.vehicle.empty())
+    refuse("--compare", "came without a vehicle, expected one: quadtune discretize V --compare");
+  compare_methods(options.vehicle, options.dt, options.plot, context);
+}
+
+void run_discretize(const Options& options, const CLI::App& app, Context& context) {
   require_positive(options.dt, "discretize", "--dt");
+  require_picture(options.plot, "discretize");
+  if (options.compare) {
+    refuse_options_of_a_system(app);
+    run_comparison(options, context);
+    return;
+  }
+  if (!options.vehicle.empty())
+    refuse("V",
+           "came without --compare, expected it, or --A and --B or --num and --den for one "
+           "system");
+  if (!options.plot.file.empty())
+    refuse("--plot", "came without --compare, expected it because only the comparison is drawn");
   refuse_mixtures(options);
   Task task{discretization_method(options.method, "--method"), {}};
   if (options.inverse && task.method != DiscretizationMethod::zoh &&
@@ -262,12 +294,17 @@ void run_discretize(const Options& options, Context& context) {
 
 Verb discretize_verb() {
   return {"discretize",
-          "--A FILE --B FILE [--C FILE --D FILE] | --num LIST --den LIST, --dt T [--method NAME]",
-          "sample a continuous system, or back",
+          "--A FILE --B FILE [--C FILE --D FILE] | --num LIST --den LIST | V --compare, --dt T "
+          "[--method NAME]",
+          "sample a continuous system, or back; or compare the methods on a vehicle's loops",
           "quadtune discretize --A docs/examples/A.txt --B docs/examples/B.txt --dt 0.01 --method "
           "tustin",
           [](CLI::App& app) -> Action {
             auto options = std::make_shared<Options>();
+            app.add_option("V", options->vehicle, "with --compare: a built-in vehicle or a file");
+            app.add_flag("--compare", options->compare,
+                         "every method at T/2, T and 2 T on the vehicle's LQR and PID loops");
+            add_plot_option(app, options->plot);
             app.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
             app.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");
             app.add_option("--C", options->C, "outputs (ny x nx); the states")->type_name("FILE");
@@ -291,7 +328,7 @@ Verb discretize_verb() {
                 ->type_name("LIST");
             app.add_flag("--inverse", options->inverse,
                          "the system is discrete; back to continuous by zoh or tustin");
-            return [options, dt, delay, prewarp](Context& context) {
+            return [options, dt, delay, prewarp, owner = &app](Context& context) {
               if (dt->count() == 0)
                 throw UsageError(
                     "quadtune discretize: --dt is missing, expected a sample period "
@@ -299,7 +336,7 @@ Verb discretize_verb() {
                     "--dt");
               options->has_delay = delay->count() > 0;
               options->has_prewarp = prewarp->count() > 0;
-              run_discretize(*options, context);
+              run_discretize(*options, *owner, context);
             };
           }};
 }

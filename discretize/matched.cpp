@@ -7,10 +7,10 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <complex>
-#include <functional>
 
 #include "period.hpp"
 #include "quadtune/errors.hpp"
+#include "sections.hpp"
 #include "whole_samples.hpp"
 
 namespace quadtune {
@@ -39,21 +39,23 @@ std::complex<double> product(const VectorXcd& roots, double z) {
   return value;
 }
 
-/// @param value  of the plant at a real s
-DiscreteTransferFunction matched(const VectorXcd& poles, const VectorXcd& zeros,
-                                 const std::function<double(double)>& value, double dt) {
+/// What the method makes of a plant, and where its gain is that of the plant.
+struct Matched {
+  VectorXcd poles;
+  VectorXcd zeros;
+  double s = 0;
+  double z = 1;
+};
+
+Matched matched(const VectorXcd& poles, const VectorXcd& zeros, double dt) {
   const Index at_minus_one = std::max<Index>(poles.size() - zeros.size() - 1, 0);
-  const VectorXcd discrete_poles = (poles * dt).array().exp();
-  VectorXcd discrete_zeros = VectorXcd::Constant(zeros.size() + at_minus_one, -1);
-  discrete_zeros.head(zeros.size()) = (zeros * dt).array().exp();
-  const double s = matching_point(poles, zeros, dt);
-  const double z = std::exp(s * dt);
-  const double gain = (value(s) * product(discrete_poles, z) / product(discrete_zeros, z)).real();
-  DiscreteTransferFunction result;
-  result.num = polynomial_of_roots(discrete_zeros, gain);
-  result.den = polynomial_of_roots(discrete_poles);
-  result.dt = dt;
-  if (!result.num.allFinite() || !result.den.allFinite())
+  Matched result;
+  result.poles = (poles * dt).array().exp();
+  result.zeros = VectorXcd::Constant(zeros.size() + at_minus_one, -1);
+  result.zeros.head(zeros.size()) = (zeros * dt).array().exp();
+  result.s = matching_point(poles, zeros, dt);
+  result.z = std::exp(result.s * dt);
+  if (!result.poles.allFinite() || !result.zeros.allFinite() || !std::isfinite(result.z))
     internal::refuse_long_period(dt, "matched");
   return result;
 }
@@ -73,10 +75,15 @@ DiscreteTransferFunction discretize_matched(const ContinuousTransferFunction& pl
   validate(plant, "matched");
   internal::require_period(dt, "matched");
   const VectorXcd zeros = plant.num.isZero(0) ? VectorXcd() : polynomial_roots(plant.num);
-  const auto value = [&](double s) {
-    return (polynomial(plant.num, s) / polynomial(plant.den, s)).real();
-  };
-  DiscreteTransferFunction result = matched(polynomial_roots(plant.den), zeros, value, dt);
+  const Matched to = matched(polynomial_roots(plant.den), zeros, dt);
+  const std::complex<double> value = polynomial(plant.num, to.s) / polynomial(plant.den, to.s);
+  const double gain = (value * product(to.poles, to.z) / product(to.zeros, to.z)).real();
+  DiscreteTransferFunction result;
+  result.num = polynomial_of_roots(to.zeros, gain);
+  result.den = polynomial_of_roots(to.poles);
+  result.dt = dt;
+  if (!result.num.allFinite() || !result.den.allFinite())
+    internal::refuse_long_period(dt, "matched");
   result.delay = internal::whole_samples(plant.delay, dt, "matched");
   return result;
 }
@@ -88,12 +95,11 @@ DiscreteLti discretize_matched(const ContinuousLti& plant, double dt) {
   require_one_channel(plant, plant.C.size() ? plant.C.rows() : nx);
   const MatrixXd C = plant.C.size() ? plant.C : MatrixXd::Identity(nx, nx);
   const double D = plant.D.size() ? plant.D(0, 0) : 0;
-  const auto value = [&](double s) {
-    const MatrixXd sI = s * MatrixXd::Identity(nx, nx);
-    return (C * (sI - plant.A).partialPivLu().solve(plant.B)).value() + D;
-  };
-  DiscreteLti result =
-      realize(matched(plant.A.eigenvalues(), transmission_zeros(plant, 0, 0), value, dt));
+  const Matched to = matched(plant.A.eigenvalues(), transmission_zeros(plant, 0, 0), dt);
+  const MatrixXd sI = to.s * MatrixXd::Identity(nx, nx);
+  const double value = (C * (sI - plant.A).partialPivLu().solve(plant.B)).value() + D;
+  DiscreteLti result = internal::series_of_sections(to.poles, to.zeros, to.z, value, dt);
+  if (!result.A.allFinite() || !result.C.allFinite()) internal::refuse_long_period(dt, "matched");
   result.inputs = plant.inputs;
   result.outputs = plant.C.size() ? plant.outputs : plant.states;
   return result;

@@ -26,8 +26,8 @@ namespace quadtune {
 /// The same for a state-space model, by its poles and transmission zeros.
 ///
 /// @param plant  A (nx × nx), B (nx × 1), C (1 × nx); time in seconds.
-/// @return       Controllable canonical form, nx states without names; input and output keep
-/// theirs.
+/// @return       Sections of first and second order in series, nx states without names; input and
+///               output keep theirs.
 /// @throws InvalidInput  likewise, and for more than one input or output.
 [[nodiscard]] DiscreteLti discretize_matched(const ContinuousLti& plant, double dt);
 

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "method_comparison.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <optional>
+#include <ostream>
+#include <utility>
+#include <vector>
+
+#include "cascade_report.hpp"
+#include "comparison_figure.hpp"
+#include "print.hpp"
+#include "program.hpp"
+#include "quadtune/control/cascade_law.hpp"
+#include "quadtune/discretize/compare.hpp"
+#include "quadtune/discretize/zoh.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/frequency_response.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/model/vehicle.hpp"
+#include "quadtune/synthesis/lqr.hpp"
+#include "quadtune/tuning/bryson.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+using internal::Json;
+
+/// Outputs that the four set points ask for: px, py, pz, yaw.
+const std::vector<Eigen::Index> kFollowed = {0, 1, 2, 5};
+
+constexpr std::array<DiscretizationMethod, 7> kMethods = {
+    DiscretizationMethod::zoh,     DiscretizationMethod::foh,
+    DiscretizationMethod::impulse, DiscretizationMethod::euler,
+    DiscretizationMethod::tustin,  DiscretizationMethod::backward_euler,
+    DiscretizationMethod::matched};
+
+constexpr std::array<PidMethod, 3> kIntegrators = {PidMethod::forward_euler,
+                                                   PidMethod::backward_euler, PidMethod::tustin};
+
+/// A law as designed in continuous time, with the plant it was designed on.
+struct Law {
+  std::string name;   ///< "lqr", "cascade"
+  std::string about;  ///< how it was designed
+  ContinuousLti plant;
+  ContinuousLti law;                                      ///< set points and states to the wrench
+  std::function<DiscreteLti(double, PidMethod)> sampled;  ///< the law as it runs
+  bool integrates = false;
+};
+
+/// One row: a way to sample, at all periods.
+struct Row {
+  std::string name;
+  std::array<std::optional<SamplingError>, 3> errors;  ///< none where the method cannot be had
+  double limit = 0;                                    ///< stable up to this period [s]
+};
+
+/// Weights by Bryson's rule from what the vehicle can give, see docs/cli.md.
+Law lqr_law(const CascadeVehicle& vehicle) {
+  Eigen::VectorXd deviation(12);
+  deviation << 0.25, 0.25, 0.25, 0.2, 0.2, 0.35, 0.5, 0.5, 0.5, 2, 2, 2;
+  const Eigen::Vector4d share(0.15, 0.12, 0.12, 0.12);
+  const LqrWeights weights = bryson_weights(deviation, vehicle.authority.cwiseProduct(share));
+  const RiccatiResult riccati = lqr(vehicle.hover, weights);
+  if (!riccati.solved()) throw NoSolution("discretize: lqr: " + riccati.culprit, "V");
+  Law law;
+  law.name = "lqr";
+  law.about = "LQR, continuous, weights by Bryson's rule";
+  law.plant = vehicle.hover;
+  law.law.A = Eigen::MatrixXd(0, 0);
+  law.law.B = Eigen::MatrixXd(0, 16);
+  law.law.C = Eigen::MatrixXd(4, 0);
+  law.law.D = Eigen::MatrixXd(4, 16);
+  law.law.D << riccati.K(Eigen::all, kFollowed), -riccati.K;
+  const ContinuousLti held = law.law;
+  law.sampled = [held](double dt, PidMethod) {
+    return DiscreteLti{held.A, held.B, held.C, held.D, dt, {}, {}, {}};
+  };
+  return law;
+}
+
+Law cascade_law_of(const CascadeVehicle& vehicle, const CascadeReport& report) {
+  Law law;
+  law.name = "cascade";
+  law.about =
+      fmt::format("PID cascade of `quadtune pid {}`, its integrals continuous", report.vehicle);
+  law.plant = with_actuator_lag(vehicle.hover, vehicle.lag);
+  const CascadeGains gains = report.cascade.gains;
+  law.law = cascade_law(gains);
+  law.integrates = law.law.A.rows() > 0;
+  law.sampled = [gains](double dt, PidMethod method) {
+    CascadeGains other = gains;
+    other.dt = dt;
+    return cascade_law(other, method);
+  };
+  return law;
+}
+
+template <class Lti>
+Lti followed(Lti loop) {
+  loop.C = Eigen::MatrixXd(loop.C(kFollowed, Eigen::all));
+  loop.D = Eigen::MatrixXd::Zero(4, loop.B.cols());
+  loop.outputs.clear();
+  return loop;
+}
+
+DiscreteLti flown(const Law& law, double dt, PidMethod method) {
+  return followed(closed_loop(discretize_zoh(law.plant, dt), law.sampled(dt, method)));
+}
+
+Row method_row(const ContinuousLti& loop, DiscretizationMethod method,
+               const std::array<double, 3>& periods) {
+  Row row;
+  row.name = to_string(method);
+  row.limit = stability_limit(loop.A.eigenvalues(), method);
+  for (std::size_t i = 0; i < periods.size(); ++i) {
+    try {
+      row.errors[i] = sampling_error(loop, discretize_channels(loop, periods[i], method));
+    } catch (const InvalidInput&) {
+      row.errors[i].reset();  // e.g. tustin with a pole at 2/dt
+    }
+  }
+  return row;
+}
+
+Row flown_row(const Law& law, const ContinuousLti& loop, PidMethod method,
+              const std::array<double, 3>& periods) {
+  Row row;
+  row.name = law.integrates ? "flown, " + to_string(method) : "flown";
+  for (std::size_t i = 0; i < periods.size(); ++i)
+    row.errors[i] = sampling_error(loop, flown(law, periods[i], method));
+  row.limit = stability_limit([&](double dt) { return flown(law, dt, method).A; }, periods[1]);
+  return row;
+}
+
+std::vector<Row> rows_of(const Law& law, const ContinuousLti& loop,
+                         const std::array<double, 3>& periods) {
+  std::vector<Row> rows;
+  for (const DiscretizationMethod method : kMethods)
+    rows.push_back(method_row(loop, method, periods));
+  for (const PidMethod method : kIntegrators) {
+    rows.push_back(flown_row(law, loop, method, periods));
+    if (!law.integrates) break;
+  }
+  return rows;
+}
+
+// --- text ----------------------------------------------------------------------------------------
+
+std::string percent(const std::optional<SamplingError>& error, double SamplingError::*part) {
+  if (!error) return "-";
+  const double value = (*error).*part;
+  if (!std::isfinite(value)) return "lost";
+  return value < 1e-9 ? "0" : fmt::format("{:.2g}", 100 * value);
+}
+
+std::string law_text(const Law& law, const std::vector<Row>& rows,
+                     const std::array<double, 3>& periods) {
+  std::string text = law.about + "\n";
+  text += fmt::format("{:<22}{:^24}{:^24}{:^24}{:>11}\n", "", "poles [%]", "step [%]",
+                      "frequency [%]", "stable to");
+  text += fmt::format("{:<22}", "method");
+  for (int part = 0; part < 3; ++part)
+    for (const double dt : periods) text += fmt::format("{:>8}", number(dt));
+  text += fmt::format("{:>11}", "[s]");
+  for (const Row& row : rows) {
+    text += fmt::format("\n{:<22}", row.name);
+    for (double SamplingError::*part :
+         {&SamplingError::pole, &SamplingError::step, &SamplingError::frequency})
+      for (const std::optional<SamplingError>& error : row.errors)
+        text += fmt::format("{:>8}", percent(error, part));
+    text += fmt::format("{:>11}", std::isinf(row.limit) ? "any" : fmt::format("{:.4g}", row.limit));
+  }
+  return text;
+}
+
+// --- JSON ----------------------------------------------------------------------------------------
+
+Json finite_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+void add_rows(Json& methods, const Law& law, const std::vector<Row>& rows,
+              const std::array<double, 3>& periods) {
+  for (const Row& row : rows)
+    for (std::size_t i = 0; i < periods.size(); ++i) {
+      if (!row.errors[i]) continue;
+      const SamplingError& error = *row.errors[i];
+      methods.push_back({{"law", law.name},
+                         {"name", row.name},
+                         {"dt", periods[i]},
+                         {"pole_error", finite_or_null(error.pole)},
+                         {"step_error", finite_or_null(error.step)},
+                         {"frequency_error", finite_or_null(error.frequency)},
+                         {"stable", error.stable},
+                         {"stable_up_to_s", finite_or_null(row.limit)}});
+    }
+}
+
+// --- picture -------------------------------------------------------------------------------------
+
+/// Outputs of a channel after a step of its set point.
+std::vector<double> step_of(const DiscreteLti& loop, Eigen::Index channel, std::size_t samples) {
+  std::vector<double> y;
+  y.reserve(samples);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(loop.A.rows());
+  const double through = loop.D.size() > 0 ? loop.D(channel, channel) : 0;
+  for (std::size_t k = 0; k < samples; ++k) {
+    y.push_back(loop.C.row(channel).dot(x) + through);
+    x = (loop.A * x + loop.B.col(channel)).eval();
+  }
+  return y;
+}
+
+SampledMethod picture_of(const std::string& name, const DiscreteLti& sampled,
+                         const ContinuousLti& loop, const Comparison& comparison) {
+  SampledMethod method;
+  method.name = name;
+  method.outputs = step_of(sampled, 0, comparison.times.size());
+  const FrequencyResponse exact(loop);
+  const FrequencyResponse response(sampled);
+  method.frequency_error.reserve(comparison.frequencies.size());
+  for (const double w : comparison.frequencies)
+    method.frequency_error.push_back(std::abs(response.at(w)(0, 0) / exact.at(w)(0, 0) - 1.0));
+  method.poles = sampled.A.eigenvalues();
+  return method;
+}
+
+/// The set point of x of the cascade: the slowest chain of loops, where periods matter least, and
+/// the fastest poles, where they matter most.
+Figure figure_of(const std::string& vehicle, const Law& law, const ContinuousLti& loop, double dt) {
+  Comparison comparison;
+  comparison.dt = dt;
+  comparison.title =
+      fmt::format("{}: {}, x by its set point, every {} s", vehicle, law.name, number(dt));
+  const Eigen::VectorXcd poles = loop.A.eigenvalues();
+  const double duration = 7 / -poles.real().maxCoeff();
+  const auto samples = static_cast<std::size_t>(std::clamp(duration / dt, 50.0, 4000.0));
+  for (std::size_t k = 0; k < samples; ++k) comparison.times.push_back(double(k) * dt);
+  comparison.exact = step_of(discretize_zoh(loop, dt), 0, samples);
+  comparison.continuous = {comparison.times, comparison.exact};
+  const double nyquist = std::numbers::pi / dt;
+  for (int k = 0; k < 200; ++k)
+    comparison.frequencies.push_back(nyquist * std::pow(1e4, double(k - 199) / 199));
+  comparison.exact_poles = (poles * dt).array().exp();
+  for (const DiscretizationMethod method :
+       {DiscretizationMethod::zoh, DiscretizationMethod::foh, DiscretizationMethod::euler,
+        DiscretizationMethod::backward_euler, DiscretizationMethod::tustin})
+    comparison.methods.push_back(
+        picture_of(to_string(method), discretize_channels(loop, dt, method), loop, comparison));
+  comparison.methods.push_back(
+      picture_of("flown, euler", flown(law, dt, PidMethod::forward_euler), loop, comparison));
+  return comparison_figure(comparison);
+}
+
+}  // namespace
+
+void compare_methods(const std::string& vehicle_name, double dt, const PlotArgument& plot,
+                     Context& context) {
+  const Vehicle vehicle = load_vehicle(vehicle_name);
+  const CascadeVehicle hover = cascade_vehicle(vehicle, vehicle_name);
+  CascadeSpecification specification;
+  specification.dt = dt;
+  const CascadeReport report = design_cascade(vehicle, specification, vehicle_name);
+  const std::array<Law, 2> laws = {lqr_law(hover), cascade_law_of(hover, report)};
+  const std::array<double, 3> periods = {dt / 2, dt, 2 * dt};
+  Json json = {{"vehicle", vehicle.name}, {"dt", dt}};
+  json["methods"] = Json::array();
+  std::string text = section("vehicle", vehicle.name +
+                                            " at hover: errors of x, y, z and yaw after "
+                                            "their set points, the worst of the four");
+  for (const Law& law : laws) {
+    const ContinuousLti loop = followed(closed_loop(law.plant, law.law));
+    const std::vector<Row> rows = rows_of(law, loop, periods);
+    add_rows(json["methods"], law, rows, periods);
+    text += section(law.name, law_text(law, rows, periods));
+  }
+  draw(
+      plot,
+      [&] {
+        const Law& law = laws[1];
+        return figure_of(vehicle.name, law, followed(closed_loop(law.plant, law.law)), dt);
+      },
+      context);
+  context.out << (context.json ? internal::readable(json) + "\n" : text);
+}
+
+}  // namespace quadtune::cli

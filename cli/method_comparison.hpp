@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What sampling makes of a vehicle's closed loops: for `discretize V --compare`.
+#pragma once
+
+#include <string>
+
+#include "plot_argument.hpp"
+
+namespace quadtune::cli {
+
+struct Context;
+
+/// Compares every method at dt/2, dt and 2 dt, for the loop of an LQR gain and of the PID cascade,
+/// and prints.
+/// @param vehicle  name or file
+/// @param dt       [s], > 0
+/// @throws NoSolution  when the vehicle cannot hover or a law cannot be had
+void compare_methods(const std::string& vehicle, double dt, const PlotArgument& plot,
+                     Context& context);
+
+}  // namespace quadtune::cli
