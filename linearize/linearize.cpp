@@ -84,7 +84,7 @@ NedModel by_inputs(const Vehicle& vehicle, const RigidBody& body, const TrimResu
   return model;
 }
 
-// In a circle the position's deviation e is measured along axes that turn with the heading:
+// In a turn the position's deviation e is measured along axes that turn with the heading:
 // e = Rz(-Ωt) δp, hence e' = Rz(-Ωt) δp' - Ω ẑ × e, and with that A no longer depends on time.
 void turn_position_axes(double yaw_rate, NedModel& model) {
   model.A(kPosition, kPosition + 1) += yaw_rate;
@@ -121,6 +121,14 @@ void note_turning_axes(const Convention& convention, const std::vector<Eigen::In
 }
 
 }  // namespace
+
+LinearizeOptions linearize_options(const LqrDesign& design) {
+  LinearizeOptions options;
+  options.convention = design.convention;
+  options.inputs = design.input_kind;
+  options.states = {StateSelection::Kind::list, design.states};
+  return options;
+}
 
 Linearization linearize(const Vehicle& vehicle, const TrimResult& trimmed,
                         const LinearizeOptions& options) {

@@ -49,6 +49,19 @@ void check(const Vehicle& vehicle, const FlightCondition& c, const TrimOptions& 
   } else {
     require(c.radius == 0, fmt::format("radius is {} m, expected none for a {}", c.radius, kind));
   }
+  if (c.kind == FlightKind::spin) {
+    require(c.yaw_rate != 0 && std::isfinite(c.yaw_rate),
+            fmt::format("yaw rate is {} rad/s, expected a positive number (turns right) or a "
+                        "negative one (left)",
+                        c.yaw_rate));
+    require(c.speed == 0, fmt::format("speed is {} m/s, expected 0 because a spin stays on the "
+                                      "spot",
+                                      c.speed));
+  } else {
+    require(c.yaw_rate == 0,
+            fmt::format("yaw rate is {} rad/s, expected none for a {}{}", c.yaw_rate, kind,
+                        c.kind == FlightKind::circle ? " because it is speed/radius" : ""));
+  }
   require(vehicle.gravity > 0,
           fmt::format("gravity is {} m/s², expected a positive number", vehicle.gravity));
   require(options.density_ratio > 0,
@@ -62,7 +75,10 @@ void check(const Vehicle& vehicle, const FlightCondition& c, const TrimOptions& 
 std::string in_words(const FlightCondition& c) {
   std::string words = to_string(c.kind);
   if (c.kind == FlightKind::circle) words += fmt::format(" of {:.4g} m", c.radius);
-  if (c.kind != FlightKind::hover) words += fmt::format(" at {:.4g} m/s", c.speed);
+  if (c.kind == FlightKind::spin)
+    words += fmt::format(" at {:.4g} rad/s", c.yaw_rate);
+  else if (c.kind != FlightKind::hover)
+    words += fmt::format(" at {:.4g} m/s", c.speed);
   if (c.climb != 0) words += fmt::format(" climbing {:.4g} m/s", c.climb);
   return words;
 }

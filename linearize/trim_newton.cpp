@@ -24,6 +24,11 @@ double longest_arm(const Vehicle& vehicle) {
   return arm > 0 ? arm : 1;  // rotors all on the axis: torques per metre
 }
 
+double yaw_rate_of(const FlightCondition& condition) {
+  return condition.kind == FlightKind::circle ? condition.speed / condition.radius
+                                              : condition.yaw_rate;
+}
+
 }  // namespace
 
 RotorCurve::RotorCurve(const Rotor& rotor, const MotorCommand& motor, double density_ratio,
@@ -72,7 +77,7 @@ TrimProblem::TrimProblem(const Vehicle& vehicle, const FlightCondition& conditio
     : body_(vehicle, density_ratio),
       arm_(longest_arm(vehicle)),
       velocity_(condition.speed, 0, -condition.climb),
-      yaw_rate_(condition.kind == FlightKind::circle ? condition.speed / condition.radius : 0) {
+      yaw_rate_(yaw_rate_of(condition)) {
   int number = 0;
   for (const Rotor& rotor : vehicle.rotors)
     curves_.emplace_back(rotor, vehicle.motor, density_ratio, ++number);
