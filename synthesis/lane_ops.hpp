@@ -124,23 +124,22 @@ class LaneOps {
     add_symmetric_product<false, true>(A, B, S);
   }
 
-  /// Factors A = L U for solve(); false when a pivot of some lane is 0 or not finite.
+  /// Factors A = L U for solve(), T columns at a time; false when a pivot of some lane is 0 or not
+  /// finite. The diagonal of U is left inverted.
   bool factor(const Square& A) {
     copy(A, factor_);
     Lane least = all_lanes(std::numeric_limits<double>::infinity());
-    for (int k = 0; k < n_; ++k) {
-      const Lane pivot = factor_(k, k);
-      const Lane size = magnitude(pivot);
-      least = size < least ? size : least;
-      const Lane inverse = 1 / pivot;
-      factor_(k, k) = inverse;
-      const Lane* from = &factor_(k, 0);
-      for (int i = k + 1; i < n_; ++i) {
-        Lane* row = &factor_(i, 0);
-        const Lane multiplier = row[k] * inverse;
-        row[k] = multiplier;
-        for (int j = k + 1; j < n_; ++j) row[j] = subtract_product(multiplier, from[j], row[j]);
-      }
+    for (int k = 0; k < n_; k += T) {
+      factor_diagonal(k, least);
+      for (int j = k + T; j < n_; j += T) solve_right_of(k, j);
+      for (int i = k + T; i < n_; i += T) solve_below(k, i);
+      for (int i = k + T; i < n_; i += T)
+        for (int j = k + T; j < n_; j += T) {
+          Tile x;
+          load_tile(factor_, i, j, x);
+          subtract_terms(factor_, i, j, k, k + T, x);
+          store_tile(x, i, j, factor_);
+        }
     }
     for (int lane = 0; lane < kLaneCount; ++lane)
       if (!(least[lane] > 0) || !std::isfinite(least[lane])) return false;
@@ -378,37 +377,99 @@ class LaneOps {
       }
   }
 
+  /// Squared norms of a change and of what it leads to.
+  struct Sizes {
+    Lane change = {};
+    Lane sum = {};
+  };
+
+  /// Adds a tile to S at (i, j), and its mirror where it is off the diagonal.
+  template <bool kDiagonal>
+  [[gnu::always_inline]] static inline void add_tile(const Tile& tile, int i, int j, Square& S,
+                                                     Sizes& sizes) {
+    const Lane times = all_lanes(kDiagonal ? 1 : 2);
+#pragma GCC unroll 4
+    for (int r = 0; r < T; ++r)
+#pragma GCC unroll 4
+      for (int c = 0; c < T; ++c) {
+        const Lane change = kDiagonal ? (tile[r][c] + tile[c][r]) * all_lanes(0.5) : tile[r][c];
+        const Lane sum = S(i + r, j + c) + change;
+        S(i + r, j + c) = sum;
+        if constexpr (!kDiagonal) S(j + c, i + r) = sum;
+        sizes.change = multiply_add(change * times, change, sizes.change);
+        sizes.sum = multiply_add(sum * times, sum, sizes.sum);
+      }
+  }
+
   /// Computes the tiles on and above the diagonal and mirrors them.
   template <bool kTransposeA, bool kTransposeB>
   [[gnu::noinline]] static std::pair<double, double> add_symmetric_product(const LaneMatrix& A,
                                                                            const LaneMatrix& B,
                                                                            LaneMatrix& S) {
-    Lane changes = {};
-    Lane sizes = {};
-    for (int i = 0; i < S.rows(); i += T)
-      for (int j = i; j < S.columns(); j += T) {
-        Tile sum = {};
-        sum_tile<kTransposeA, kTransposeB>(A, B, i, j, sum);
-        for (int r = 0; r < T; ++r)
-          for (int c = i == j ? r : 0; c < T; ++c) {
-            const Lane next = S(i + r, j + c) + sum[r][c];
-            S(i + r, j + c) = S(j + c, i + r) = next;
-            const Lane times = all_lanes(i + r == j + c ? 1 : 2);
-            changes = multiply_add(sum[r][c] * times, sum[r][c], changes);
-            sizes = multiply_add(next * times, next, sizes);
-          }
+    Sizes sizes;
+    for (int i = 0; i < S.rows(); i += T) {
+      Tile diagonal = {};
+      sum_tile<kTransposeA, kTransposeB>(A, B, i, i, diagonal);
+      add_tile<true>(diagonal, i, i, S, sizes);
+      for (int j = i + T; j < S.columns(); j += T) {
+        Tile tile = {};
+        sum_tile<kTransposeA, kTransposeB>(A, B, i, j, tile);
+        add_tile<false>(tile, i, j, S, sizes);
       }
-    const double share = std::sqrt(largest(sizes == Lane{} ? changes : changes / sizes));
-    return {share, std::isfinite(largest(sizes)) && std::isfinite(share)
+    }
+    const double share =
+        std::sqrt(largest(sizes.sum == Lane{} ? sizes.change : sizes.change / sizes.sum));
+    return {share, std::isfinite(largest(sizes.sum)) && std::isfinite(share)
                        ? 1.0
                        : std::numeric_limits<double>::quiet_NaN()};
   }
 
-  /// L⁻¹ of the rows i … i + T - 1 of the columns j … j + T - 1, the rows above being done.
-  [[gnu::always_inline]] inline void solve_lower(Square& X, int i, int j) const {
+  /// L U of the T × T block at (k, k).
+  [[gnu::always_inline]] inline void factor_diagonal(int k, Lane& least) {
     Tile x;
-    load_tile(X, i, j, x);
-    subtract_terms(X, i, j, 0, i, x);
+    load_tile(factor_, k, k, x);
+#pragma GCC unroll 4
+    for (int p = 0; p < T; ++p) {
+      const Lane size = magnitude(x[p][p]);
+      least = size < least || size != size ? size : least;
+      x[p][p] = 1 / x[p][p];
+#pragma GCC unroll 4
+      for (int r = p + 1; r < T; ++r) {
+        x[r][p] *= x[p][p];
+#pragma GCC unroll 4
+        for (int c = p + 1; c < T; ++c) x[r][c] = subtract_product(x[r][p], x[p][c], x[r][c]);
+      }
+    }
+    store_tile(x, k, k, factor_);
+  }
+
+  /// L11⁻¹ of the block at (k, j).
+  [[gnu::always_inline]] inline void solve_right_of(int k, int j) {
+    Tile x;
+    load_tile(factor_, k, j, x);
+    forward(k, x);
+    store_tile(x, k, j, factor_);
+  }
+
+  /// The block at (i, k) times U11⁻¹.
+  [[gnu::always_inline]] inline void solve_below(int k, int i) {
+    Tile x;
+    load_tile(factor_, i, k, x);
+#pragma GCC unroll 4
+    for (int c = 0; c < T; ++c) {
+#pragma GCC unroll 4
+      for (int p = 0; p < c; ++p)
+#pragma GCC unroll 4
+        for (int r = 0; r < T; ++r)
+          x[r][c] = subtract_product(x[r][p], factor_(k + p, k + c), x[r][c]);
+#pragma GCC unroll 4
+      for (int r = 0; r < T; ++r) x[r][c] *= factor_(k + c, k + c);
+    }
+    store_tile(x, i, k, factor_);
+  }
+
+  /// L11⁻¹ of a tile by the T × T block at (i, i).
+  [[gnu::always_inline]] inline void forward(int i, Tile& x) const {
 #pragma GCC unroll 4
     for (int r = 1; r < T; ++r)
 #pragma GCC unroll 4
@@ -416,6 +477,14 @@ class LaneOps {
 #pragma GCC unroll 4
         for (int c = 0; c < T; ++c)
           x[r][c] = subtract_product(factor_(i + r, i + k), x[k][c], x[r][c]);
+  }
+
+  /// L⁻¹ of the rows i … i + T - 1 of the columns j … j + T - 1, the rows above being done.
+  [[gnu::always_inline]] inline void solve_lower(Square& X, int i, int j) const {
+    Tile x;
+    load_tile(X, i, j, x);
+    subtract_terms(X, i, j, 0, i, x);
+    forward(i, x);
     store_tile(x, i, j, X);
   }
 
