@@ -195,21 +195,34 @@ void print_summary(const GainSchedule& schedule, Context& context) {
         table(gains.K_int, inputs, names_or_numbers(gains.integrals, std::ssize(gains.integrals))));
 }
 
-/// What a reader must know of the models, told of the last point that has one: in a turn it tells
-/// more than a hover.
+SchedulePoint point_of(const Vehicle& vehicle, const GainSchedule& schedule, Eigen::Index point) {
+  return schedule_point(vehicle, schedule.axes, grid_point(schedule.axes, point), schedule.yaw);
+}
+
+/// The point whose model tells a reader most: the last that turns, or else the last.
+Eigen::Index telling_point(const Vehicle& vehicle, const GainSchedule& schedule) {
+  Eigen::Index last = 0;
+  for (Eigen::Index i = 0; i < schedule.size(); ++i)
+    if (schedule.solved(i)) last = i;
+  for (Eigen::Index i = schedule.size(); i-- > 0;) {
+    const FlightKind kind = point_of(vehicle, schedule, i).condition.kind;
+    if (schedule.solved(i) && (kind == FlightKind::circle || kind == FlightKind::spin)) return i;
+  }
+  return last;
+}
+
+/// What a reader must know of the models, told of one.
 void note_model(const Vehicle& vehicle, const GainSchedule& schedule, const LqrDesign& design,
                 const Context& context) {
-  Eigen::Index last = schedule.size() - 1;
-  while (!schedule.solved(last)) --last;
-  const SchedulePoint point =
-      schedule_point(vehicle, schedule.axes, grid_point(schedule.axes, last), schedule.yaw);
+  const Eigen::Index index = telling_point(vehicle, schedule);
+  const SchedulePoint point = point_of(vehicle, schedule, index);
   Vehicle moved = vehicle;
   moved.mass = point.mass;
   TrimOptions air;
   air.density_ratio = point.density_ratio;
   for (const std::string& note :
        linearize(moved, point.condition, linearize_options(design), air).notes)
-    context.note(fmt::format("lqr: note: at {}: {}", point_words(schedule, last), note));
+    context.note(fmt::format("lqr: note: at {}: {}", point_words(schedule, index), note));
 }
 
 LqrDesign schedule_design(const LqrArguments& arguments, const Vehicle& vehicle) {
@@ -221,7 +234,12 @@ LqrDesign schedule_design(const LqrArguments& arguments, const Vehicle& vehicle)
 /// How the table is to be written, if at all.
 std::optional<TableFormat> wanted_table(const Context& context) {
   if (context.file.empty()) return context.json ? std::optional(TableFormat::json) : std::nullopt;
-  const TableFormat format = table_format(context.file, "-o");
+  TableFormat format = TableFormat::toml;
+  try {
+    format = table_format(context.file, "-o");
+  } catch (const InvalidInput& error) {
+    throw UsageError(fmt::format("quadtune lqr: {}", error.what()), "-o");
+  }
   if (context.json && format != TableFormat::json)
     throw UsageError(fmt::format("quadtune lqr: -o is '{}' and --json came, expected a name that "
                                  "ends in .json, or no --json",
