@@ -227,8 +227,8 @@ void note_model(const Vehicle& vehicle, const GainSchedule& schedule, const LqrD
 
 LqrDesign schedule_design(const LqrArguments& arguments, const Vehicle& vehicle) {
   const LinearizeOptions options = linearize_options(arguments.plant);
-  const Linearization words = linearize(vehicle, TrimResult(), options);
-  return make_design(arguments, words.plant.states, words.plant.inputs);
+  const ContinuousLti words = Linearizer(vehicle, options).unsolved().plant;
+  return make_design(arguments, words.states, words.inputs);
 }
 
 /// How the table is to be written, if at all.

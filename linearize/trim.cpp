@@ -173,9 +173,19 @@ void tell_imbalance(const TrimProblem& problem, const NewtonResult& found, TrimR
                                in_words(result.condition), found.residual, found.iterations);
 }
 
+// Where Newton's method starts: what balances better of the first guess and the neighbour.
+Eigen::VectorXd start(const TrimProblem& problem, const TrimResult* neighbour) {
+  Eigen::VectorXd guess = problem.first_guess();
+  if (neighbour == nullptr || !neighbour->solved() || neighbour->thrust.size() != problem.rotors())
+    return guess;
+  Eigen::VectorXd near = problem.guess_from(*neighbour);
+  return problem.residual(near).norm() < problem.residual(guess).norm() ? near : guess;
+}
+
 // Straight to the flight, or from a hover to it in small steps where that fails.
-NewtonResult search(const TrimProblem& problem, const TrimOptions& options) {
-  NewtonResult found = newton(problem, problem.first_guess(), options, false);
+NewtonResult search(const TrimProblem& problem, const TrimOptions& options,
+                    const TrimResult* neighbour) {
+  NewtonResult found = newton(problem, start(problem, neighbour), options, false);
   if (found.residual <= options.tolerance && tilt(found.z) < std::numbers::pi / 2) return found;
   int iterations = found.iterations;
   constexpr int kSteps = 20;
@@ -222,7 +232,7 @@ std::string to_string(TrimStatus status) {
 }
 
 TrimResult trim(const Vehicle& vehicle, const FlightCondition& condition,
-                const TrimOptions& options) {
+                const TrimOptions& options, const TrimResult* neighbour) {
   check(vehicle, condition, options);
   const TrimProblem problem(vehicle, condition, options.density_ratio);
   TrimResult result;
@@ -235,7 +245,7 @@ TrimResult trim(const Vehicle& vehicle, const FlightCondition& condition,
   result.u = Eigen::VectorXd::Constant(problem.rotors(), nan);
   result.thrust = result.u;
 
-  const NewtonResult unlimited = search(problem, options);
+  const NewtonResult unlimited = search(problem, options, neighbour);
   result.residual = unlimited.residual;
   result.iterations = unlimited.iterations;
   if (!(unlimited.residual <= options.tolerance)) {

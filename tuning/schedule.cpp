@@ -89,11 +89,10 @@ class RunSolver {
  public:
   RunSolver(const Vehicle& vehicle, const LqrDesign& design, double yaw, GainSchedule& schedule)
       : vehicle_(vehicle),
-        options_(linearize_options(design)),
         yaw_(yaw),
         schedule_(schedule),
-        model_(linearize(vehicle, TrimResult(), options_)),
-        equation_(model_.plant, design),
+        linearizer_(vehicle, linearize_options(design)),
+        equation_(linearizer_.unsolved().plant, design),
         batch_(equation_.states(), equation_.inputs(), riccati_options(equation_)),
         problems_(RiccatiBatch::kLanes, equation_.prototype()) {
     moved_ = vehicle;
@@ -103,6 +102,7 @@ class RunSolver {
   /// Points first … last - 1.
   void solve(Eigen::Index first, Eigen::Index last) {
     waiting_.clear();
+    neighbour_ = {};
     for (Eigen::Index point = first; point < last; ++point) {
       add(point);
       if (waiting_.size() == RiccatiBatch::kLanes) solve_waiting();
@@ -117,16 +117,18 @@ class RunSolver {
     moved_.mass = at.mass;
     TrimOptions trim_options;
     trim_options.density_ratio = at.density_ratio;
-    model_ = linearize(moved_, at.condition, options_, trim_options);
+    TrimResult trimmed = trim(moved_, at.condition, trim_options, &neighbour_);
     const auto p = static_cast<std::size_t>(point);
-    if (!model_.solved()) {
+    if (!trimmed.solved()) {
       schedule_.status[p] = PointStatus::no_trim;
-      schedule_.culprit[p] = model_.trim.culprit;
+      schedule_.culprit[p] = trimmed.culprit;
       return;
     }
-    schedule_.x0.col(point) = model_.x0;
-    schedule_.u0.col(point) = model_.u0;
-    equation_.fill(model_.plant.A, model_.plant.B, problems_[waiting_.size()]);
+    const Linearization& model = linearizer_.at(moved_, trimmed);
+    neighbour_ = std::move(trimmed);
+    schedule_.x0.col(point) = model.x0;
+    schedule_.u0.col(point) = model.u0;
+    equation_.fill(model.plant.A, model.plant.B, problems_[waiting_.size()]);
     waiting_.push_back(point);
   }
 
@@ -156,10 +158,10 @@ class RunSolver {
 
   const Vehicle& vehicle_;
   Vehicle moved_;
-  LinearizeOptions options_;
   double yaw_;
   GainSchedule& schedule_;
-  Linearization model_;
+  Linearizer linearizer_;
+  TrimResult neighbour_;  // the last trim of this run
   RegulatorEquation equation_;
   RiccatiBatch batch_;
   std::vector<RiccatiMatrices> problems_;

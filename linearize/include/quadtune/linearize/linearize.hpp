@@ -74,6 +74,27 @@ struct Linearization {
 [[nodiscard]] Linearization linearize(const Vehicle& vehicle, const TrimResult& trimmed,
                                       const LinearizeOptions& options = {});
 
+/// The same for many trims of one vehicle, whose numbers may change, but not its rotors' number nor
+/// its motors' unit: names and conventions are looked up once. The notes stay empty.
+class Linearizer {
+ public:
+  /// @throws InvalidInput  as linearize().
+  Linearizer(const Vehicle& vehicle, const LinearizeOptions& options);
+
+  /// All NaN, with the names.
+  [[nodiscard]] const Linearization& unsolved() const { return unsolved_; }
+
+  /// The result is valid until the next call.
+  const Linearization& at(const Vehicle& vehicle, const TrimResult& trimmed);
+
+ private:
+  Linearization unsolved_;
+  Linearization result_;
+  std::vector<Eigen::Index> kept_;
+  Eigen::MatrixXd M_;  // x = M x_ned, the selected states only
+  Eigen::MatrixXd N_;  // u = N u_ned
+};
+
 /// The same, with the trim found first.
 /// @throws InvalidInput  as trim() does, too.
 [[nodiscard]] Linearization linearize(const Vehicle& vehicle, const FlightCondition& condition,

@@ -65,8 +65,12 @@ struct TrimResult {
 /// @param condition  speed ≥ 0; radius ≠ 0 and speed > 0 in a circle; yaw_rate ≠ 0 in a spin;
 /// fields
 ///                   that do not belong to its kind are 0.
+/// @param neighbour  a trim near by, or nullptr: the search starts there if that balances better
+/// than
+///                   the first guess. It finds the same trim, to rounding, in fewer steps.
 /// @throws InvalidInput  naming the field, what came and what was expected.
 [[nodiscard]] TrimResult trim(const Vehicle& vehicle, const FlightCondition& condition,
-                              const TrimOptions& options = {});
+                              const TrimOptions& options = {},
+                              const TrimResult* neighbour = nullptr);
 
 }  // namespace quadtune
