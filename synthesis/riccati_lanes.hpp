@@ -51,7 +51,8 @@ class LaneDoubling : DoublingSteps<LaneOps> {
   static constexpr double kVanished = 0.03;
   /// As in riccati_doubling.hpp.
   static constexpr double kStands = 1e-8;
-  static constexpr double kWorthRefining = 4e-15;
+  /// Doubling without pivots leaves some 1e-15 to 1e-14; a Newton step costs a quarter of it.
+  static constexpr double kWorthRefining = 2e-14;
   static constexpr int kMaxNewtonSteps = 3;
   static constexpr int kMaxSquarings = 45;
 

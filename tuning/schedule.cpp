@@ -210,9 +210,9 @@ SchedulePoint schedule_point(const Vehicle& vehicle, const std::vector<ScheduleA
 GainSchedule gain_schedule(const Vehicle& vehicle, std::vector<ScheduleAxis> axes,
                            const LqrDesign& design, const ScheduleOptions& options) {
   check_design(design);
-  const Linearization words = linearize(vehicle, TrimResult(), linearize_options(design));
-  GainSchedule schedule = empty_schedule(std::move(axes), words.plant.states, words.plant.inputs,
-                                         integral_signals(words.plant.states, design.integrals));
+  const ContinuousLti words = Linearizer(vehicle, linearize_options(design)).unsolved().plant;
+  GainSchedule schedule = empty_schedule(std::move(axes), words.states, words.inputs,
+                                         integral_signals(words.states, design.integrals));
   schedule.vehicle = vehicle.name;
   schedule.convention = design.convention;
   schedule.input_kind = design.input_kind;
