@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The arithmetic of doubling_steps.hpp for eight problems at once: every number is a vector of
-/// eight, one for each problem (structure of arrays), so that no shuffle and no broadcast is needed
-/// and a transpose costs nothing. No pivoting: lanes would have to pivot alike.
+/// The arithmetic of doubling_steps.hpp for several problems at once: every number is a vector with
+/// one entry, or lane, for each problem (structure of arrays), so that no shuffle and no broadcast
+/// is needed and a transpose costs nothing. No pivoting: lanes would have to pivot alike.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,8 +18,14 @@
 
 namespace quadtune::internal {
 
-/// One number of each problem.
+/// One number of each problem: as many as a register holds.
+#if defined(__AVX512F__)
 inline constexpr int kLaneCount = 8;
+#elif defined(__AVX__)
+inline constexpr int kLaneCount = 4;
+#else
+inline constexpr int kLaneCount = 2;
+#endif
 using Lane = VectorOf<double, kLaneCount>::type;
 
 inline Lane all_lanes(double x) { return x - Lane{}; }
@@ -28,6 +34,8 @@ inline Lane larger(Lane a, Lane b) { return a > b ? a : b; }
 inline Lane square_root(Lane v) {
 #if defined(__AVX512F__)
   return _mm512_sqrt_pd(v);
+#elif defined(__FMA__)
+  return _mm256_sqrt_pd(v);
 #else
   for (int lane = 0; lane < kLaneCount; ++lane) v[lane] = std::sqrt(v[lane]);
   return v;
@@ -83,7 +91,7 @@ class LaneOps {
         factor_(n_, n_),
         small_(m_, m_) {
     for (std::vector<double>* M : {&rows_, &lane_columns_, &lane_G_, &lane_Q_})
-      M->resize(static_cast<std::size_t>(nx_ * nx_));
+      M->resize(static_cast<std::size_t>(nx_) * static_cast<std::size_t>(nx_));
   }
 
   [[nodiscard]] int size() const { return nx_; }
@@ -245,9 +253,9 @@ class LaneOps {
 
   // Scaling of the states, by the first lane: the others' are alike.
   void balance(const Square& A, const Square& G, const Square& Q) {
+    std::size_t at = 0;
     for (int i = 0; i < nx_; ++i)
-      for (int j = 0; j < nx_; ++j) {
-        const auto at = static_cast<std::size_t>(i * nx_ + j);
+      for (int j = 0; j < nx_; ++j, ++at) {
         rows_[at] = std::abs(A(i, j)[0]);
         lane_columns_[at] = std::abs(A(j, i)[0]);
         lane_G_[at] = std::abs(G(i, j)[0]);
@@ -314,10 +322,10 @@ class LaneOps {
   }
 
  private:
-  enum class Store { set, add, subtract };
+  enum class Store { set, subtract };
 
   /// Rows and columns of a product that are summed in registers together.
-  static constexpr int T = kRegisterBytes >= 64 ? 4 : 2;
+  static constexpr int T = kRegisters >= 32 ? 4 : 2;
   static constexpr int kMultiple = 4;
   static constexpr double kLeastPivot = 1e-10;
 
@@ -344,8 +352,8 @@ class LaneOps {
     const int inner = kTransposeA ? A.rows() : A.columns();
     const int lda = A.columns();
     const int ldb = B.columns();
-    const Lane* a = kTransposeA ? A.data() + i : A.data() + i * lda;
-    const Lane* b = kTransposeB ? B.data() + j * ldb : B.data() + j;
+    const Lane* a = kTransposeA ? &A(0, i) : &A(i, 0);
+    const Lane* b = kTransposeB ? &B(j, 0) : &B(0, j);
     for (int k = 0; k < inner; ++k) {
       Lane row[T];
 #pragma GCC unroll 4
@@ -370,9 +378,7 @@ class LaneOps {
 #pragma GCC unroll 4
           for (int c = 0; c < T; ++c) {
             Lane& target = C(i + r, j + c);
-            target = kStore == Store::set        ? sum[r][c]
-                     : kStore == Store::subtract ? target - sum[r][c]
-                                                 : target + sum[r][c];
+            target = kStore == Store::set ? sum[r][c] : target - sum[r][c];
           }
       }
   }

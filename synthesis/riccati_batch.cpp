@@ -22,6 +22,9 @@ namespace {
 /// Above this size the lanes' matrices leave the second-level cache.
 constexpr Eigen::Index kLargestInLanes = 32;
 
+/// Equations that the registers hold together.
+constexpr std::size_t kAtOnce = internal::kLaneCount;
+
 RiccatiOptions essential(RiccatiOptions options) {
   options.evidence = RiccatiEvidence::essential;
   return options;
@@ -56,9 +59,16 @@ struct RiccatiBatch::State {
     if (problems.empty() || problems.size() > kLanes)
       throw InvalidInput("RiccatiBatch", fmt::format("{} problems came, expected 1 to {}",
                                                      problems.size(), kLanes));
-    const bool together = fit_for_lanes(time, problems) && solve_lanes(time, problems);
-    for (std::size_t lane = 0; lane < problems.size(); ++lane)
-      if (!together || !take_from_lane(lane)) solve_alone(time, problems[lane], results[lane]);
+    const bool fit = fit_for_lanes(time, problems);
+    for (std::size_t first = 0; first < problems.size(); first += kAtOnce) {
+      const auto group = problems.subspan(first, std::min(kAtOnce, problems.size() - first));
+      const bool together = fit && solve_lanes(time, group);
+      for (std::size_t lane = 0; lane < group.size(); ++lane) {
+        RiccatiResult& result = results[first + lane];
+        if (!together || !take_from_lane(static_cast<int>(lane), result))
+          solve_alone(time, group[lane], result);
+      }
+    }
     return results;
   }
 
@@ -79,21 +89,20 @@ struct RiccatiBatch::State {
 
   /// Lanes without a problem of their own repeat the first.
   bool solve_lanes(Time time, std::span<const RiccatiMatrices> problems) {
-    std::array<const RiccatiMatrices*, kLanes> all{};
-    for (std::size_t lane = 0; lane < kLanes; ++lane)
+    std::array<const RiccatiMatrices*, kAtOnce> all{};
+    for (std::size_t lane = 0; lane < kAtOnce; ++lane)
       all[lane] = &problems[lane < problems.size() ? lane : 0];
     return lanes->solve(time, all, options.max_iterations);
   }
 
-  bool take_from_lane(std::size_t lane) {
-    const int l = static_cast<int>(lane);
-    if (!lanes->stable(l) || !(lanes->residual(l) <= options.relative_tolerance)) return false;
-    RiccatiResult& result = results[lane];
+  bool take_from_lane(int lane, RiccatiResult& result) {
+    if (!lanes->stable(lane) || !(lanes->residual(lane) <= options.relative_tolerance))
+      return false;
     result.X.resize(nx, nx);
     result.K.resize(nu, nx);
-    lanes->store(l, result.X, result.K);
+    lanes->store(lane, result.X, result.K);
     result.status = RiccatiStatus::solved;
-    result.residual = lanes->residual(l);
+    result.residual = lanes->residual(lane);
     result.rcond = std::numeric_limits<double>::quiet_NaN();
     result.iterations = lanes->iterations();
     result.used_schur = false;

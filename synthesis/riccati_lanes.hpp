@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Eight Riccati equations at once by structure-preserving doubling, with Newton steps, residuals
-/// and the proof that each closed loop is stable.
+/// One Riccati equation in each lane, all at once, by structure-preserving doubling, with Newton
+/// steps, residuals and the proof that each closed loop is stable.
 #pragma once
 
 #include <Eigen/Core>

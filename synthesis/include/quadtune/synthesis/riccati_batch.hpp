@@ -21,11 +21,11 @@ struct RiccatiMatrices {
   Eigen::MatrixXd N;  ///< (nx × nu), or empty for zero; of all equations of a batch or of none
 };
 
-/// Solves up to eight equations at a time, one in each lane of a vector: structure-preserving
-/// doubling without pivoting, in scales and with a Cayley shift that the lanes share, so that
-/// neighbours, whose scales are alike, belong together. Each lane's residual and the stability of
-/// its closed loop are checked; what does not pass goes to a RiccatiSolver, which pivots, scales by
-/// itself, and names the culprit.
+/// Solves up to eight equations at a time, one in each lane of a vector (in two or four groups
+/// where the registers are narrower): structure-preserving doubling without pivoting, in scales and
+/// with a Cayley shift that the lanes share, so that neighbours, whose scales are alike, belong
+/// together. Each lane's residual and the stability of its closed loop are checked; what does not
+/// pass goes to a RiccatiSolver, which pivots, scales by itself, and names the culprit.
 ///
 /// A result holds what RiccatiEvidence::essential tells, but for rcond: that is NaN where the batch
 /// gave the answer. Beyond nx = 32 every equation goes to the RiccatiSolver.
