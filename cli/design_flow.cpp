@@ -17,14 +17,6 @@
 namespace quadtune::cli {
 namespace {
 
-LinearizeOptions linearize_options(const LqrDesign& lqr) {
-  LinearizeOptions options;
-  options.convention = lqr.convention;
-  options.inputs = lqr.input_kind;
-  options.states = {StateSelection::Kind::list, lqr.states};
-  return options;
-}
-
 /// Entry by entry over K and K_int. Each row has its own unit, so it is its own scale.
 class DifferenceSearch {
  public:
@@ -117,21 +109,11 @@ class NedTrim {
   /// The steady flight that this trim belongs to.
   [[nodiscard]] FlightCondition condition() const {
     const Eigen::Vector3d ground = rotation_of_euler(x_(3), x_(4), x_(5)) * x_.segment<3>(6);
-    FlightCondition condition;
-    condition.yaw = x_(5);
-    condition.speed = ground.head<2>().norm();
-    condition.climb = -ground.z();
     const double turn = (x_(10) * std::sin(x_(3)) + x_(11) * std::cos(x_(3))) / std::cos(x_(4));
     // Trims are solved to 1e-10: less than this is rest, less turn is straight.
-    if (condition.speed < 1e-8 && std::abs(condition.climb) < 1e-8) {
-      condition.speed = condition.climb = 0;
-    } else if (std::abs(turn) < 1e-8) {
-      condition.kind = FlightKind::line;
-    } else {
-      condition.kind = FlightKind::circle;
-      condition.radius = condition.speed / turn;
-    }
-    return condition;
+    const auto or_zero = [](double value) { return std::abs(value) < 1e-8 ? 0 : value; };
+    return steady_flight(or_zero(ground.head<2>().norm()), or_zero(-ground.z()), or_zero(turn),
+                         x_(5));
   }
 
  private:
@@ -147,9 +129,7 @@ Gains make_gains(const Vehicle& vehicle, const Linearization& model, const LqrDe
   gains.K_int = feedback.K_int;
   gains.states = model.plant.states;
   gains.inputs = model.plant.inputs;
-  for (const std::string& name : lqr.integrals)
-    for (const Signal& state : model.plant.states)
-      if (state.name == name) gains.integrals.push_back({name, state.unit + " s"});
+  gains.integrals = integral_signals(gains.states, lqr.integrals);
   gains.x0 = model.x0;
   gains.u0 = model.u0;
   gains.vehicle = vehicle.name;

@@ -10,6 +10,8 @@
 #include <ostream>
 
 #include "design_flow.hpp"
+#include "lqr_arguments.hpp"
+#include "lqr_schedule.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
 #include "number_arguments.hpp"
@@ -26,14 +28,12 @@ namespace {
 using internal::Json;
 
 struct Options {
-  PlantArguments plant;
-  std::string A, B, Q, R, N;
+  LqrArguments vehicle;  // Q and R are the matrices', too
+  std::string A, B, N;
   bool continuous = false;
   bool discrete = false;
   double sampled = 0;
-  std::string integral;
-  std::string method = "continuous";
-  double dt = 0;
+  std::string schedule;
 };
 
 /// Ends with status 4 and the culprit unless the equation was solved; passes on its warning.
@@ -76,7 +76,7 @@ void run_matrices(const Options& options, bool sampled, Context& context) {
   };
   if (sampled) require_positive(options.sampled, "lqr", "--sampled");
   const ContinuousLti plant = {need(options.A, "--A"), need(options.B, "--B"), {}, {}, {}, {}, {}};
-  const LqrWeights weights = {need(options.Q, "--Q"), need(options.R, "--R"),
+  const LqrWeights weights = {need(options.vehicle.Q, "--Q"), need(options.vehicle.R, "--R"),
                               read_matrix(options.N, context.in)};
   RiccatiResult result;
   DiscreteLti discrete{plant.A, plant.B, {}, {}, 1, {}, {}, {}};
@@ -110,64 +110,13 @@ void run_matrices(const Options& options, bool sampled, Context& context) {
 
 // --- a vehicle -----------------------------------------------------------------------------------
 
-/// The weights of the states, then of the integrals, from one list; one number stands for all.
-void read_weights(const Options& options, LqrDesign& design) {
-  std::vector<std::string> weighted = design.states;
-  for (const std::string& name : design.integrals) weighted.push_back("int_" + name);
-  const Eigen::MatrixXd Q =
-      diagonal_weights(options.Q.empty() ? "1" : options.Q, weighted.size(),
-                       fmt::format("states: {}", fmt::join(weighted, " ")), "lqr", "--Q");
-  const auto nx = static_cast<Eigen::Index>(design.states.size());
-  design.Q = Q.topLeftCorner(nx, nx);
-  design.Q_integral = Q.bottomRightCorner(Q.rows() - nx, Q.rows() - nx);
-  design.R =
-      diagonal_weights(options.R.empty() ? "1" : options.R, design.inputs.size(),
-                       fmt::format("inputs: {}", fmt::join(design.inputs, " ")), "lqr", "--R");
-}
-
-/// Names of states to integrate, each a state of the model and named once.
-std::vector<std::string> read_integrals(const std::string& text,
-                                        const std::vector<std::string>& states) {
-  std::vector<std::string> names = word_list(text);
-  for (const std::string& name : names) {
-    if (std::find(states.begin(), states.end(), name) == states.end())
-      throw UsageError(
-          fmt::format("quadtune lqr: --integral: no state '{}', expected some of {}{}", name,
-                      fmt::join(states, " "), internal::did_you_mean(name, states)),
-          "--integral");
-    if (std::count(names.begin(), names.end(), name) > 1)
-      throw UsageError(
-          fmt::format("quadtune lqr: --integral: state '{}' is named twice, expected each once",
-                      name),
-          "--integral");
-  }
-  return names;
-}
-
-LqrDesign make_design(const Options& options, const Linearization& model, bool has_dt) {
-  LqrDesign design;
-  design.convention = options.plant.convention;
-  design.input_kind = input_kind(options.plant.inputs, "--inputs");
-  design.method = lqr_method(options.method, "--method");
-  design.dt = options.dt;
-  if (design.method != LqrMethod::continuous && !has_dt)
-    throw UsageError(
-        "quadtune lqr: --dt is missing, expected a sample period with --method " + options.method,
-        "--dt");
-  if (has_dt) require_positive(options.dt, "lqr", "--dt");
-  for (const Signal& state : model.plant.states) design.states.push_back(state.name);
-  for (const Signal& input : model.plant.inputs) design.inputs.push_back(input.name);
-  design.integrals = read_integrals(options.integral, design.states);
-  read_weights(options, design);
-  return design;
-}
-
-void run_vehicle(const Options& options, bool has_dt, Context& context) {
-  const Plant plant = make_plant(options.plant);
-  const LqrDesign design = make_design(options, plant.model, has_dt);
+void run_vehicle(const LqrArguments& arguments, Context& context) {
+  const Plant plant = make_plant(arguments.plant);
+  const LqrDesign design =
+      make_design(arguments, plant.model.plant.states, plant.model.plant.inputs);
   const StateFeedback feedback = state_feedback(plant.model.plant, design);
   const Gains gains = make_gains(plant.vehicle, plant.model, design, feedback);
-  require_solved(feedback.riccati, options.plant.vehicle, context);
+  require_solved(feedback.riccati, arguments.plant.vehicle, context);
   for (const std::string& note : plant.model.notes) context.note("lqr: note: " + note);
   const MarginsReport margins = flying_margins(plant.model, gains, feedback.riccati);
   if (context.json) {
@@ -205,57 +154,72 @@ bool any_matrix_option(const Options& options) { return !options.A.empty() || !o
 }  // namespace
 
 Verb lqr_verb() {
-  return {"lqr", "V [options]   or   --A FILE --B FILE --Q FILE --R FILE [options]",
-          "design an LQR gain, for matrices or for a vehicle about a trim",
-          "quadtune lqr uquad --convention uquad --Q 1,1,1,1e3,1e3,1e3,1,1,1,1,1,1 --R 0.01 "
-          "--method discrete --dt 0.01",
-          [](CLI::App& app) -> Action {
-            auto options = std::make_shared<Options>();
-            add_plant_options(app, options->plant);
-            app.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
-            app.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");
-            app.add_option("--Q", options->Q,
-                           "state weights: a matrix file, or with V a list, integrals last; "
-                           "one number stands for all, 1 if absent")
-                ->type_name("FILE|LIST");
-            app.add_option("--R", options->R, "input weights, likewise")->type_name("FILE|LIST");
-            app.add_option("--N", options->N, "cross weights (nx x nu); none")->type_name("FILE");
-            app.add_flag("--continuous", options->continuous, "A and B are continuous (default)");
-            app.add_flag("--discrete", options->discrete, "A and B are discrete");
-            CLI::Option* sampled =
-                add_number(app, "--sampled", options->sampled,
-                           "continuous A, B, Q, R with the input held for DT seconds")
-                    ->type_name("DT");
-            app.add_option("--integral", options->integral, "with V: states to integrate")
-                ->type_name("LIST");
-            app.add_option("--method", options->method,
-                           "with V: continuous (default), discrete (weights per step) or sampled "
-                           "(exact cost)")
-                ->type_name("NAME");
-            add_number(app, "--dt", options->dt, "with V: sample period [s]")->type_name("T");
-            return [options, sampled, owner = &app](Context& context) {
-              const bool has_vehicle = !options->plant.vehicle.empty();
-              if (has_vehicle && any_matrix_option(*options))
-                throw UsageError(
-                    "quadtune lqr: a vehicle and --A or --B came together, expected "
-                    "one or the other",
-                    options->A.empty() ? "--B" : "--A");
-              if (!has_vehicle && !any_matrix_option(*options))
-                throw UsageError("quadtune lqr: expected a vehicle, or --A, --B, --Q and --R", "V");
-              if (has_vehicle) {
-                refuse_options(*owner, {"--N", "--continuous", "--discrete", "--sampled"},
-                               "belongs to matrices, expected --method and --dt with a vehicle");
-                run_vehicle(*options, owner->get_option("--dt")->count() > 0, context);
-              } else {
-                refuse_options(*owner,
-                               {"--at", "--speed", "--climb", "--radius", "--yaw", "--convention",
-                                "--inputs", "--states", "--integral", "--method", "--dt"},
-                               "belongs to a vehicle, expected --discrete or --sampled DT with "
-                               "matrices");
-                run_matrices(*options, sampled->count() > 0, context);
-              }
-            };
-          }};
+  return {
+      "lqr", "V [options]   or   --A FILE --B FILE --Q FILE --R FILE [options]",
+      "design an LQR gain, for matrices or for a vehicle about a trim",
+      "quadtune lqr uquad --convention uquad --Q 1,1,1,1e3,1e3,1e3,1,1,1,1,1,1 --R 0.01 "
+      "--method discrete --dt 0.01",
+      [](CLI::App& app) -> Action {
+        auto options = std::make_shared<Options>();
+        add_plant_options(app, options->vehicle.plant);
+        app.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
+        app.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");
+        app.add_option("--Q", options->vehicle.Q,
+                       "state weights: a matrix file, or with V a list, integrals last; "
+                       "one number stands for all, 1 if absent")
+            ->type_name("FILE|LIST");
+        app.add_option("--R", options->vehicle.R, "input weights, likewise")
+            ->type_name("FILE|LIST");
+        app.add_option("--N", options->N, "cross weights (nx x nu); none")->type_name("FILE");
+        app.add_flag("--continuous", options->continuous, "A and B are continuous (default)");
+        app.add_flag("--discrete", options->discrete, "A and B are discrete");
+        CLI::Option* sampled =
+            add_number(app, "--sampled", options->sampled,
+                       "continuous A, B, Q, R with the input held for DT seconds")
+                ->type_name("DT");
+        app.add_option("--integral", options->vehicle.integral, "with V: states to integrate")
+            ->type_name("LIST");
+        app.add_option("--method", options->vehicle.method,
+                       "with V: continuous (default), discrete (weights per step) or sampled "
+                       "(exact cost)")
+            ->type_name("NAME");
+        add_number(app, "--dt", options->vehicle.dt, "with V: sample period [s]")->type_name("T");
+        app.add_option("--schedule", options->schedule,
+                       "with V: gains over a grid, e.g. \"speed=0:0.5:10, yaw_rate=-2:1:2\" "
+                       "(first:step:last); also climb, and mass and density as ratios")
+            ->type_name("GRID");
+        return [options, sampled, owner = &app](Context& context) {
+          const bool has_vehicle = !options->vehicle.plant.vehicle.empty();
+          options->vehicle.has_dt = owner->get_option("--dt")->count() > 0;
+          if (has_vehicle && any_matrix_option(*options))
+            throw UsageError(
+                "quadtune lqr: a vehicle and --A or --B came together, expected "
+                "one or the other",
+                options->A.empty() ? "--B" : "--A");
+          if (!has_vehicle && !any_matrix_option(*options))
+            throw UsageError("quadtune lqr: expected a vehicle, or --A, --B, --Q and --R", "V");
+          if (has_vehicle) {
+            refuse_options(*owner, {"--N", "--continuous", "--discrete", "--sampled"},
+                           "belongs to matrices, expected --method and --dt with a vehicle");
+            if (options->schedule.empty()) {
+              run_vehicle(options->vehicle, context);
+            } else {
+              refuse_options(*owner, {"--at", "--speed", "--climb", "--radius", "--yaw-rate"},
+                             "came with --schedule, expected the flight as axes of the grid, "
+                             "e.g. --schedule \"speed=2\"");
+              run_schedule(options->vehicle, options->schedule, context);
+            }
+          } else {
+            refuse_options(
+                *owner,
+                {"--at", "--speed", "--climb", "--radius", "--yaw-rate", "--yaw", "--convention",
+                 "--inputs", "--states", "--integral", "--method", "--dt", "--schedule"},
+                "belongs to a vehicle, expected --discrete or --sampled DT with "
+                "matrices");
+            run_matrices(*options, sampled->count() > 0, context);
+          }
+        };
+      }};
 }
 
 }  // namespace quadtune::cli

@@ -10,13 +10,17 @@
 namespace quadtune::cli {
 void add_plant_options(CLI::App& app, PlantArguments& arguments) {
   app.add_option("V", arguments.vehicle, "a built-in vehicle's name or a vehicle file");
-  app.add_option("--at", arguments.at, "steady flight: hover (default), line or circle")
+  app.add_option("--at", arguments.at, "steady flight: hover (default), line, circle or spin")
       ->type_name("FLIGHT");
   add_number(app, "--speed", arguments.speed, "over the ground [m/s]; line and circle")
       ->type_name("V");
-  add_number(app, "--climb", arguments.climb, "upward [m/s]; line and circle")->type_name("V");
+  add_number(app, "--climb", arguments.climb, "upward [m/s]; line, circle and spin")
+      ->type_name("V");
   add_number(app, "--radius", arguments.radius, "of the circle [m]; negative turns left")
       ->type_name("R");
+  add_number(app, "--yaw-rate", arguments.yaw_rate,
+             "of a spin on the spot [rad/s]; negative turns left")
+      ->type_name("RATE");
   add_number(app, "--yaw", arguments.yaw, "heading from north, clockwise from above [rad]")
       ->type_name("ANGLE");
   app.add_option("--convention", arguments.convention, "ned (default), uquad or mambo")
@@ -26,6 +30,16 @@ void add_plant_options(CLI::App& app, PlantArguments& arguments) {
       ->type_name("KIND");
   app.add_option("--states", arguments.states, "full (default), no-position or names")
       ->type_name("LIST");
+}
+
+LinearizeOptions linearize_options(const PlantArguments& arguments) {
+  LinearizeOptions options;
+  options.convention = arguments.convention;
+  options.inputs = input_kind(arguments.inputs, "--inputs");
+  options.states = state_selection(arguments.states, "--states");
+  // Refused by the options' names, not by the function that would trip over them.
+  (void)selected_states(convention(options.convention, "--convention"), options.states, "--states");
+  return options;
 }
 
 Linearization linearize_or_refuse(const Vehicle& vehicle, const FlightCondition& condition,
@@ -40,17 +54,19 @@ Linearization linearize_or_refuse(const Vehicle& vehicle, const FlightCondition&
 Plant make_plant(const PlantArguments& arguments) {
   Plant plant;
   plant.vehicle = load_vehicle(arguments.vehicle);
-  const FlightCondition condition = {flight_kind(arguments.at, "--at"), arguments.yaw,
-                                     arguments.speed, arguments.climb, arguments.radius};
+  const FlightCondition condition = {flight_kind(arguments.at, "--at"),
+                                     arguments.yaw,
+                                     arguments.speed,
+                                     arguments.climb,
+                                     arguments.radius,
+                                     arguments.yaw_rate};
   if (condition.kind == FlightKind::circle && condition.radius == 0)
     throw UsageError("quadtune: --radius is missing or 0, expected that of the circle in metres",
                      "--radius");
-  LinearizeOptions options;
-  options.convention = arguments.convention;
-  options.inputs = input_kind(arguments.inputs, "--inputs");
-  options.states = state_selection(arguments.states, "--states");
-  // Refused by the options' names, not by the function that would trip over them.
-  (void)selected_states(convention(options.convention, "--convention"), options.states, "--states");
+  if (condition.kind == FlightKind::spin && condition.yaw_rate == 0)
+    throw UsageError("quadtune: --yaw-rate is missing or 0, expected that of the spin in rad/s",
+                     "--yaw-rate");
+  const LinearizeOptions options = linearize_options(arguments);
   try {
     plant.model = linearize_or_refuse(plant.vehicle, condition, options, arguments.vehicle);
   } catch (const InvalidInput& error) {

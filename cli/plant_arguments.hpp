@@ -16,17 +16,23 @@ namespace quadtune::cli {
 struct PlantArguments {
   std::string vehicle;
   std::string at = "hover";
-  double speed = 0;   // [m/s]
-  double climb = 0;   // [m/s]
-  double radius = 0;  // [m]
-  double yaw = 0;     // [rad]
+  double speed = 0;     // [m/s]
+  double climb = 0;     // [m/s]
+  double radius = 0;    // [m]
+  double yaw_rate = 0;  // [rad/s]
+  double yaw = 0;       // [rad]
   std::string convention = "ned";
   std::string inputs = "rotor-speed";
   std::string states = "full";
 };
 
-/// Adds V and --at, --speed, --climb, --radius, --yaw, --convention, --inputs, --states.
+/// Adds V and --at, --speed, --climb, --radius, --yaw-rate, --yaw, --convention, --inputs,
+/// --states.
 void add_plant_options(CLI::App& app, PlantArguments& arguments);
+
+/// How the model is to be written.
+/// @throws InvalidInput  naming the option, what came and what was expected.
+[[nodiscard]] LinearizeOptions linearize_options(const PlantArguments& arguments);
 
 /// A vehicle with its linear model.
 struct Plant {

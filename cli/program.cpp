@@ -101,7 +101,8 @@ void refuse_options_for_values(const CLI::App& app, const std::string& verb,
 /// Runs an action whose output goes into a file, written whole or not at all.
 void run_into_file(const Action& action, const std::string& file, Context& context) {
   std::ostringstream text;
-  Context into{context.in, text, context.err, context.json, context.quiet};
+  Context into{context.in,    text, context.err, context.json,
+               context.quiet, {},   file,        context.threads};
   action(into);
   context.written = into.written;
   write_file(file, text.str());
@@ -129,10 +130,10 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
   app.add_flag("--json", context.json, "print one JSON object");
   app.add_flag("--quiet", context.quiet, "no notes on the error stream");
   app.add_flag("-h,--help", help, "show this help");
-  // Part of the contract of every verb; nothing here is random or uses a second thread.
-  std::uint64_t threads = 1;
+  // Part of the contract of every verb; nothing here is random.
+  std::uint64_t threads = 0;
   std::uint64_t seed = 0;
-  add_count(app, "--threads", threads, 1, "threads to use");
+  add_count(app, "--threads", threads, 1, "threads to use; one for each processor if absent");
   add_count(app, "--seed", seed, 0, "fixes everything random");
   const Action action = verb.define(app);
   std::string file;
@@ -157,6 +158,7 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
                                      option->get_name()),
                          option->get_name());
   refuse_two_readers(app, verb.name);
+  context.threads = threads;
   if (file.empty())
     action(context);
   else

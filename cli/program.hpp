@@ -66,6 +66,8 @@ struct Context {
   bool json = false;
   bool quiet = false;
   std::vector<std::string> written = {};  ///< exports and pictures that are complete
+  std::string file = {};                  ///< that -o names, where `out` goes into it; else empty
+  std::size_t threads = 0;                ///< to use; 0: one for each processor
 
   /// One line on the error stream that is not an error; silent with --quiet.
   void note(const std::string& line) const;

@@ -41,6 +41,16 @@ int index_of(const std::vector<Signal>& signals, const std::string& name) {
 
 }  // namespace
 
+std::vector<Signal> integral_signals(const std::vector<Signal>& states,
+                                     const std::vector<std::string>& integrated) {
+  std::vector<Signal> signals;
+  signals.reserve(integrated.size());
+  for (const std::string& name : integrated)
+    for (const Signal& state : states)
+      if (state.name == name) signals.push_back({name, state.unit + " s"});
+  return signals;
+}
+
 DiscreteLti open_loop(const DiscreteLti& plant, const Gains& gains) {
   validate(plant, "open_loop");
   validate(gains, "open_loop");

@@ -122,8 +122,8 @@ std::string in_our_words(std::string_view description) {
 
 }  // namespace
 
-TomlTable TomlTable::parse(const std::string& text, const std::string& origin) {
-  require_text(text, origin, kTomlLimit);
+TomlTable TomlTable::parse(const std::string& text, const std::string& origin, std::size_t limit) {
+  require_text(text, origin, limit);
   require_short_lines(text, origin);
   try {
     const toml::table table = toml::parse(std::string_view(text));

@@ -84,7 +84,7 @@ NedModel by_inputs(const Vehicle& vehicle, const RigidBody& body, const TrimResu
   return model;
 }
 
-// In a circle the position's deviation e is measured along axes that turn with the heading:
+// In a turn the position's deviation e is measured along axes that turn with the heading:
 // e = Rz(-Ωt) δp, hence e' = Rz(-Ωt) δp' - Ω ẑ × e, and with that A no longer depends on time.
 void turn_position_axes(double yaw_rate, NedModel& model) {
   model.A(kPosition, kPosition + 1) += yaw_rate;
@@ -122,47 +122,72 @@ void note_turning_axes(const Convention& convention, const std::vector<Eigen::In
 
 }  // namespace
 
-Linearization linearize(const Vehicle& vehicle, const TrimResult& trimmed,
-                        const LinearizeOptions& options) {
-  const Convention& c = convention(options.convention, "linearize");
-  const std::vector<Eigen::Index> kept = selected_states(c, options.states, "linearize");
-  const int rotors = static_cast<int>(vehicle.rotors.size());
-  Linearization result;
-  result.trim = trimmed;
-  result.convention = c.name;
-  result.input_kind = options.inputs;
-  result.plant.inputs = input_signals(c, options.inputs, rotors, vehicle.motor.unit);
-  for (const Eigen::Index i : kept)
-    result.plant.states.push_back(c.states[static_cast<std::size_t>(i)]);
+LinearizeOptions linearize_options(const LqrDesign& design) {
+  LinearizeOptions options;
+  options.convention = design.convention;
+  options.inputs = design.input_kind;
+  options.states = {StateSelection::Kind::list, design.states};
+  return options;
+}
 
-  const auto nx = static_cast<Eigen::Index>(kept.size());
-  const auto nu = static_cast<Eigen::Index>(result.plant.inputs.size());
+Linearizer::Linearizer(const Vehicle& vehicle, const LinearizeOptions& options) {
+  const Convention& c = convention(options.convention, "linearize");
+  kept_ = selected_states(c, options.states, "linearize");
+  const int rotors = static_cast<int>(vehicle.rotors.size());
+  // Both maps are orthogonal before states are left out.
+  M_ = c.from_ned(kept_, Eigen::all);
+  N_ = input_from_ned(c, options.inputs, rotors);
+  unsolved_.convention = c.name;
+  unsolved_.input_kind = options.inputs;
+  unsolved_.plant.inputs = input_signals(c, options.inputs, rotors, vehicle.motor.unit);
+  unsolved_.plant.states.reserve(kept_.size());
+  for (const Eigen::Index i : kept_)
+    unsolved_.plant.states.push_back(c.states[static_cast<std::size_t>(i)]);
+
+  const auto nx = static_cast<Eigen::Index>(kept_.size());
+  const auto nu = static_cast<Eigen::Index>(unsolved_.plant.inputs.size());
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  result.plant.A = Eigen::MatrixXd::Constant(nx, nx, nan);
-  result.plant.B = Eigen::MatrixXd::Constant(nx, nu, nan);
-  result.x0 = result.x0_rate = Eigen::VectorXd::Constant(nx, nan);
-  result.u0 = Eigen::VectorXd::Constant(nu, nan);
-  if (!trimmed.solved()) return result;
-  if (trimmed.u.size() != rotors)
+  unsolved_.plant.A = Eigen::MatrixXd::Constant(nx, nx, nan);
+  unsolved_.plant.B = Eigen::MatrixXd::Constant(nx, nu, nan);
+  unsolved_.x0 = unsolved_.x0_rate = Eigen::VectorXd::Constant(nx, nan);
+  unsolved_.u0 = Eigen::VectorXd::Constant(nu, nan);
+  result_ = unsolved_;
+}
+
+const Linearization& Linearizer::at(const Vehicle& vehicle, const TrimResult& trimmed) {
+  if (!trimmed.solved()) {
+    result_ = unsolved_;
+    result_.trim = trimmed;
+    return result_;
+  }
+  if (trimmed.u.size() != std::ssize(vehicle.rotors))
     throw InvalidInput("linearize",
                        fmt::format("the trim has {} rotor speeds, expected {} because the vehicle "
                                    "has so many rotors",
-                                   trimmed.u.size(), rotors));
-
+                                   trimmed.u.size(), vehicle.rotors.size()));
   const RigidBody body(vehicle, trimmed.density_ratio);
-  NedModel model = by_inputs(vehicle, body, trimmed, options.inputs);
+  NedModel model = by_inputs(vehicle, body, trimmed, result_.input_kind);
   turn_position_axes(trimmed.yaw_rate, model);
-  // x = M x_ned, u = N u_ned, both orthogonal.
-  const Eigen::MatrixXd M = c.from_ned;
-  const Eigen::MatrixXd N = input_from_ned(c, options.inputs, rotors);
-  const Eigen::MatrixXd A = M * model.A * M.transpose();
-  const Eigen::MatrixXd B = M * model.B * N.transpose();
-  result.plant.A = A(kept, kept);
-  result.plant.B = B(kept, Eigen::all);
-  result.x0 = (M * trimmed.x)(kept);
-  result.x0_rate = (M * model.x0_rate)(kept);
-  result.u0 = N * model.u0;
-  result.notes = missing_states(A, kept, c.states);
+  result_.trim = trimmed;
+  result_.plant.A.noalias() = M_ * model.A * M_.transpose();
+  result_.plant.B.noalias() = M_ * model.B * N_.transpose();
+  result_.x0.noalias() = M_ * trimmed.x;
+  result_.x0_rate.noalias() = M_ * model.x0_rate;
+  result_.u0.noalias() = N_ * model.u0;
+  return result_;
+}
+
+Linearization linearize(const Vehicle& vehicle, const TrimResult& trimmed,
+                        const LinearizeOptions& options) {
+  Linearization result = Linearizer(vehicle, options).at(vehicle, trimmed);
+  if (!result.solved()) return result;
+  const Convention& c = convention(options.convention, "linearize");
+  const std::vector<Eigen::Index> kept = selected_states(c, options.states, "linearize");
+  if (std::ssize(kept) < c.from_ned.rows()) {
+    const LinearizeOptions all = {options.convention, options.inputs, {}};
+    result.notes =
+        missing_states(Linearizer(vehicle, all).at(vehicle, trimmed).plant.A, kept, c.states);
+  }
   note_turning_axes(c, kept, trimmed.yaw_rate, result.notes);
   return result;
 }

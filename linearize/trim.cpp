@@ -49,6 +49,19 @@ void check(const Vehicle& vehicle, const FlightCondition& c, const TrimOptions& 
   } else {
     require(c.radius == 0, fmt::format("radius is {} m, expected none for a {}", c.radius, kind));
   }
+  if (c.kind == FlightKind::spin) {
+    require(c.yaw_rate != 0 && std::isfinite(c.yaw_rate),
+            fmt::format("yaw rate is {} rad/s, expected a positive number (turns right) or a "
+                        "negative one (left)",
+                        c.yaw_rate));
+    require(c.speed == 0, fmt::format("speed is {} m/s, expected 0 because a spin stays on the "
+                                      "spot",
+                                      c.speed));
+  } else {
+    require(c.yaw_rate == 0,
+            fmt::format("yaw rate is {} rad/s, expected none for a {}{}", c.yaw_rate, kind,
+                        c.kind == FlightKind::circle ? " because it is speed/radius" : ""));
+  }
   require(vehicle.gravity > 0,
           fmt::format("gravity is {} m/s², expected a positive number", vehicle.gravity));
   require(options.density_ratio > 0,
@@ -62,7 +75,10 @@ void check(const Vehicle& vehicle, const FlightCondition& c, const TrimOptions& 
 std::string in_words(const FlightCondition& c) {
   std::string words = to_string(c.kind);
   if (c.kind == FlightKind::circle) words += fmt::format(" of {:.4g} m", c.radius);
-  if (c.kind != FlightKind::hover) words += fmt::format(" at {:.4g} m/s", c.speed);
+  if (c.kind == FlightKind::spin)
+    words += fmt::format(" at {:.4g} rad/s", c.yaw_rate);
+  else if (c.kind != FlightKind::hover)
+    words += fmt::format(" at {:.4g} m/s", c.speed);
   if (c.climb != 0) words += fmt::format(" climbing {:.4g} m/s", c.climb);
   return words;
 }
@@ -157,9 +173,19 @@ void tell_imbalance(const TrimProblem& problem, const NewtonResult& found, TrimR
                                in_words(result.condition), found.residual, found.iterations);
 }
 
+// Where Newton's method starts: what balances better of the first guess and the neighbour.
+Eigen::VectorXd start(const TrimProblem& problem, const TrimResult* neighbour) {
+  Eigen::VectorXd guess = problem.first_guess();
+  if (neighbour == nullptr || !neighbour->solved() || neighbour->thrust.size() != problem.rotors())
+    return guess;
+  Eigen::VectorXd near = problem.guess_from(*neighbour);
+  return problem.residual(near).norm() < problem.residual(guess).norm() ? near : guess;
+}
+
 // Straight to the flight, or from a hover to it in small steps where that fails.
-NewtonResult search(const TrimProblem& problem, const TrimOptions& options) {
-  NewtonResult found = newton(problem, problem.first_guess(), options, false);
+NewtonResult search(const TrimProblem& problem, const TrimOptions& options,
+                    const TrimResult* neighbour) {
+  NewtonResult found = newton(problem, start(problem, neighbour), options, false);
   if (found.residual <= options.tolerance && tilt(found.z) < std::numbers::pi / 2) return found;
   int iterations = found.iterations;
   constexpr int kSteps = 20;
@@ -206,7 +232,7 @@ std::string to_string(TrimStatus status) {
 }
 
 TrimResult trim(const Vehicle& vehicle, const FlightCondition& condition,
-                const TrimOptions& options) {
+                const TrimOptions& options, const TrimResult* neighbour) {
   check(vehicle, condition, options);
   const TrimProblem problem(vehicle, condition, options.density_ratio);
   TrimResult result;
@@ -219,7 +245,7 @@ TrimResult trim(const Vehicle& vehicle, const FlightCondition& condition,
   result.u = Eigen::VectorXd::Constant(problem.rotors(), nan);
   result.thrust = result.u;
 
-  const NewtonResult unlimited = search(problem, options);
+  const NewtonResult unlimited = search(problem, options, neighbour);
   result.residual = unlimited.residual;
   result.iterations = unlimited.iterations;
   if (!(unlimited.residual <= options.tolerance)) {

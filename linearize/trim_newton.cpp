@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -22,6 +23,11 @@ double longest_arm(const Vehicle& vehicle) {
   double arm = 0;
   for (const Rotor& rotor : vehicle.rotors) arm = std::max(arm, rotor.position.head<2>().norm());
   return arm > 0 ? arm : 1;  // rotors all on the axis: torques per metre
+}
+
+double yaw_rate_of(const FlightCondition& condition) {
+  return condition.kind == FlightKind::circle ? condition.speed / condition.radius
+                                              : condition.yaw_rate;
 }
 
 }  // namespace
@@ -72,7 +78,7 @@ TrimProblem::TrimProblem(const Vehicle& vehicle, const FlightCondition& conditio
     : body_(vehicle, density_ratio),
       arm_(longest_arm(vehicle)),
       velocity_(condition.speed, 0, -condition.climb),
-      yaw_rate_(condition.kind == FlightKind::circle ? condition.speed / condition.radius : 0) {
+      yaw_rate_(yaw_rate_of(condition)) {
   int number = 0;
   for (const Rotor& rotor : vehicle.rotors)
     curves_.emplace_back(rotor, vehicle.motor, density_ratio, ++number);
@@ -104,6 +110,14 @@ Eigen::VectorXd TrimProblem::first_guess() const {
   z(0) = std::atan(velocity_.x() * yaw_rate_ / body_.gravity);  // tan(roll) = V ψ' / g
   z(1) = 0;
   z.tail(rotors()).setConstant(1 / (std::cos(z(0)) * static_cast<double>(rotors())));
+  return z;
+}
+
+Eigen::VectorXd TrimProblem::guess_from(const TrimResult& neighbour) const {
+  Eigen::VectorXd z(2 + rotors());
+  z.head<2>() = neighbour.x.segment<2>(kAttitude);
+  // Shared as there, and enough to carry this weight at that attitude.
+  z.tail(rotors()) = neighbour.thrust / (neighbour.thrust.sum() * std::cos(z(0)) * std::cos(z(1)));
   return z;
 }
 
@@ -157,10 +171,21 @@ struct Step {
   Eigen::Index freedom;
 };
 
+// Four rotors leave no freedom: J dz = -r is one square system. False where it is singular.
+bool square_step(const ValueAndJacobian& at, Step& step) {
+  const Eigen::PartialPivLU<Eigen::Matrix<double, 6, 6>> lu(at.jacobian);
+  if (!(lu.rcond() > kRankTolerance)) return false;
+  step.dz = lu.solve(-Eigen::Matrix<double, 6, 1>(at.value));
+  step.freedom = 0;
+  return true;
+}
+
 // Solves J_a da + J_f (f - f0) = -r: what roll and pitch cannot do (the complement of J_a's range)
 // fixes the thrusts f, of least norm; roll and pitch then take up the rest.
 Step newton_step(const TrimProblem& problem, const Eigen::VectorXd& z, const ValueAndJacobian& at,
                  bool within_limits) {
+  Step step;
+  if (problem.rotors() == 4 && !within_limits && square_step(at, step)) return step;
   const Eigen::MatrixXd J_a = at.jacobian.leftCols(2);
   const Eigen::MatrixXd J_f = at.jacobian.rightCols(problem.rotors());
   const Eigen::VectorXd f0 = z.tail(problem.rotors());
@@ -169,7 +194,6 @@ Step newton_step(const TrimProblem& problem, const Eigen::VectorXd& z, const Val
   const Eigen::VectorXd d = Q.rightCols(4).transpose() * (J_f * f0 - at.value);
   const Eigen::VectorXd f =
       within_limits ? bounded_least_norm(C, d, problem.low(), problem.high()) : least_norm(C, d);
-  Step step;
   step.dz.resize(z.size());
   step.dz << least_norm(J_a, -at.value - J_f * (f - f0)), f - f0;
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> rank(C);

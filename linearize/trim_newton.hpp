@@ -61,6 +61,9 @@ class TrimProblem {
   /// Roll of a coordinated turn without drag, level pitch, equal thrusts.
   [[nodiscard]] Eigen::VectorXd first_guess() const;
 
+  /// Attitude and shares of thrust of another trim, of as many rotors.
+  [[nodiscard]] Eigen::VectorXd guess_from(const TrimResult& neighbour) const;
+
   /// m v'/(m g) and J w'/(m g L), (6), zero in a trim, with the Jacobian.
   [[nodiscard]] ValueAndJacobian balance(const Eigen::VectorXd& z) const;
   [[nodiscard]] Eigen::VectorXd residual(const Eigen::VectorXd& z) const;

@@ -472,6 +472,68 @@ std::vector<Mistake> sampling_mistakes() {
   };
 }
 
+/// lqr of a vehicle over a grid.
+Mistake schedule_mistake(const std::string& name, const std::string& grid,
+                         const std::vector<std::string>& said,
+                         const std::vector<std::string>& extra = {}, int status = 2) {
+  std::vector<std::string> args = {"lqr", "uquad", "--schedule", grid};
+  args.insert(args.end(), extra.begin(), extra.end());
+  return {name, args, status, said};
+}
+
+std::vector<Mistake> schedule_mistakes() {
+  return {
+      schedule_mistake("UnknownAxis", "sped=0:1:2",
+                       {"--schedule: no axis 'sped', expected one of", "did you mean 'speed'?"}),
+      schedule_mistake("AxisWithoutValues", "speed", {"--schedule: 'speed' came, expected axes"}),
+      schedule_mistake("EmptyAxis", "speed=1,,mass=1", {"--schedule: an axis is empty"}),
+      schedule_mistake("BlankGrid", " ", {"--schedule: an axis is empty"}),
+      schedule_mistake("AxisTwice", "speed=1, speed=2", {"axis speed came twice"}),
+      schedule_mistake("StepOfZero", "speed=0:0:2",
+                       {"axis speed has step 0, expected more than 0"}),
+      schedule_mistake("StepBackwards", "speed=2:-1:0", {"axis speed has step -1"}),
+      schedule_mistake("RangeBackwards", "climb=2:1:0", {"axis climb goes from 2 to 0"}),
+      schedule_mistake("StepThatMissesTheLast", "speed=0:0.3:1",
+                       {"axis speed goes from 0 to 1 in 3.33333 steps of 0.3", "a whole number"}),
+      schedule_mistake("NanInGrid", "speed=0:nan:1",
+                       {"'nan' in axis speed is not a finite number"}),
+      schedule_mistake("InfiniteGrid", "speed=0:1:inf", {"'inf' in axis speed"}),
+      schedule_mistake("WordInGrid", "speed=0:x:1", {"'x' in axis speed"}),
+      schedule_mistake("TwoNumbers", "speed=0:1",
+                       {"axis speed has 2 numbers, expected first:step"}),
+      schedule_mistake("FourNumbers", "speed=0:1:2:3", {"axis speed has 4 numbers"}),
+      schedule_mistake("NegativeSpeed", "speed=-1:1:1", {"speed has -1 m/s, expected 0 or more"}),
+      schedule_mistake("NoMass", "mass=0:0.5:1", {"mass has 0, expected more than 0"}),
+      schedule_mistake("TooManySteps", "speed=0:1e-9:1", {"1e+09 steps, expected no more than"}),
+      schedule_mistake("TooManyPoints", "speed=0:0.01:10, climb=0:0.01:10",
+                       {"more than 100000 points at axis climb"}),
+      schedule_mistake("ScheduleOfAFlight", "speed=1", {"--at came with --schedule", "as axes"},
+                       {"--at", "line"}),
+      schedule_mistake("ScheduleBadWeights", "speed=1", {"--Q has 3 entries, expected 12"},
+                       {"--Q", "1,2,3"}),
+      schedule_mistake("ScheduleWithoutPeriod", "speed=1", {"--dt is missing"},
+                       {"--method", "discrete"}),
+      schedule_mistake("ScheduleOfAnUnknownState", "speed=1", {"--states", "pich"},
+                       {"--states", "pich"}),
+      schedule_mistake("ScheduleBeyondTheThrust", "speed=8, yaw_rate=2",
+                       {"no point of the schedule has a gain", "needs a tilt of"}, {}, 4),
+      schedule_mistake("ScheduleSeenByNoWeight", "speed=1",
+                       {"no gain", "not detectable", "not seen by Q"}, {"--Q", "0"}, 4),
+      schedule_mistake("ScheduleFileOfNoFormat", "speed=1",
+                       {"-o: 'k.txt' does not tell the format", ".toml or .json"},
+                       {"-o", "@/k.txt"}),
+      {"ScheduleOfMatrices",
+       {"lqr", "--A", "@/A", "--B", "@/A", "--schedule", "speed=1"},
+       2,
+       {"--schedule belongs to a vehicle"},
+       {{"A", "1\n"}}},
+      {"SpinWithoutRate",
+       {"linearize", "uquad", "--at", "spin"},
+       2,
+       {"--yaw-rate is missing or 0"}},
+  };
+}
+
 class BadInput : public ::testing::TestWithParam<Mistake> {};
 
 /// `where` of the JSON error of a command that ends with `status`.
@@ -548,6 +610,7 @@ INSTANTIATE_TEST_SUITE_P(Vehicles, BadInput, ::testing::ValuesIn(vehicle_mistake
 INSTANTIATE_TEST_SUITE_P(Matrices, BadInput, ::testing::ValuesIn(matrix_mistakes()), name_of);
 INSTANTIATE_TEST_SUITE_P(Designs, BadInput, ::testing::ValuesIn(design_mistakes()), name_of);
 INSTANTIATE_TEST_SUITE_P(Sampling, BadInput, ::testing::ValuesIn(sampling_mistakes()), name_of);
+INSTANTIATE_TEST_SUITE_P(Schedules, BadInput, ::testing::ValuesIn(schedule_mistakes()), name_of);
 INSTANTIATE_TEST_SUITE_P(CommandLine, BadInput, ::testing::ValuesIn(command_line_mistakes()),
                          name_of);
 

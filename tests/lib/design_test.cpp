@@ -248,7 +248,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"Vehicle", 2, "vehicle = 'uqad'",
                 "d.toml:2: no vehicle 'uqad' and no such file, expected mambo, rolling-spider, "
                 "uquad, crazyflie or a vehicle file beside the design; did you mean 'uquad'?"},
-        Refusal{"Trim", 4, "at = 'hoover'", "d.toml:4: 'hoover', expected hover, line or circle"},
+        Refusal{"Trim", 4, "at = 'hoover'",
+                "d.toml:4: 'hoover', expected hover, line, circle or spin"},
         Refusal{"SpeedInHover", 4, "at = 'hover'\nspeed_m_per_s = 1",
                 "d.toml:5: key 'speed_m_per_s' in [trim] is not known"},
         Refusal{"NoRadius", 4, "at = 'circle'\nspeed_m_per_s = 1",

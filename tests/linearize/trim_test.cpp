@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "integrate.hpp"
 #include "matrix_near.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/model/rigid_body.hpp"
@@ -27,6 +28,9 @@ constexpr double kUquadHover = 316.103650939028;  // rad/s, published by the uqu
 FlightCondition hover(double yaw = 0) { return {.kind = FlightKind::hover, .yaw = yaw}; }
 FlightCondition line(double speed, double climb = 0, double yaw = 0) {
   return {.kind = FlightKind::line, .yaw = yaw, .speed = speed, .climb = climb};
+}
+FlightCondition spin(double yaw_rate, double climb = 0, double yaw = 0) {
+  return {.kind = FlightKind::spin, .yaw = yaw, .climb = climb, .yaw_rate = yaw_rate};
 }
 FlightCondition circle(double radius, double speed, double climb = 0, double yaw = 0) {
   return {.kind = FlightKind::circle, .yaw = yaw, .speed = speed, .climb = climb, .radius = radius};
@@ -49,7 +53,7 @@ void expect_steady(const Vehicle& vehicle, const TrimResult& result) {
   const StateVector<double> derivative = state_derivative(body, x, rotor_loads(body, w));
   StateVector<double> expected = StateVector<double>::Zero();
   expected.head<3>() << c.speed * std::cos(c.yaw), c.speed * std::sin(c.yaw), -c.climb;
-  if (c.kind == FlightKind::circle) expected(5) = c.speed / c.radius;
+  expected(5) = c.kind == FlightKind::circle ? c.speed / c.radius : c.yaw_rate;
   // The residual is scaled by m g and m g L; undone here for the entries of v' and w'.
   const double arm = vehicle.rotors.front().position.norm();
   const double scale =
@@ -260,6 +264,64 @@ TEST(Trim, TooFastNamesTheTilt) {
   EXPECT_EQ(result.status, TrimStatus::not_enough_thrust);
   EXPECT_THAT(result.culprit, HasSubstr("line at 60 m/s needs a tilt of 60.3° and 34.52 N, the "
                                         "rotors give at most 25.96 N at 387 rad/s: 8.56 N short"));
+}
+
+// Flown by the nonlinear equations with the rotors held, a spin stays on its spot and on its axis.
+TEST(Trim, ASpinTurnsOnTheSpot) {
+  std::mt19937_64 random(4);
+  for (int i = 0; i < 20; ++i) {
+    const Vehicle vehicle = random_vehicle(random, i % 2 ? 4 : 6);
+    const double rate = i % 4 < 2 ? 1.5 : -0.8;
+    const double climb = i % 3 == 0 ? 0.5 : 0;
+    const TrimResult result = trim(vehicle, spin(rate, climb, 0.4));
+    expect_steady(vehicle, result);
+    EXPECT_EQ(result.yaw_rate, rate);
+    const RigidBody body(vehicle);
+    const RotorSpeeds<double> w = result.u;
+    const auto motion = [&](const StateVector<double>& x) {
+      return state_derivative(body, x, rotor_loads(body, w));
+    };
+    const double time = 0.5;
+    const StateVector<double> end =
+        testing::integrate(motion, StateVector<double>(result.x), time / 500, 500);
+    StateVector<double> expected = result.x;
+    expected(2) -= climb * time;
+    expected(5) += rate * time;
+    EXPECT_THAT(end, MatrixNear(expected, 1e-6)) << "vehicle " << i;
+  }
+}
+
+// An even vehicle spins level, at the hover's speeds but for the moment that drives nothing.
+TEST(Trim, ASpinOfAnEvenVehicleIsAHover) {
+  const TrimResult still = trim(plus_quadrotor(), hover());
+  const TrimResult turning = trim(plus_quadrotor(), spin(2));
+  ASSERT_TRUE(turning.solved()) << turning.culprit;
+  EXPECT_THAT(turning.u, MatrixNear(still.u, 1e-9));
+  EXPECT_NEAR(turning.tilt, 0, 1e-10);
+  EXPECT_NEAR(turning.x(11), 2, 1e-12);
+}
+
+TEST(Trim, ASpinIsTheLimitOfTightCircles) {
+  std::mt19937_64 random(5);
+  const Vehicle vehicle = random_vehicle(random, 4);
+  const TrimResult on_the_spot = trim(vehicle, spin(1.5));
+  const TrimResult tight = trim(vehicle, circle(1e-7, 1.5e-7));
+  ASSERT_TRUE(tight.solved()) << tight.culprit;
+  EXPECT_THAT(on_the_spot.u, MatrixNear(tight.u, 1e-4));
+  EXPECT_THAT(on_the_spot.x, MatrixNear(tight.x, 1e-6));
+}
+
+TEST(Trim, RefusesSpinsThatAreNone) {
+  const auto refuses = [](const FlightCondition& condition, const std::string& why) {
+    EXPECT_THAT([&] { (void)trim(plus_quadrotor(), condition); },
+                ThrowsMessage<InvalidInput>(HasSubstr(why)));
+  };
+  refuses(spin(0), "yaw rate is 0 rad/s, expected a positive number");
+  refuses(spin(std::nan("")), "yaw rate is nan");
+  refuses({.kind = FlightKind::spin, .speed = 1, .yaw_rate = 1}, "speed is 1 m/s, expected 0");
+  refuses({.kind = FlightKind::circle, .speed = 1, .radius = 1, .yaw_rate = 1},
+          "yaw rate is 1 rad/s, expected none for a circle because it is speed/radius");
+  refuses({.kind = FlightKind::hover, .yaw_rate = 1}, "expected none for a hover");
 }
 
 TEST(Trim, TooTightACircleHasNoTrim) {

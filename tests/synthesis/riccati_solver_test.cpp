@@ -6,6 +6,7 @@
 #include "matrix_near.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/synthesis/riccati.hpp"
+#include "quadtune/synthesis/riccati_batch.hpp"
 #include "riccati_problems.hpp"
 
 // Eigen allocates by malloc, the standard library by operator new; glibc lets both be counted here.
@@ -56,6 +57,27 @@ TEST(RiccatiSolver, SolvesAgainAndAgainWithoutAllocating) {
     }
     EXPECT_EQ(allocations - before, 0) << "n = " << n;
   }
+}
+
+TEST(RiccatiBatch, SolvesAgainAndAgainWithoutAllocating) {
+#ifndef QUADTUNE_COUNTS_ALLOCATIONS
+  GTEST_SKIP() << "malloc cannot be counted in this build";
+#endif
+  std::mt19937_64 random(1);
+  const RiccatiCase c = testing::random_case(12, 4, false, false, random);
+  const RiccatiCase cross = testing::random_case(12, 4, true, true, random);
+  const std::vector<RiccatiMatrices> problems(RiccatiBatch::kLanes, {c.A, c.B, c.Q, c.R, {}});
+  const std::vector<RiccatiMatrices> discrete(RiccatiBatch::kLanes,
+                                              {cross.A, cross.B, cross.Q, cross.R, cross.N});
+  RiccatiBatch batch(12, 4);
+  (void)batch.care(problems);
+  const long before = allocations;
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_TRUE(batch.care(problems)[7].solved());
+    EXPECT_TRUE(batch.dare(discrete)[7].solved());
+  }
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(batch.fallbacks(), 0u);
 }
 
 // A hover falls into four groups; the memory for them is kept as well.

@@ -11,6 +11,7 @@ enum class FlightKind {
   hover,   ///< at rest
   line,    ///< straight, at `speed` over the ground and `climb`
   circle,  ///< coordinated circle of `radius` at `speed` and `climb` (a helix if climb ≠ 0)
+  spin,    ///< turning on the spot at `yaw_rate`, at `climb`: where a circle's radius is 0
 };
 
 /// A steady flight, in the vehicle-neutral sense (yaw from north, clockwise seen from above).
@@ -18,14 +19,21 @@ struct FlightCondition {
   FlightKind kind = FlightKind::hover;
   double yaw = 0;    ///< heading of the body's x axis [rad]; in a circle, at the linearized instant
   double speed = 0;  ///< horizontal ground speed along the heading [m/s], ≥ 0; line and circle
-  double climb = 0;  ///< upward speed [m/s]; line and circle
+  double climb = 0;  ///< upward speed [m/s]; line, circle and spin
   double radius = 0;  ///< of the circle [m]; > 0 turns right (clockwise seen from above), < 0 left
+  double yaw_rate = 0;  ///< of the heading [rad/s], > 0 clockwise seen from above; spin only
 };
 
-/// "hover", "line" or "circle".
+/// The flight along the heading at a speed over the ground, a climb and a rate of the heading: a
+/// hover, a line, a circle of radius speed/yaw_rate or a spin.
+/// @param speed     [m/s], ≥ 0;  @param climb  [m/s];  @param yaw_rate  [rad/s];  @param yaw  [rad]
+[[nodiscard]] FlightCondition steady_flight(double speed, double climb, double yaw_rate,
+                                            double yaw = 0);
+
+/// "hover", "line", "circle" or "spin".
 [[nodiscard]] std::string to_string(FlightKind kind);
 
-/// @throws InvalidInput  naming the word and the three that exist.
+/// @throws InvalidInput  naming the word and the four that exist.
 [[nodiscard]] FlightKind flight_kind(const std::string& name, const std::string& where);
 
 }  // namespace quadtune

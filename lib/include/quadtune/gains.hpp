@@ -34,6 +34,11 @@ struct Gains {
 /// @throws InvalidInput  naming the matrix, its shape and what was expected.
 void validate(const Gains& gains, const std::string& where);
 
+/// The listed states as Gains::integrals: their names, their units times s. Names of no state are
+/// passed over.
+[[nodiscard]] std::vector<Signal> integral_signals(const std::vector<Signal>& states,
+                                                   const std::vector<std::string>& integrated);
+
 /// The loop of the gains, integrals included, cut at the plant's inputs: L with L under negative
 /// feedback the loop as it flies.
 ///

@@ -68,8 +68,10 @@ class TomlTable {
  public:
   /// Parses a file's text.
   /// @param origin  What messages call the file.
+  /// @param limit   Most bytes that it may have.
   /// @throws InvalidInput  for what is not TOML, too large, or has a key twice.
-  static TomlTable parse(const std::string& text, const std::string& origin);
+  static TomlTable parse(const std::string& text, const std::string& origin,
+                         std::size_t limit = kTomlLimit);
 
   /// Refuses the first key of the file that is not listed, with the nearest that is.
   void allow(const std::vector<TomlKey>& known) const;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "quadtune/convention.hpp"
+#include "quadtune/design.hpp"
 #include "quadtune/linearize/trim.hpp"
 #include "quadtune/lti.hpp"
 
@@ -41,11 +42,15 @@ struct LinearizeOptions {
   StateSelection states;
 };
 
+/// Those of a design's LQR problem.
+[[nodiscard]] LinearizeOptions linearize_options(const LqrDesign& design);
+
 /// ẋ ≈ A (x - x0(t)) + B (u - u0) + x0'(t) near a steady flight x0(t), u0.
 ///
-/// The flight may move: in a line x0' is the velocity over the ground, in a circle the yaw goes
-/// round. A and B are constant all the same. In a circle the deviation of the position is measured
-/// along axes that are the world's at the linearized instant and then turn with the heading.
+/// The flight may move: in a line x0' is the velocity over the ground, in a circle or a spin the
+/// yaw goes round. A and B are constant all the same. With a yaw that goes round the deviation of
+/// the position is measured along axes that are the world's at the linearized instant and then turn
+/// with the heading.
 struct Linearization {
   TrimResult trim;      ///< in ned_convention() and rotor speeds
   ContinuousLti plant;  ///< A (nx × nx), B (nx × nu) with names and units; all NaN unless solved
@@ -68,6 +73,27 @@ struct Linearization {
 /// @throws InvalidInput  for an unknown convention or a bad selection of states.
 [[nodiscard]] Linearization linearize(const Vehicle& vehicle, const TrimResult& trimmed,
                                       const LinearizeOptions& options = {});
+
+/// The same for many trims of one vehicle, whose numbers may change, but not its rotors' number nor
+/// its motors' unit: names and conventions are looked up once. The notes stay empty.
+class Linearizer {
+ public:
+  /// @throws InvalidInput  as linearize().
+  Linearizer(const Vehicle& vehicle, const LinearizeOptions& options);
+
+  /// All NaN, with the names.
+  [[nodiscard]] const Linearization& unsolved() const { return unsolved_; }
+
+  /// The result is valid until the next call.
+  const Linearization& at(const Vehicle& vehicle, const TrimResult& trimmed);
+
+ private:
+  Linearization unsolved_;
+  Linearization result_;
+  std::vector<Eigen::Index> kept_;
+  Eigen::MatrixXd M_;  // x = M x_ned, the selected states only
+  Eigen::MatrixXd N_;  // u = N u_ned
+};
 
 /// The same, with the trim found first.
 /// @throws InvalidInput  as trim() does, too.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Steady flights: the attitude and rotor speeds at which a vehicle hovers, flies straight or
-/// circles, within its motors' limits. Method: docs/theory.md, "Trim and linearization".
+/// Steady flights: the attitude and rotor speeds at which a vehicle hovers, flies straight,
+/// circles or turns on the spot, within its motors' limits. Method: docs/theory.md, "Trim and
+/// linearization".
 #pragma once
 
 #include <Eigen/Core>
@@ -41,7 +42,7 @@ struct TrimResult {
   Eigen::VectorXd x;          ///< (12) state of ned_convention() at the origin; NaN unless solved
   Eigen::VectorXd u;          ///< (n) rotor speeds [rad/s]; NaN unless solved
   Eigen::VectorXd thrust;     ///< (n) rotor thrusts [N]; NaN unless solved
-  double yaw_rate = 0;        ///< of the heading [rad/s]: speed/radius in a circle, else 0
+  double yaw_rate = 0;  ///< of the heading [rad/s]: speed/radius in a circle, as asked in a spin
   /// Greatest of |m v'|/(m g) and |J w'|/(m g L), L the longest arm: what is left unbalanced.
   double residual = std::numeric_limits<double>::quiet_NaN();
   /// Angle between body -z and the vertical [rad]; NaN unless solved.
@@ -61,10 +62,15 @@ struct TrimResult {
 /// greatest speed.
 ///
 /// @param vehicle    mass, gravity > 0; 1..16 rotors; need not be able to fly.
-/// @param condition  speed ≥ 0; radius ≠ 0 and speed > 0 in a circle; fields that do not belong to
-///                   its kind are 0.
+/// @param condition  speed ≥ 0; radius ≠ 0 and speed > 0 in a circle; yaw_rate ≠ 0 in a spin;
+/// fields
+///                   that do not belong to its kind are 0.
+/// @param neighbour  a trim near by, or nullptr: the search starts there if that balances better
+/// than
+///                   the first guess. It finds the same trim, to rounding, in fewer steps.
 /// @throws InvalidInput  naming the field, what came and what was expected.
 [[nodiscard]] TrimResult trim(const Vehicle& vehicle, const FlightCondition& condition,
-                              const TrimOptions& options = {});
+                              const TrimOptions& options = {},
+                              const TrimResult* neighbour = nullptr);
 
 }  // namespace quadtune

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lqr_arguments.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "matrix_arguments.hpp"
+#include "program.hpp"
+#include "quadtune/internal/suggest.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+/// The weights of the states, then of the integrals, from one list; one number stands for all.
+void read_weights(const LqrArguments& arguments, LqrDesign& design) {
+  std::vector<std::string> weighted = design.states;
+  for (const std::string& name : design.integrals) weighted.push_back("int_" + name);
+  const Eigen::MatrixXd Q =
+      diagonal_weights(arguments.Q.empty() ? "1" : arguments.Q, weighted.size(),
+                       fmt::format("states: {}", fmt::join(weighted, " ")), "lqr", "--Q");
+  const auto nx = static_cast<Eigen::Index>(design.states.size());
+  design.Q = Q.topLeftCorner(nx, nx);
+  design.Q_integral = Q.bottomRightCorner(Q.rows() - nx, Q.rows() - nx);
+  design.R =
+      diagonal_weights(arguments.R.empty() ? "1" : arguments.R, design.inputs.size(),
+                       fmt::format("inputs: {}", fmt::join(design.inputs, " ")), "lqr", "--R");
+}
+
+/// Names of states to integrate, each a state of the model and named once.
+std::vector<std::string> read_integrals(const std::string& text,
+                                        const std::vector<std::string>& states) {
+  std::vector<std::string> names = word_list(text);
+  for (const std::string& name : names) {
+    if (std::find(states.begin(), states.end(), name) == states.end())
+      throw UsageError(
+          fmt::format("quadtune lqr: --integral: no state '{}', expected some of {}{}", name,
+                      fmt::join(states, " "), internal::did_you_mean(name, states)),
+          "--integral");
+    if (std::count(names.begin(), names.end(), name) > 1)
+      throw UsageError(
+          fmt::format("quadtune lqr: --integral: state '{}' is named twice, expected each once",
+                      name),
+          "--integral");
+  }
+  return names;
+}
+
+}  // namespace
+
+LqrDesign make_design(const LqrArguments& arguments, const std::vector<Signal>& states,
+                      const std::vector<Signal>& inputs) {
+  LqrDesign design;
+  design.convention = arguments.plant.convention;
+  design.input_kind = input_kind(arguments.plant.inputs, "--inputs");
+  design.method = lqr_method(arguments.method, "--method");
+  design.dt = arguments.dt;
+  if (design.method != LqrMethod::continuous && !arguments.has_dt)
+    throw UsageError(
+        "quadtune lqr: --dt is missing, expected a sample period with --method " + arguments.method,
+        "--dt");
+  if (arguments.has_dt) require_positive(arguments.dt, "lqr", "--dt");
+  for (const Signal& state : states) design.states.push_back(state.name);
+  for (const Signal& input : inputs) design.inputs.push_back(input.name);
+  design.integrals = read_integrals(arguments.integral, design.states);
+  read_weights(arguments, design);
+  return design;
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Options of an LQR problem about a vehicle's trim.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "plant_arguments.hpp"
+#include "quadtune/design.hpp"
+#include "quadtune/lti.hpp"
+
+namespace quadtune::cli {
+
+struct LqrArguments {
+  PlantArguments plant;
+  std::string Q, R;      // lists; 1 if empty
+  std::string integral;  // names
+  std::string method = "continuous";
+  double dt = 0;        // [s]
+  bool has_dt = false;  // whether --dt came
+};
+
+/// The problem for a model with these states and inputs.
+/// @throws UsageError  naming the option, what came and what was expected.
+[[nodiscard]] LqrDesign make_design(const LqrArguments& arguments,
+                                    const std::vector<Signal>& states,
+                                    const std::vector<Signal>& inputs);
+
+}  // namespace quadtune::cli

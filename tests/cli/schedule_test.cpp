@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune lqr V --schedule GRID.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "lqr_schedule.hpp"
+#include "quadtune/exports/schedule_table.hpp"
+#include "run_program.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::ProgramResult;
+using testing::run_program;
+using testing::TemporaryDirectory;
+
+constexpr char kGrid[] = "speed=0:4:8, yaw_rate=-2:2:2, mass=0.9:0.1:1.1";
+
+TEST(ScheduleGrid, StepsMeetTheLastValueAndZero) {
+  const std::vector<ScheduleAxis> axes =
+      cli::schedule_axes(" yaw_rate = -0.3:0.1:0.3,mass=0.9:0.05:1.1 , density=1");
+  ASSERT_EQ(axes.size(), 3u);
+  EXPECT_THAT(axes[0].values, ElementsAre(-0.3, -0.2, -0.1, 0, 0.1, 0.2, 0.3));
+  EXPECT_THAT(axes[1].values, ElementsAre(0.9, 0.95, 1, 1.05, 1.1));
+  EXPECT_THAT(axes[2].values, ElementsAre(1));
+  EXPECT_THAT(cli::schedule_axes("speed=2:1:2")[0].values, ElementsAre(2));
+}
+
+TEST(Schedule, SummaryNamesGridAndInfeasibleCorners) {
+  const ProgramResult result = run_program({"lqr", "uquad", "--schedule", kGrid});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("speed     0 ... 8 m/s, 3 values"));
+  EXPECT_THAT(result.out, HasSubstr("points      27, 21 solved"));
+  EXPECT_THAT(result.out, HasSubstr("6 points, the first at speed 8, yaw_rate -2, mass 0.9"));
+  EXPECT_THAT(result.err, HasSubstr("lqr: warning: 6 of 27 points: no trim, e.g. at speed 8"));
+  EXPECT_THAT(result.err, HasSubstr("axes that turn with the heading"));
+}
+
+TEST(Schedule, QuietSaysNothingBeside) {
+  const ProgramResult result = run_program({"lqr", "uquad", "--schedule", kGrid, "--quiet"});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.err, "");
+}
+
+TEST(Schedule, BytesAreThoseOfAnyNumberOfThreads) {
+  const std::vector<std::string> args = {"lqr", "uquad", "--schedule", kGrid, "--json"};
+  const ProgramResult one =
+      run_program({"lqr", "uquad", "--schedule", kGrid, "--json", "--threads", "1"});
+  ASSERT_EQ(one.status, 0);
+  EXPECT_EQ(run_program(args).out, one.out);
+  for (const char* threads : {"2", "3", "7"})
+    EXPECT_EQ(
+        run_program({"lqr", "uquad", "--schedule", kGrid, "--json", "--threads", threads}).out,
+        one.out);
+}
+
+/// The gain of the point that `quadtune lqr` alone would give.
+void expect_single(const GainSchedule& schedule, const Eigen::VectorXd& at,
+                   std::vector<std::string> args) {
+  args.insert(args.begin(), {"lqr", "uquad", "--json", "--integral", "pz"});
+  const ProgramResult single = run_program(args);
+  ASSERT_EQ(single.status, 0) << single.err;
+  const nlohmann::json K = nlohmann::json::parse(single.out).at("K");
+  const ScheduledGain gain = schedule.at(at);
+  ASSERT_TRUE(gain.found()) << gain.culprit;
+  for (Eigen::Index i = 0; i < gain.K.rows(); ++i)
+    for (Eigen::Index j = 0; j < gain.K.cols(); ++j)
+      EXPECT_NEAR(gain.K(i, j), K.at(static_cast<std::size_t>(i)).at(static_cast<std::size_t>(j)),
+                  1e-9 * gain.K.norm());
+}
+
+TEST(Schedule, TablesOfBothFormatsHoldTheSingleSolves) {
+  const TemporaryDirectory folder;
+  GainSchedule tables[2];
+  int read = 0;
+  for (const char* name : {"k.toml", "k.json"}) {
+    const std::string path = (folder.path() / name).string();
+    const ProgramResult result =
+        run_program({"lqr", "uquad", "--integral", "pz", "--schedule",
+                     "speed=0:1:1, climb=0:0.5:0.5, yaw_rate=-1:1:1", "-o", path});
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_EQ(result.out, "");
+    tables[read++] = read_schedule(path);
+  }
+  EXPECT_EQ(tables[0].K, tables[1].K);
+  EXPECT_EQ(tables[0].K_int, tables[1].K_int);
+  const GainSchedule& schedule = tables[0];
+  expect_single(schedule, Eigen::Vector3d(0, 0, 0), {});
+  expect_single(schedule, Eigen::Vector3d(0, 0.5, 0), {"--at", "line", "--climb", "0.5"});
+  expect_single(schedule, Eigen::Vector3d(0, 0, -1), {"--at", "spin", "--yaw-rate", "-1"});
+  expect_single(schedule, Eigen::Vector3d(1, 0.5, 1),
+                {"--at", "circle", "--speed", "1", "--radius", "1", "--climb", "0.5"});
+}
+
+TEST(Schedule, JsonIsTheTable) {
+  const ProgramResult result =
+      run_program({"lqr", "uquad", "--schedule", "mass=0.9:0.1:1.1", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const GainSchedule schedule = parse_schedule(result.out, "out", TableFormat::json);
+  EXPECT_EQ(schedule.size(), 3);
+  EXPECT_EQ(schedule.solved_count(), 3);
+}
+
+TEST(Schedule, WithoutAnySolutionNamesTheCulprit) {
+  const ProgramResult result =
+      run_program({"lqr", "uquad", "--schedule", "speed=8, yaw_rate=2:1:3", "--json"});
+  EXPECT_EQ(result.status, 4);
+  EXPECT_THAT(result.err, HasSubstr("no point of the schedule has a gain: 2 of 2 points: no trim"));
+  EXPECT_THAT(result.out, Not(HasSubstr("format_version")));
+}
+
+}  // namespace
+}  // namespace quadtune
