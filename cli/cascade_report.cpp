@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -170,15 +169,6 @@ void add_margins(CascadeReport& report) {
   report.margins = margins_report(OpenLoop(report.open_loop), names_or_numbers(law.outputs, 4));
 }
 
-/// Gains alone, of a cascade that was written.
-std::string gains_text(const CascadeGains& gains) {
-  std::string text = fmt::format("{:<9}{:>11}{:>11}{:>11}  to", "loop", "Kp", "Ki", "Kd");
-  for (const PidLoop& loop : gains.loops)
-    text += fmt::format("\n{:<9}{:>11.4g}{:>11.4g}{:>11.4g}  {}", loop.name, loop.Kp, loop.Ki,
-                        loop.Kd, loop.output);
-  return text;
-}
-
 }  // namespace
 
 CascadeVehicle cascade_vehicle(const Vehicle& vehicle, const std::string& where) {
@@ -201,6 +191,7 @@ CascadeReport design_cascade(const Vehicle& vehicle, const CascadeSpecification&
   const CascadeVehicle hover = cascade_vehicle(vehicle, where);
   if (!report.specification.lag) report.specification.lag = hover.lag;
   if (vehicle.published_cascade) report.published_source = vehicle.published_cascade->source;
+  report.designed = true;
   report.cascade = pid_cascade(hover, report.specification);
   if (!report.cascade.solved()) {
     const CascadeAxisDesign& failed = report.cascade.failed();
@@ -212,19 +203,29 @@ CascadeReport design_cascade(const Vehicle& vehicle, const CascadeSpecification&
   return report;
 }
 
-CascadeReport assess_cascade(const Vehicle& vehicle, const CascadeGains& gains,
-                             const std::string& where) {
+CascadeReport assess_written_cascade(const Vehicle& vehicle, const CascadeGains& gains,
+                                     const std::string& where) {
   CascadeReport report;
   report.vehicle = vehicle.name;
   report.specification.dt = gains.dt;
   const CascadeVehicle hover = cascade_vehicle(vehicle, where);
   report.specification.lag = hover.lag;
-  report.cascade.gains = gains;
-  report.cascade.plant = sampled_hover(hover, report.specification);
+  report.cascade = assess_cascade(hover, report.specification, gains);
   add_margins(report);
-  const DiscreteLti law = cascade_law(gains, report.specification.method);
-  report.cascade.poles = closed_loop(report.cascade.plant, law).A.eigenvalues();
   return report;
+}
+
+std::vector<std::string> cascade_warnings(const CascadeReport& report) {
+  MarginsReport loops;
+  loops.dt = report.specification.dt;
+  for (const CascadeAxisDesign& loop : report.cascade.loops) {
+    loops.names.push_back(to_string(loop.axis));
+    loops.loops.push_back(loop.design.evidence.margins);
+  }
+  std::vector<std::string> warnings = margin_warnings(loops);
+  for (std::string& warning : margin_warnings(report.margins))
+    warnings.push_back(std::move(warning));
+  return warnings;
 }
 
 bool unstable(const CascadeReport& report) {
@@ -238,14 +239,11 @@ Json to_json(const CascadeReport& report) {
                {"published",
                 report.published_source.empty() ? Json(nullptr) : Json(report.published_source)}};
   json["loops"] = Json::array();
-  if (report.cascade.loops.empty())
-    for (const PidLoop& loop : report.cascade.gains.loops)
-      json["loops"].push_back(gains_json(loop));
   for (const CascadeAxisDesign& loop : report.cascade.loops) {
     Json row = gains_json(written(report, loop.axis));
     row.update(evidence_json(loop.design.evidence));
     row["binding"] = loop.design.binding;
-    row["highest_rate_crossover"] = loop.design.highest_rate_crossover;
+    row["highest_rate_crossover"] = finite_or_null(loop.design.highest_rate_crossover);
     row["published"] = nullptr;
     if (loop.published) row["published"] = evidence_json(loop.published_evidence);
     json["loops"].push_back(std::move(row));
@@ -261,9 +259,8 @@ std::string to_text(const CascadeReport& report) {
       section("cascade",
               fmt::format("{} at hover, every {} s, motor lag {} s, integrals by {}",
                           report.vehicle, number(s.dt), number(*s.lag), to_string(s.method))) +
-      (report.cascade.loops.empty()
-           ? section("loops", gains_text(report.cascade.gains))
-           : section("loops", loops_text(report)) + section("bound by", bound_text(report)));
+      section("loops", loops_text(report));
+  if (report.designed) text += section("bound by", bound_text(report));
   if (!report.published_source.empty())
     text += section("beside", comparison_text(report)) + section("lower by", verdict(report));
   const double radius = report.cascade.poles.cwiseAbs().maxCoeff();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "margins_report.hpp"
 #include "quadtune/internal/json.hpp"
@@ -14,6 +15,7 @@ namespace quadtune::cli {
 /// A cascade with what it was designed for and how it does as a whole.
 struct CascadeReport {
   std::string vehicle;                 ///< name
+  bool designed = false;               ///< not written
   CascadeSpecification specification;  ///< with the lag that was used
   std::string published_source;        ///< empty where nothing is published
   PidCascade cascade;
@@ -31,9 +33,13 @@ struct CascadeReport {
                                            const CascadeSpecification& specification,
                                            const std::string& where);
 
-/// The same for gains that were written: no evidence loop by loop, nothing beside it.
-[[nodiscard]] CascadeReport assess_cascade(const Vehicle& vehicle, const CascadeGains& gains,
-                                           const std::string& where);
+/// The same for gains that were written, with nothing beside it.
+[[nodiscard]] CascadeReport assess_written_cascade(const Vehicle& vehicle,
+                                                   const CascadeGains& gains,
+                                                   const std::string& where);
+
+/// What a careful engineer would not fly, of each loop and of all together; see margin_warnings().
+[[nodiscard]] std::vector<std::string> cascade_warnings(const CascadeReport& report);
 
 /// Whether a pole of all loops together is not inside the unit circle.
 [[nodiscard]] bool unstable(const CascadeReport& report);

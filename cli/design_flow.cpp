@@ -170,7 +170,7 @@ DesignOutcome run_design(const std::string& path) {
     const CascadeDesign& cascade = *outcome.design.cascade;
     outcome.cascade = cascade.specification
                           ? design_cascade(outcome.design.vehicle, *cascade.specification, path)
-                          : assess_cascade(outcome.design.vehicle, cascade.gains, path);
+                          : assess_written_cascade(outcome.design.vehicle, cascade.gains, path);
   }
   return outcome;
 }

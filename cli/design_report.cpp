@@ -71,7 +71,10 @@ std::vector<std::string> signal_names(const std::vector<Signal>& signals) {
 
 std::string flight_text(const FlightCondition& condition) {
   std::string text = to_string(condition.kind);
-  if (condition.kind != FlightKind::hover)
+  if (condition.kind == FlightKind::spin)
+    text += fmt::format(" at {} rad/s, climb {} m/s", number(condition.yaw_rate),
+                        number(condition.climb));
+  else if (condition.kind != FlightKind::hover)
     text +=
         fmt::format(" at {} m/s, climb {} m/s", number(condition.speed), number(condition.climb));
   if (condition.kind == FlightKind::circle)
@@ -156,7 +159,7 @@ std::vector<std::string> design_warnings(const DesignOutcome& outcome) {
   std::vector<std::string> warnings;
   if (outcome.margins) warnings = margin_warnings(*outcome.margins);
   if (outcome.cascade)
-    for (const std::string& warning : margin_warnings(outcome.cascade->margins))
+    for (const std::string& warning : cascade_warnings(*outcome.cascade))
       warnings.push_back("cascade: " + warning);
   return warnings;
 }

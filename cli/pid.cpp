@@ -294,7 +294,7 @@ void run_vehicle(const CLI::App& app, const Options& options, Context& context) 
     context.out << to_text(report);
   }
   for (const std::string& note : report.cascade.notes) context.note("pid: note: " + note);
-  for (const std::string& warning : margin_warnings(report.margins))
+  for (const std::string& warning : cascade_warnings(report))
     context.note("pid: warning: " + warning);
 }
 

@@ -238,10 +238,12 @@ CascadeDesign read_cascade(const TomlTable& table) {
 FlightCondition read_trim(const TomlTable& table) {
   FlightCondition condition;
   condition.kind = flight_kind(table.text("at"), table.where("at"));
+  const bool moves = condition.kind == FlightKind::line || condition.kind == FlightKind::circle;
   std::vector<TomlKey> keys = {{"at"}, {"yaw", "rad"}};
-  if (condition.kind != FlightKind::hover)
-    keys.insert(keys.end(), {{"speed", "m_per_s"}, {"climb", "m_per_s"}});
+  if (moves) keys.push_back({"speed", "m_per_s"});
+  if (condition.kind != FlightKind::hover) keys.push_back({"climb", "m_per_s"});
   if (condition.kind == FlightKind::circle) keys.push_back({"radius", "m"});
+  if (condition.kind == FlightKind::spin) keys.push_back({"yaw_rate", "rad_per_s"});
   table.allow(keys);
   condition.yaw = table.number_or("yaw_rad", 0);
   condition.speed = table.number_or("speed_m_per_s", 0, Range::not_negative());
@@ -253,6 +255,13 @@ FlightCondition read_trim(const TomlTable& table) {
       throw InvalidInput(table.where("radius_m"),
                          "trim.radius_m is 0, expected more (to the "
                          "right) or less (to the left)");
+  }
+  if (condition.kind == FlightKind::spin) {
+    condition.yaw_rate = table.number("yaw_rate_rad_per_s");
+    if (condition.yaw_rate == 0)
+      throw InvalidInput(table.where("yaw_rate_rad_per_s"),
+                         "trim.yaw_rate_rad_per_s is 0, expected more (to the right) or less (to "
+                         "the left)");
   }
   return condition;
 }

@@ -2,6 +2,7 @@
 #include "quadtune/synthesis/pid_cascade.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -213,20 +214,37 @@ CascadeLoopBounds bounds_of(const CascadeRequirement& requirement, double fastes
   return bounds;
 }
 
-/// The loop as it flies today, with the published loop inside it.
-void add_published(const Hover& hover, const CascadeGains& published, PidMethod method,
-                   CascadeAxisDesign& loop) {
-  const std::optional<CascadeAxis> inside = facts(loop.axis).inside;
+/// A loop of given gains, with their loop inside it; nothing where one of the two is missing.
+struct GivenLoop {
+  PidGains gains;
+  CascadeLoopEvidence evidence;
+};
+
+std::optional<GivenLoop> given_loop(const Hover& hover, const CascadeGains& gains, PidMethod method,
+                                    CascadeAxis axis) {
+  const std::optional<CascadeAxis> inside = facts(axis).inside;
   PidGains inner;
   if (inside) {
-    const auto gains = in_own_sign(published, *inside, hover.sign(*inside));
-    if (!gains) return;
-    inner = *gains;
+    const auto found = in_own_sign(gains, *inside, hover.sign(*inside));
+    if (!found) return {};
+    inner = *found;
   }
-  loop.published = in_own_sign(published, loop.axis, hover.sign(loop.axis));
-  if (!loop.published) return;
-  loop.published_evidence =
-      cascade_loop_evidence(hover.plant(loop.axis, inner), *loop.published, method);
+  const auto found = in_own_sign(gains, axis, hover.sign(axis));
+  if (!found) return {};
+  return GivenLoop{*found, cascade_loop_evidence(hover.plant(axis, inner), *found, method)};
+}
+
+void add_published(const Hover& hover, const CascadeGains& published, PidMethod method,
+                   CascadeAxisDesign& loop) {
+  const std::optional<GivenLoop> given = given_loop(hover, published, method, loop.axis);
+  if (!given) return;
+  loop.published = given->gains;
+  loop.published_evidence = given->evidence;
+}
+
+/// Poles of all loops together.
+Eigen::VectorXcd poles_of(const PidCascade& cascade, PidMethod method) {
+  return internal::eigenvalues(closed_loop(cascade.plant, cascade_law(cascade.gains, method)).A);
 }
 
 /// What couples the axes is in no chain.
@@ -313,8 +331,31 @@ PidCascade pid_cascade(const CascadeVehicle& vehicle, const CascadeSpecification
   for (const CascadeAxis axis : kAllCascadeAxes)
     cascade.gains.loops.push_back(
         as_written(axis, designed[index_of(axis)].gains, hover.sign(axis)));
-  cascade.poles = internal::eigenvalues(
-      closed_loop(cascade.plant, cascade_law(cascade.gains, specification.method)).A);
+  cascade.poles = poles_of(cascade, specification.method);
+  return cascade;
+}
+
+PidCascade assess_cascade(const CascadeVehicle& vehicle, const CascadeSpecification& specification,
+                          const CascadeGains& gains) {
+  const Hover hover(vehicle, specification);
+  PidCascade cascade;
+  cascade.plant = hover.whole();
+  cascade.gains = gains;
+  note_coupling(vehicle.hover, cascade.notes);
+  for (const CascadeAxis axis : kDesignOrder) {
+    const std::optional<GivenLoop> given = given_loop(hover, gains, specification.method, axis);
+    if (!given)
+      throw InvalidInput(
+          kWhere, fmt::format("the gains have no loop '{}', expected all of {}", to_string(axis),
+                              fmt::join(cascade_axis_names(), ", ")));
+    CascadeAxisDesign loop;
+    loop.axis = axis;
+    loop.design.status = CascadeLoopStatus::solved;
+    loop.design.gains = given->gains;
+    loop.design.evidence = given->evidence;
+    cascade.loops.push_back(std::move(loop));
+  }
+  cascade.poles = poles_of(cascade, specification.method);
   return cascade;
 }
 

@@ -152,8 +152,8 @@ TEST_P(ScheduleTable, RefusesWhatIsCutShort) {
 
 INSTANTIATE_TEST_SUITE_P(Formats, ScheduleTable,
                          ::testing::Values(TableFormat::toml, TableFormat::json),
-                         [](const auto& info) {
-                           return info.param == TableFormat::toml ? "Toml" : "Json";
+                         [](const auto& format) {
+                           return format.param == TableFormat::toml ? "Toml" : "Json";
                          });
 
 /// What is wrong is named by its line.

@@ -171,6 +171,21 @@ TEST(Design, RefusesACascadeThatIsAskedWrongly) {
   EXPECT_THAT(said("[cascade.design]\nbandwidth = 4\n"), HasSubstr("bandwidth_rad_per_s"));
 }
 
+TEST(Design, ReadsASpin) {
+  const auto with_trim = [](const std::string& trim) {
+    return parse("name = \"s\"\nvehicle = \"mambo\"\n[trim]\n" + trim +
+                 "[lqr]\ninputs = \"wrench\"\nQ = [1,1,1,1,1,1,1,1,1,1,1,1]\nR = [1,1,1,1]\n");
+  };
+  const Design design = with_trim("at = \"spin\"\nyaw_rate_rad_per_s = -2\nclimb_m_per_s = 1\n");
+  EXPECT_EQ(design.condition.kind, FlightKind::spin);
+  EXPECT_EQ(design.condition.yaw_rate, -2);
+  EXPECT_EQ(design.condition.climb, 1);
+  EXPECT_THROW((void)with_trim("at = \"spin\"\nyaw_rate_rad_per_s = 0\n"), InvalidInput);
+  EXPECT_THROW((void)with_trim("at = \"spin\"\n"), InvalidInput);
+  EXPECT_THROW((void)with_trim("at = \"spin\"\nyaw_rate_rad_per_s = 1\nspeed_m_per_s = 1\n"),
+               InvalidInput);
+}
+
 TEST(Design, LeavesOutHorizontalPosition) {
   EXPECT_THAT(parse(hover_with(0, "")).lqr->states,
               ElementsAre("z", "psi", "phi", "theta", "vqz", "wqx", "wqy", "wqz"));

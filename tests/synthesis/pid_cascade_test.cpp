@@ -174,6 +174,24 @@ TEST(PidCascade, IsNotMisledByRounding) {
   }
 }
 
+TEST(PidCascade, AssessesWhatWasWritten) {
+  CascadeVehicle vehicle = mambo();
+  vehicle.published = thesis();
+  const PidCascade designed = pid_cascade(vehicle, every(0.005));
+  const PidCascade written = assess_cascade(mambo(), every(0.005), thesis());
+  ASSERT_EQ(written.loops.size(), kCascadeAxes);
+  for (std::size_t i = 0; i < kCascadeAxes; ++i) {
+    const CascadeLoopEvidence& here = written.loops[i].design.evidence;
+    const CascadeLoopEvidence& there = designed.loops[i].published_evidence;
+    EXPECT_EQ(here.margins.Ms, there.margins.Ms);
+    EXPECT_EQ(here.load_peak, there.load_peak);
+  }
+  EXPECT_LT(radius(written), 1);
+  CascadeGains incomplete = thesis();
+  incomplete.loops.pop_back();
+  EXPECT_THROW((void)assess_cascade(mambo(), every(0.005), incomplete), InvalidInput);
+}
+
 TEST(PidCascade, LeavesIntegralsOut) {
   CascadeSpecification specification = every(0.005);
   for (CascadeRequirement& requirement : specification.requirements) requirement.integral = false;

@@ -73,8 +73,12 @@ TEST(RiccatiBatch, SolvesWhatTheSolverOfOneSolves) {
           expect_stable(c, results[lane].K, discrete);
         }
         // The lanes answered, and not the fallback, or none of this was about them.
-        if (nx <= 16) EXPECT_EQ(batch.fallbacks(), 0u) << nx;
-        if (nx > 32) EXPECT_EQ(batch.fallbacks(), RiccatiBatch::kLanes);
+        if (nx <= 16) {
+          EXPECT_EQ(batch.fallbacks(), 0u) << nx;
+        }
+        if (nx > 32) {
+          EXPECT_EQ(batch.fallbacks(), RiccatiBatch::kLanes);
+        }
       }
 }
 

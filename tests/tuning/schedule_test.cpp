@@ -67,8 +67,9 @@ void expect_as_alone(const Vehicle& vehicle, const LqrDesign& design,
     ASSERT_TRUE(one.solved()) << where;
     const Gains gains = schedule.gains(i);
     EXPECT_THAT(gains.K, MatrixRelativelyNear(one.K, 1e-9)) << where;
-    if (one.K_int.size() > 0)
+    if (one.K_int.size() > 0) {
       EXPECT_THAT(gains.K_int, MatrixRelativelyNear(one.K_int, 1e-9)) << where;
+    }
     EXPECT_LE((gains.x0 - model.x0).norm(), 1e-9) << where;
     EXPECT_THAT(gains.u0, MatrixRelativelyNear(model.u0, 1e-9)) << where;
     EXPECT_LE(schedule.residual(i), 1e-12);

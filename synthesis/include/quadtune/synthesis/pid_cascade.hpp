@@ -18,9 +18,9 @@ namespace quadtune {
 struct CascadeVehicle {
   ContinuousLti hover;  ///< 12 states of ned_convention(), inputs T, tau_x, tau_y, tau_z
   double lag = 0;  ///< time constant of thrust and torques [s], ≥ 0; the specification's if any
-  /// How far T, tau_x, tau_y, tau_z may move at hover [N, N m], > 0; infinite when not known. A loop
-  /// whose speed is neither said nor measured by a published one uses all of it for an error of
-  /// 0.2 rad in roll and pitch, 0.35 rad of heading, 0.5 m of height, and asks for 0.2 rad at an
+  /// How far T, tau_x, tau_y, tau_z may move at hover [N, N m], > 0; infinite when not known. A
+  /// loop whose speed is neither said nor measured by a published one uses all of it for an error
+  /// of 0.2 rad in roll and pitch, 0.35 rad of heading, 0.5 m of height, and asks for 0.2 rad at an
   /// error of 0.5 m in x and y.
   Eigen::Vector4d authority = Eigen::Vector4d::Constant(std::numeric_limits<double>::infinity());
   std::optional<CascadeGains> published;  ///< gains that fly on it today
@@ -54,6 +54,12 @@ struct PidCascade {
 /// Theory: "PID synthesis".
 [[nodiscard]] PidCascade pid_cascade(const CascadeVehicle& vehicle,
                                      const CascadeSpecification& specification);
+
+/// The same evidence for gains that came from elsewhere: as if they had been designed.
+/// @throws InvalidInput  likewise, and for gains that lack a loop
+[[nodiscard]] PidCascade assess_cascade(const CascadeVehicle& vehicle,
+                                        const CascadeSpecification& specification,
+                                        const CascadeGains& gains);
 
 /// Hover as the flight computer sees it: with lag behind the wrench, held, sampled, and the states
 /// measured as late as the loops see them.

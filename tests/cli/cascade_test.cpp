@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune pid V and discretize V --compare: what a vehicle's loops are told.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "quadtune/internal/json.hpp"
+#include "run_program.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+using internal::Json;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::ProgramResult;
+using testing::run_program;
+
+Json json_of(std::vector<std::string> args) {
+  args.emplace_back("--json");
+  const ProgramResult result = run_program(args);
+  EXPECT_EQ(result.status, 0) << result.err;
+  return Json::parse(result.out);
+}
+
+std::vector<std::string> loop_names(const Json& loops) {
+  std::vector<std::string> names;
+  for (const Json& loop : loops) names.push_back(loop["name"]);
+  return names;
+}
+
+TEST(PidOfAVehicle, IsBetterThanWhatIsPublished) {
+  const Json json = json_of({"pid", "mambo"});
+  EXPECT_EQ(json["published"], "table 3.3 of the Mambo thesis");
+  EXPECT_EQ(json["dt"], 0.005);
+  EXPECT_EQ(json["integrator"], "euler");
+  EXPECT_THAT(loop_names(json["loops"]), ElementsAre("roll", "pitch", "yaw", "altitude", "y", "x"));
+  EXPECT_THAT(loop_names(json["margins"]["loops"]), ElementsAre("T", "tau_x", "tau_y", "tau_z"));
+  EXPECT_LT(double(json["spectral_radius"]), 1);
+  for (const Json& loop : json["loops"]) {
+    const Json& there = loop["published"];
+    EXPECT_LT(double(loop["Ms"]), double(there["Ms"])) << loop["name"];
+    EXPECT_TRUE(there["load_integral"].is_null() ||
+                double(loop["load_integral"]) < double(there["load_integral"]));
+    EXPECT_LE(double(loop["load_peak"]), double(there["load_peak"]) * (1 + 1e-6));
+    EXPECT_LE(double(loop["value_noise"]), double(there["value_noise"]) * (1 + 1e-6));
+    EXPECT_LE(double(loop["rate_noise"]), double(there["rate_noise"]) * (1 + 1e-6));
+  }
+  const ProgramResult text = run_program({"pid", "mambo"});
+  EXPECT_EQ(text.status, 0);
+  EXPECT_THAT(text.out, HasSubstr("no figure is worse"));
+  EXPECT_THAT(text.out, HasSubstr("closed      stable"));
+}
+
+TEST(PidOfAVehicle, TellsWhatItIsNotBetterAt) {
+  const ProgramResult result = run_program({"pid", "mambo", "--free"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("WORSE: roll in Ms - 1"));
+}
+
+TEST(PidOfAVehicle, TakesTheVehiclesMotorLag) {
+  const Json json = json_of({"pid", "crazyflie"});
+  EXPECT_EQ(json["motor_lag_s"], 0.072);
+  EXPECT_TRUE(json["published"].is_null());
+  EXPECT_EQ(json_of({"pid", "crazyflie", "--motor-lag", "0"})["motor_lag_s"], 0);
+}
+
+TEST(PidOfAVehicle, MeetsABandwidth) {
+  const Json json = json_of({"pid", "uquad", "--bandwidth", "roll=40,x=1.5", "--integral", "roll",
+                             "--integrator", "tustin", "--dt", "0.01"});
+  for (const Json& loop : json["loops"]) {
+    if (loop["name"] == "roll") {
+      EXPECT_NEAR(loop["rate_crossover"], 40, 1e-6);
+    }
+    if (loop["name"] == "x") {
+      EXPECT_NEAR(loop["rate_crossover"], 1.5, 1e-6);
+    }
+    EXPECT_EQ(loop["Ki"] != 0, loop["name"] == "roll") << loop["name"];
+  }
+}
+
+TEST(PidOfAVehicle, SaysTheHighestBandwidthThatCanBeHad) {
+  const ProgramResult result = run_program({"pid", "mambo", "--bandwidth", "roll=400"});
+  EXPECT_EQ(result.status, 4);
+  EXPECT_THAT(result.err, HasSubstr("roll: crossover out of reach"));
+  EXPECT_THAT(result.err, HasSubstr("expected less than 115.9"));
+  EXPECT_TRUE(result.out.empty());
+  // And with that it can.
+  EXPECT_EQ(run_program({"pid", "mambo", "--bandwidth", "roll=114"}).status, 0);
+}
+
+TEST(DesignOfACascade, FailsWhenTheCascadeDoesNotHoldTheVehicle) {
+  const testing::TemporaryDirectory folder;
+  const std::string head = "name = \"c\"\nvehicle = \"mambo\"\n[cascade]\ndt_s = 0.005\n";
+  const std::string loops =
+      "x = { Kp = -0.24, Kd = 0.1 }\ny = { Kp = 0.24, Kd = -0.1 }\n"
+      "pitch = { Kp = 0.013, Ki = 0.01, Kd = -0.002 }\n"
+      "roll = { Kp = 0.01, Ki = 0.01, Kd = -0.003 }\nyaw = { Kp = 0.004, Kd = -0.0012 }\n";
+  const std::string good =
+      folder.write("good.toml", head + loops + "altitude = { Kp = 0.8, Ki = 0.1, Kd = -0.5 }\n")
+          .string();
+  const std::string wrong_sign =
+      folder.write("bad.toml", head + loops + "altitude = { Kp = -0.8, Ki = -0.1, Kd = 0.5 }\n")
+          .string();
+  const ProgramResult held = run_program({"design", good});
+  EXPECT_EQ(held.status, 0) << held.err;
+  // Its loops of x and y are as weakly damped as the thesis has them.
+  EXPECT_THAT(held.out, HasSubstr("cascade: loop y: phase margin 8."));
+  EXPECT_THAT(held.out, HasSubstr("pass with warnings"));
+  const ProgramResult lost = run_program({"design", wrong_sign});
+  EXPECT_EQ(lost.status, 1);
+  EXPECT_THAT(lost.err, HasSubstr("the cascade does not hold the vehicle"));
+  EXPECT_THAT(lost.out, HasSubstr("UNSTABLE"));
+  EXPECT_THAT(lost.out, HasSubstr("verdict     fail"));
+}
+
+TEST(Comparison, HasEveryMethodAtThreePeriods) {
+  const Json json = json_of({"discretize", "mambo", "--compare", "--dt", "0.005"});
+  EXPECT_EQ(json["vehicle"], "mambo");
+  std::map<std::string, std::map<std::string, std::vector<double>>> poles;
+  for (const Json& row : json["methods"]) {
+    EXPECT_TRUE(row["stable"]) << row.dump();
+    poles[row["law"]][row["name"]].push_back(row["pole_error"]);
+    if (row["name"] == "zoh") {
+      EXPECT_LT(double(row["step_error"]), 1e-9);
+    }
+  }
+  ASSERT_EQ(poles.size(), 2U);
+  EXPECT_EQ(poles["lqr"].size(), 8U);
+  EXPECT_EQ(poles["cascade"].size(), 10U);
+  for (auto& [law, methods] : poles) {
+    for (auto& [name, errors] : methods) EXPECT_EQ(errors.size(), 3U) << law << " " << name;
+    EXPECT_LT(methods["matched"][1], 1e-8);
+    // A step to twice the period: the error of a first-order method doubles, Tustin's is fourfold.
+    EXPECT_NEAR(methods["euler"][1] / methods["euler"][0], 2, 0.2);
+    EXPECT_NEAR(methods["tustin"][1] / methods["tustin"][0], 4, 0.1);
+  }
+}
+
+// The thesis's experiment: the integrals alone differ, by Ki dt/2 of the error.
+TEST(Comparison, LosesStabilityAtThePeriodThatItSays) {
+  const Json json = json_of({"discretize", "mambo", "--compare", "--dt", "0.005"});
+  for (const Json& row : json["methods"]) {
+    if (row["law"] != "lqr" || row["dt"] != 0.005) continue;
+    if (row["name"] == "tustin") {
+      EXPECT_TRUE(row["stable_up_to_s"].is_null());
+    }
+    if (row["name"] == "euler") {
+      const double limit = row["stable_up_to_s"];
+      const std::string beyond = std::to_string(1.01 * limit);
+      const std::string within = std::to_string(0.99 * limit);
+      for (const auto& [dt, stable] : {std::pair(beyond, false), std::pair(within, true)})
+        for (const Json& other :
+             json_of({"discretize", "mambo", "--compare", "--dt", dt})["methods"])
+          if (other["law"] == "lqr" && other["name"] == "euler" &&
+              std::abs(double(other["dt"]) - std::stod(dt)) < 1e-9) {
+            EXPECT_EQ(other["stable"], stable) << dt;
+          }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace quadtune
