@@ -174,7 +174,8 @@ TEST(Design, RefusesACascadeThatIsAskedWrongly) {
 TEST(Design, ReadsASpin) {
   const auto with_trim = [](const std::string& trim) {
     return parse("name = \"s\"\nvehicle = \"mambo\"\n[trim]\n" + trim +
-                 "[lqr]\ninputs = \"wrench\"\nQ = [1,1,1,1,1,1,1,1,1,1,1,1]\nR = [1,1,1,1]\n");
+                 "[lqr]\ninputs = \"wrench\"\nmethod = \"continuous\"\nQ = "
+                 "[1,1,1,1,1,1,1,1,1,1,1,1]\nR = [1,1,1,1]\n");
   };
   const Design design = with_trim("at = \"spin\"\nyaw_rate_rad_per_s = -2\nclimb_m_per_s = 1\n");
   EXPECT_EQ(design.condition.kind, FlightKind::spin);
