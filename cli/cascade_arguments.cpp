@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "matrix_arguments.hpp"
 #include "number_arguments.hpp"
@@ -29,10 +31,18 @@ CascadeAxis axis_of(const std::string& name, const std::string& option) {
   }
 }
 
-/// Calls `use` for "roll=40,x=2", or for all loops where one number stands alone.
+/// Calls `use` for "roll=40,x=2", and before that for all loops where a number stands alone.
 template <class Use>
 void each_axis(const std::string& text, const std::string& option, const char* what,
                const Use& use) {
+  std::array<bool, kCascadeAxes> came{};
+  const auto once = [&](CascadeAxis axis, double value) {
+    if (std::exchange(came[index_of(axis)], true))
+      throw UsageError(fmt::format("quadtune pid: {} names loop '{}' twice, expected each once",
+                                   option, to_string(axis)),
+                       option);
+    use(axis, value);
+  };
   for (const std::string& word : word_list(text)) {
     const std::size_t sign = word.find('=');
     double value = 0;
@@ -42,9 +52,9 @@ void each_axis(const std::string& text, const std::string& option, const char* w
                                    internal::printable(word), what),
                        option);
     if (sign != std::string::npos)
-      use(axis_of(word.substr(0, sign), option), value);
+      once(axis_of(word.substr(0, sign), option), value);
     else
-      for (const CascadeAxis axis : kAllCascadeAxes) use(axis, value);
+      for (const CascadeAxis axis : kAllCascadeAxes) use(axis, value);  // named ones follow
   }
 }
 
@@ -64,9 +74,15 @@ void read_bandwidths(const std::string& text, CascadeSpecification& specificatio
 
 void read_integrals(const std::string& text, CascadeSpecification& specification) {
   for (CascadeRequirement& requirement : specification.requirements) requirement.integral = false;
-  for (const std::string& name : word_list(text))
-    if (name != "none")
-      specification.requirements[index_of(axis_of(name, "--integral"))].integral = true;
+  const std::vector<std::string> names = word_list(text);
+  if (names == std::vector<std::string>{"none"}) return;
+  for (const std::string& name : names) {
+    bool& integral = specification.requirements[index_of(axis_of(name, "--integral"))].integral;
+    if (std::exchange(integral, true))
+      throw UsageError(
+          fmt::format("quadtune pid: --integral names loop '{}' twice, expected each once", name),
+          "--integral");
+  }
 }
 
 void require_more_than_one(double value, const std::string& option) {
@@ -83,8 +99,9 @@ void add_cascade_options(CLI::App& app, CascadeArguments& arguments) {
   add_number(app, "--dt", arguments.dt,
              "with V: sample period [s]; that of its published gains, or 0.005")
       ->type_name("T");
-  app.add_option("--bandwidth", arguments.bandwidth,
-                 "with V: where the rate's loop of an axis crosses 1 [rad/s], e.g. roll=40,x=2")
+  app.add_option(
+         "--bandwidth", arguments.bandwidth,
+         "with V: where the rate's loop crosses 1 [rad/s]: roll=40,x=2, or one number for all")
       ->type_name("LIST");
   app.add_option(
          "--sensor-delay", arguments.sensor_delay,
@@ -102,8 +119,9 @@ void add_cascade_options(CLI::App& app, CascadeArguments& arguments) {
   app.add_option("--integrator", arguments.integrator,
                  "with V: euler (default), backward-euler or tustin")
       ->type_name("NAME");
-  app.add_flag("--free", arguments.free,
-               "with V: do not hold the loops to the noise of the published gains");
+  app.add_flag(
+      "--free", arguments.free,
+      "with V: do not hold the loops to the Ms, noise and load peak of the published gains");
 }
 
 const std::vector<std::string>& cascade_option_names() {
@@ -138,7 +156,16 @@ CascadeSpecification cascade_specification(const CLI::App& app, const CascadeArg
   }
   each_axis(arguments.sensor_delay, "--sensor-delay",
             "seconds, 0 or more, or a list like roll=0.005,x=0.02",
-            [&](CascadeAxis axis, double delay) { specification.delay[index_of(axis)] = delay; });
+            [&](CascadeAxis axis, double delay) {
+              if (delay > kMostDelaySamples * specification.dt)
+                throw UsageError(
+                    fmt::format("quadtune pid: --sensor-delay of {} is {} s, expected no more than "
+                                "{} samples, {} s",
+                                to_string(axis), number(delay), kMostDelaySamples,
+                                number(kMostDelaySamples * specification.dt)),
+                    "--sensor-delay");
+              specification.delay[index_of(axis)] = delay;
+            });
   read_bandwidths(arguments.bandwidth, specification);
   if (came("--integral")) read_integrals(arguments.integral, specification);
   for (CascadeRequirement& requirement : specification.requirements) {

@@ -29,6 +29,7 @@ const PidLoop& written(const CascadeReport& report, CascadeAxis axis) {
 
 Json evidence_json(const CascadeLoopEvidence& evidence) {
   const LoopMargins& m = evidence.margins;
+  if (!m.stable) return {{"stable", false}};  // sizes of what grows say nothing
   return {{"stable", m.stable},
           {"rate_crossover", evidence.rate.crossover},
           {"bandwidth", evidence.bandwidth},
@@ -46,30 +47,39 @@ Json evidence_json(const CascadeLoopEvidence& evidence) {
           {"rate_noise", finite_or_null(evidence.rate_noise)}};
 }
 
+/// As the vehicle's file has it.
+const PidLoop& as_published(const CascadeReport& report, CascadeAxis axis) {
+  const std::vector<PidLoop>& loops = report.published->loops;
+  return *std::find_if(loops.begin(), loops.end(),
+                       [&](const PidLoop& loop) { return loop.name == to_string(axis); });
+}
+
 Json gains_json(const PidLoop& loop) {
   return {{"name", loop.name}, {"output", loop.output}, {"unit", loop.unit},
           {"Kp", loop.Kp},     {"Ki", loop.Ki},         {"Kd", loop.Kd}};
 }
 
-/// Beside the vehicle's own flight, which the report is not asked to change, numbers with signs.
 std::string loop_row(const CascadeReport& report, const CascadeAxisDesign& loop) {
   const PidLoop& gains = written(report, loop.axis);
   const CascadeLoopEvidence& e = loop.design.evidence;
   const LoopMargins& m = e.margins;
+  const auto cell = [](double value, const char* form) {
+    return std::isfinite(value) ? fmt::format(fmt::runtime(form), value) : std::string("-");
+  };
   return fmt::format(
-      "{:<9}{:>11.4g}{:>11.4g}{:>11.4g}  {:<16}{:>8.3g}{:>8.3g}{:>7.1f}{:>8.1f}{:>8.1f}{:>8.3f}"
-      "{:>9.2f}\n",
+      "{:<9}{:>11.4g}{:>11.4g}{:>11.4g}  {:<15}{:>9.3g}{:>9.3g}{:>7}{:>7}{:>8}{:>7}{:>10}{}\n",
       gains.name, gains.Kp, gains.Ki, gains.Kd,
       gains.output.substr(0, gains.output.find(" beside")), e.rate.crossover, e.bandwidth,
-      decibels(m.gain_margin), degrees(m.phase_margin), 1e3 * m.delay_margin, m.Ms,
-      e.tracking_peak);
+      cell(decibels(m.gain_margin), "{:.1f}"), cell(degrees(m.phase_margin), "{:.1f}"),
+      cell(1e3 * m.delay_margin, "{:.1f}"), cell(m.Ms, "{:.3f}"), cell(e.tracking_peak, "{:.2f}"),
+      m.stable ? "" : "  UNSTABLE");
 }
 
 std::string loops_text(const CascadeReport& report) {
   std::string text =
-      fmt::format("{:<9}{:>11}{:>11}{:>11}  {:<16}{:>8}{:>8}{:>7}{:>8}{:>8}{:>8}{:>9}\n", "", "",
+      fmt::format("{:<9}{:>11}{:>11}{:>11}  {:<15}{:>9}{:>9}{:>7}{:>7}{:>8}{:>7}{:>10}\n", "", "",
                   "", "", "", "rate", "value", "gain", "phase", "delay", "", "set point");
-  text += fmt::format("{:<9}{:>11}{:>11}{:>11}  {:<16}{:>8}{:>8}{:>7}{:>8}{:>8}{:>8}{:>9}\n",
+  text += fmt::format("{:<9}{:>11}{:>11}{:>11}  {:<15}{:>9}{:>9}{:>7}{:>7}{:>8}{:>7}{:>10}\n",
                       "loop", "Kp", "Ki", "Kd", "to", "[rad/s]", "[rad/s]", "[dB]", "[deg]", "[ms]",
                       "Ms", "peak");
   for (const CascadeAxisDesign& loop : report.cascade.loops) text += loop_row(report, loop);
@@ -98,7 +108,7 @@ std::string pair(double here, double there, const char* form) {
 std::string comparison_text(const CascadeReport& report) {
   std::string text =
       report.published_source +
-      ", here (there): a step of load at the loop's output, noise of the sensors put on it\n" +
+      ", here (there): a step of load beside the loop's command, noise of the sensors in it\n" +
       fmt::format("{:<9}{:>14}{:>17}{:>16}{:>12}{:>20}{:>20}\n", "loop", "Ms", "Ki", "load: peak",
                   "left", "noise: value", "rate");
   for (const CascadeAxisDesign& loop : report.cascade.loops) {
@@ -113,6 +123,7 @@ std::string comparison_text(const CascadeReport& report) {
                     pair(here.load_left, there.load_left, "{:.3g}"),
                     pair(here.value_noise, there.value_noise, "{:.3g}"),
                     pair(here.rate_noise, there.rate_noise, "{:.3g}"));
+    if (!there.margins.stable) text.insert(text.size() - 1, "  there UNSTABLE");
   }
   text.pop_back();
   return text;
@@ -129,6 +140,7 @@ struct Figure {
   [[nodiscard]] bool worse() const { return here > there * (1 + 1e-6); }
   [[nodiscard]] std::string text() const {
     if (here == there || std::abs(gain()) < 0.05) return "same";
+    if (std::isinf(here) || there == 0) return "WORSE";
     if (std::isinf(there)) return "all";
     return fmt::format("{:.1f} %", gain());
   }
@@ -153,6 +165,10 @@ std::string verdict(const CascadeReport& report) {
   for (const CascadeAxisDesign& loop : report.cascade.loops) {
     if (!loop.published) continue;
     text += fmt::format("\n{:<9}", to_string(loop.axis));
+    if (!loop.published_evidence.margins.stable) {
+      text += "      what is published is unstable here: no measure";
+      continue;
+    }
     for (const Figure& figure : figures(loop)) {
       text += fmt::format("{:>16}", figure.text());
       if (figure.worse())
@@ -178,6 +194,12 @@ CascadeVehicle cascade_vehicle(const Vehicle& vehicle, const std::string& where)
   const Linearization model = linearize_or_refuse(vehicle, FlightCondition{}, options, where);
   hover.hover = model.plant;
   hover.authority = wrench_authority(vehicle, model.trim.u);
+  const char* axes[] = {"thrust", "roll", "pitch", "yaw"};
+  for (Eigen::Index i = 0; i < 4; ++i)
+    if (!(hover.authority(i) > 0))
+      throw NoSolution(
+          fmt::format("{}: no authority: at hover the rotors cannot change {}", where, axes[i]),
+          where);
   for (const Rotor& rotor : vehicle.rotors) hover.lag = std::max(hover.lag, rotor.lag);
   if (vehicle.published_cascade) hover.published = vehicle.published_cascade->gains;
   return hover;
@@ -190,14 +212,20 @@ CascadeReport design_cascade(const Vehicle& vehicle, const CascadeSpecification&
   report.specification = specification;
   const CascadeVehicle hover = cascade_vehicle(vehicle, where);
   if (!report.specification.lag) report.specification.lag = hover.lag;
-  if (vehicle.published_cascade) report.published_source = vehicle.published_cascade->source;
+  if (vehicle.published_cascade) {
+    report.published_source = vehicle.published_cascade->source;
+    report.published = vehicle.published_cascade->gains;
+  }
   report.designed = true;
   report.cascade = pid_cascade(hover, report.specification);
   if (!report.cascade.solved()) {
     const CascadeAxisDesign& failed = report.cascade.failed();
-    throw NoSolution(fmt::format("{}: pid: {}: {}: {}", where, to_string(failed.axis),
-                                 to_string(failed.design.status), failed.design.culprit),
-                     where);
+    const bool held = std::isfinite(failed.bounds.rate_noise_max);
+    throw NoSolution(
+        fmt::format("{}: pid: {}: {}: {}{}", where, to_string(failed.axis),
+                    to_string(failed.design.status), failed.design.culprit,
+                    held ? "; noise and load peak are those of the published gains" : ""),
+        where);
   }
   add_margins(report);
   return report;
@@ -233,7 +261,12 @@ bool unstable(const CascadeReport& report) {
 }
 
 Json to_json(const CascadeReport& report) {
-  Json json = {{"dt", report.specification.dt},
+  const CascadeSpecification& s = report.specification;
+  Json delays = Json::object();
+  for (const CascadeAxis axis : kAllCascadeAxes) delays[to_string(axis)] = s.delay[index_of(axis)];
+  Json json = {{"vehicle", report.vehicle},
+               {"dt", s.dt},
+               {"sensor_delay_s", delays},
                {"integrator", to_string(report.specification.method)},
                {"motor_lag_s", *report.specification.lag},
                {"published",
@@ -245,7 +278,10 @@ Json to_json(const CascadeReport& report) {
     row["binding"] = loop.design.binding;
     row["highest_rate_crossover"] = finite_or_null(loop.design.highest_rate_crossover);
     row["published"] = nullptr;
-    if (loop.published) row["published"] = evidence_json(loop.published_evidence);
+    if (loop.published) {
+      row["published"] = gains_json(as_published(report, loop.axis));
+      row["published"].update(evidence_json(loop.published_evidence));
+    }
     json["loops"].push_back(std::move(row));
   }
   json["margins"] = to_json(report.margins);

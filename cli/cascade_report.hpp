@@ -2,6 +2,7 @@
 /// A vehicle's PID cascade, designed and shown: for `pid V` and `design`.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct CascadeReport {
   bool designed = false;               ///< not written
   CascadeSpecification specification;  ///< with the lag that was used
   std::string published_source;        ///< empty where nothing is published
+  std::optional<CascadeGains> published;
   PidCascade cascade;
   DiscreteLti open_loop;  ///< all loops, cut at the wrench
   MarginsReport margins;  ///< there
@@ -44,7 +46,8 @@ struct CascadeReport {
 /// Whether a pole of all loops together is not inside the unit circle.
 [[nodiscard]] bool unstable(const CascadeReport& report);
 
-/// "dt", "integrator", "motor_lag_s", "loops", "margins", "spectral_radius".
+/// "vehicle", "dt", "sensor_delay_s", "integrator", "motor_lag_s", "published", "loops",
+/// "margins", "spectral_radius".
 [[nodiscard]] internal::Json to_json(const CascadeReport& report);
 
 /// Sections: loops, beside what is published, margins, stability.

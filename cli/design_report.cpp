@@ -227,7 +227,8 @@ Json design_json(const DesignOutcome& outcome, const std::vector<WrittenExport>&
 
 std::string design_text(const DesignOutcome& outcome, const std::vector<WrittenExport>& written) {
   const Design& design = outcome.design;
-  std::string text = section("design", design.name + ": " + design.description);
+  std::string text = section(
+      "design", design.description.empty() ? design.name : design.name + ": " + design.description);
   text += section("vehicle", design.vehicle.description);
   text += section("trim", trim_text(outcome));
   if (outcome.gains) text += feedback_text(outcome);

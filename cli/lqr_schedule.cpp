@@ -11,6 +11,7 @@
 #include "matrix_arguments.hpp"
 #include "number_arguments.hpp"
 #include "print.hpp"
+#include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/schedule_table.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -24,7 +25,9 @@ constexpr char kOption[] = "--schedule";
 /// A step leads to the last value when it misses it by no more than this share of itself.
 constexpr double kRounding = 1e-6;
 
-[[noreturn]] void refuse(const std::string& message) { throw InvalidInput(kOption, message); }
+[[noreturn]] void refuse(const std::string& message) {
+  throw UsageError(std::string("quadtune lqr: ") + kOption + ": " + message, kOption);
+}
 
 std::string without_blanks_around(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t");

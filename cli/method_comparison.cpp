@@ -59,6 +59,7 @@ struct Row {
   std::string name;
   std::array<std::optional<SamplingError>, 3> errors;  ///< none where the method cannot be had
   double limit = 0;                                    ///< stable up to this period [s]
+  double searched = 0;  ///< up to which it was looked for; 0 where a formula gives it
 };
 
 /// Weights by Bryson's rule from what the vehicle can give, see docs/cli.md.
@@ -71,8 +72,9 @@ Law lqr_law(const CascadeVehicle& vehicle) {
   if (!riccati.solved()) throw NoSolution("discretize: lqr: " + riccati.culprit, "V");
   Law law;
   law.name = "lqr";
-  law.about = "LQR, continuous, weights by Bryson's rule";
-  law.plant = vehicle.hover;
+  law.about =
+      "LQR, continuous, weights by Bryson's rule; designed without the motors' lag, flown with it";
+  law.plant = with_actuator_lag(vehicle.hover, vehicle.lag);
   law.law.A = Eigen::MatrixXd(0, 0);
   law.law.B = Eigen::MatrixXd(0, 16);
   law.law.C = Eigen::MatrixXd(4, 0);
@@ -88,8 +90,8 @@ Law lqr_law(const CascadeVehicle& vehicle) {
 Law cascade_law_of(const CascadeVehicle& vehicle, const CascadeReport& report) {
   Law law;
   law.name = "cascade";
-  law.about =
-      fmt::format("PID cascade of `quadtune pid {}`, its integrals continuous", report.vehicle);
+  law.about = fmt::format("PID cascade of `quadtune pid {} --dt {}`, its integrals continuous",
+                          report.vehicle, number(report.specification.dt));
   law.plant = with_actuator_lag(vehicle.hover, vehicle.lag);
   const CascadeGains gains = report.cascade.gains;
   law.law = cascade_law(gains);
@@ -114,6 +116,11 @@ DiscreteLti flown(const Law& law, double dt, PidMethod method) {
   return followed(closed_loop(discretize_zoh(law.plant, dt), law.sampled(dt, method)));
 }
 
+/// A hundred time constants of the slowest pole: nobody samples so rarely.
+double longest_period(const ContinuousLti& loop) {
+  return 100 / -loop.A.eigenvalues().real().maxCoeff();
+}
+
 Row method_row(const ContinuousLti& loop, DiscretizationMethod method,
                const std::array<double, 3>& periods) {
   Row row;
@@ -135,7 +142,9 @@ Row flown_row(const Law& law, const ContinuousLti& loop, PidMethod method,
   row.name = law.integrates ? "flown, " + to_string(method) : "flown";
   for (std::size_t i = 0; i < periods.size(); ++i)
     row.errors[i] = sampling_error(loop, flown(law, periods[i], method));
-  row.limit = stability_limit([&](double dt) { return flown(law, dt, method).A; }, periods[1]);
+  row.searched = longest_period(loop);
+  row.limit = stability_limit([&](double dt) { return flown(law, dt, method).A; }, periods[1],
+                              row.searched);
   return row;
 }
 
@@ -156,8 +165,13 @@ std::vector<Row> rows_of(const Law& law, const ContinuousLti& loop,
 std::string percent(const std::optional<SamplingError>& error, double SamplingError::*part) {
   if (!error) return "-";
   const double value = (*error).*part;
-  if (!std::isfinite(value)) return "lost";
-  return value < 1e-9 ? "0" : fmt::format("{:.2g}", 100 * value);
+  if (!error->stable)
+    return part == &SamplingError::pole && std::isfinite(value) ? fmt::format("{:.2g}", 100 * value)
+                                                                : "lost";
+  if (!std::isfinite(value)) return "-";
+  if (value < 1e-7) return "0";  // what multiple poles leave of rounding
+  return 100 * value < 99.5 ? fmt::format("{:.2g}", 100 * value)
+                            : fmt::format("{:.0f}", 100 * value);
 }
 
 std::string law_text(const Law& law, const std::vector<Row>& rows,
@@ -175,7 +189,9 @@ std::string law_text(const Law& law, const std::vector<Row>& rows,
          {&SamplingError::pole, &SamplingError::step, &SamplingError::frequency})
       for (const std::optional<SamplingError>& error : row.errors)
         text += fmt::format("{:>8}", percent(error, part));
-    text += fmt::format("{:>11}", std::isinf(row.limit) ? "any" : fmt::format("{:.4g}", row.limit));
+    text += fmt::format("{:>11}", std::isfinite(row.limit) ? fmt::format("{:.4g}", row.limit)
+                                  : row.searched > 0       ? fmt::format("> {:.3g}", row.searched)
+                                                           : "any");
   }
   return text;
 }
@@ -270,11 +286,18 @@ void compare_methods(const std::string& vehicle_name, double dt, const PlotArgum
   const std::array<double, 3> periods = {dt / 2, dt, 2 * dt};
   Json json = {{"vehicle", vehicle.name}, {"dt", dt}};
   json["methods"] = Json::array();
+  json["not_compared"] = Json::array();
   std::string text = section("vehicle", vehicle.name +
                                             " at hover: errors of x, y, z and yaw after "
                                             "their set points, the worst of the four");
   for (const Law& law : laws) {
     const ContinuousLti loop = followed(closed_loop(law.plant, law.law));
+    if (!(loop.A.eigenvalues().real().maxCoeff() < 0)) {
+      const std::string why = "the continuous loop is not stable: nothing to compare with";
+      json["not_compared"].push_back({{"law", law.name}, {"why", why}});
+      text += section(law.name, law.about + "\n" + why);
+      continue;
+    }
     const std::vector<Row> rows = rows_of(law, loop, periods);
     add_rows(json["methods"], law, rows, periods);
     text += section(law.name, law_text(law, rows, periods));

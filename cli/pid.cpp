@@ -225,7 +225,7 @@ void run(const Options& options, const Given& given, Context& context) {
   const bool bounds = given.Ms_max || given.Mt_max || given.noise_gain_max;
   if (static_cast<int>(requirement) + static_cast<int>(rule) + static_cast<int>(bounds) != 1)
     throw UsageError(
-        "quadtune pid: expected one of --crossover with --phase-margin, --rule, or "
+        "quadtune pid: expected a vehicle, or one of --crossover with --phase-margin, --rule, or "
         "--Ms-max with --Mt-max and --noise-gain-max as wanted",
         "--crossover");
   if (requirement && !(given.crossover && given.phase_margin))

@@ -36,18 +36,23 @@ double moved(Complex s, Complex z, double dt) {
   return size > 0 ? distance / size : distance / dt;
 }
 
-/// Each pole with the nearest of the others, both ways. A pole at 0 is a delay and stands for none.
+/// The nearest of `sampled` to s.
+double nearest_of(Complex s, const VectorXcd& sampled, double dt) {
+  double nearest = kInfinity;
+  for (const Complex& z : sampled)
+    if (std::abs(z) > 0) nearest = std::min(nearest, moved(s, z, dt));
+  return nearest;
+}
+
+/// Each pole with the nearest of the others, both ways. What dies within a sample to less than the
+/// root of rounding, or is a delay, is known to no digit and stands for none.
 double pole_error(const VectorXcd& continuous, const VectorXcd& sampled, double dt) {
-  constexpr double kDelay = 1e-6;
+  constexpr double kGone = 1e-6;
   double error = 0;
-  for (const Complex& s : continuous) {
-    double nearest = kInfinity;
-    for (const Complex& z : sampled)
-      if (std::abs(z) > 0) nearest = std::min(nearest, moved(s, z, dt));
-    error = std::max(error, nearest);
-  }
+  for (const Complex& s : continuous)
+    if (std::exp(s.real() * dt) > kGone) error = std::max(error, nearest_of(s, sampled, dt));
   for (const Complex& z : sampled) {
-    if (std::abs(z) < kDelay) continue;
+    if (std::abs(z) < kGone) continue;
     double nearest = kInfinity;
     for (const Complex& s : continuous) nearest = std::min(nearest, moved(s, z, dt));
     error = std::max(error, nearest);
@@ -237,7 +242,7 @@ double stability_limit(const VectorXcd& poles, DiscretizationMethod method) {
   return limit;
 }
 
-double stability_limit(const std::function<MatrixXd(double)>& sampled, double dt) {
+double stability_limit(const std::function<MatrixXd(double)>& sampled, double dt, double longest) {
   const auto stable = [&](double period) { return spectral_radius(sampled(period)) < 1; };
   constexpr double kStep = 1.0625;
   constexpr double kReach = 1e4;
@@ -246,8 +251,8 @@ double stability_limit(const std::function<MatrixXd(double)>& sampled, double dt
   if (stable(dt)) {
     while (stable(high)) {
       low = high;
-      high *= kStep;
-      if (high > kReach * dt) return kInfinity;
+      if (low >= longest) return kInfinity;
+      high = std::min(kStep * high, std::max(longest, dt));
     }
   } else {
     while (!stable(low)) {

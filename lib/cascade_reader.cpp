@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cascade_reader.hpp"
 
-#include <algorithm>
+#include <numbers>
+#include <utility>
+
+#include "quadtune/errors.hpp"
 
 namespace quadtune::internal {
 namespace {
@@ -62,9 +65,11 @@ CascadeSpecification read_cascade_specification(const TomlTable& table, double d
     specification.method = pid_method(table.text("integrator"), table.where("integrator"));
   if (table.has("motor_lag_s"))
     specification.lag = table.number("motor_lag_s", Range::not_negative());
-  each_number(table, "sensor_delay_s", Range::not_negative(),
+  const Range delays = {0, Range::Bound::closed, kMostDelaySamples * dt, Range::Bound::closed};
+  each_number(table, "sensor_delay_s", delays,
               [&](CascadeAxis axis, double delay) { specification.delay[index_of(axis)] = delay; });
-  each_number(table, "bandwidth_rad_per_s", Range::positive(), [&](CascadeAxis axis, double w) {
+  const Range below_nyquist = {0, Range::Bound::open, std::numbers::pi / dt, Range::Bound::open};
+  each_number(table, "bandwidth_rad_per_s", below_nyquist, [&](CascadeAxis axis, double w) {
     specification.requirements[index_of(axis)].bandwidth = w;
   });
   const CascadeRequirement usual;
@@ -74,9 +79,12 @@ CascadeSpecification read_cascade_specification(const TomlTable& table, double d
     requirement.integral = !table.has("integral");
   }
   if (table.has("integral"))
-    for (const std::string& name : table.texts("integral"))
-      specification.requirements[index_of(cascade_axis(name, table.where("integral")))].integral =
-          true;
+    for (const std::string& name : table.texts("integral")) {
+      const std::string where = table.where("integral");
+      bool& integral = specification.requirements[index_of(cascade_axis(name, where))].integral;
+      if (std::exchange(integral, true))
+        throw InvalidInput(where, "integral names loop '" + name + "' twice, expected each once");
+    }
   if (table.has("published")) specification.use_published = table.truth("published");
   return specification;
 }

@@ -122,12 +122,14 @@ StepOfLoad follow_load(const CascadePlant& loop) {
 /// Responses of one plant on a grid, at which all gains are tried.
 class LoopResponses {
  public:
-  LoopResponses(const CascadePlant& plant, PidMethod method)
+  /// @param slowest  [rad/s] that matters; the grid begins there
+  LoopResponses(const CascadePlant& plant, PidMethod method, double slowest)
       : plant_(plant), response_(plant), integral_(method, plant.dt), method_(method) {
-    constexpr double kDecades = 5.5;
+    constexpr double kMostDecades = 8;  // below, a sampled integrator is lost in rounding
     constexpr int kPerDecade = 60;
     const double nyquist = std::numbers::pi / plant.dt;
-    const int count = static_cast<int>(kDecades * kPerDecade);
+    const double decades = std::clamp(std::log10(nyquist / slowest), 2.0, kMostDecades);
+    const int count = static_cast<int>(std::ceil(decades * kPerDecade));
     grid_.reserve(static_cast<std::size_t>(count) + 1);
     for (int k = count; k >= 0; --k)
       grid_.push_back(nyquist * std::pow(10.0, -double(k) / kPerDecade));
@@ -191,22 +193,30 @@ class LoopResponses {
   std::vector<Point> points_;
 };
 
-CascadeLoopEvidence evidence_of(const LoopResponses& responses, const PidGains& gains) {
-  const CascadePlant& plant = responses.plant();
-  const PidMethod method = responses.method();
+/// Well below the slowest pole of the closed loop [rad/s].
+double slowest_of(const CascadePlant& plant, const PidGains& gains, PidMethod method) {
+  double slowest = std::numbers::pi / plant.dt;
+  for (const Complex& z : internal::eigenvalues(closed(plant, gains, method, false).A))
+    if (std::abs(z) > 0) slowest = std::min(slowest, std::abs(std::log(z)) / plant.dt);
+  return 0.03 * slowest;
+}
+
+CascadeLoopEvidence evidence_of(const CascadePlant& plant, const PidGains& gains,
+                                PidMethod method) {
+  const LoopResponses responses(plant, method, slowest_of(plant, gains, method));
   CascadeLoopEvidence evidence;
   evidence.margins = loop_margins(OpenLoop(cut_at_command(plant, gains, method)));
   evidence.rate = loop_margins(OpenLoop(cut_at_command(plant, {0, 0, gains.Kd, 0}, method)));
   evidence.bandwidth = loop_margins(OpenLoop(cut_at_command(with_rate_closed(plant, gains.Kd),
                                                             {gains.Kp, gains.Ki, 0, 0}, method)))
                            .crossover;
-  evidence.load_integral = gains.Ki != 0 ? 1 / gains.Ki : kInfinity;
+  evidence.load_integral = gains.Ki != 0 && evidence.margins.stable ? 1 / gains.Ki : kInfinity;
   const StepOfLoad load = responses.load(gains);
   evidence.load_peak = load.peak;
   evidence.load_left = gains.Ki != 0 && std::isfinite(load.left) ? 0 : load.left;
   evidence.tracking_peak = responses.tracking_peak(gains);
   evidence.value_noise = responses.value_noise(gains);
-  evidence.rate_noise = gains.Kd * evidence.margins.Ms;
+  evidence.rate_noise = std::abs(gains.Kd) * evidence.margins.Ms;
   return evidence;
 }
 
@@ -261,7 +271,7 @@ class Search {
   }
 
   /// The best of a scan over Kd downwards from `high_Kd`, unless it is fixed, and over value's
-  /// parts that are up to a hundred times slower than `fastest` [rad/s].
+  /// parts that are up to eighty times slower than `fastest` [rad/s].
   [[nodiscard]] Point scan(double high_Kd, bool fixed, double fastest) {
     constexpr int kKd = 24;
     constexpr int kKp = 30;
@@ -396,6 +406,27 @@ double highest_rate_crossover(const LoopResponses& responses, double Ms) {
   return low;
 }
 
+/// By the evidence, which looks at other frequencies than the search and by other means.
+bool kept(const CascadeLoopBounds& bounds, const CascadeLoopEvidence& evidence) {
+  constexpr double kSlack = 1 + 1e-4;
+  return evidence.margins.stable && evidence.margins.Ms <= kSlack * bounds.Ms_max &&
+         evidence.tracking_peak <= kSlack * bounds.tracking_max &&
+         evidence.value_noise <= kSlack * bounds.value_noise_max &&
+         evidence.rate_noise <= kSlack * bounds.rate_noise_max;
+}
+
+std::string in_words(const CascadeLoopBounds& bounds) {
+  std::string text = fmt::format("Ms <= {:.6g}", bounds.Ms_max);
+  const auto add = [&](const char* name, double bound) {
+    if (std::isfinite(bound)) text += fmt::format(", {} <= {:.4g}", name, bound);
+  };
+  add("tracking peak", bounds.tracking_max);
+  add("load peak", bounds.load_peak_max);
+  add("value noise", bounds.value_noise_max);
+  add("rate noise", bounds.rate_noise_max);
+  return text;
+}
+
 }  // namespace
 
 DiscreteLti cut_at_command(const CascadePlant& plant, const PidGains& gains, PidMethod method) {
@@ -429,7 +460,7 @@ CascadePlant closed_at_command(const CascadePlant& plant, const PidGains& gains,
 CascadeLoopEvidence cascade_loop_evidence(const CascadePlant& plant, const PidGains& gains,
                                           PidMethod method) {
   require_plant(plant);
-  return evidence_of(LoopResponses(plant, method), gains);
+  return evidence_of(plant, gains, method);
 }
 
 std::string to_string(CascadeLoopStatus status) {
@@ -456,9 +487,9 @@ CascadeLoopDesign design_cascade_loop(const CascadePlant& plant, const CascadeLo
                                       PidMethod method) {
   require_plant(plant);
   require_bounds(bounds, plant.dt);
-  const LoopResponses responses(plant, method);
   CascadeLoopDesign design;
-  design.highest_rate_crossover = highest_rate_crossover(responses, bounds.Ms_max);
+  design.highest_rate_crossover =
+      highest_rate_crossover(LoopResponses(plant, method, 0), bounds.Ms_max);
   const bool fixed = bounds.rate_crossover > 0;
   if (fixed && bounds.rate_crossover >= design.highest_rate_crossover) {
     design.status = CascadeLoopStatus::crossover_out_of_reach;
@@ -469,24 +500,33 @@ CascadeLoopDesign design_cascade_loop(const CascadePlant& plant, const CascadeLo
     return design;
   }
   const double reach = std::min(bounds.rate_crossover_max, design.highest_rate_crossover);
+  const double fastest = fixed ? bounds.rate_crossover : reach;
+  // Eighty times slower a value's part is looked for, and its integral is slower still.
+  const LoopResponses responses(plant, method, 1e-4 * fastest);
   const auto Kd_for = [&](double w) { return 1 / std::abs(responses.at(w).rate); };
   Search search(responses, bounds);
-  const double fastest = fixed ? bounds.rate_crossover : reach;
   const double high_Kd = Kd_for(fastest);
   const Search::Point best =
       search.climb(search.scan(high_Kd, fixed, fastest), fixed, std::log(high_Kd));
   const double found = search.log_greatest(best);
   if (!(found > kLoadTooHigh)) {
     design.status = CascadeLoopStatus::not_found;
+    design.culprit = "no gains were found that are stable with " + in_words(bounds);
+    return design;
+  }
+  const PidGains gains = search.gains(best, found);
+  const CascadeLoopEvidence evidence = evidence_of(plant, gains, method);
+  if (!kept(bounds, evidence)) {
+    design.status = CascadeLoopStatus::not_found;
     design.culprit = fmt::format(
-        "no gains were found that are stable with Ms <= {:.4g}, value noise <= {:.4g}, rate noise "
-        "<= {:.4g}",
-        bounds.Ms_max, bounds.value_noise_max, bounds.rate_noise_max);
+        "what was found does not hold beyond the frequencies of the search: a loop that crosses 1 "
+        "at {:.3g} rad/s is too slow for a period of {:.3g} s",
+        fastest, plant.dt);
     return design;
   }
   design.status = CascadeLoopStatus::solved;
-  design.gains = search.gains(best, found);
-  design.evidence = evidence_of(responses, design.gains);
+  design.gains = gains;
+  design.evidence = evidence;
   const auto note = [&](double met, double bound, const char* name) {
     if (met > 0.999 * bound) design.binding.emplace_back(name);
   };

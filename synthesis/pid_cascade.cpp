@@ -132,7 +132,11 @@ class Hover {
       }
       return discretize_zoh(written, specification_.dt);
     }
-    return discretize_zoh(lagged, specification_.dt, {{}, delays});
+    // What all signals share is as well a delay of the inputs, which are fewer.
+    const double shared = delays.minCoeff();
+    return discretize_zoh(
+        lagged, specification_.dt,
+        {Eigen::VectorXd::Constant(part.B.cols(), shared), (delays.array() - shared).matrix()});
   }
 
   [[nodiscard]] DiscreteLti sampled_chain(const AxisFacts& axis) const {
@@ -161,9 +165,10 @@ std::optional<PidGains> in_own_sign(const CascadeGains& gains, CascadeAxis axis,
 
 PidLoop as_written(CascadeAxis axis, const PidGains& gains, double sign) {
   PidLoop loop = cascade_loop(axis);
-  loop.Kp = sign * gains.Kp;
-  loop.Ki = sign * gains.Ki;
-  loop.Kd = -sign * gains.Kd;
+  // Adding 0 turns -0 into 0.
+  loop.Kp = sign * gains.Kp + 0.0;
+  loop.Ki = sign * gains.Ki + 0.0;
+  loop.Kd = -sign * gains.Kd + 0.0;
   return loop;
 }
 
@@ -200,17 +205,16 @@ CascadeLoopBounds bounds_of(const CascadeRequirement& requirement, double fastes
   if (requirement.bandwidth) return bounds;
   bounds.value_noise_max = gain_max;
   if (published == nullptr || !published->margins.stable) return bounds;
-  // A loop that overshoots more than that is no measure for a new one.
-  constexpr double kMostTracking = 1.3;
   constexpr double kNearer = 0.98;
   bounds.rate_crossover_max = kInfinity;
   bounds.Ms_max = std::min(bounds.Ms_max, 1 + kNearer * (published->margins.Ms - 1));
-  bounds.tracking_max =
-      std::max(bounds.tracking_max, std::min(published->tracking_peak, kMostTracking));
   bounds.value_noise_max = published->value_noise;
   bounds.rate_noise_max = published->rate_noise;
-  // A loop that bought its stiffness with robustness is no measure of it.
-  if (published->margins.Ms <= requirement.Ms_max) bounds.load_peak_max = published->load_peak;
+  // A loop that bought its stiffness with robustness is no measure of it, nor one with an integral
+  // of one without.
+  const bool comparable = requirement.integral || std::isinf(published->load_integral);
+  if (published->margins.Ms <= requirement.Ms_max && comparable)
+    bounds.load_peak_max = published->load_peak;
   return bounds;
 }
 
@@ -320,7 +324,7 @@ PidCascade pid_cascade(const CascadeVehicle& vehicle, const CascadeSpecification
                             measured ? &loop.published_evidence : nullptr);
     const PidGains inner = inside ? designed[index_of(*inside)].gains : PidGains{};
     loop.design = design_cascade_loop(hover.plant(axis, inner), loop.bounds, specification.method);
-    if (!measured)
+    if (std::isinf(loop.bounds.rate_noise_max))  // not held to what is published
       std::replace(loop.design.binding.begin(), loop.design.binding.end(),
                    std::string("value noise"), std::string("authority"));
     designed[index_of(axis)] = loop.design;

@@ -105,13 +105,14 @@ TEST(StabilityLimit, IsTheSameByFormulaAndBySearch) {
   const auto euler = [&](double dt) {
     return Eigen::MatrixXd(Eigen::MatrixXd::Identity(4, 4) + dt * loop.A);
   };
-  EXPECT_NEAR(stability_limit(euler, 0.01), limit, 1e-8);
-  EXPECT_NEAR(stability_limit(euler, 3), limit, 1e-8);
+  EXPECT_NEAR(stability_limit(euler, 0.01, 10), limit, 1e-8);
+  EXPECT_NEAR(stability_limit(euler, 3, 10), limit, 1e-8);
+  EXPECT_TRUE(std::isinf(stability_limit(euler, 0.01, 0.15)));
   EXPECT_TRUE(std::isinf(stability_limit(poles, Method::tustin)));
   const auto never = [](double) { return Eigen::MatrixXd(Eigen::MatrixXd::Constant(1, 1, 2)); };
-  EXPECT_EQ(stability_limit(never, 0.01), 0);
+  EXPECT_EQ(stability_limit(never, 0.01, 1), 0);
   const auto always = [](double) { return Eigen::MatrixXd(Eigen::MatrixXd::Zero(1, 1)); };
-  EXPECT_TRUE(std::isinf(stability_limit(always, 0.01)));
+  EXPECT_TRUE(std::isinf(stability_limit(always, 0.01, 1)));
 }
 
 TEST(ChannelOf, KeepsWhatGoesThrough) {

@@ -168,6 +168,9 @@ TEST(Design, RefusesACascadeThatIsAskedWrongly) {
   EXPECT_THAT(said("[cascade.design]\nbandwidth_rad_per_s = { roll = 0 }\n"),
               HasSubstr("more than 0"));
   EXPECT_THAT(said("[cascade.design]\nsensor_delay_s = { rol = 0.1 }\n"), HasSubstr("roll"));
+  EXPECT_THAT(said("[cascade.design]\nintegral = [\"x\", \"x\"]\n"), HasSubstr("twice"));
+  EXPECT_THAT(said("[cascade.design]\nbandwidth_rad_per_s = { roll = 315 }\n"),
+              HasSubstr("314.159"));
   EXPECT_THAT(said("[cascade.design]\nbandwidth = 4\n"), HasSubstr("bandwidth_rad_per_s"));
 }
 

@@ -68,17 +68,20 @@ struct CascadeRequirement {
   /// Where the loop of the rate crosses 1 [rad/s], exactly. If it is not said: at most at a
   /// twentieth of the sample rate and at a third of the bandwidth of the loop inside.
   std::optional<double> bandwidth;
-  double Ms_max = 1.4;         ///< max |S| of the loop, > 1
+  double Ms_max = 1.4;        ///< max |S| of the loop, > 1
   double tracking_max = 1.3;  ///< max |value / set point|, > 1
-  bool integral = true;        ///< false: the loop has no Ki
+  bool integral = true;       ///< false: the loop has no Ki
 };
+
+/// Longest delay of a sensor [samples]: each sample is a state of every loop that is tried.
+inline constexpr int kMostDelaySamples = 40;
 
 /// What is asked of a cascade, and with which clock and sensors it shall fly.
 struct CascadeSpecification {
   double dt = 0;                                              ///< sample period [s], > 0
   PidMethod method = PidMethod::forward_euler;                ///< of the integrals
   std::optional<double> lag;                                  ///< of the motors [s]; the vehicle's
-  std::array<double, kCascadeAxes> delay{};                   ///< of each loop's sensors [s], ≥ 0
+  std::array<double, kCascadeAxes> delay{};                   ///< of each loop's sensors [s]
   std::array<CascadeRequirement, kCascadeAxes> requirements;  ///< by axis
   bool use_published = true;  ///< whether published gains bound the loops without a bandwidth
 };

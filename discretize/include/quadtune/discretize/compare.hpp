@@ -14,7 +14,8 @@ namespace quadtune {
 /// Errors of one sampled system. Each is 0 where nothing is lost.
 struct SamplingError {
   /// max |log(z e^(-s dt))| / (|s| dt) over the poles s and z that belong to each other, nearest to
-  /// nearest: by which share of its size a pole has moved. The same of a method at all dt where it
+  /// nearest: by which share of its size a pole has moved. Poles that die to 1e-6 within a sample
+  /// are left out. The same of a method at all dt where it
   /// moves them by a power of dt.
   double pole = 0;
   /// max |y_d[k] - y(k dt)| / max |y| after unit steps, until the slowest pole has died; infinite
@@ -47,10 +48,10 @@ struct SamplingError {
 [[nodiscard]] double stability_limit(const Eigen::VectorXcd& poles, DiscretizationMethod method);
 
 /// The same of any way to sample, by search upwards from `dt` [s], or downwards where it is not
-/// stable there, a sixteenth at a time, and bisection to 1e-9; infinite when none is met within a
-/// factor of 1e4, 0 when it is stable nowhere.
+/// stable there, a sixteenth at a time, and bisection to 1e-9; infinite when none is met up to
+/// `longest` [s], 0 when it is not stable down to dt/1e4.
 /// @param sampled  the dynamics A for a period
 [[nodiscard]] double stability_limit(const std::function<Eigen::MatrixXd(double)>& sampled,
-                                     double dt);
+                                     double dt, double longest);
 
 }  // namespace quadtune
