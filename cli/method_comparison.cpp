@@ -265,7 +265,8 @@ Figure figure_of(const std::string& vehicle, const Law& law, const ContinuousLti
   comparison.exact_poles = (poles * dt).array().exp();
   for (const DiscretizationMethod method :
        {DiscretizationMethod::zoh, DiscretizationMethod::foh, DiscretizationMethod::euler,
-        DiscretizationMethod::backward_euler, DiscretizationMethod::tustin})
+        DiscretizationMethod::backward_euler, DiscretizationMethod::tustin,
+        DiscretizationMethod::matched})
     comparison.methods.push_back(
         picture_of(to_string(method), discretize_channels(loop, dt, method), loop, comparison));
   comparison.methods.push_back(
