@@ -151,6 +151,7 @@ Row flown_row(const Law& law, const ContinuousLti& loop, PidMethod method,
 std::vector<Row> rows_of(const Law& law, const ContinuousLti& loop,
                          const std::array<double, 3>& periods) {
   std::vector<Row> rows;
+  rows.reserve(kMethods.size() + kIntegrators.size());
   for (const DiscretizationMethod method : kMethods)
     rows.push_back(method_row(loop, method, periods));
   for (const PidMethod method : kIntegrators) {
