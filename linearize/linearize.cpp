@@ -57,7 +57,7 @@ NedModel by_wrench(const RigidBody& body, const TrimResult& trim) {
 }
 
 // ∂w/∂T of one rotor at speed w: 1/(2 a2 w + a1).
-double speed_per_thrust(const Rotor& rotor, double w, double density_ratio) {
+double speed_per_thrust(const BasicRotor<double>& rotor, double w, double density_ratio) {
   return 1 / ((2 * rotor.thrust_a2 * w + rotor.thrust_a1) * density_ratio);
 }
 

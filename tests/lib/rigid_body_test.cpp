@@ -10,6 +10,7 @@
 #include "integrate.hpp"
 #include "matrix_near.hpp"
 #include "quadtune/convention.hpp"
+#include "quadtune/errors.hpp"
 #include "sample_vehicles.hpp"
 
 namespace quadtune {
@@ -39,7 +40,7 @@ Speeds random_speeds(std::mt19937_64& random, const Vehicle& vehicle) {
 
 TEST(RigidBody, HoversAtThePublishedSpeed) {
   const RigidBody body(plus_quadrotor());
-  const Rotor& rotor = body.rotors.front();
+  const BasicRotor<double>& rotor = body.rotors.front();
   const double f = body.mass * body.gravity / 4;  // the larger root of a2 w² + a1 w = f
   const double w =
       (-rotor.thrust_a1 + std::sqrt(rotor.thrust_a1 * rotor.thrust_a1 + 4 * rotor.thrust_a2 * f)) /

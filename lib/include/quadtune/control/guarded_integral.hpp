@@ -2,10 +2,10 @@
 /// The integral of the uquad flight program, guarded three times against running away.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <string>
 #include <type_traits>
+
+#include "quadtune/scalar.hpp"
 
 namespace quadtune {
 
@@ -31,11 +31,12 @@ struct GuardedIntegralState {
 template <class Scalar>
 Scalar step(const GuardedIntegralSettings<Scalar>& settings, GuardedIntegralState<Scalar>& state,
             Scalar error) noexcept {
-  if (!(std::abs(error) <= settings.error_limit)) return state.integral;
+  const MaskOf<Scalar> near = magnitude(error) <= settings.error_limit;  // false for NaN
   const Scalar increment =
-      std::min(std::max(error * settings.dt, -settings.increment_limit), settings.increment_limit);
-  state.integral = std::min(std::max(state.integral + increment, -settings.integral_limit),
-                            settings.integral_limit);
+      clamped(error * settings.dt, -settings.increment_limit, settings.increment_limit);
+  const Scalar advanced =
+      clamped(state.integral + increment, -settings.integral_limit, settings.integral_limit);
+  state.integral = select(near, advanced, state.integral);
   return state.integral;
 }
 

@@ -2,7 +2,6 @@
 /// A PID controller as it runs on board: the same code is simulated, analysed and flown.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -10,6 +9,7 @@
 
 #include "quadtune/cascade.hpp"
 #include "quadtune/control/pid_method.hpp"
+#include "quadtune/scalar.hpp"
 #include "quadtune/transfer_function.hpp"
 
 namespace quadtune {
@@ -24,7 +24,7 @@ enum class PidDerivative {
 /// Set once. validate() tells whether step() may be given these; step() does not look.
 template <class Scalar>
 struct PidSettings {
-  static constexpr Scalar kInfinity = std::numeric_limits<Scalar>::infinity();
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   Scalar dt = 0;  ///< sample period [s], > 0
   Scalar Kp = 0;  ///< [output / error]
@@ -35,11 +35,11 @@ struct PidSettings {
   Scalar c = 0;   ///< weight of the set point in the derivative
   PidMethod method = PidMethod::forward_euler;
   PidDerivative derivative = PidDerivative::measured_rate;
-  Scalar output_min = -kInfinity;    ///< [output]
-  Scalar output_max = kInfinity;     ///< [output], ≥ output_min
-  Scalar integral_min = -kInfinity;  ///< of the integral's part of the output [output]
-  Scalar integral_max = kInfinity;   ///< [output], ≥ integral_min
-  Scalar back_calculation = 0;       ///< anti-windup gain [1/s], 0 … 1/dt; 0 switches it off
+  Scalar output_min = Scalar(-kInfinity);    ///< [output]
+  Scalar output_max = Scalar(kInfinity);     ///< [output], ≥ output_min
+  Scalar integral_min = Scalar(-kInfinity);  ///< of the integral's part of the output [output]
+  Scalar integral_max = Scalar(kInfinity);   ///< [output], ≥ integral_min
+  Scalar back_calculation = 0;  ///< anti-windup gain [1/s], 0 … 1/dt; 0 switches it off
 };
 
 /// What is kept from one sample to the next. A copy of it resumes identically.
@@ -62,9 +62,10 @@ struct PidInput {
 
 template <class Scalar>
 struct PidOutput {
-  Scalar value = 0;      ///< within output_min … output_max
-  Scalar unlimited = 0;  ///< what it would be without these
-  bool finite = true;    ///< false: an input was not; value is the last one, the state did not move
+  Scalar value = 0;              ///< within output_min … output_max
+  Scalar unlimited = 0;          ///< what it would be without these
+  MaskOf<Scalar> finite = true;  ///< false: an input was not; value is the last one, the state did
+                                 ///< not move
 };
 
 /// d[k] = pole · d[k-1] + gain · (v[k] - v[k-1]).
@@ -127,7 +128,7 @@ PidOutput<Scalar> step(const PidSettings<Scalar>& settings, PidState<Scalar>& st
   const PidQuadrature<Scalar> weight = pid_quadrature<Scalar>(settings.method);
   Scalar integral = state.integral +
                     settings.Ki * settings.dt * (weight.now * error + weight.before * state.error);
-  integral = std::min(std::max(integral, settings.integral_min), settings.integral_max);
+  integral = clamped(integral, settings.integral_min, settings.integral_max);
 
   Scalar derivative = -settings.Kd * input.rate;
   if (settings.derivative != PidDerivative::measured_rate) {
@@ -137,16 +138,17 @@ PidOutput<Scalar> step(const PidSettings<Scalar>& settings, PidState<Scalar>& st
 
   const Scalar proportional = settings.Kp * (settings.b * input.set_point - input.measurement);
   const Scalar unlimited = proportional + integral + derivative + input.feed_forward;
+  const Scalar output = clamped(unlimited, settings.output_min, settings.output_max);
   // A NaN that once entered the state would never leave it.
-  if (!std::isfinite(unlimited + error + v)) return {state.output, unlimited, false};
-
-  const Scalar output = std::min(std::max(unlimited, settings.output_min), settings.output_max);
-  state.integral = integral + settings.dt * settings.back_calculation * (output - unlimited);
-  state.error = error;
-  state.v = v;
-  state.derivative = derivative;
-  state.output = output;
-  return {output, unlimited, true};
+  const MaskOf<Scalar> finite = is_finite(unlimited + error + v);
+  state.integral =
+      select(finite, integral + settings.dt * settings.back_calculation * (output - unlimited),
+             state.integral);
+  state.error = select(finite, error, state.error);
+  state.v = select(finite, v, state.v);
+  state.derivative = select(finite, derivative, state.derivative);
+  state.output = select(finite, output, state.output);
+  return {state.output, unlimited, finite};
 }
 
 /// The state from which a controller goes on without a bump: as if `input` and `output` had stood

@@ -3,13 +3,11 @@
 /// simulate, Ceres jets give exact Jacobians. Derivation and sources: docs/theory.md, "Rigid body".
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
-#include <string>
-#include <vector>
+#include <type_traits>
 
-#include "quadtune/errors.hpp"
 #include "quadtune/model/rotation.hpp"
 #include "quadtune/model/vehicle.hpp"
 
@@ -38,22 +36,53 @@ using QuaternionState = Eigen::Matrix<T, 13, 1>;
 template <class T>
 using RotorSpeeds = Eigen::Matrix<T, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxRotors, 1>;
 
-/// What the equations need of a vehicle, with the inertia's inverse made once.
-struct RigidBody {
-  /// @param vehicle        mass > 0, inertia symmetric positive definite, 1..kMaxRotors rotors.
-  /// @param density_ratio  air density over vehicle.air_density, ≥ 0.
-  /// @throws InvalidInput  naming the field and what came.
-  explicit RigidBody(const Vehicle& vehicle, double density_ratio = 1);
-
-  double mass;            ///< [kg]
-  double gravity;         ///< [m/s²]
-  Eigen::Matrix3d J;      ///< [kg m²]
-  Eigen::Matrix3d J_inv;  ///< [1/(kg m²)]
-  Drag drag;              ///< per body axis
-  double air_density;     ///< where the vehicle flies [kg/m³]
-  double density_ratio;   ///< of that density to the one at which the rotor curves hold
-  std::vector<Rotor> rotors;
+/// What the equations need of one rotor, in numbers that may differ from flight to flight.
+template <class P>
+struct BasicRotor {
+  Vector3<P> position = Vector3<P>::Zero();  ///< of the hub from the centre of mass, body axes [m]
+  P spin = P(1);                             ///< spin_sign()
+  P thrust_a2 = P(0);                        ///< curves as of Rotor
+  P thrust_a1 = P(0);
+  P torque_d2 = P(0);
+  P torque_d1 = P(0);
+  P inertia = P(0);  ///< of the turning parts about the axis [kg m²]
+  P lag = P(0);      ///< of the speed [s]; 0 means none
 };
+
+/// What the equations need of a vehicle, with the inertia's inverse made once. P is a double, or a
+/// Pack for several vehicles at once.
+template <class P>
+struct BasicRigidBody {
+  BasicRigidBody() = default;
+  /// For P = double.
+  /// @param vehicle        mass > 0, inertia symmetric positive definite, 1..kMaxRotors rotors.
+  /// @param ratio          air density over vehicle.air_density, ≥ 0.
+  /// @throws InvalidInput  naming the field and what came.
+  explicit BasicRigidBody(const Vehicle& vehicle, double ratio = 1)
+      : BasicRigidBody(of_vehicle(vehicle, ratio)) {
+    static_assert(std::is_same_v<P, double>, "a vehicle's numbers are doubles");
+  }
+
+  P mass;                  ///< [kg]
+  P inverse_mass;          ///< [1/kg]
+  P gravity;               ///< [m/s²]
+  Matrix3<P> J;            ///< [kg m²]
+  Matrix3<P> J_inv;        ///< [1/(kg m²)]
+  Vector3<P> cda;          ///< drag coefficient times area per body axis [m²]
+  Vector3<P> linear_drag;  ///< per body axis [N s/m]
+  P air_density;           ///< where the vehicle flies [kg/m³]
+  P density_ratio;         ///< of that density to the one at which the rotor curves hold
+  // What the equations may leave out.
+  bool has_drag = true;         ///< false: cda and linear_drag are 0
+  bool principal_axes = false;  ///< true: J is diagonal
+  int rotor_count = 0;
+  std::array<BasicRotor<P>, kMaxRotors> rotors;  ///< the first rotor_count
+
+ private:
+  static BasicRigidBody of_vehicle(const Vehicle& vehicle, double density_ratio);
+};
+
+using RigidBody = BasicRigidBody<double>;
 
 /// What the rotors do to the body, in body axes.
 template <class T>
@@ -70,57 +99,31 @@ struct NetLoad {
   Vector3<T> torque;  ///< J w' [N m]
 };
 
-inline RigidBody::RigidBody(const Vehicle& vehicle, double ratio)
-    : mass(vehicle.mass),
-      gravity(vehicle.gravity),
-      J(vehicle.inertia),
-      drag(vehicle.drag),
-      air_density(vehicle.air_density * ratio),
-      density_ratio(ratio),
-      rotors(vehicle.rotors) {
-  const std::string where = "vehicle '" + vehicle.name + "'";
-  if (!(mass > 0) || !std::isfinite(mass))
-    throw InvalidInput(where,
-                       "mass is " + std::to_string(mass) + " kg, expected a positive number");
-  if (!std::isfinite(gravity))
-    throw InvalidInput(where, "gravity is not finite, expected a number of m/s²");
-  if (rotors.empty() || rotors.size() > static_cast<std::size_t>(kMaxRotors))
-    throw InvalidInput(where, std::to_string(rotors.size()) + " rotors, expected 1 to " +
-                                  std::to_string(kMaxRotors));
-  if (!(ratio >= 0) || !std::isfinite(air_density))
-    throw InvalidInput(where, "density ratio is " + std::to_string(ratio) +
-                                  ", expected a number that is not negative");
-  const Eigen::LLT<Eigen::Matrix3d> llt(J);
-  if (!J.allFinite() || !J.isApprox(J.transpose(), 1e-10) || llt.info() != Eigen::Success)
-    throw InvalidInput(where,
-                       "inertia is not a symmetric positive definite matrix, expected one because "
-                       "the rates follow from its inverse");
-  J_inv = llt.solve(Eigen::Matrix3d::Identity());
-}
-
 /// Adds one rotor: thrust along body -z at its hub, drag torque against its spin, momentum along
 /// it.
 /// @param thrust  [N];  @param torque  drag torque ≥ 0 [N m];  @param speed  [rad/s].
-template <class T>
-void add_rotor(const Rotor& rotor, const T& thrust, const T& torque, const T& speed,
+template <class P, class T>
+void add_rotor(const BasicRotor<P>& rotor, const T& thrust, const T& torque, const T& speed,
                RotorLoads<T>& loads) {
-  const double s = spin_sign(rotor.spin);
   loads.force.z() -= thrust;
   loads.torque.x() -= T(rotor.position.y()) * thrust;  // r × (0, 0, -T) = (-y T, x T, 0)
   loads.torque.y() += T(rotor.position.x()) * thrust;
-  loads.torque.z() -= T(s) * torque;                           // the air turns the body back
-  loads.angular_momentum.z() += T(s * rotor.inertia) * speed;  // h = Σ J_r s w e_z
+  loads.torque.z() -= T(rotor.spin) * torque;  // the air turns the body back
+  loads.angular_momentum.z() += T(rotor.spin * rotor.inertia) * speed;  // h = Σ J_r s w e_z
 }
 
 /// Loads of all rotors.
 /// @param speeds  one per rotor [rad/s].
-template <class T>
-[[nodiscard]] RotorLoads<T> rotor_loads(const RigidBody& body, const RotorSpeeds<T>& speeds) {
+template <class P, class Speeds>
+[[nodiscard]] RotorLoads<typename Speeds::Scalar> rotor_loads(
+    const BasicRigidBody<P>& body, const Eigen::MatrixBase<Speeds>& speeds) {
+  using T = typename Speeds::Scalar;
   RotorLoads<T> loads;
   for (Eigen::Index i = 0; i < speeds.size(); ++i) {
-    const Rotor& rotor = body.rotors[static_cast<std::size_t>(i)];
-    add_rotor(rotor, T(rotor_thrust(rotor, speeds(i), body.density_ratio)),
-              T(rotor_torque(rotor, speeds(i), body.density_ratio)), speeds(i), loads);
+    const BasicRotor<P>& rotor = body.rotors[static_cast<std::size_t>(i)];
+    const T w = speeds(i);
+    add_rotor(rotor, T(rotor_thrust(rotor, w, body.density_ratio)),
+              T(rotor_torque(rotor, w, body.density_ratio)), w, loads);
   }
   return loads;
 }
@@ -138,42 +141,79 @@ template <class T>
   return loads;
 }
 
-/// Drag of the body moving at `velocity` (body axes) through still air [N].
-template <class T>
-[[nodiscard]] Vector3<T> drag_force(const RigidBody& body, const Vector3<T>& velocity) {
+/// Drag of the body moving at `airspeed` (body axes) through the air [N].
+template <class P, class T>
+[[nodiscard]] inline Vector3<T> drag_force(const BasicRigidBody<P>& body,
+                                           const Vector3<T>& airspeed) {
   using std::abs;
-  Vector3<T> force;
-  for (int i = 0; i < 3; ++i) {
-    const T& v = velocity(i);
-    // F_i = -(rho/2) cda_i |v_i| v_i - linear_i v_i
-    force(i) =
-        -T(0.5 * body.air_density * body.drag.cda(i)) * abs(v) * v - T(body.drag.linear(i)) * v;
-  }
-  return force;
+  const P half_density = 0.5 * body.air_density;
+  // F_i = -(rho/2) cda_i |v_i| v_i - linear_i v_i
+  const auto along = [&](int i) {
+    return T(-(T(half_density * body.cda(i)) * abs(airspeed(i)) + T(body.linear_drag(i))) *
+             airspeed(i));
+  };
+  return {along(0), along(1), along(2)};
 }
 
 /// m v' and J w' in body axes.
 /// @param down      the world's z axis in body components (unit).
 /// @param velocity  body axes [m/s];  @param rates  body axes [rad/s].
-template <class T>
-[[nodiscard]] NetLoad<T> net_load(const RigidBody& body, const Vector3<T>& down,
-                                  const Vector3<T>& velocity, const Vector3<T>& rates,
-                                  const RotorLoads<T>& loads) {
-  const Matrix3<T> J = body.J.cast<T>();
+/// @param airspeed  velocity through the air, body axes [m/s].
+template <class P, class T>
+[[nodiscard]] inline NetLoad<T> net_load(const BasicRigidBody<P>& body, const Vector3<T>& down,
+                                         const Vector3<T>& velocity, const Vector3<T>& rates,
+                                         const RotorLoads<T>& loads, const Vector3<T>& airspeed) {
   NetLoad<T> net;
   // m v' = F - w × m v
-  net.force = loads.force + drag_force(body, velocity) + down * T(body.mass * body.gravity) -
-              rates.cross(velocity) * T(body.mass);
-  // J w' = τ - w × (J w + h)
-  net.torque = loads.torque - rates.cross(Vector3<T>(J * rates + loads.angular_momentum));
+  const T m = T(body.mass);
+  const T weight = T(body.mass * body.gravity);
+  const T &p = rates(0), &q = rates(1), &r = rates(2);
+  const T &u = velocity(0), &v = velocity(1), &w = velocity(2);
+  net.force = {loads.force(0) + down(0) * weight - (q * w - r * v) * m,
+               loads.force(1) + down(1) * weight - (r * u - p * w) * m,
+               loads.force(2) + down(2) * weight - (p * v - q * u) * m};
+  if (body.has_drag) net.force += drag_force(body, airspeed);
+  // J w' = τ - w × L with L = J w + h
+  const Vector3<T>& h = loads.angular_momentum;
+  T Lx, Ly, Lz;
+  if (body.principal_axes) {
+    Lx = T(body.J(0, 0)) * p + h(0);
+    Ly = T(body.J(1, 1)) * q + h(1);
+    Lz = T(body.J(2, 2)) * r + h(2);
+  } else {
+    Lx = T(body.J(0, 0)) * p + T(body.J(0, 1)) * q + T(body.J(0, 2)) * r + h(0);
+    Ly = T(body.J(1, 0)) * p + T(body.J(1, 1)) * q + T(body.J(1, 2)) * r + h(1);
+    Lz = T(body.J(2, 0)) * p + T(body.J(2, 1)) * q + T(body.J(2, 2)) * r + h(2);
+  }
+  net.torque = {loads.torque(0) - (q * Lz - r * Ly), loads.torque(1) - (r * Lx - p * Lz),
+                loads.torque(2) - (p * Ly - q * Lx)};
   return net;
+}
+/// The same in still air.
+template <class P, class T>
+[[nodiscard]] inline NetLoad<T> net_load(const BasicRigidBody<P>& body, const Vector3<T>& down,
+                                         const Vector3<T>& velocity, const Vector3<T>& rates,
+                                         const RotorLoads<T>& loads) {
+  return net_load(body, down, velocity, rates, loads, velocity);
+}
+
+/// w' of a torque J w' [rad/s²].
+template <class P, class T>
+[[nodiscard]] inline Vector3<T> angular_acceleration(const BasicRigidBody<P>& body,
+                                                     const Vector3<T>& torque) {
+  const Matrix3<P>& I = body.J_inv;
+  if (body.principal_axes)
+    return {T(I(0, 0)) * torque(0), T(I(1, 1)) * torque(1), T(I(2, 2)) * torque(2)};
+  return {T(I(0, 0)) * torque(0) + T(I(0, 1)) * torque(1) + T(I(0, 2)) * torque(2),
+          T(I(1, 0)) * torque(0) + T(I(1, 1)) * torque(1) + T(I(1, 2)) * torque(2),
+          T(I(2, 0)) * torque(0) + T(I(2, 1)) * torque(1) + T(I(2, 2)) * torque(2)};
 }
 
 /// x' of the 12 states with Euler angles. Not for |pitch| near 90°, see euler_angles_are_regular():
 /// there the rates of roll and yaw grow without bound.
-template <class T>
-[[nodiscard]] StateVector<T> state_derivative(const RigidBody& body, const StateVector<T>& x,
-                                              const RotorLoads<T>& loads) {
+template <class P, class T>
+[[nodiscard]] StateVector<T> state_derivative(const BasicRigidBody<P>& body,
+                                              const StateVector<T>& x, const RotorLoads<T>& loads) {
   const T &roll = x(kAttitude), &pitch = x(kAttitude + 1), &yaw = x(kAttitude + 2);
   const Vector3<T> velocity = x.template segment<3>(kVelocity);
   const Vector3<T> rates = x.template segment<3>(kRates);
@@ -183,29 +223,69 @@ template <class T>
   StateVector<T> derivative;
   derivative.template segment<3>(kPosition) = R_WB * velocity;
   derivative.template segment<3>(kAttitude) = euler_rate_matrix(roll, pitch) * rates;
-  derivative.template segment<3>(kVelocity) = net.force * T(1 / body.mass);
-  derivative.template segment<3>(kRates) = body.J_inv.cast<T>() * net.torque;
+  derivative.template segment<3>(kVelocity) = net.force * T(body.inverse_mass);
+  derivative.template segment<3>(kRates) = angular_acceleration(body, net.torque);
   return derivative;
 }
 
-/// x' of the 13 states with a quaternion, regular in every attitude.
+/// R_WB of a unit quaternion, written out.
 template <class T>
-[[nodiscard]] QuaternionState<T> state_derivative(const RigidBody& body,
+[[nodiscard]] inline Matrix3<T> rotation_of_quaternion(const T& qw, const T& qx, const T& qy,
+                                                       const T& qz) {
+  const T x2 = qx + qx, y2 = qy + qy, z2 = qz + qz;
+  const T xx = qx * x2, yy = qy * y2, zz = qz * z2;
+  const T xy = qx * y2, xz = qx * z2, yz = qy * z2;
+  const T wx = qw * x2, wy = qw * y2, wz = qw * z2;
+  Matrix3<T> R;
+  R(0, 0) = T(1) - (yy + zz);
+  R(0, 1) = xy - wz;
+  R(0, 2) = xz + wy;
+  R(1, 0) = xy + wz;
+  R(1, 1) = T(1) - (xx + zz);
+  R(1, 2) = yz - wx;
+  R(2, 0) = xz - wy;
+  R(2, 1) = yz + wx;
+  R(2, 2) = T(1) - (xx + yy);
+  return R;
+}
+
+/// x' of the 13 states with a quaternion, regular in every attitude.
+/// @param x           13 numbers, the first of a longer state
+/// @param wind        velocity of the air, world axes [m/s]; nullptr: still
+/// @param derivative  13 numbers
+template <class P, class T, class From, class To>
+inline void rigid_motion(const BasicRigidBody<P>& body, const From& x, const RotorLoads<T>& loads,
+                         const Vector3<T>* wind, To& derivative) {
+  const T &qw = x(3), &qx = x(4), &qy = x(5), &qz = x(6);
+  const Vector3<T> velocity(x(7), x(8), x(9));
+  const Vector3<T> rates(x(10), x(11), x(12));
+  const Matrix3<T> R = rotation_of_quaternion(qw, qx, qy, qz);
+  const Vector3<T> down(R(2, 0), R(2, 1), R(2, 2));
+  Vector3<T> airspeed = velocity;
+  if (wind != nullptr)
+    for (int i = 0; i < 3; ++i)
+      airspeed(i) -= R(0, i) * (*wind)(0) + R(1, i) * (*wind)(1) + R(2, i) * (*wind)(2);
+  const NetLoad<T> net = net_load(body, down, velocity, rates, loads, airspeed);
+  const Vector3<T> turning = angular_acceleration(body, net.torque);
+  for (int i = 0; i < 3; ++i) {
+    derivative(i) = R(i, 0) * velocity(0) + R(i, 1) * velocity(1) + R(i, 2) * velocity(2);
+    derivative(7 + i) = net.force(i) * T(body.inverse_mass);
+    derivative(10 + i) = turning(i);
+  }
+  // q' = ½ q ⊗ (0, w)
+  const T p = T(0.5) * rates(0), q = T(0.5) * rates(1), r = T(0.5) * rates(2);
+  derivative(3) = -(qx * p + qy * q + qz * r);
+  derivative(4) = qw * p + (qy * r - qz * q);
+  derivative(5) = qw * q + (qz * p - qx * r);
+  derivative(6) = qw * r + (qx * q - qy * p);
+}
+
+template <class P, class T>
+[[nodiscard]] QuaternionState<T> state_derivative(const BasicRigidBody<P>& body,
                                                   const QuaternionState<T>& x,
                                                   const RotorLoads<T>& loads) {
-  const Eigen::Quaternion<T> q(x(3), x(4), x(5), x(6));
-  const Vector3<T> velocity = x.template segment<3>(7);
-  const Vector3<T> rates = x.template segment<3>(10);
-  const Matrix3<T> R_WB = q.toRotationMatrix();
-  const Vector3<T> down = R_WB.row(2).transpose();
-  const NetLoad<T> net = net_load(body, down, velocity, rates, loads);
   QuaternionState<T> derivative;
-  derivative.template head<3>() = R_WB * velocity;
-  // q' = ½ q ⊗ (0, w)
-  derivative(3) = T(-0.5) * q.vec().dot(rates);
-  derivative.template segment<3>(4) = (rates * q.w() + q.vec().cross(rates)) * T(0.5);
-  derivative.template segment<3>(7) = net.force * T(1 / body.mass);
-  derivative.template segment<3>(10) = body.J_inv.cast<T>() * net.torque;
+  rigid_motion<P, T>(body, x, loads, nullptr, derivative);
   return derivative;
 }
 

@@ -86,14 +86,14 @@ struct Vehicle {
   std::string text;            ///< the file's bytes, for the manifest's hash
 };
 
-/// Thrust and drag torque of one rotor at speed w [rad/s] in air of density `density_ratio` times
-/// the vehicle's.
-template <class T>
-[[nodiscard]] T rotor_thrust(const Rotor& rotor, const T& w, double density_ratio = 1) {
+/// Thrust and drag torque of one rotor, a Rotor or a BasicRotor, at speed w [rad/s] in air of
+/// density `density_ratio` times the vehicle's.
+template <class AnyRotor, class T, class P = double>
+[[nodiscard]] T rotor_thrust(const AnyRotor& rotor, const T& w, P density_ratio = P(1)) {
   return (rotor.thrust_a2 * w * w + rotor.thrust_a1 * w) * density_ratio;  // T = a2 w² + a1 w [N]
 }
-template <class T>
-[[nodiscard]] T rotor_torque(const Rotor& rotor, const T& w, double density_ratio = 1) {
+template <class AnyRotor, class T, class P = double>
+[[nodiscard]] T rotor_torque(const AnyRotor& rotor, const T& w, P density_ratio = P(1)) {
   return (rotor.torque_d2 * w * w + rotor.torque_d1 * w) * density_ratio;  // Q = d2 w² + d1 w [N m]
 }
 

@@ -198,4 +198,13 @@ struct NumTraits<quadtune::Pack<N>> : NumTraits<double> {
   using Literal = double;
   enum { RequireInitialization = 0 };
 };
+/// A number times or over a matrix of packs is that number in every lane.
+template <int N, class Operation>
+struct ScalarBinaryOpTraits<quadtune::Pack<N>, double, Operation> {
+  using ReturnType = quadtune::Pack<N>;
+};
+template <int N, class Operation>
+struct ScalarBinaryOpTraits<double, quadtune::Pack<N>, Operation> {
+  using ReturnType = quadtune::Pack<N>;
+};
 }  // namespace Eigen

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/control/cascaded_pid.hpp"
+
+#include <cmath>
+
+#include "quadtune/model/mixer.hpp"
+
+namespace quadtune {
+
+CascadedPidSettings<double> cascaded_pid_settings(const Vehicle& vehicle, const CascadeGains& gains,
+                                                  PidMethod method, double attitude_limit,
+                                                  double integrator_limit,
+                                                  double back_calculation) {
+  CascadedPidSettings<double> settings;
+  for (PidSettings<double>& loop : settings.loops) loop.dt = gains.dt;
+  for (const PidLoop& loop : gains.loops) {
+    PidSettings<double>& target =
+        settings.loops[index_of(cascade_axis(loop.name, "loop '" + loop.name + "'"))];
+    target = pid_settings(loop, gains.dt);
+    target.method = method;
+    // The limit is of the error's integral; the element limits its part of the output.
+    const double most = std::abs(loop.Ki) * integrator_limit;
+    if (loop.Ki != 0 && std::isfinite(most)) {
+      target.integral_min = -most;
+      target.integral_max = most;
+    }
+    target.back_calculation = back_calculation;
+    validate(target, "loop '" + loop.name + "'");
+  }
+  settings.attitude_limit = attitude_limit;
+  settings.weight = vehicle.mass * vehicle.gravity;
+  settings.take_off_thrust = (1 + vehicle.takeoff_gain) * settings.weight;
+  settings.greatest_thrust = altitude_thrust_limit(vehicle);
+  // What the limits leave is what the anti-windup must hear of.
+  PidSettings<double>& altitude = settings.loops[index_of(CascadeAxis::altitude)];
+  altitude.output_min = settings.weight - settings.greatest_thrust;
+  altitude.output_max = settings.weight;
+  for (const CascadeAxis axis : {CascadeAxis::x, CascadeAxis::y}) {
+    settings.loops[index_of(axis)].output_min = -attitude_limit;
+    settings.loops[index_of(axis)].output_max = attitude_limit;
+  }
+  return settings;
+}
+
+}  // namespace quadtune

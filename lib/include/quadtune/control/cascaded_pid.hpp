@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The cascade of PID loops as it runs on board: position to attitude, attitude and heading to
+/// torques, height to thrust. Near hover and within its limits it is cascade_law().
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "quadtune/cascade.hpp"
+#include "quadtune/control/pid.hpp"
+#include "quadtune/estimation/on_board.hpp"
+#include "quadtune/model/vehicle.hpp"
+
+namespace quadtune {
+
+/// Set once.
+template <class T>
+struct CascadedPidSettings {
+  std::array<PidSettings<T>, kCascadeAxes> loops{};  ///< by CascadeAxis
+  T attitude_limit = T(0);                           ///< of the references of roll and pitch [rad]
+  T weight = T(0);                                   ///< m g, fed forward [N]
+  T take_off_thrust = T(0);                          ///< in FlightPhase::take_off [N]
+  T greatest_thrust = T(0);                          ///< left to the altitude loop [N]
+};
+
+/// What is kept from one sample to the next.
+template <class T>
+struct CascadedPidState {
+  std::array<PidState<T>, kCascadeAxes> loops{};
+  T roll_reference = T(0);   ///< of the last sample [rad]
+  T pitch_reference = T(0);  ///< [rad]
+};
+
+/// The settings of a design on a vehicle.
+/// @param design  loops as CascadeDesign; loops that are missing have no gain
+/// @throws InvalidInput  as validate(PidSettings), naming the loop
+[[nodiscard]] CascadedPidSettings<double> cascaded_pid_settings(
+    const Vehicle& vehicle, const CascadeGains& gains, PidMethod method, double attitude_limit,
+    double integrator_limit, double back_calculation);
+
+/// One sample; returns the wrench [T τx τy τz] that the law asks for, T ≥ 0 along body -z.
+///
+/// In FlightPhase::take_off the thrust stands, the loops of position and height wait at 0, and
+/// attitude and heading are held. Where the reference does not track position, roll and pitch
+/// follow it directly and the loops of x and y wait.
+template <class T>
+[[nodiscard]] Eigen::Matrix<T, 4, 1> step(const CascadedPidSettings<T>& settings,
+                                          CascadedPidState<T>& state, const Estimate<T>& estimate,
+                                          const Reference<T>& reference) {
+  using std::cos, std::sin;
+  const StateVector<T>& x = estimate.x;
+  const auto loop = [&](CascadeAxis axis, const T& set_point, const T& measurement, const T& rate) {
+    const std::size_t i = index_of(axis);
+    return step(settings.loops[i], state.loops[i], {set_point, measurement, rate, T(0)}).value;
+  };
+  const bool takes_off = reference.phase == FlightPhase::take_off;
+  const T yaw = x(5);
+  T roll_reference = reference.roll;
+  T pitch_reference = reference.pitch;
+  const Matrix3<T> R_WB = rotation_of_euler(x(3), x(4), x(5));
+  const Vector3<T> velocity = R_WB * Vector3<T>(x.template segment<3>(kVelocity));
+  if (reference.track_position && !takes_off) {
+    // Errors and velocities along and across the heading.
+    const T c = cos(yaw), s = sin(yaw);
+    const T north = reference.position(0) - x(0), east = reference.position(1) - x(1);
+    const T ahead = c * north + s * east, right = c * east - s * north;
+    const T speed_ahead = c * velocity(0) + s * velocity(1);
+    const T speed_right = c * velocity(1) - s * velocity(0);
+    pitch_reference = loop(CascadeAxis::x, ahead, T(0), speed_ahead);
+    roll_reference = loop(CascadeAxis::y, right, T(0), speed_right);
+  }
+  state.roll_reference = clamped(roll_reference, -settings.attitude_limit, settings.attitude_limit);
+  state.pitch_reference =
+      clamped(pitch_reference, -settings.attitude_limit, settings.attitude_limit);
+  Eigen::Matrix<T, 4, 1> wrench;
+  wrench(1) = loop(CascadeAxis::roll, state.roll_reference, x(3), x(9));
+  wrench(2) = loop(CascadeAxis::pitch, state.pitch_reference, x(4), x(10));
+  wrench(3) = loop(CascadeAxis::yaw, reference.yaw, yaw, x(11));
+  if (takes_off) {
+    wrench(0) = settings.take_off_thrust;
+  } else {
+    // The loop commands a force along +z, that is down, beside the weight.
+    const T down = loop(CascadeAxis::altitude, reference.position(2), x(2), velocity(2));
+    wrench(0) = clamped(settings.weight - down, T(0), settings.greatest_thrust);
+  }
+  return wrench;
+}
+
+}  // namespace quadtune

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A battery: what its voltage does to the motors, and how long it lasts.
+#pragma once
+
+#include <algorithm>
+
+#include "quadtune/scalar.hpp"
+
+namespace quadtune {
+
+/// Numbers of one battery, motors and speed controllers included.
+struct Battery {
+  double capacity = 0;        ///< [A s], > 0
+  double full_voltage = 0;    ///< without load [V], > empty_voltage
+  double empty_voltage = 0;   ///< without load, at no charge [V], > 0
+  double resistance = 0;      ///< inner [ohm], ≥ 0
+  double cutoff_voltage = 0;  ///< under load, below which the flight must end [V]
+  double efficiency = 0.7;    ///< power at the shafts over power drawn by the motors, (0, 1]
+  double idle_power = 0;      ///< of the electronics [W], ≥ 0
+  /// The voltage at which the motors reach the vehicle's greatest speed [V].
+  double rated_voltage = 0;
+  /// true: speeds are held by the speed controllers, and only the greatest one follows the voltage.
+  /// false: every speed is in proportion to it, and thrust falls with its square.
+  bool regulated = true;
+};
+
+/// What is left of it.
+template <class T>
+struct BatteryState {
+  T charge = T(0);   ///< drawn so far [A s]
+  T voltage = T(0);  ///< under load [V]
+  T current = T(0);  ///< [A]
+};
+
+/// A full battery without load.
+template <class T>
+[[nodiscard]] BatteryState<T> full_battery(const Battery& battery) {
+  return {T(0), T(battery.full_voltage), T(0)};
+}
+
+/// One step under a load held for dt.
+///
+/// The voltage without load falls in a line with the charge drawn. With V = V₀ - R I and V I = P
+/// the current is the smaller root; a power beyond V₀²/4R cannot be had, and the voltage is then
+/// V₀/2.
+/// @param shaft_power  of all rotors [W], ≥ 0
+template <class T>
+void step(const Battery& battery, BatteryState<T>& state, const T& shaft_power, double dt) {
+  using std::sqrt;
+  const T used = clamped(state.charge * T(1 / battery.capacity), T(0), T(1));
+  const T open = T(battery.full_voltage) - used * T(battery.full_voltage - battery.empty_voltage);
+  const T power = shaft_power * T(1 / battery.efficiency) + T(battery.idle_power);
+  const T root = greater(open * open - power * T(4 * battery.resistance), T(0));
+  state.voltage = (open + sqrt(root)) * T(0.5);
+  state.current = power / state.voltage;
+  state.charge += state.current * T(dt);
+}
+
+/// Speed over the speed at the rated voltage, of a motor given its full command.
+template <class T>
+[[nodiscard]] T voltage_ratio(const Battery& battery, const BatteryState<T>& state) {
+  return state.voltage * T(1 / battery.rated_voltage);
+}
+
+}  // namespace quadtune
