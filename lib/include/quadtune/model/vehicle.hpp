@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "quadtune/cascade.hpp"
+#include "quadtune/model/battery.hpp"
+#include "quadtune/model/sensors.hpp"
 
 namespace quadtune {
 
@@ -51,6 +53,7 @@ struct MotorCommand {
   std::string unit = "rad/s";  ///< of the command: "rad/s" or "count"
   double min = 0;              ///< lowest command at which the rotor turns steadily
   double max = 0;              ///< highest command
+  double quantum = 0;          ///< the command's smallest step; 0: none
   std::vector<int>
       direction;  ///< sign that the flight code gives to each motor's command, ±1; empty: all +1
 };
@@ -78,6 +81,8 @@ struct Vehicle {
   double air_density = 1.225;           ///< at which the rotor curves hold [kg/m³]
   double takeoff_gain = 0;              ///< thrust at take-off is (1 + gain) m g
   double altitude_thrust_fraction = 1;  ///< share of the greatest thrust left to the altitude loop
+  std::optional<Battery> battery;       ///< none: a supply that never falls
+  Sensors sensors = typical_sensors();  ///< the vehicle's own where its file has them
   double airframe_height = std::numeric_limits<double>::quiet_NaN();    ///< [m]
   double airframe_diameter = std::numeric_limits<double>::quiet_NaN();  ///< [m]
   /// Gains that fly on it today, to measure new ones by.

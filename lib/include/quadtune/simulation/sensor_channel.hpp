@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+/// One sensor on its way from what is true to what the flight program gets.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "quadtune/estimation/on_board.hpp"
+#include "quadtune/model/sensors.hpp"
+#include "quadtune/simulation/random.hpp"
+
+namespace quadtune {
+
+/// A second-order response sampled exactly for inputs that move in a straight line between samples:
+/// (y, y')[k] = A (y, y')[k-1] + b0 u[k-1] + b1 u[k].
+struct SampledResponse {
+  Eigen::Matrix2d A = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d b0 = Eigen::Vector2d::Zero();
+  Eigen::Vector2d b1 = Eigen::Vector2d(1, 0);
+};
+/// @param natural_frequency  [rad/s], 0: none, y = u;  @param damping  > 0;  @param dt  [s]
+[[nodiscard]] SampledResponse sampled_response(double natural_frequency, double damping, double dt);
+
+/// Instants of something that happens every 1/rate seconds from time 0 on, each counted from the
+/// start so that nothing adds up.
+class SampleClock {
+ public:
+  SampleClock() = default;
+  explicit SampleClock(double rate) : period_(1 / rate) {}
+
+  [[nodiscard]] bool due(double now) const { return next() <= now + kSlack; }
+  [[nodiscard]] double next() const { return static_cast<double>(index_) * period_; }
+  [[nodiscard]] std::uint64_t index() const { return index_; }
+  void advance() { ++index_; }
+
+  /// Instants nearer than this are the same [s].
+  static constexpr double kSlack = 1e-9;
+
+ private:
+  double period_ = 1;
+  std::uint64_t index_ = 0;
+};
+
+/// The numbers of SensorFaults, a flight a lane, and the samples on their way.
+template <int N, int Axes>
+class SensorChannel {
+ public:
+  using P = Pack<N>;
+  using Values = Eigen::Matrix<P, Axes, 1>;
+
+  SensorChannel() = default;
+  /// @param faults  one a lane; all of one rate and one delay
+  /// @param stream  first of four random streams that are this sensor's own
+  SensorChannel(const std::array<SensorFaults, N>& faults, std::uint32_t stream);
+
+  [[nodiscard]] bool due(double now) const { return clock_.due(now); }
+  [[nodiscard]] double next() const { return clock_.next(); }
+
+  /// Takes the sample that is due of what is true at its instant.
+  /// @param lost  lanes in which there is nothing to measure
+  void take(const Values& truth, const RandomSource<N>& source, const Mask<N>& lost = {});
+
+  /// Hands over what has arrived by `now`, the newest last; call once a control period.
+  /// @param dt  the control period [s]
+  template <class Value>
+  void deliver(double now, double dt, Sample<Value, P>& sample) {
+    sample.fresh = false;
+    sample.age += P(dt);
+    while (waiting_ > 0 && queue_[first_].arrival <= now + SampleClock::kSlack) {
+      const Pending& come = queue_[first_];
+      const Mask<N> here = negated(come.lost);
+      if constexpr (Axes == 1) {
+        sample.value = select(here, come.values(0), sample.value);
+      } else {
+        for (int i = 0; i < Axes; ++i)
+          sample.value(i) = select(here, come.values(i), sample.value(i));
+      }
+      sample.fresh = either(sample.fresh, here);
+      sample.age = select(here, P(now - come.taken), sample.age);
+      first_ = first_ + 1 == queue_.size() ? 0 : first_ + 1;
+      --waiting_;
+    }
+  }
+
+ private:
+  struct Pending {
+    Values values;
+    Mask<N> lost;
+    double taken = 0;
+    double arrival = 0;
+  };
+
+  SampleClock clock_;
+  double delay_ = 0;
+  std::uint32_t stream_ = 0;
+  bool noisy_ = false, responds_ = false, quantized_ = false, limited_ = false, lossy_ = false;
+  bool started_ = false;
+  Values scale_, bias_, noise_;
+  P limit_, quantum_, dropout_;
+  std::array<P, 8> response_;  ///< A by rows, b0, b1
+  Values before_, y_, rate_;   ///< last truth, and the response's state
+  std::vector<Pending> queue_;
+  std::size_t first_ = 0, waiting_ = 0;
+};
+
+template <int N, int Axes>
+SensorChannel<N, Axes>::SensorChannel(const std::array<SensorFaults, N>& faults,
+                                      std::uint32_t stream)
+    : clock_(faults[0].rate),
+      delay_(faults[0].delay),
+      stream_(stream),
+      queue_(static_cast<std::size_t>(faults[0].delay * faults[0].rate) + 2) {
+  for (int l = 0; l < N; ++l) {
+    const SensorFaults& f = faults[static_cast<std::size_t>(l)];
+    for (int i = 0; i < Axes; ++i) {
+      set_lane(scale_(i), l, f.scale(i));
+      set_lane(bias_(i), l, f.bias(i));
+      set_lane(noise_(i), l, f.noise(i));
+      noisy_ = noisy_ || f.noise(i) != 0;
+    }
+    set_lane(limit_, l, f.limit);
+    set_lane(quantum_, l, f.quantum);
+    set_lane(dropout_, l, f.dropout);
+    limited_ = limited_ || std::isfinite(f.limit);
+    quantized_ = quantized_ || f.quantum > 0;
+    lossy_ = lossy_ || f.dropout > 0;
+    responds_ = responds_ || f.natural_frequency > 0;
+    const SampledResponse r = sampled_response(f.natural_frequency, f.damping, 1 / f.rate);
+    const std::array<double, 8> numbers = {r.A(0, 0), r.A(0, 1), r.A(1, 0), r.A(1, 1),
+                                           r.b0(0),   r.b0(1),   r.b1(0),   r.b1(1)};
+    for (std::size_t i = 0; i < 8; ++i) set_lane(response_[i], l, numbers[i]);
+  }
+}
+
+template <int N, int Axes>
+void SensorChannel<N, Axes>::take(const Values& truth, const RandomSource<N>& source,
+                                  const Mask<N>& lost) {
+  Values y = truth;
+  if (responds_) {
+    if (!started_) {
+      before_ = truth;
+      y_ = truth;
+      rate_.setConstant(P(0));
+    }
+    for (int i = 0; i < Axes; ++i) {
+      const P y0 = y_(i), r0 = rate_(i);
+      y_(i) = response_[0] * y0 + response_[1] * r0 + response_[4] * before_(i) +
+              response_[6] * truth(i);
+      rate_(i) = response_[2] * y0 + response_[3] * r0 + response_[5] * before_(i) +
+                 response_[7] * truth(i);
+    }
+    before_ = truth;
+    y = y_;
+  }
+  started_ = true;
+  const std::uint64_t index = clock_.index();
+  for (int i = 0; i < Axes; ++i) y(i) = y(i) * scale_(i) + bias_(i);
+  if (noisy_)
+    for (int i = 0; i < Axes; i += 2) {
+      const RandomPair<N> n =
+          random_normal(source, stream_ + static_cast<std::uint32_t>(i / 2), index);
+      y(i) += noise_(i) * n.first;
+      if (i + 1 < Axes) y(i + 1) += noise_(i + 1) * n.second;
+    }
+  if (limited_)
+    for (int i = 0; i < Axes; ++i)  // a NaN stays one: no echo is not the lower limit
+      y(i) = select(y(i) == y(i), clamped(y(i), P(-limit_), limit_), y(i));
+  if (quantized_)
+    for (int i = 0; i < Axes; ++i)
+      y(i) = select(quantum_ > P(0), nearest(y(i) / quantum_) * quantum_, y(i));
+  Mask<N> gone = lost;
+  if (lossy_) gone = either(gone, random_uniform(source, stream_ + 3, index).first < dropout_);
+  const std::size_t end = (first_ + waiting_) % queue_.size();
+  queue_[end] = {y, gone, clock_.next(), clock_.next() + delay_};
+  ++waiting_;
+  clock_.advance();
+}
+
+}  // namespace quadtune

@@ -1,0 +1,884 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Vehicle, sensors, estimator, law and motors in one loop, for N flights at once that differ in
+/// numbers only. Order within a control period: docs/theory.md, "Simulated flight".
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "closed_loop_parts.hpp"
+#include "flight_recorder.hpp"
+#include "motor_stage.hpp"
+#include "quadtune/control/allocation.hpp"
+#include "quadtune/control/cascaded_pid.hpp"
+#include "quadtune/control/state_feedback_law.hpp"
+#include "quadtune/simulation/air.hpp"
+#include "quadtune/simulation/carried_motion.hpp"
+#include "quadtune/simulation/flight.hpp"
+#include "quadtune/simulation/flight_metrics.hpp"
+#include "quadtune/simulation/mission_runner.hpp"
+#include "quadtune/simulation/plant.hpp"
+#include "quadtune/simulation/sensor_channel.hpp"
+
+namespace quadtune::internal {
+
+/// Streams of random numbers, each sensor four of its own.
+enum Stream : std::uint32_t {
+  kAccelerometerStream = 0,
+  kGyroscopeStream = 4,
+  kMagnetometerStream = 8,
+  kBarometerStream = 12,
+  kSonarStream = 16,
+  kFlowStream = 20,
+  kGpsPositionStream = 24,
+  kGpsVelocityStream = 28,
+  kWindStream = 32,
+};
+
+/// @tparam R  as Plant's N
+template <int N, int R>
+class ClosedLoop {
+ public:
+  using P = Pack<N>;
+  using PlantOf = Plant<P, R>;
+  using State = typename PlantOf::State;
+  using Lanes = std::array<const FlightSetup*, N>;
+
+  explicit ClosedLoop(const Lanes& setups);
+
+  void run(const std::function<bool()>& interrupted);
+  [[nodiscard]] FlightResult result(int of_lane);
+
+ private:
+  template <class Function>
+  [[nodiscard]] static P pack(const Lanes& setups, Function&& number) {
+    P result = 0;
+    for (int l = 0; l < N; ++l) set_lane(result, l, number(*setups[static_cast<std::size_t>(l)]));
+    return result;
+  }
+  template <class Value, class Function>
+  [[nodiscard]] static std::array<Value, N> each(const Lanes& setups, Function&& value) {
+    std::array<Value, N> result;
+    for (std::size_t l = 0; l < N; ++l) result[l] = value(*setups[l]);
+    return result;
+  }
+
+  void make_plant();
+  void make_sensors();
+  void make_law();
+  void make_estimator();
+  void start();
+
+  void set_environment(std::uint64_t index, double t);
+  void carry(double t);
+  [[nodiscard]] State truth_at(double instant, double now) const;
+  void sense(double now);
+  void estimate();
+  void refer(double t);
+  void command(std::uint64_t index, double t);
+  void watch(double t);
+  void advance(double t);
+  void check_divergence(double t);
+  void end_flight(const Mask<N>& lanes, double t, FlightEnd end, const char* name,
+                  const std::string& detail);
+  void keep_final(int l);
+  [[nodiscard]] StateVector<P> euler_state_now() const;
+
+  Lanes setups_;
+  const FlightSetup& common_;  ///< the first lane: what is the same in all
+  double dt_;
+  int substeps_;
+  RandomSource<N> source_;
+  PlantOf plant_;
+  State x_, x_before_, slope_before_;
+  bool between_ = false;  ///< whether x_before_ and slope_before_ hold the period before
+
+  std::optional<CarriedMotion> carried_;
+  Motion motion_;
+
+  WindModel<N> wind_;
+  Vector3<P> field_;
+  P ground_height_ = 0;
+  std::array<Atmosphere, N> atmospheres_;
+
+  std::optional<SensorChannel<N, 3>> accelerometer_, gyroscope_, magnetometer_, gps_position_,
+      gps_velocity_;
+  std::optional<SensorChannel<N, 1>> barometer_, sonar_;
+  std::optional<SensorChannel<N, 2>> flow_;
+  std::array<Sensors, N> sensors_;
+  P sonar_least_, sonar_greatest_, sonar_cosine_, ground_pressure_, pressure_fall_;
+  bool linear_pressure_ = false;
+  P flow_a2_, flow_b2_, flow_least_height_, flow_gain_;
+  SensorFrame<P> frame_;
+
+  MamboEstimatorSettings<P> mambo_settings_;
+  MamboEstimatorState<P> mambo_;
+  UquadFilterSettings<P> uquad_settings_;
+  UquadFilterState<P> uquad_;
+  RigidBody believed_body_;
+  Estimate<P> estimate_;
+
+  std::vector<MissionRunner> runners_;  ///< one, or one a lane where they look at the estimate
+  std::array<Reference<double>, N> references_;
+  Reference<P> reference_;
+
+  CascadedPidSettings<P> cascade_settings_;
+  CascadedPidState<P> cascade_;
+  StateFeedbackSettings<P> feedback_settings_;
+  StateFeedbackState<P> feedback_;
+  Allocation<P> allocation_;
+  MotorStage<N> motors_;
+  RotorSpeeds<P> speeds_;  ///< that the motors are told [rad/s]
+  Eigen::Matrix<P, 4, 1> wrench_ = Eigen::Matrix<P, 4, 1>::Zero();  ///< that the law asks for
+  Mask<N> saturated_, off_;
+  std::optional<Battery> battery_;
+  BatteryState<P> charge_;
+  P power_ = 0;
+
+  P flow_lost_time_ = 0, disagreement_time_ = 0;
+  Mask<N> alive_{true};
+  std::array<FlightResult, N> results_;
+  FlightMetrics<P> metrics_;
+  std::vector<FlightRecorder> recorders_;  ///< one a lane that is logged, else none
+  std::array<MissionEvent, N> last_event_{};
+};
+
+// --- making ---
+
+template <int N, int R>
+ClosedLoop<N, R>::ClosedLoop(const Lanes& setups)
+    : setups_(setups),
+      common_(*setups[0]),
+      dt_(control_period(common_)),
+      substeps_(std::max(1, static_cast<int>(std::ceil(dt_ / common_.step - 1e-9)))),
+      believed_body_(common_.vehicle),
+      metrics_(common_.mission.settling) {
+  source_.seed = common_.seed;
+  for (std::size_t l = 0; l < N; ++l) source_.flight[l] = setups[l]->flight;
+  make_plant();
+  make_sensors();
+  make_law();
+  make_estimator();
+  start();
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::make_plant() {
+  std::array<RigidBody, N> bodies =
+      each<RigidBody>(setups_, [](const FlightSetup& s) { return RigidBody(flown(s)); });
+  BasicRigidBody<P> body;
+  body.rotor_count = bodies[0].rotor_count;
+  body.has_drag = false;
+  body.principal_axes = true;
+  const auto gather = [&](P& target, auto&& number) {
+    for (int l = 0; l < N; ++l) set_lane(target, l, number(bodies[static_cast<std::size_t>(l)]));
+  };
+  gather(body.mass, [](const RigidBody& b) { return b.mass; });
+  gather(body.inverse_mass, [](const RigidBody& b) { return b.inverse_mass; });
+  gather(body.gravity, [](const RigidBody& b) { return b.gravity; });
+  gather(body.air_density, [](const RigidBody& b) { return b.air_density; });
+  gather(body.density_ratio, [](const RigidBody& b) { return b.density_ratio; });
+  for (int i = 0; i < 3; ++i) {
+    gather(body.cda(i), [&](const RigidBody& b) { return b.cda(i); });
+    gather(body.linear_drag(i), [&](const RigidBody& b) { return b.linear_drag(i); });
+    for (int j = 0; j < 3; ++j) {
+      gather(body.J(i, j), [&](const RigidBody& b) { return b.J(i, j); });
+      gather(body.J_inv(i, j), [&](const RigidBody& b) { return b.J_inv(i, j); });
+    }
+  }
+  for (const RigidBody& b : bodies) {
+    body.has_drag = body.has_drag || b.has_drag;
+    body.principal_axes = body.principal_axes && b.principal_axes;
+  }
+  P reach = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(body.rotor_count); ++i) {
+    BasicRotor<P>& rotor = body.rotors[i];
+    for (int k = 0; k < 3; ++k)
+      gather(rotor.position(k), [&](const RigidBody& b) { return b.rotors[i].position(k); });
+    gather(rotor.spin, [&](const RigidBody& b) { return b.rotors[i].spin; });
+    gather(rotor.thrust_a2, [&](const RigidBody& b) { return b.rotors[i].thrust_a2; });
+    gather(rotor.thrust_a1, [&](const RigidBody& b) { return b.rotors[i].thrust_a1; });
+    gather(rotor.torque_d2, [&](const RigidBody& b) { return b.rotors[i].torque_d2; });
+    gather(rotor.torque_d1, [&](const RigidBody& b) { return b.rotors[i].torque_d1; });
+    gather(rotor.inertia, [&](const RigidBody& b) { return b.rotors[i].inertia; });
+    gather(rotor.lag, [&](const RigidBody& b) { return b.rotors[i].lag; });
+    // The feet stand where the rotors are.
+    reach = greater(reach, greater(magnitude(rotor.position(0)), magnitude(rotor.position(1))));
+  }
+  plant_ = PlantOf(body, ground_contact(body.mass, reach));
+  motors_ =
+      MotorStage<N>(each<const Vehicle*>(setups_, [](const FlightSetup& s) { return &flown(s); }));
+  battery_ = flown(common_).battery;
+  if (battery_) charge_ = full_battery<P>(*battery_);
+  wind_ = WindModel<N>(each<Wind>(setups_, [](const FlightSetup& s) { return s.environment.wind; }),
+                       dt_, kWindStream);
+  plant_.windy = wind_.windy();
+  for (int i = 0; i < 3; ++i)
+    field_(i) =
+        pack(setups_, [&](const FlightSetup& s) { return s.environment.magnetic_field(i); });
+  ground_height_ = pack(setups_, [](const FlightSetup& s) { return s.environment.ground_height; });
+  for (std::size_t l = 0; l < N; ++l) {
+    atmospheres_[l].model =
+        common_.environment.dynamic ? AtmosphereModel::standard : AtmosphereModel::still;
+    atmospheres_[l].ground_height = setups_[l]->environment.ground_height;
+  }
+  if (const auto* carried = std::get_if<Carried>(&common_.mission.kind)) carried_.emplace(*carried);
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::make_sensors() {
+  sensors_ = each<Sensors>(setups_, [](const FlightSetup& s) { return sensors_of(s); });
+  const Sensors& first = sensors_[0];
+  const auto faults = [&](auto&& member) {
+    std::array<SensorFaults, N> result;
+    for (std::size_t l = 0; l < N; ++l) result[l] = member(sensors_[l]);
+    return result;
+  };
+  const auto number = [&](auto&& member) {
+    P result = 0;
+    for (int l = 0; l < N; ++l) set_lane(result, l, member(sensors_[static_cast<std::size_t>(l)]));
+    return result;
+  };
+  if (first.accelerometer)
+    accelerometer_.emplace(faults([](const Sensors& s) { return *s.accelerometer; }),
+                           kAccelerometerStream);
+  if (first.gyroscope)
+    gyroscope_.emplace(faults([](const Sensors& s) { return *s.gyroscope; }), kGyroscopeStream);
+  if (first.magnetometer)
+    magnetometer_.emplace(faults([](const Sensors& s) { return *s.magnetometer; }),
+                          kMagnetometerStream);
+  if (first.barometer) {
+    barometer_.emplace(faults([](const Sensors& s) { return s.barometer->faults; }),
+                       kBarometerStream);
+    ground_pressure_ = number([](const Sensors& s) { return s.barometer->ground_pressure; });
+    pressure_fall_ = number([](const Sensors& s) { return s.barometer->fall; });
+    linear_pressure_ = std::isfinite(first.barometer->fall);
+  }
+  if (first.sonar) {
+    sonar_.emplace(faults([](const Sensors& s) { return s.sonar->faults; }), kSonarStream);
+    sonar_least_ = number([](const Sensors& s) { return s.sonar->least_range; });
+    sonar_greatest_ = number([](const Sensors& s) { return s.sonar->greatest_range; });
+    sonar_cosine_ = number([](const Sensors& s) { return std::cos(s.sonar->greatest_tilt); });
+  }
+  if (first.flow) {
+    flow_.emplace(faults([](const Sensors& s) { return s.flow->faults; }), kFlowStream);
+    const auto square_of_tangent = [](double angle) { return std::tan(angle) * std::tan(angle); };
+    flow_a2_ = number([&](const Sensors& s) { return square_of_tangent(s.flow->half_field_x); });
+    flow_b2_ = number([&](const Sensors& s) { return square_of_tangent(s.flow->half_field_y); });
+    flow_least_height_ = number([](const Sensors& s) { return s.flow->least_height; });
+    flow_gain_ = number([](const Sensors& s) { return s.flow->simplified_rate_gain; });
+  }
+  if (first.gps) {
+    gps_position_.emplace(faults([](const Sensors& s) { return s.gps->position; }),
+                          kGpsPositionStream);
+    gps_velocity_.emplace(faults([](const Sensors& s) {
+                            SensorFaults velocity;
+                            velocity.rate = s.gps->position.rate;
+                            velocity.delay = s.gps->position.delay;
+                            velocity.dropout = s.gps->position.dropout;
+                            velocity.noise = s.gps->velocity_noise;
+                            return velocity;
+                          }),
+                          kGpsVelocityStream);
+  }
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::make_law() {
+  // Several laws of one structure, number by number.
+  if (std::holds_alternative<CascadeController>(common_.controller)) {
+    const auto settings = each<CascadedPidSettings<double>>(setups_, [](const FlightSetup& s) {
+      const auto& c = std::get<CascadeController>(s.controller);
+      return cascaded_pid_settings(s.vehicle, c.gains, c.method, c.attitude_limit,
+                                   c.integrator_limit, c.back_calculation);
+    });
+    const auto gather = [&](P& target, auto&& number) {
+      for (int l = 0; l < N; ++l)
+        set_lane(target, l, number(settings[static_cast<std::size_t>(l)]));
+    };
+    for (std::size_t i = 0; i < kCascadeAxes; ++i) {
+      const PidSettings<double>& first = settings[0].loops[i];
+      PidSettings<P>& loop = cascade_settings_.loops[i];
+      loop.method = first.method;
+      loop.derivative = first.derivative;
+      using Number = double PidSettings<double>::*;
+      using Packed = P PidSettings<P>::*;
+      const std::pair<Packed, Number> numbers[] = {
+          {&PidSettings<P>::dt, &PidSettings<double>::dt},
+          {&PidSettings<P>::Kp, &PidSettings<double>::Kp},
+          {&PidSettings<P>::Ki, &PidSettings<double>::Ki},
+          {&PidSettings<P>::Kd, &PidSettings<double>::Kd},
+          {&PidSettings<P>::Tf, &PidSettings<double>::Tf},
+          {&PidSettings<P>::b, &PidSettings<double>::b},
+          {&PidSettings<P>::c, &PidSettings<double>::c},
+          {&PidSettings<P>::output_min, &PidSettings<double>::output_min},
+          {&PidSettings<P>::output_max, &PidSettings<double>::output_max},
+          {&PidSettings<P>::integral_min, &PidSettings<double>::integral_min},
+          {&PidSettings<P>::integral_max, &PidSettings<double>::integral_max},
+          {&PidSettings<P>::back_calculation, &PidSettings<double>::back_calculation}};
+      for (const auto& [packed, plain] : numbers)
+        gather(loop.*packed, [&](const auto& s) { return s.loops[i].*plain; });
+    }
+    gather(cascade_settings_.attitude_limit, [](const auto& s) { return s.attitude_limit; });
+    gather(cascade_settings_.weight, [](const auto& s) { return s.weight; });
+    gather(cascade_settings_.take_off_thrust, [](const auto& s) { return s.take_off_thrust; });
+    gather(cascade_settings_.greatest_thrust, [](const auto& s) { return s.greatest_thrust; });
+  } else {
+    const auto settings = each<StateFeedbackSettings<double>>(setups_, [](const FlightSetup& s) {
+      const auto& c = std::get<StateFeedbackController>(s.controller);
+      return state_feedback_settings(s.vehicle, c.gains, c.dt, c.guards);
+    });
+    const auto gather = [&](P& target, auto&& number) {
+      for (int l = 0; l < N; ++l)
+        set_lane(target, l, number(settings[static_cast<std::size_t>(l)]));
+    };
+    StateFeedbackSettings<P>& law = feedback_settings_;
+    law.input_kind = settings[0].input_kind;
+    law.inputs = settings[0].inputs;
+    law.integrals = settings[0].integrals;
+    law.integrated = settings[0].integrated;
+    for (int i = 0; i < law.inputs; ++i) {
+      gather(law.u0(i), [&](const auto& s) { return s.u0(i); });
+      for (int j = 0; j < 12; ++j) gather(law.K(i, j), [&](const auto& s) { return s.K(i, j); });
+      for (int j = 0; j < law.integrals; ++j)
+        gather(law.K_int(i, j), [&](const auto& s) { return s.K_int(i, j); });
+    }
+    for (int j = 0; j < 12; ++j) gather(law.x0(j), [&](const auto& s) { return s.x0(j); });
+    for (std::size_t j = 0; j < static_cast<std::size_t>(law.integrals); ++j) {
+      gather(law.guards[j].dt, [&](const auto& s) { return s.guards[j].dt; });
+      gather(law.guards[j].error_limit, [&](const auto& s) { return s.guards[j].error_limit; });
+      gather(law.guards[j].increment_limit,
+             [&](const auto& s) { return s.guards[j].increment_limit; });
+      gather(law.guards[j].integral_limit,
+             [&](const auto& s) { return s.guards[j].integral_limit; });
+    }
+  }
+  const auto allocations =
+      each<Allocation<double>>(setups_, [](const FlightSetup& s) { return allocation(s.vehicle); });
+  const auto gather = [&](P& target, auto&& number) {
+    for (int l = 0; l < N; ++l)
+      set_lane(target, l, number(allocations[static_cast<std::size_t>(l)]));
+  };
+  allocation_.rotors = allocations[0].rotors;
+  allocation_.thrust0.setZero(allocation_.rotors);
+  for (int i = 0; i < allocation_.rotors; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    gather(allocation_.thrust0(i), [&](const auto& a) { return a.thrust0(i); });
+    gather(allocation_.a2[k], [&](const auto& a) { return a.a2[k]; });
+    gather(allocation_.a1[k], [&](const auto& a) { return a.a1[k]; });
+    for (int j = 0; j < 4; ++j)
+      gather(allocation_.P(i, j), [&](const auto& a) { return a.P(i, j); });
+  }
+  for (int j = 0; j < 4; ++j)
+    gather(allocation_.wrench0(j), [&](const auto& a) { return a.wrench0(j); });
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::make_estimator() {
+  const MissionStart& from = common_.mission.start;
+  // Standing still before take-off is when offsets are found; a flight that begins in the air, or
+  // is carried, had them found before.
+  const bool stands = !from.in_air && !carried_;
+  MamboEstimatorSettings<double> mambo = common_.mambo_estimator;
+  mambo.dt = dt_;
+  mambo.gravity = common_.vehicle.gravity;
+  mambo.calibration_time = stands && common_.real_sensors ? from.start_up : 0;
+  validate(mambo, "estimator");
+  mambo_settings_ = mambo_estimator_cast<P>(mambo);
+  UquadFilterSettings<double> uquad = common_.uquad_filter;
+  uquad.dt = dt_;
+  uquad.calibration_time = stands ? from.start_up : 0;
+  if (uquad.field_norm == 0) uquad.field_norm = common_.environment.magnetic_field.norm();
+  uquad.declination =
+      std::atan2(common_.environment.magnetic_field.y(), common_.environment.magnetic_field.x());
+  if (sensors_[0].barometer) uquad.reference_pressure = sensors_[0].barometer->ground_pressure;
+  validate(uquad, "estimator");
+  uquad_settings_ = uquad_filter_cast<P>(uquad);
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::start() {
+  const Mission& mission = common_.mission;
+  runners_.assign(1, MissionRunner(mission));
+  if (runners_[0].depends_on_estimate()) runners_.assign(N, runners_[0]);
+  const int rotors = plant_.body.rotor_count;
+  if constexpr (R == Eigen::Dynamic) x_.resize(kRotorSpeeds + rotors);
+  x_.setConstant(P(0));
+  speeds_ = RotorSpeeds<P>::Constant(rotors, P(0));
+  if (carried_) {
+    carry(0);
+  } else {
+    for (int i = 0; i < 3; ++i) x_(i) = P(mission.start.position(i));
+    const Eigen::Quaterniond q = quaternion_of_euler(0.0, 0.0, mission.start.yaw);
+    x_(3) = P(q.w());
+    x_(6) = P(q.z());
+    if (mission.start.in_air) {
+      for (int i = 0; i < rotors; ++i)
+        speeds_(i) =
+            speed_for_thrust(allocation_.thrust0(i), allocation_.a2[static_cast<std::size_t>(i)],
+                             allocation_.a1[static_cast<std::size_t>(i)]);
+    } else {
+      // At rest on its feet.
+      x_(2) = plant_.body.mass * plant_.body.gravity / (P(4) * plant_.ground.stiffness) -
+              plant_.ground.leg_height;
+    }
+    plant_.command(speeds_, x_);
+    if constexpr (R != 0) x_.segment(kRotorSpeeds, rotors) = speeds_;
+  }
+  const StateVector<P> believed = euler_state_now();
+  mambo_ = mambo_estimator_start(mambo_settings_, believed);
+  uquad_ = uquad_filter_start(uquad_settings_, believed);
+  if (mission.start.in_air || carried_)
+    for (int i = 0; i < 3; ++i) {
+      if (gyroscope_)
+        for (int l = 0; l < N; ++l) {
+          const double bias = sensors_[static_cast<std::size_t>(l)].gyroscope->bias(i);
+          set_lane(mambo_.attitude.bias(i), l, bias);
+          set_lane(uquad_.gyro_offset(i), l, bias);
+        }
+      if (accelerometer_)
+        for (int l = 0; l < N; ++l)
+          set_lane(mambo_.force_bias(i), l,
+                   sensors_[static_cast<std::size_t>(l)].accelerometer->bias(i));
+    }
+  estimate_.x = believed;
+  if (common_.log)
+    for (int l = 0; l < N; ++l)
+      recorders_.emplace_back(*setups_[static_cast<std::size_t>(l)],
+                              sensors_[static_cast<std::size_t>(l)], rotors,
+                              static_cast<std::size_t>(duration_of(common_) / dt_) + 2);
+}
+
+// --- flying ---
+
+template <int N, int R>
+void ClosedLoop<N, R>::run(const std::function<bool()>& interrupted) {
+  const double duration = duration_of(common_);
+  const auto periods = static_cast<std::uint64_t>(std::llround(std::ceil(duration / dt_ - 1e-9)));
+  for (std::uint64_t k = 0; k <= periods && any(alive_); ++k) {
+    const double t = static_cast<double>(k) * dt_;
+    if (k % 1024 == 0 && interrupted && interrupted()) throw Interrupted();
+    set_environment(k, t);
+    if (carried_) carry(t);
+    sense(t);
+    estimate();
+    refer(t);
+    command(k, t);
+    metrics_.add(t, dt_, euler_state_now(), estimate_, reference_, saturated_, power_, alive_);
+    for (std::size_t l = 0; l < recorders_.size(); ++l)
+      if (lane(alive_, static_cast<int>(l)))
+        recorders_[l].add(t, static_cast<int>(l), x_, plant_.rotor_speeds(x_), frame_, estimate_,
+                          references_[l], wrench_, speeds_, charge_, plant_.wind);
+    for (int l = 0; l < N; ++l)
+      if (lane(alive_, l)) results_[static_cast<std::size_t>(l)].end_time = t;
+    watch(t);
+    if (k == periods) break;
+    advance(t);
+    check_divergence(t + dt_);
+  }
+}
+
+template <int N, int R>
+StateVector<Pack<N>> ClosedLoop<N, R>::euler_state_now() const {
+  using std::atan2, std::sqrt;
+  StateVector<P> x;
+  const Matrix3<P> M = rotation_of_quaternion(x_(3), x_(4), x_(5), x_(6));
+  for (int i = 0; i < 3; ++i) {
+    x(kPosition + i) = x_(i);
+    x(kVelocity + i) = x_(kBodyVelocity + i);
+    x(kRates + i) = x_(kBodyRates + i);
+  }
+  x(3) = atan2(M(2, 1), M(2, 2));
+  x(4) = atan2(P(-M(2, 0)), P(sqrt(M(0, 0) * M(0, 0) + M(1, 0) * M(1, 0))));
+  x(5) = atan2(M(1, 0), M(0, 0));
+  return x;
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::set_environment(std::uint64_t index, double t) {
+  if (wind_.windy()) plant_.wind = wind_.at(index, t, source_);
+  if (!common_.environment.dynamic) return;
+  for (int l = 0; l < N; ++l) {
+    const auto k = static_cast<std::size_t>(l);
+    const Vehicle& vehicle = flown(*setups_[k]);
+    const double height = std::clamp(-lane(x_(2), l) + atmospheres_[k].ground_height,
+                                     kStandardAtmosphereFloor, kStandardAtmosphereCeiling);
+    if (!std::isfinite(height)) continue;
+    const double density = standard_atmosphere(height).density;
+    const double fall = kEarthRadius / (kEarthRadius + height);
+    set_lane(plant_.body.air_density, l, density);
+    set_lane(plant_.body.density_ratio, l, density / vehicle.air_density);
+    set_lane(plant_.body.gravity, l, vehicle.gravity * fall * fall);
+    for (int i = 0; i < 3; ++i)
+      set_lane(field_(i), l, setups_[k]->environment.magnetic_field(i) * fall * fall * fall);
+  }
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::carry(double t) {
+  motion_ = carried_->at(t);
+  const QuaternionState<double> x = quaternion_state<double>(motion_.state());
+  for (int i = 0; i < kRotorSpeeds; ++i) x_(i) = P(x(i));
+}
+
+/// The state at an instant of the period that ends now: cubic between its ends.
+template <int N, int R>
+typename ClosedLoop<N, R>::State ClosedLoop<N, R>::truth_at(double instant, double now) const {
+  const double s = 1 + (instant - now) / dt_;
+  if (!between_ || s >= 1 - 1e-9) return x_;
+  const State slope = plant_.derivative(x_);
+  const double s2 = s * s, s3 = s2 * s;
+  State x = x_before_ * (2 * s3 - 3 * s2 + 1) + slope_before_ * ((s3 - 2 * s2 + s) * dt_) +
+            (x_ * (3 * s2 - 2 * s3) + slope * ((s3 - s2) * dt_));
+  PlantOf::restore_norm(x);
+  return x;
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::sense(double now) {
+  using Vector1 = Eigen::Matrix<P, 1, 1>;
+  using Vector2 = Eigen::Matrix<P, 2, 1>;
+  const auto truth = [&](double instant) {
+    if (carried_) {
+      State x = x_;
+      const QuaternionState<double> moved = quaternion_state<double>(carried_->at(instant).state());
+      for (int i = 0; i < kRotorSpeeds; ++i) x(i) = P(moved(i));
+      return x;
+    }
+    return truth_at(instant, now);
+  };
+  const auto rotation = [](const State& x) {
+    return rotation_of_quaternion(x(3), x(4), x(5), x(6));
+  };
+  while (accelerometer_ && accelerometer_->due(now)) {
+    Vector3<P> force;
+    if (carried_) {
+      const Eigen::Vector3d felt =
+          carried_->at(accelerometer_->next()).specific_force(flown(common_).gravity);
+      for (int i = 0; i < 3; ++i) force(i) = P(felt(i));
+    } else {
+      force = plant_.specific_force(truth(accelerometer_->next()));
+    }
+    accelerometer_->take(force, source_);
+  }
+  while (gyroscope_ && gyroscope_->due(now))
+    gyroscope_->take(truth(gyroscope_->next()).template segment<3>(kBodyRates), source_);
+  while (magnetometer_ && magnetometer_->due(now)) {
+    const Matrix3<P> M = rotation(truth(magnetometer_->next()));
+    magnetometer_->take(Vector3<P>(M.transpose() * field_), source_);
+  }
+  while (barometer_ && barometer_->due(now)) {
+    const P height = -truth(barometer_->next())(2);
+    const P pressure = linear_pressure_ ? P(ground_pressure_ + pressure_fall_ * height)
+                                        : barometric_pressure(height, ground_pressure_);
+    barometer_->take(Vector1(pressure), source_);
+  }
+  while (sonar_ && sonar_->due(now)) {
+    const State x = truth(sonar_->next());
+    const Matrix3<P> M = rotation(x);
+    const P range = -x(2) / M(2, 2);
+    const Mask<N> echo =
+        both(both(range >= sonar_least_, range <= sonar_greatest_), M(2, 2) >= sonar_cosine_);
+    sonar_->take(Vector1(select(echo, range, P(std::numeric_limits<double>::quiet_NaN()))),
+                 source_);
+  }
+  while (flow_ && flow_->due(now)) {
+    const State x = truth(flow_->next());
+    const Matrix3<P> M = rotation(x);
+    const P height = -x(2);
+    const Vector3<P> v = x.template segment<3>(kBodyVelocity);
+    const Vector3<P> w = x.template segment<3>(kBodyRates);
+    Vector2 flow;
+    if (common_.flow == FlowModel::simplified) {
+      flow << -v.x() + flow_gain_ * w.y() * height, -v.y() - flow_gain_ * w.x() * height;
+    } else {
+      // Over level ground 1/Z is linear in the image, so the mean of the field has a closed form.
+      const P a = flow_a2_ * P(1.0 / 3), b = flow_b2_ * P(1.0 / 3);
+      flow << (v.z() * M(2, 0) * a - v.x() * M(2, 2)) / height - w.y() * (P(1) + a),
+          (v.z() * M(2, 1) * b - v.y() * M(2, 2)) / height + w.x() * (P(1) + b);
+    }
+    flow_->take(flow, source_, either(height < flow_least_height_, M(2, 2) <= P(0)));
+  }
+  while (gps_position_ && gps_position_->due(now)) {
+    const State x = truth(gps_position_->next());
+    gps_position_->take(Vector3<P>(x.template segment<3>(kPosition)), source_);
+    gps_velocity_->take(Vector3<P>(rotation(x) * x.template segment<3>(kBodyVelocity)), source_);
+  }
+  if (accelerometer_) accelerometer_->deliver(now, dt_, frame_.specific_force);
+  if (gyroscope_) gyroscope_->deliver(now, dt_, frame_.rates);
+  if (magnetometer_) magnetometer_->deliver(now, dt_, frame_.magnetic_field);
+  if (barometer_) barometer_->deliver(now, dt_, frame_.pressure);
+  if (sonar_) sonar_->deliver(now, dt_, frame_.sonar);
+  if (flow_) flow_->deliver(now, dt_, frame_.flow);
+  if (gps_position_) gps_position_->deliver(now, dt_, frame_.gps_position);
+  if (gps_velocity_) gps_velocity_->deliver(now, dt_, frame_.gps_velocity);
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::estimate() {
+  switch (common_.estimator) {
+    case EstimatorKind::mambo:
+      estimate_ = step(mambo_settings_, mambo_, frame_);
+      return;
+    case EstimatorKind::uquad: {
+      const bool stands = reference_.phase == FlightPhase::off ||
+                          reference_.phase == FlightPhase::start_up || !between_;
+      estimate_ = step(uquad_settings_, uquad_, frame_, believed_body_, speeds_,
+                       Mask<N>(stands && !common_.mission.start.in_air));
+      return;
+    }
+    case EstimatorKind::truth:
+      break;
+  }
+  const P yaw_before = estimate_.x(5);
+  estimate_ = {};
+  estimate_.x = euler_state_now();
+  // The law holds an unwrapped yaw.
+  const P turns = nearest((yaw_before - estimate_.x(5)) * P(0.5 * std::numbers::inv_pi));
+  estimate_.x(5) += turns * P(2 * std::numbers::pi);
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::refer(double t) {
+  const auto note = [&](std::size_t l, MissionEvent event) {
+    if (event == MissionEvent::none || !lane(alive_, static_cast<int>(l))) return;
+    results_[l].events.push_back({t, std::string(to_string(event)), ""});
+    if (event == MissionEvent::abort) {
+      Mask<N> one;
+      set_lane(one, static_cast<int>(l), true);
+      end_flight(one, t, FlightEnd::safety_exit, nullptr, "");
+    }
+  };
+  const bool each_lane = runners_.size() > 1;
+  for (std::size_t l = 0; l < N; ++l) {
+    if (l == 0 || each_lane) {
+      StateVector<double> believed;
+      for (int i = 0; i < 12; ++i) believed(i) = lane(estimate_.x(i), static_cast<int>(l));
+      references_[l] = runners_[l].at(t, believed);
+    } else {
+      references_[l] = references_[0];
+    }
+    note(l, runners_[each_lane ? l : 0].event());
+  }
+  // One phase for all: what differs is whether a vehicle has switched its motors off.
+  FlightPhase phase = FlightPhase::off;
+  Mask<N> off;
+  for (int l = 0; l < N; ++l) {
+    const Reference<double>& from = references_[static_cast<std::size_t>(l)];
+    if (from.phase == FlightPhase::off)
+      set_lane(off, l, true);
+    else
+      phase = from.phase;
+    for (int i = 0; i < 3; ++i) {
+      set_lane(reference_.position(i), l, from.position(i));
+      set_lane(reference_.velocity(i), l, from.velocity(i));
+    }
+    set_lane(reference_.yaw, l, from.yaw);
+    set_lane(reference_.roll, l, from.roll);
+    set_lane(reference_.pitch, l, from.pitch);
+  }
+  reference_.track_position = references_[0].track_position;
+  reference_.motors = references_[0].motors;
+  reference_.phase = phase;
+  off_ = either(off_, off);
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::command(std::uint64_t index, double t) {
+  saturated_ = false;
+  const bool lawful =
+      reference_.phase == FlightPhase::take_off || reference_.phase == FlightPhase::flying;
+  if (lawful && std::holds_alternative<CascadeController>(common_.controller)) {
+    wrench_ = step(cascade_settings_, cascade_, estimate_, reference_);
+    speeds_ = speeds_of_wrench(allocation_, wrench_);
+    motors_.limit(speeds_, saturated_);
+  } else if (lawful) {
+    const Eigen::Matrix<P, kMaxRotors, 1> u =
+        step(feedback_settings_, feedback_, estimate_, reference_);
+    switch (feedback_settings_.input_kind) {
+      case InputKind::wrench:
+        wrench_ = u.template head<4>();
+        speeds_ = speeds_of_wrench(allocation_, wrench_);
+        break;
+      case InputKind::rotor_speed:
+        for (Eigen::Index i = 0; i < speeds_.size(); ++i) speeds_(i) = greater(u(i), P(0));
+        break;
+      case InputKind::rotor_thrust:
+        for (Eigen::Index i = 0; i < speeds_.size(); ++i) {
+          const auto k = static_cast<std::size_t>(i);
+          speeds_(i) = speed_for_thrust(u(i), allocation_.a2[k], allocation_.a1[k]);
+        }
+        break;
+      case InputKind::command:
+        motors_.speeds_of_commands(u, speeds_);
+        break;
+    }
+    if (feedback_settings_.input_kind != InputKind::wrench) {
+      const RotorLoads<P> loads = rotor_loads(plant_.body, speeds_);
+      wrench_ << -loads.force.z(), loads.torque;
+    }
+    motors_.limit(speeds_, saturated_);
+  } else if (reference_.phase == FlightPhase::start_up) {
+    const double share = common_.mission.start.start_up > 0
+                             ? std::min(1.0, t / common_.mission.start.start_up)
+                             : 1.0;
+    motors_.start_up(share, index, speeds_);
+  } else if (reference_.phase == FlightPhase::motors) {
+    motors_.shares(reference_.motors, speeds_);
+  } else {
+    speeds_.setConstant(P(0));
+  }
+  for (Eigen::Index i = 0; i < speeds_.size(); ++i) speeds_(i) = select(off_, P(0), speeds_(i));
+  saturated_ = both(saturated_, negated(off_));
+  if (battery_) motors_.supply(*battery_, charge_, speeds_, saturated_);
+  power_ = 0;
+  const RotorSpeeds<P> turning = plant_.rotor_speeds(x_);
+  for (int i = 0; i < plant_.body.rotor_count; ++i) {
+    const BasicRotor<P>& rotor = plant_.body.rotors[static_cast<std::size_t>(i)];
+    const P w = R == 0 ? speeds_(i) : turning(i);
+    power_ += rotor_torque(rotor, w, plant_.body.density_ratio) * w;
+  }
+  power_ = greater(power_, P(0));
+  if (battery_) step(*battery_, charge_, power_, dt_);
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::end_flight(const Mask<N>& lanes, double t, FlightEnd end, const char* name,
+                                  const std::string& detail) {
+  for (int l = 0; l < N; ++l) {
+    if (!lane(lanes, l) || !lane(alive_, l)) continue;
+    FlightResult& result = results_[static_cast<std::size_t>(l)];
+    result.end = end;
+    keep_final(l);
+    if (name != nullptr) result.events.push_back({t, name, detail});
+    set_lane(alive_, l, false);
+  }
+}
+
+/// Safety exits. What has no meaning on the ground is looked at in flight only.
+template <int N, int R>
+void ClosedLoop<N, R>::watch(double t) {
+  const SafetyLimits& safety = common_.safety;
+  if (common_.environment.dynamic || true) {
+    const P force2 = frame_.specific_force.value.squaredNorm();
+    const Mask<N> collided =
+        both(frame_.specific_force.fresh, force2 > P(safety.collision * safety.collision));
+    if (any(both(collided, alive_)))
+      end_flight(collided, t, FlightEnd::safety_exit, "collision",
+                 "the accelerometer read more than " + std::to_string(safety.collision) + " m/s²");
+  }
+  if (battery_) {
+    const Mask<N> empty = charge_.voltage < P(battery_->cutoff_voltage);
+    if (any(both(empty, alive_)))
+      end_flight(empty, t, FlightEnd::safety_exit, "battery", "the voltage fell below its cut-off");
+  }
+  const Mask<N> lost = negated(estimate_.finite);
+  if (common_.estimator != EstimatorKind::truth && any(both(lost, alive_)))
+    end_flight(lost, t, FlightEnd::safety_exit, "estimator", "the estimate is not finite");
+  const bool flies =
+      reference_.phase == FlightPhase::flying || reference_.phase == FlightPhase::take_off;
+  if (!flies || carried_) {
+    flow_lost_time_ = 0;
+    disagreement_time_ = 0;
+    return;
+  }
+  using std::cos;
+  const Mask<N> in_flight = negated(off_);
+  const P upright = cos(estimate_.x(3)) * cos(estimate_.x(4));
+  const Mask<N> tilted = both(in_flight, upright < P(std::cos(safety.tilt)));
+  if (any(both(tilted, alive_)))
+    end_flight(
+        tilted, t, FlightEnd::safety_exit, "tilt",
+        "the believed attitude is tilted by more than " + std::to_string(safety.tilt) + " rad");
+  if (common_.estimator == EstimatorKind::mambo && common_.flow != FlowModel::off) {
+    const Mask<N> high = -estimate_.x(2) > P(mambo_settings_.flow_least_height);
+    const Mask<N> blind =
+        both(both(in_flight, high), frame_.flow.age > mambo_settings_.flow_timeout);
+    flow_lost_time_ = select(blind, flow_lost_time_ + P(dt_), P(0));
+    const Mask<N> too_long = flow_lost_time_ > P(safety.flow_lost_time);
+    if (any(both(too_long, alive_)))
+      end_flight(too_long, t, FlightEnd::safety_exit, "flow-lost", "no optical flow came");
+    const Mask<N> differs = both(in_flight, estimate_.flow_disagrees);
+    disagreement_time_ = select(differs, disagreement_time_ + P(dt_), P(0));
+    const Mask<N> for_long = disagreement_time_ > P(safety.disagreement_time);
+    if (any(both(for_long, alive_)))
+      end_flight(for_long, t, FlightEnd::safety_exit, "disagreement",
+                 "optical flow and estimated velocity differ");
+  }
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::advance(double) {
+  if (carried_) {
+    between_ = true;
+    return;
+  }
+  plant_.command(speeds_, x_);
+  x_before_ = x_;
+  slope_before_ = plant_.derivative(x_);
+  const double h = dt_ / substeps_;
+  for (int i = 0; i < substeps_; ++i) x_ = plant_.step(common_.integrator, x_, h);
+  between_ = true;
+  for (int l = 0; l < N; ++l)
+    if (lane(alive_, l))
+      results_[static_cast<std::size_t>(l)].steps += static_cast<std::uint64_t>(substeps_);
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::check_divergence(double t) {
+  // Far beyond what any flight does: 1000 km, 1000 rad/s …
+  static constexpr std::array<double, 4> kBounds = {1e6, 2, 1e4, 1e4};
+  static constexpr std::array<int, 5> kParts = {0, 3, 7, 10, 13};
+  Mask<N> good = true;
+  for (std::size_t part = 0; part < 4; ++part)
+    for (int i = kParts[part]; i < kParts[part + 1]; ++i)
+      good = both(good, magnitude(x_(i)) <= P(kBounds[part]));  // false for NaN
+  if (all(either(good, negated(alive_)))) return;
+  static constexpr std::array<const char*, 13> kNames = {"px", "py", "pz", "qw", "qx", "qy", "qz",
+                                                         "u",  "v",  "w",  "p",  "q",  "r"};
+  for (int l = 0; l < N; ++l) {
+    if (lane(good, l) || !lane(alive_, l)) continue;
+    FlightResult& result = results_[static_cast<std::size_t>(l)];
+    for (std::size_t part = 0; part < 4 && result.culprit.empty(); ++part)
+      for (int i = kParts[part]; i < kParts[part + 1] && result.culprit.empty(); ++i)
+        if (!(std::abs(lane(x_(i), l)) <= kBounds[part]))
+          result.culprit = kNames[static_cast<std::size_t>(i)];
+    result.end_time = t;
+    Mask<N> one;
+    set_lane(one, l, true);
+    end_flight(one, t, FlightEnd::diverged, "diverged", "state " + result.culprit);
+  }
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::keep_final(int l) {
+  const StateVector<P> x = euler_state_now();
+  for (int i = 0; i < 12; ++i) {
+    results_[static_cast<std::size_t>(l)].final_state(i) = lane(x(i), l);
+    results_[static_cast<std::size_t>(l)].final_estimate(i) = lane(estimate_.x(i), l);
+  }
+}
+
+template <int N, int R>
+FlightResult ClosedLoop<N, R>::result(int l) {
+  FlightResult& result = results_[static_cast<std::size_t>(l)];
+  result.metrics = metrics_.values(l);
+  if (lane(alive_, l)) keep_final(l);
+  if (!recorders_.empty())
+    result.log = recorders_[static_cast<std::size_t>(l)].table(result.events);
+  return result;
+}
+
+template <int N, int R>
+std::array<FlightResult, N> fly_together(const std::array<const FlightSetup*, N>& setups,
+                                         const std::function<bool()>& interrupted) {
+  const auto loop = std::make_unique<ClosedLoop<N, R>>(setups);
+  loop->run(interrupted);
+  std::array<FlightResult, N> results;
+  for (std::size_t l = 0; l < N; ++l) results[l] = loop->result(static_cast<int>(l));
+  return results;
+}
+
+}  // namespace quadtune::internal

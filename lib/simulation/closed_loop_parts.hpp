@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What a setup means before anything is flown.
+#pragma once
+
+#include "quadtune/simulation/flight.hpp"
+
+namespace quadtune::internal {
+
+/// The true vehicle of a setup.
+[[nodiscard]] inline const Vehicle& flown(const FlightSetup& setup) {
+  return setup.flown ? *setup.flown : setup.vehicle;
+}
+/// The control period of a setup's law [s].
+[[nodiscard]] double control_period(const FlightSetup& setup);
+/// The sensors that a setup flies with: its vehicle's, made ideal or cut down as it says.
+[[nodiscard]] Sensors sensors_of(const FlightSetup& setup);
+/// How long a setup flies [s].
+[[nodiscard]] double duration_of(const FlightSetup& setup);
+
+/// One flight a lane; setups are of one structure, see same_structure().
+/// @tparam N  lanes;  @tparam R  rotors with lag, as Plant's N
+template <int N, int R>
+[[nodiscard]] std::array<FlightResult, N> fly_together(
+    const std::array<const FlightSetup*, N>& setups, const std::function<bool()>& interrupted);
+
+/// Whether two flights differ in numbers only and can share a pack.
+[[nodiscard]] bool same_structure(const FlightSetup& a, const FlightSetup& b);
+
+}  // namespace quadtune::internal

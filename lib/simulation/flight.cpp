@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/simulation/flight.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "closed_loop_parts.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/simulation/air.hpp"
+#include "quadtune/simulation/pack.hpp"
+
+namespace quadtune {
+namespace {
+
+template <class Enum>
+Enum of_name(const std::string& name, const std::vector<Enum>& all, const std::string& what,
+             const std::string& where) {
+  std::vector<std::string> known;
+  for (const Enum value : all) {
+    if (to_string(value) == name) return value;
+    known.push_back(to_string(value));
+  }
+  throw InvalidInput(where,
+                     fmt::format("no {} '{}', expected {}{}", what, internal::printable(name),
+                                 fmt::join(known, ", "), internal::did_you_mean(name, known)));
+}
+
+int lagging_rotors(const FlightSetup& setup) {
+  const std::vector<Rotor>& rotors = internal::flown(setup).rotors;
+  const bool lags =
+      std::any_of(rotors.begin(), rotors.end(), [](const Rotor& r) { return r.lag > 0; });
+  return lags ? static_cast<int>(rotors.size()) : 0;
+}
+
+template <int N>
+std::array<FlightResult, N> fly_lanes(const std::array<const FlightSetup*, N>& setups,
+                                      const std::function<bool()>& interrupted) {
+  switch (lagging_rotors(*setups[0])) {
+    case 0:
+      return internal::fly_together<N, 0>(setups, interrupted);
+    case 4:
+      return internal::fly_together<N, 4>(setups, interrupted);
+    default:
+      return internal::fly_together<N, Eigen::Dynamic>(setups, interrupted);
+  }
+}
+
+}  // namespace
+
+std::string to_string(EstimatorKind kind) {
+  switch (kind) {
+    case EstimatorKind::mambo:
+      return "mambo";
+    case EstimatorKind::uquad:
+      return "uquad";
+    case EstimatorKind::truth:
+      break;
+  }
+  return "truth";
+}
+
+EstimatorKind estimator_kind(const std::string& name, const std::string& where) {
+  return of_name<EstimatorKind>(
+      name, {EstimatorKind::mambo, EstimatorKind::uquad, EstimatorKind::truth}, "estimator", where);
+}
+
+std::string to_string(FlowModel model) {
+  switch (model) {
+    case FlowModel::full:
+      return "full";
+    case FlowModel::simplified:
+      return "simplified";
+    case FlowModel::off:
+      break;
+  }
+  return "off";
+}
+
+FlowModel flow_model(const std::string& name, const std::string& where) {
+  return of_name<FlowModel>(name, {FlowModel::full, FlowModel::simplified, FlowModel::off},
+                            "flow model", where);
+}
+
+std::string to_string(FlightEnd end) {
+  switch (end) {
+    case FlightEnd::completed:
+      return "completed";
+    case FlightEnd::safety_exit:
+      return "safety exit";
+    case FlightEnd::diverged:
+      break;
+  }
+  return "diverged";
+}
+
+namespace internal {
+
+double control_period(const FlightSetup& setup) {
+  if (const auto* cascade = std::get_if<CascadeController>(&setup.controller))
+    return cascade->gains.dt;
+  return std::get<StateFeedbackController>(setup.controller).dt;
+}
+
+double duration_of(const FlightSetup& setup) {
+  return setup.duration > 0 ? setup.duration : setup.mission.duration;
+}
+
+Sensors sensors_of(const FlightSetup& setup) {
+  Sensors sensors = flown(setup).sensors;
+  if (!setup.real_sensors) sensors = ideal(sensors);
+  if (setup.flow == FlowModel::off) sensors.flow.reset();
+  if (sensors.flow && setup.flow_rate > 0) sensors.flow->faults.rate = setup.flow_rate;
+  return sensors;
+}
+
+bool same_structure(const FlightSetup& a, const FlightSetup& b) {
+  const auto clock = [](const SensorFaults& f) { return std::pair(f.rate, f.delay); };
+  const auto clocks = [&](const Sensors& s) {
+    std::vector<std::pair<double, double>> all(7, {0, 0});
+    if (s.accelerometer) all[0] = clock(*s.accelerometer);
+    if (s.gyroscope) all[1] = clock(*s.gyroscope);
+    if (s.magnetometer) all[2] = clock(*s.magnetometer);
+    if (s.barometer) all[3] = clock(s.barometer->faults);
+    if (s.sonar) all[4] = clock(s.sonar->faults);
+    if (s.flow) all[5] = clock(s.flow->faults);
+    if (s.gps) all[6] = clock(s.gps->position);
+    return all;
+  };
+  const auto law = [](const FlightSetup& s) {
+    if (const auto* c = std::get_if<CascadeController>(&s.controller))
+      return std::tuple(0, static_cast<int>(c->method), std::vector<std::string>{});
+    const Gains& gains = std::get<StateFeedbackController>(s.controller).gains;
+    std::vector<std::string> integrated{gains.convention};
+    for (const Signal& signal : gains.integrals) integrated.push_back(signal.name);
+    return std::tuple(1, static_cast<int>(gains.input_kind), integrated);
+  };
+  return a.mission.text == b.mission.text && a.mission.name == b.mission.name &&
+         !a.mission.text.empty() && law(a) == law(b) && control_period(a) == control_period(b) &&
+         duration_of(a) == duration_of(b) && a.estimator == b.estimator &&
+         a.mambo_estimator == b.mambo_estimator && a.uquad_filter == b.uquad_filter &&
+         a.vehicle.mass == b.vehicle.mass && a.vehicle.text == b.vehicle.text &&
+         a.real_sensors == b.real_sensors && a.flow == b.flow &&
+         clocks(sensors_of(a)) == clocks(sensors_of(b)) &&
+         a.environment.dynamic == b.environment.dynamic && a.integrator == b.integrator &&
+         a.environment.magnetic_field == b.environment.magnetic_field && a.step == b.step &&
+         a.seed == b.seed && flown(a).rotors.size() == flown(b).rotors.size() &&
+         lagging_rotors(a) == lagging_rotors(b) && flown(a).motor.law == flown(b).motor.law &&
+         flown(a).battery == flown(b).battery && a.safety == b.safety && a.log == b.log;
+}
+
+}  // namespace internal
+
+void validate(const FlightSetup& setup) {
+  const double dt = internal::control_period(setup);
+  if (!(dt >= 1e-4 && dt <= 1))
+    throw InvalidInput("flight",
+                       fmt::format("the control period is {} s, expected 0.0001 to 1 s", dt));
+  if (!(setup.step > 0) || !std::isfinite(setup.step))
+    throw InvalidInput("flight", fmt::format("the step is {} s, expected more than 0", setup.step));
+  const double duration = internal::duration_of(setup);
+  if (!(duration > 0 && duration / dt <= 1e8))
+    throw InvalidInput("flight", fmt::format("the duration is {} s, expected more than 0 and at "
+                                             "most 1e8 control periods",
+                                             duration));
+  if (setup.flow_rate != 0 && !(setup.flow_rate > 0 && setup.flow_rate <= 10000))
+    throw InvalidInput(
+        "flight", fmt::format("the flow rate is {} Hz, expected 0 to 10000 Hz", setup.flow_rate));
+  require_motors(setup.mission, static_cast<int>(setup.vehicle.rotors.size()), "flight");
+  if (setup.flown && setup.flown->rotors.size() != setup.vehicle.rotors.size())
+    throw InvalidInput("flight",
+                       fmt::format("the vehicle flown has {} rotors, the one believed {}, expected "
+                                   "as many",
+                                   setup.flown->rotors.size(), setup.vehicle.rotors.size()));
+  (void)dryden_numbers(setup.environment.wind);
+}
+
+FlightResult fly(const FlightSetup& setup) {
+  validate(setup);
+  return std::move(fly_lanes<1>({&setup}, {})[0]);
+}
+
+std::vector<FlightResult> fly_all(std::span<const FlightSetup> setups, std::size_t /*threads*/,
+                                  const std::function<bool()>& interrupted) {
+  for (const FlightSetup& setup : setups) validate(setup);
+  std::vector<FlightResult> results(setups.size());
+  std::size_t begin = 0;
+  while (begin < setups.size()) {
+    std::size_t end = begin + 1;
+    while (end < setups.size() && end < begin + kPackLanes &&
+           internal::same_structure(setups[begin], setups[end]))
+      ++end;
+    if (end - begin == 1) {
+      results[begin] = std::move(fly_lanes<1>({&setups[begin]}, interrupted)[0]);
+    } else {
+      // Lanes that are left over fly the first flight again.
+      std::array<const FlightSetup*, kPackLanes> lanes;
+      lanes.fill(&setups[begin]);
+      for (std::size_t i = begin; i < end; ++i) lanes[i - begin] = &setups[i];
+      auto together = fly_lanes<kPackLanes>(lanes, interrupted);
+      for (std::size_t i = begin; i < end; ++i) results[i] = std::move(together[i - begin]);
+    }
+    begin = end;
+  }
+  return results;
+}
+
+}  // namespace quadtune

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "closed_loop.hpp"
+
+namespace quadtune::internal {
+
+template std::array<FlightResult, 1> fly_together<1, 4>(const std::array<const FlightSetup*, 1>&,
+                                                        const std::function<bool()>&);
+
+}  // namespace quadtune::internal

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "quadtune/simulation/sensor_channel.hpp"
+
+namespace quadtune {
+
+SampledResponse sampled_response(double natural_frequency, double damping, double dt) {
+  if (natural_frequency == 0) return {};
+  // Time in samples: (y, y' dt, u, u' dt) by one exponential.
+  const double w = natural_frequency * dt;
+  Eigen::Matrix4d M = Eigen::Matrix4d::Zero();
+  M(0, 1) = 1;
+  M.row(1) << -w * w, -2 * damping * w, w * w, 0;
+  M(2, 3) = 1;
+  // Scaling and squaring with a Taylor series: sixteen terms of a matrix of norm ½ or less.
+  const double norm = M.cwiseAbs().rowwise().sum().maxCoeff();
+  const int squarings = std::max(0, static_cast<int>(std::ceil(std::log2(2 * norm))));
+  const Eigen::Matrix4d X = M * std::ldexp(1.0, -squarings);
+  Eigen::Matrix4d E = Eigen::Matrix4d::Identity();
+  for (int k = 16; k >= 1; --k) E = Eigen::Matrix4d::Identity() + X * E / k;
+  for (int k = 0; k < squarings; ++k) E = E * E;
+  SampledResponse response;
+  response.A << E(0, 0), E(0, 1) * dt, E(1, 0) / dt, E(1, 1);
+  // u[k-1] stands in u and, with u[k], in u' dt = u[k] - u[k-1].
+  const Eigen::Vector2d held(E(0, 2), E(1, 2) / dt);
+  response.b1 << E(0, 3), E(1, 3) / dt;
+  response.b0 = held - response.b1;
+  return response;
+}
+
+}  // namespace quadtune
