@@ -34,7 +34,12 @@ struct SensorFrame {
 template <class T>
 struct Estimate {
   StateVector<T> x = StateVector<T>::Zero();
-  MaskOf<T> flow_used{};  ///< whether optical flow was believed in this period
+  MaskOf<T> finite{true};       ///< false: an entry of x is not finite; it will not recover
+  MaskOf<T> height_used{};      ///< whether sonar or barometer was believed in this period
+  MaskOf<T> flow_used{};        ///< whether optical flow was believed in this period
+  MaskOf<T> flow_disagrees{};   ///< its velocity is too far from the estimated one: a safety exit
+  T innovation_square = T(0);   ///< Σ eᵀ S⁻¹ e over the measurements used in this period
+  T innovation_freedom = T(0);  ///< how many those are: the expectation of that sum
 };
 
 /// What the motors shall do at this instant.

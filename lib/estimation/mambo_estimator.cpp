@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/estimation/mambo_estimator.hpp"
+
+#include <fmt/format.h>
+
+#include "estimation/checks.hpp"
+
+namespace quadtune {
+namespace {
+
+template <class T>
+void validate_settings(const MamboEstimatorSettings<T>& settings, const std::string& where) {
+  validate(attitude_settings(settings), where);
+  if (!(settings.calibration_time >= 0) || !std::isfinite(settings.calibration_time))
+    throw InvalidInput(where, fmt::format("calibration_time is {} s, expected 0 or more and finite",
+                                          settings.calibration_time));
+  require_variance(settings.altitude_Q, "altitude_Q", " m2/s2", where);
+  require_positive(settings.altitude_R, "altitude_R", " m2", where);
+  require_variance(settings.velocity_Q, "velocity_Q", " m2/s2", where);
+  require_positive(settings.velocity_R, "velocity_R", " m2/s2", where);
+  require_not_negative(settings.sonar_least, "sonar_least", " m", where);
+  if (!(settings.sonar_least < settings.sonar_greatest))
+    throw InvalidInput(where, fmt::format("sonar_least is {} m and sonar_greatest {} m, expected "
+                                          "the first to be smaller because echoes lie between them",
+                                          settings.sonar_least, settings.sonar_greatest));
+  require_not_negative(settings.sonar_jump, "sonar_jump", " m", where);
+  require_not_negative(settings.sonar_deviation, "sonar_deviation", " m", where);
+  require_not_negative(settings.sonar_recovery_time, "sonar_recovery_time", " s", where);
+  require_positive(settings.flow_scale, "flow_scale", "", where);
+  // Negative ones are for a sensor with the sign of the package's, Oliveira 2020 (6.8).
+  if (!std::isfinite(settings.flow_compensation_x + settings.flow_compensation_y))
+    throw InvalidInput(where,
+                       fmt::format("flow_compensation is {} and {}, expected finite numbers",
+                                   settings.flow_compensation_x, settings.flow_compensation_y));
+  require_not_negative(settings.flow_least_height, "flow_least_height", " m", where);
+  require_not_negative(settings.flow_timeout, "flow_timeout", " s", where);
+  require_not_negative(settings.flow_disagreement, "flow_disagreement", " m/s", where);
+}
+
+}  // namespace
+
+void validate(const MamboEstimatorSettings<double>& settings, const std::string& where) {
+  validate_settings(settings, where);
+}
+
+void validate(const MamboEstimatorSettings<float>& settings, const std::string& where) {
+  validate_settings(settings, where);
+}
+
+}  // namespace quadtune

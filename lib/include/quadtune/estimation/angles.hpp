@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Angles as sensors give them: turned back into one turn, and of a level vehicle's accelerometer.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <type_traits>
+
+#include "quadtune/model/rotation.hpp"
+#include "quadtune/scalar.hpp"
+
+namespace quadtune {
+namespace on_board_math {
+
+/// To the nearest integer, ties to even, as Pack does it.
+template <class T>
+requires std::is_floating_point_v<T>
+[[nodiscard]] inline T nearest(T x) { return std::nearbyint(x); }
+
+}  // namespace on_board_math
+
+/// The angle less whole turns, within -π … π [rad].
+template <class T>
+[[nodiscard]] T wrapped(const T& angle) {
+  using on_board_math::nearest;
+  return angle - T(2 * std::numbers::pi) * nearest(angle * T(0.5 / std::numbers::pi));
+}
+
+/// What an accelerometer at rest tells of the attitude.
+template <class T>
+struct Tilt {
+  T roll = T(0);   ///< -π … π [rad]
+  T pitch = T(0);  ///< -π/2 … π/2 [rad]
+};
+
+/// Roll and pitch at which a body that does not accelerate feels the specific force f: the
+/// solution of f = -g R_WBᵀ e_z, for f of any length but 0.
+template <class T>
+[[nodiscard]] Tilt<T> tilt_of_force(const Vector3<T>& f) {
+  using std::atan2, std::sqrt;
+  return {atan2(-f.y(), -f.z()), atan2(f.x(), T(sqrt(f.y() * f.y() + f.z() * f.z())))};
+}
+
+/// Yaw from the earth's field in body axes, of a body with this roll and pitch [rad, -π … π].
+/// @param declination  of magnetic north, east positive [rad].
+template <class T>
+[[nodiscard]] T yaw_of_field(const Vector3<T>& field, const Tilt<T>& tilt, const T& declination) {
+  using std::atan2, std::cos, std::sin;
+  const T sr = sin(tilt.roll), cr = cos(tilt.roll);
+  const T sp = sin(tilt.pitch), cp = cos(tilt.pitch);
+  // Ry(pitch) Rx(roll) m = |m_h| (cos(declination - yaw), sin(declination - yaw), ·)
+  const T aft = sr * field.y() + cr * field.z();
+  const T ahead = cp * field.x() + sp * aft;
+  const T right = cr * field.y() - sr * field.z();
+  return declination - T(atan2(right, ahead));
+}
+
+}  // namespace quadtune

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Attitude from a gyroscope, corrected slowly toward what the accelerometer takes for down.
+/// Theory: "Estimators on board".
+#pragma once
+
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "quadtune/estimation/angles.hpp"
+#include "quadtune/estimation/kalman_filter.hpp"
+#include "quadtune/model/rotation.hpp"
+#include "quadtune/scalar.hpp"
+
+namespace quadtune {
+
+/// Set once. validate() tells whether step() may be given these; step() does not look.
+template <class T>
+struct ComplementaryFilterSettings {
+  double dt = 0.005;       ///< sample period [s], > 0
+  T gravity = T(9.81);     ///< [m/s²], > 0
+  T time_constant = T(1);  ///< of the correction by the accelerometer [s], ≥ 0; infinite: none
+  /// Share of g by which |f| may differ before nothing is believed of it; the weight falls in
+  /// proportion on the way. > 0; infinite: f is always believed.
+  T force_band = T(0.25);
+  /// Time in which a bias of the gyroscope is found [s], at least 4 times time_constant; infinite:
+  /// none is looked for.
+  T bias_time_constant = T(std::numeric_limits<double>::infinity());
+};
+
+template <class T>
+struct ComplementaryFilterState {
+  Vector3<T> angles = Vector3<T>::Zero();     ///< roll pitch, within ±π; yaw, unwrapped [rad]
+  Vector3<T> gyro_bias = Vector3<T>::Zero();  ///< body axes [rad/s]
+  Vector3<T> gyro = Vector3<T>::Zero();       ///< the last sample, with its bias [rad/s]
+};
+
+/// (roll', pitch', yaw') of body rates. As euler_rate_matrix(), but finite in every attitude: near
+/// ±90° of pitch the cosine is held at 0.05, where the filter is wrong and recovers later.
+template <class T>
+[[nodiscard]] Vector3<T> bounded_euler_rates(const T& roll, const T& pitch,
+                                             const Vector3<T>& rates) {
+  using std::cos, std::sin;
+  const T least = T(0.05);
+  const T sr = sin(roll), cr = cos(roll), cp = cos(pitch);
+  const T held = select(cp < T(0), lesser(cp, T(-least)), greater(cp, least));
+  const T yaw_rate = (rates.y() * sr + rates.z() * cr) / held;
+  return {rates.x() + sin(pitch) * yaw_rate, rates.y() * cr - rates.z() * sr, yaw_rate};
+}
+
+/// One sample. With w the mean of this and the last sample of the gyroscope less its bias,
+///
+///     angles ← angles + dt E(angles half way) w
+///     roll, pitch ← + α weight · (those of the accelerometer - these),   α = dt/(τ + dt)
+///
+/// Exact for constant angles: a tilt error decays by τ/(τ + dt) a sample, and a bias b of the
+/// gyroscope ends as the offset b τ. The yaw is integrated and nothing corrects it.
+/// @param gyro   [rad/s], finite.
+/// @param force  specific force [m/s²], finite.
+/// @param force_fresh  whether the force is a new sample; without one nothing is corrected.
+template <class T>
+void step(const ComplementaryFilterSettings<T>& settings, ComplementaryFilterState<T>& state,
+          const Vector3<T>& gyro, const Vector3<T>& force, const MaskOf<T>& force_fresh) {
+  using std::cos, std::sin, std::sqrt;
+  const T dt = T(settings.dt);
+  const Vector3<T> rates = (gyro + state.gyro) * T(0.5) - state.gyro_bias;
+  state.gyro = gyro;
+  const Vector3<T> before = bounded_euler_rates(state.angles.x(), state.angles.y(), rates);
+  const Vector3<T> half_way = state.angles + before * (dt * T(0.5));
+  state.angles += bounded_euler_rates(half_way.x(), half_way.y(), rates) * dt;
+
+  const T norm = sqrt(force.squaredNorm());
+  const T excess = magnitude(T(norm / settings.gravity - T(1))) / settings.force_band;
+  // A falling body feels nothing, and what is left then points anywhere.
+  const MaskOf<T> felt = both(force_fresh, norm > T(0.1) * settings.gravity);
+  const T weight = select(felt, greater(T(T(1) - excess), T(0)), T(0));
+  const Tilt<T> tilt = tilt_of_force(force);
+  const T alpha = dt / (settings.time_constant + dt) * weight;
+  const T roll_error = wrapped(T(tilt.roll - state.angles.x()));
+  const T pitch_error = tilt.pitch - state.angles.y();
+  state.angles.x() = wrapped(T(state.angles.x() + alpha * roll_error));
+  state.angles.y() = wrapped(T(state.angles.y() + alpha * pitch_error));
+
+  // The error's own share along each body axis: body_rate_matrix() · (roll, pitch, 0).
+  const T beta = alpha / settings.bias_time_constant;
+  const T sr = sin(state.angles.x()), cr = cos(state.angles.x());
+  state.gyro_bias.x() -= beta * roll_error;
+  state.gyro_bias.y() -= beta * cr * pitch_error;
+  state.gyro_bias.z() += beta * sr * pitch_error;
+}
+
+/// Whether step() may run with these: dt and gravity > 0 and finite, time_constant ≥ 0, band > 0,
+/// bias_time_constant ≥ 4 time_constant, so that the two do not swing together.
+/// @throws InvalidInput  "where: force_band is 0, expected …"
+void validate(const ComplementaryFilterSettings<double>& settings, const std::string& where);
+void validate(const ComplementaryFilterSettings<float>& settings, const std::string& where);
+
+}  // namespace quadtune

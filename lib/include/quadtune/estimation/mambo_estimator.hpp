@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The Mambo's estimator: attitude by a complementary filter, height from sonar and horizontal
+/// velocity from optical flow by two small Kalman filters. Theory: "Estimators on board".
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "quadtune/estimation/complementary_filter.hpp"
+#include "quadtune/estimation/kalman_filter.hpp"
+#include "quadtune/estimation/on_board.hpp"
+
+namespace quadtune {
+
+/// What the horizontal position is the integral of.
+enum class MamboPosition {
+  filtered_velocity,  ///< the Kalman filter's, as the original
+  flow_velocity,      ///< that of the optical flow as it came, to see what the filter is worth
+};
+
+/// Set once. validate() tells whether step() may be given these; step() does not look. The numbers
+/// are those of Oliveira 2020, tables 3.1 and 3.2, and of the Mambo project where it has them.
+template <class T>
+struct MamboEstimatorSettings {
+  double dt = 0.005;    ///< control period [s], > 0
+  T gravity = T(9.81);  ///< [m/s²], > 0
+  /// First the vehicle stands still, in the attitude given to mambo_estimator_start(), and what
+  /// the gyroscope and the accelerometer then say on average is subtracted ever after [s]. 0: the
+  /// sensors are believed as they are.
+  double calibration_time = 0;
+
+  T attitude_time_constant = T(1);  ///< ComplementaryFilterSettings::time_constant [s]
+  T force_band = T(0.25);           ///< ComplementaryFilterSettings::force_band
+  /// ComplementaryFilterSettings::bias_time_constant [s]; infinite: off
+  T bias_time_constant = T(std::numeric_limits<double>::infinity());
+
+  T altitude_Q = T(0.0005);    ///< of vz per period [m²/s²], table 3.1
+  T altitude_R = T(0.1);       ///< of the sonar [m²]
+  T sonar_least = T(0.1);      ///< shortest echo believed [m]
+  T sonar_greatest = T(5);     ///< longest [m]
+  T sonar_jump = T(0.3);       ///< largest step from one echo to the next [m]
+  T sonar_deviation = T(0.4);  ///< largest distance from the estimated height [m]
+  /// After so long without an echo that passes both gates, one that agrees with the echo before it
+  /// is taken for the height anew [s]: over a table the gates would stay shut for ever.
+  T sonar_recovery_time = T(1);
+
+  T velocity_Q = T(0.09);  ///< per axis and period [m²/s²], table 3.2
+  T velocity_R = T(5);     ///< of the flow velocity, per axis [m²/s²]
+  /// The original's correction factor. 1 is right for a flow without error of scale.
+  T flow_scale = T(1.15);
+  /// How much of the flow the body's own turning makes, for x and for y: 0 leaves it in, as the
+  /// original; 1 + a²/3 and 1 + b²/3 take out the mean over an image of half fields of view a, b.
+  T flow_compensation_x = T(0);
+  T flow_compensation_y = T(0);
+  T flow_least_height = T(0.4);  ///< estimated height below which flow is not believed [m]
+  T flow_timeout = T(0.1);       ///< age at which the newest flow is no longer used [s]
+  /// true: the newest flow corrects in every period until the next, as the original; false: once.
+  bool hold_flow = true;
+  T flow_disagreement = T(1);  ///< Estimate::flow_disagrees above this distance [m/s]
+
+  MamboPosition position = MamboPosition::filtered_velocity;
+};
+
+/// The complementary filter's share of them.
+template <class T>
+[[nodiscard]] ComplementaryFilterSettings<T> attitude_settings(
+    const MamboEstimatorSettings<T>& settings) {
+  return {settings.dt, settings.gravity, settings.attitude_time_constant, settings.force_band,
+          settings.bias_time_constant};
+}
+
+/// What is kept from one period to the next. A copy of it resumes identically.
+template <class T>
+struct MamboEstimatorState {
+  ComplementaryFilterState<T> attitude;
+  Vector3<T> force = Vector3<T>::Zero();       ///< newest specific force [m/s²]
+  Vector3<T> force_bias = Vector3<T>::Zero();  ///< found at the start [m/s²]
+  KalmanState<T, 2> altitude;                  ///< z, vz, predicted for the period to come
+  KalmanState<T, 2> velocity;                  ///< vx, vy of the world, likewise
+  Eigen::Matrix<T, 2, 1> position = Eigen::Matrix<T, 2, 1>::Zero();  ///< ∫ filtered velocity [m]
+  Eigen::Matrix<T, 2, 1> flow_position = Eigen::Matrix<T, 2, 1>::Zero();  ///< ∫ flow velocity [m]
+
+  T echo_height = T(0);      ///< of the last echo in range, believed or not [m]
+  T unbelieved_time = T(0);  ///< since an echo was last believed [s]
+  Eigen::Matrix<T, 2, 1> flow = Eigen::Matrix<T, 2, 1>::Zero();  ///< newest, compensated [rad/s]
+  T flow_age = T(0);                                             ///< [s]
+  MaskOf<T> flow_seen{};                                         ///< whether any flow came yet
+
+  std::int64_t periods = 0;                  ///< since the start
+  Vector3<T> gyro_sum = Vector3<T>::Zero();  ///< while standing still
+  Vector3<T> force_sum = Vector3<T>::Zero();
+  T gyro_count = T(0);
+  T force_count = T(0);
+};
+
+/// cos roll · cos pitch below which sonar and flow look too far aside to be used: 60°.
+inline constexpr double kLeastTiltCosine = 0.5;
+
+/// The state of an estimator that knows where it is.
+/// @param x  the 12 states of ned_convention().
+template <class T>
+[[nodiscard]] MamboEstimatorState<T> mambo_estimator_start(
+    const MamboEstimatorSettings<T>& settings, const StateVector<T>& x) {
+  MamboEstimatorState<T> state;
+  const Matrix3<T> R_WB = rotation_of_euler(x(3), x(4), x(5));
+  const Vector3<T> velocity = R_WB * x.template segment<3>(kVelocity);
+  state.attitude.angles = x.template segment<3>(kAttitude);
+  state.attitude.gyro = x.template segment<3>(kRates);
+  state.force = R_WB.row(2).transpose() * T(-settings.gravity);
+  state.altitude.x << x(2), velocity.z();
+  state.velocity.x = velocity.template head<2>();
+  state.position = x.template head<2>();
+  state.flow_position = state.position;
+  state.echo_height = -x(2);
+  return state;
+}
+
+/// The horizontal velocity in the world that a flow means.
+/// @param flow    mean image velocity over focal length, less the body's turning [rad/s].
+/// @param height  of the camera above the ground [m].
+/// @param down_velocity  vz, which the flow does not tell [m/s].
+/// @param R_WB    body to world; the camera looks along body z.
+template <class T>
+[[nodiscard]] Eigen::Matrix<T, 2, 1> velocity_of_flow(const Eigen::Matrix<T, 2, 1>& flow,
+                                                      const T& height, const T& down_velocity,
+                                                      const Matrix3<T>& R_WB) {
+  // Along body z the ground is this far, and flow = -velocity / depth.
+  const T cosine = greater(R_WB(2, 2), T(kLeastTiltCosine));
+  const T depth = height / cosine;
+  const T u = -flow(0) * depth;
+  const T v = -flow(1) * depth;
+  // The third component follows from vz = (R_WB (u, v, w))_z.
+  const T w = (down_velocity - R_WB(2, 0) * u - R_WB(2, 1) * v) / cosine;
+  return {R_WB(0, 0) * u + R_WB(0, 1) * v + R_WB(0, 2) * w,
+          R_WB(1, 0) * u + R_WB(1, 1) * v + R_WB(1, 2) * w};
+}
+
+/// One control period: from what the sensors said to what is believed.
+///
+/// The filters correct with this period's measurement (tables 3.1 and 3.2, measurement and update),
+/// give their estimate, and predict the next period with this period's acceleration. The position
+/// is the sum of the velocities before, times dt. Inputs that are not finite count as not fresh.
+template <class T>
+Estimate<T> step(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<T>& state,
+                 const SensorFrame<T>& frame) {
+  using Vector2 = Eigen::Matrix<T, 2, 1>;
+  using Matrix2 = Eigen::Matrix<T, 2, 2>;
+  const T dt = T(settings.dt);
+  Estimate<T> estimate;
+
+  const MaskOf<T> gyro_fresh = both(frame.rates.fresh, entries_are_finite<T>(frame.rates.value));
+  const MaskOf<T> force_fresh =
+      both(frame.specific_force.fresh, entries_are_finite<T>(frame.specific_force.value));
+  const Vector3<T> gyro = select_entries<T>(gyro_fresh, frame.rates.value, state.attitude.gyro);
+  state.force = select_entries<T>(force_fresh, frame.specific_force.value, state.force);
+
+  // Standing still: nothing moves, the sensors' means are found. Half a period guards the product
+  // against rounding.
+  const auto elapsed = [&] { return (static_cast<double>(state.periods) + 0.5) * settings.dt; };
+  if (elapsed() < settings.calibration_time) {
+    ++state.periods;
+    state.gyro_sum += select_entries<T>(gyro_fresh, gyro, Vector3<T>(Vector3<T>::Zero()));
+    state.force_sum += select_entries<T>(force_fresh, state.force, Vector3<T>(Vector3<T>::Zero()));
+    state.gyro_count += select(gyro_fresh, T(1), T(0));
+    state.force_count += select(force_fresh, T(1), T(0));
+    const Vector3<T>& angles = state.attitude.angles;
+    const Matrix3<T> R_WB = rotation_of_euler(angles.x(), angles.y(), angles.z());
+    if (elapsed() >= settings.calibration_time) {
+      const Vector3<T> rest = R_WB.row(2).transpose() * T(-settings.gravity);
+      state.attitude.gyro_bias = state.gyro_sum / greater(state.gyro_count, T(1));
+      state.attitude.gyro = gyro;
+      state.force_bias = select_entries<T>(
+          state.force_count > T(0),
+          Vector3<T>(state.force_sum / greater(state.force_count, T(1)) - rest), state.force_bias);
+    }
+    estimate.x << state.position, state.altitude.x(0), angles, Vector3<T>::Zero(),
+        Vector3<T>::Zero();
+    estimate.finite = entries_are_finite<T>(estimate.x);
+    return estimate;
+  }
+
+  // Attitude.
+  const Vector3<T> force = state.force - state.force_bias;
+  step(attitude_settings(settings), state.attitude, gyro, force, force_fresh);
+  const Vector3<T>& angles = state.attitude.angles;
+  const Vector3<T> rates = gyro - state.attitude.gyro_bias;
+  const Matrix3<T> R_WB = rotation_of_euler(angles.x(), angles.y(), angles.z());
+  Vector3<T> acceleration = R_WB * force;
+  acceleration.z() += settings.gravity;
+  const MaskOf<T> upright = R_WB(2, 2) > T(kLeastTiltCosine);
+
+  // Height. Comparisons with NaN, which stands for no echo, are false.
+  const T range = frame.sonar.value;
+  const T echo_height = range * R_WB(2, 2);
+  const MaskOf<T> echo =
+      both(both(frame.sonar.fresh, upright),
+           both(range >= settings.sonar_least, range <= settings.sonar_greatest));
+  const MaskOf<T> steady =
+      both(echo, magnitude(T(echo_height - state.echo_height)) <= settings.sonar_jump);
+  const MaskOf<T> near =
+      magnitude(T(echo_height + state.altitude.x(0))) <= settings.sonar_deviation;
+  const MaskOf<T> anew =
+      both(both(steady, negated(near)), state.unbelieved_time >= settings.sonar_recovery_time);
+  KalmanState<T, 2> restarted = state.altitude;
+  restarted.x(0) = -echo_height;
+  restarted.P << settings.altitude_R, T(0), T(0), T(1);  // the speed is known to a metre a second
+  state.altitude.x = select_entries<T>(anew, restarted.x, state.altitude.x);
+  state.altitude.P = select_entries<T>(anew, restarted.P, state.altitude.P);
+  const KalmanUpdate<T> height_update =
+      update(state.altitude, Eigen::Matrix<T, 1, 2>(T(1), T(0)), -echo_height, settings.altitude_R,
+             both(steady, near));
+  estimate.height_used = either(height_update.used, anew);
+  estimate.innovation_square += height_update.innovation_square;
+  estimate.innovation_freedom += select(height_update.used, T(1), T(0));
+  state.echo_height = select(echo, echo_height, state.echo_height);
+  state.unbelieved_time = select(estimate.height_used, T(0), T(state.unbelieved_time + dt));
+  const T z = state.altitude.x(0);
+  const T vz = state.altitude.x(1);
+
+  // Horizontal velocity. The turning is taken out when the flow comes, for it is of that instant.
+  const MaskOf<T> flow_fresh = both(frame.flow.fresh, entries_are_finite<T>(frame.flow.value));
+  const Vector2 translation = {frame.flow.value(0) + settings.flow_compensation_x * rates.y(),
+                               frame.flow.value(1) - settings.flow_compensation_y * rates.x()};
+  state.flow = select_entries<T>(flow_fresh, translation, state.flow);
+  state.flow_age = select(flow_fresh, T(0), T(state.flow_age + dt));
+  state.flow_seen = either(state.flow_seen, flow_fresh);
+  const Vector2 flow_velocity = velocity_of_flow<T>(state.flow * settings.flow_scale, -z, vz, R_WB);
+  const MaskOf<T> flow_valid = both(both(state.flow_seen, state.flow_age <= settings.flow_timeout),
+                                    both(upright, -z >= settings.flow_least_height));
+  const Vector2 difference = flow_velocity - state.velocity.x;
+  estimate.flow_disagrees =
+      both(flow_valid, difference(0) * difference(0) + difference(1) * difference(1) >
+                           settings.flow_disagreement * settings.flow_disagreement);
+  const KalmanUpdate<T> flow_update =
+      update(state.velocity, Matrix2(Matrix2::Identity()), flow_velocity,
+             Matrix2(Matrix2::Identity() * settings.velocity_R),
+             settings.hold_flow ? flow_valid : both(flow_valid, flow_fresh));
+  estimate.flow_used = flow_update.used;
+  estimate.innovation_square += flow_update.innovation_square;
+  estimate.innovation_freedom += select(flow_update.used, T(2), T(0));
+
+  const Vector3<T> velocity = {state.velocity.x(0), state.velocity.x(1), vz};
+  const bool raw = settings.position == MamboPosition::flow_velocity;
+  estimate.x << (raw ? state.flow_position : state.position), z, angles,
+      Vector3<T>(R_WB.transpose() * velocity), rates;
+  estimate.finite = entries_are_finite<T>(estimate.x);
+
+  // Prediction for the next period.
+  state.position += state.velocity.x * dt;
+  state.flow_position +=
+      select_entries<T>(flow_valid, Vector2(flow_velocity * dt), Vector2(Vector2::Zero()));
+  KalmanModel<T, 2, 1> altitude;
+  altitude.F(0, 1) = dt;
+  altitude.G(1, 0) = dt;
+  altitude.Q(1, 1) = settings.altitude_Q;
+  predict(altitude, state.altitude, Eigen::Matrix<T, 1, 1>(acceleration.z()));
+  KalmanModel<T, 2, 2> horizontal;
+  horizontal.G(0, 0) = dt;
+  horizontal.G(1, 1) = dt;
+  horizontal.Q(0, 0) = settings.velocity_Q;
+  horizontal.Q(1, 1) = settings.velocity_Q;
+  predict(horizontal, state.velocity, Vector2(acceleration.template head<2>()));
+  ++state.periods;
+  return estimate;
+}
+
+/// The same settings in another precision.
+template <class To, class From>
+[[nodiscard]] MamboEstimatorSettings<To> mambo_estimator_cast(
+    const MamboEstimatorSettings<From>& from) {
+  return {from.dt,
+          To(from.gravity),
+          from.calibration_time,
+          To(from.attitude_time_constant),
+          To(from.force_band),
+          To(from.bias_time_constant),
+          To(from.altitude_Q),
+          To(from.altitude_R),
+          To(from.sonar_least),
+          To(from.sonar_greatest),
+          To(from.sonar_jump),
+          To(from.sonar_deviation),
+          To(from.sonar_recovery_time),
+          To(from.velocity_Q),
+          To(from.velocity_R),
+          To(from.flow_scale),
+          To(from.flow_compensation_x),
+          To(from.flow_compensation_y),
+          To(from.flow_least_height),
+          To(from.flow_timeout),
+          from.hold_flow,
+          To(from.flow_disagreement),
+          from.position};
+}
+
+/// Whether step() may run with these: dt and gravity > 0, times and gates ≥ 0, covariances ≥ 0 with
+/// R > 0, limits in order, and a complementary filter that its own validate() accepts.
+/// @throws InvalidInput  "where: altitude_R is 0 m2, expected …"
+void validate(const MamboEstimatorSettings<double>& settings, const std::string& where);
+void validate(const MamboEstimatorSettings<float>& settings, const std::string& where);
+
+}  // namespace quadtune

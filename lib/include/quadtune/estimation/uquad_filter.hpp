@@ -1,0 +1,445 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The uquad's extended Kalman filter in quadtune's own convention: 12 states of the rigid body and
+/// three accelerometer biases. Theory: "Estimators on board".
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "quadtune/estimation/angles.hpp"
+#include "quadtune/estimation/kalman_filter.hpp"
+#include "quadtune/estimation/on_board.hpp"
+#include "quadtune/model/rigid_body_jacobian.hpp"
+
+namespace quadtune {
+
+/// The 12 of ned_convention(), then the biases of the accelerometer in body axes [m/s²].
+inline constexpr int kUquadStates = 15;
+inline constexpr int kForceBias = 12;
+
+template <class T>
+using UquadVector = Eigen::Matrix<T, kUquadStates, 1>;
+
+/// Variances added per period, in the filter's order: position [m²], angles [rad²], body velocity
+/// [m²/s²], rates [rad²/s²], biases [m²/s⁴]. Signs and axes of the uquad's own names drop out of a
+/// diagonal whose three entries are equal.
+template <class T>
+[[nodiscard]] UquadVector<T> uquad_variances(double position, double angles, double velocity,
+                                             double rates, double bias) {
+  UquadVector<T> result;
+  for (int i = 0; i < 3; ++i) {
+    result(kPosition + i) = T(position);
+    result(kAttitude + i) = T(angles);
+    result(kVelocity + i) = T(velocity);
+    result(kRates + i) = T(rates);
+    result(kForceBias + i) = T(bias);
+  }
+  return result;
+}
+
+/// Set once. validate() tells whether step() may be given these; step() does not look. The
+/// variances are those of the public uquad program: per period and not scaled by it, and far larger
+/// than the motion's own. uquad_filter_in_si() gives some that are meant.
+template <class T>
+struct UquadFilterSettings {
+  double dt = 0.01;             ///< control period [s], > 0
+  double calibration_time = 0;  ///< standing still at the start, see step() [s]; 0: none
+
+  UquadVector<T> Q = uquad_variances<T>(100, 1, 100, 10, 1);
+  UquadVector<T> P0 = uquad_variances<T>(1, 1, 1, 1, 1);  ///< of the state given at the start
+  T R_tilt = T(10);           ///< roll and pitch from the accelerometer [rad²] (psi, phi)
+  T R_yaw = T(1000);          ///< from the magnetometer [rad²] (theta)
+  T R_force = T(1e4);         ///< accelerometer, per axis [m²/s⁴]
+  T R_rates = T(100);         ///< gyroscope, per axis [rad²/s²]
+  T R_height = T(1000);       ///< barometer [m²]
+  T R_gps_position = T(100);  ///< per axis [m²]
+  T R_gps_velocity = T(100);  ///< per axis [m²/s²]
+  T gate = no_gate<T>();      ///< largest e²/S that a scalar measurement is believed with
+
+  /// false: the 8 states of the program without GPS. px and py stand as they are, u and v are 0,
+  /// all four without error; GPS is not looked at.
+  bool position = true;
+  bool biases = true;  ///< false: the accelerometer's biases are 0
+
+  /// Variances of tilt and yaw times 1 + (d/band)², d the relative distance of |f| from g, for the
+  /// yaw also that of |field| from its expected value.
+  bool dynamic_covariance = false;
+  T force_band = T(0.1);  ///< share of g, > 0
+  T field_band = T(0.1);  ///< share of field_norm, > 0
+  T field_norm = T(0);    ///< [µT]; 0: the mean while standing still, or never missed
+  T declination = T(0);   ///< of magnetic north, east positive [rad]
+  /// [Pa] at z = 0; the mean while standing still takes its place, at the z given at the start.
+  T reference_pressure = T(101325);
+  /// Time without GPS after which u and v are measured as 0 with still_variance [s]: nothing else
+  /// sees them, and their covariance would grow without bound.
+  T gps_timeout = T(3);
+  T still_variance = T(1);  ///< [m²/s²]; w too while the vehicle stands
+};
+
+/// The same filter with variances that describe a small multirotor with sensors of MEMS grade: the
+/// model is believed to 1 m/s² and 10 rad/s² of white acceleration at 100 Hz, the gyroscope to
+/// 0.02 rad/s, the accelerometer to 0.3 m/s², the barometer to 0.5 m, GPS to 1 m and 0.3 m/s. Tilt
+/// from the accelerometer has a standard deviation of 0.5 rad, since in flight it is mostly
+/// acceleration. A choice of this project, not of the uquad's.
+template <class T>
+[[nodiscard]] UquadFilterSettings<T> uquad_filter_in_si() {
+  UquadFilterSettings<T> settings;
+  settings.Q = uquad_variances<T>(0, 1e-8, 1e-4, 1e-2, 1e-7);
+  settings.P0 = uquad_variances<T>(1, 0.01, 0.1, 0.01, 0.1);
+  settings.R_tilt = T(0.25);
+  settings.R_yaw = T(0.05);
+  settings.R_force = T(0.1);
+  settings.R_rates = T(4e-4);
+  settings.R_height = T(0.25);
+  settings.R_gps_position = T(1);
+  settings.R_gps_velocity = T(0.1);
+  settings.dynamic_covariance = true;
+  return settings;
+}
+
+/// What is kept from one period to the next. A copy of it resumes identically.
+template <class T>
+struct UquadFilterState {
+  KalmanState<T, kUquadStates> kalman;
+  Vector3<T> gyro_offset = Vector3<T>::Zero();  ///< found while standing [rad/s]
+  T pressure_zero = T(0);                       ///< pressure at start_z [Pa]
+  T start_z = T(0);                             ///< [m]
+  T field_norm = T(0);                          ///< expected [µT]; 0: not known
+  Tilt<T> tilt;                                 ///< newest of the accelerometer
+  T force_excess = T(0);                        ///< newest | |f|/g - 1 |
+  T gps_age = T(0);                             ///< since GPS was last believed [s]
+
+  std::int64_t periods = 0;                  ///< since the start
+  Vector3<T> gyro_sum = Vector3<T>::Zero();  ///< while standing still
+  Vector3<T> force_sum = Vector3<T>::Zero();
+  Vector3<T> field_sum = Vector3<T>::Zero();
+  T pressure_sum = T(0);
+  T gyro_count = T(0);
+  T force_count = T(0);
+  T field_count = T(0);
+  T pressure_count = T(0);
+};
+
+/// The uquad's measurement vector of one period, with what is new of it.
+template <class T>
+struct UquadMeasurement {
+  Tilt<T> tilt;                                  ///< [rad]
+  T yaw = T(0);                                  ///< in any turn [rad]
+  Vector3<T> force = Vector3<T>::Zero();         ///< specific force, with its bias [m/s²]
+  Vector3<T> rates = Vector3<T>::Zero();         ///< [rad/s]
+  T height = T(0);                               ///< above z = 0 [m]
+  Vector3<T> gps_position = Vector3<T>::Zero();  ///< world [m]
+  Vector3<T> gps_velocity = Vector3<T>::Zero();  ///< world [m/s]
+  T tilt_doubt = T(1);                           ///< factor of R_tilt
+  T yaw_doubt = T(1);                            ///< factor of R_yaw
+  MaskOf<T> tilt_fresh{};
+  MaskOf<T> yaw_fresh{};
+  MaskOf<T> force_fresh{};
+  MaskOf<T> rates_fresh{};
+  MaskOf<T> height_fresh{};
+  MaskOf<T> gps_position_fresh{};
+  MaskOf<T> gps_velocity_fresh{};
+};
+
+/// Height above where the pressure is p0, of a standard troposphere [m].
+/// @param pressure, p0  [Pa], > 0.
+template <class T>
+[[nodiscard]] T barometric_height(const T& pressure, const T& p0) {
+  using std::exp, std::log;
+  // 44330 (1 - (p/p0)^0.190295)
+  return T(44330) * (T(1) - T(exp(T(0.190295) * T(log(pressure / p0)))));
+}
+
+/// The pressure at a height [m] by the same rule [Pa].
+template <class T>
+[[nodiscard]] T barometric_pressure(const T& height, const T& p0) {
+  using std::exp, std::log;
+  return p0 * T(exp(T(log(T(1) - height / T(44330))) / T(0.190295)));
+}
+
+namespace uquad_filter_internal {
+
+/// What the filter does not estimate has neither error nor motion.
+template <class T>
+void leave_out(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadStates>& kalman) {
+  const auto clear = [&kalman](int i) {
+    kalman.P.row(i).setConstant(T(0));
+    kalman.P.col(i).setConstant(T(0));
+  };
+  if (!settings.position) {
+    for (const int i : {kPosition, kPosition + 1, kVelocity, kVelocity + 1}) clear(i);
+    kalman.x(kVelocity) = T(0);
+    kalman.x(kVelocity + 1) = T(0);
+  }
+  if (!settings.biases)
+    for (int i = kForceBias; i < kUquadStates; ++i) clear(i);
+}
+
+/// M = (I + h A) M, block rows; M is (15 × 15).
+template <class T>
+void advance_rows(const StateJacobian<T>& A, const T& h,
+                  Eigen::Matrix<T, kUquadStates, kUquadStates>& M) {
+  using Rows = Eigen::Matrix<T, 3, kUquadStates>;
+  const Rows a = M.template middleRows<3>(kAttitude);
+  const Rows v = M.template middleRows<3>(kVelocity);
+  const Rows w = M.template middleRows<3>(kRates);
+  M.template middleRows<3>(kPosition) +=
+      (A.position_attitude.lazyProduct(a) + A.position_velocity.lazyProduct(v)) * h;
+  M.template middleRows<3>(kAttitude) +=
+      (A.attitude_attitude.lazyProduct(a) + A.attitude_rates.lazyProduct(w)) * h;
+  M.template middleRows<3>(kVelocity) +=
+      (A.velocity_attitude.lazyProduct(a) + A.velocity_velocity.lazyProduct(v) +
+       A.velocity_rates.lazyProduct(w)) *
+      h;
+  M.template middleRows<3>(kRates) += A.rates_rates.lazyProduct(w) * h;
+}
+
+}  // namespace uquad_filter_internal
+
+/// x ← x + dt f(x, u),  P ← F P Fᵀ + Q with F = I + dt ∂f/∂x.
+/// @param loads     of the rotors at the speeds of the period that ends now.
+/// @param standing  where true the vehicle stands on the ground: nothing moves, F = I.
+template <class T>
+void predict(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadStates>& kalman,
+             const RigidBody& body, const RotorLoads<T>& loads, const MaskOf<T>& standing) {
+  namespace internal = uquad_filter_internal;
+  const T h = select(standing, T(0), T(settings.dt));
+  const StateVector<T> x = kalman.x.template head<12>();
+  const StateJacobian<T> A = state_jacobian(body, x, loads);
+  kalman.x.template head<12>() += state_derivative(body, x, loads) * h;
+
+  // F P Fᵀ = (F (F P)ᵀ)ᵀ, and P is symmetric.
+  internal::advance_rows(A, h, kalman.P);
+  kalman.P.transposeInPlace();
+  internal::advance_rows(A, h, kalman.P);
+  for (int i = 0; i < kUquadStates; ++i) kalman.P(i, i) += settings.Q(i);
+  symmetrize(kalman.P);
+  internal::leave_out(settings, kalman);
+}
+
+/// Corrects by all that is new in a measurement, one scalar at a time, so that nothing is inverted.
+/// Rows that depend on the state are linearized once for their group, which makes the group's
+/// result that of a correction by all three at once.
+/// @param seen  gathers height_used, innovation_square and innovation_freedom.
+/// @return  whether GPS was believed.
+template <class T>
+MaskOf<T> correct(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadStates>& kalman,
+                  const RigidBody& body, const RotorLoads<T>& loads,
+                  const UquadMeasurement<T>& measurement, Estimate<T>& seen) {
+  const UquadVector<T>& x = kalman.x;
+  const auto use = [&](const auto& C, const T& e, const T& R, const MaskOf<T>& fresh) {
+    const KalmanUpdate<T> result = update(kalman, C, e, R, fresh, settings.gate);
+    seen.innovation_square += select(result.used, result.innovation_square, T(0));
+    seen.innovation_freedom += select(result.used, T(1), T(0));
+    return result.used;
+  };
+  const auto entry = [](int i) { return SparseRow<T, 1>{{i}, {T(1)}}; };
+
+  // Angles; the innovation is less than half a turn, so the state's yaw runs on through turns.
+  const MaskOf<T>& tilt_fresh = measurement.tilt_fresh;
+  const T R_tilt = settings.R_tilt * measurement.tilt_doubt;
+  use(entry(kAttitude), wrapped(T(measurement.tilt.roll - x(kAttitude))), R_tilt, tilt_fresh);
+  use(entry(kAttitude + 1), T(measurement.tilt.pitch - x(kAttitude + 1)), R_tilt, tilt_fresh);
+  use(entry(kAttitude + 2), wrapped(T(measurement.yaw - x(kAttitude + 2))),
+      T(settings.R_yaw * measurement.yaw_doubt), measurement.yaw_fresh);
+
+  // Specific force: (rotors + drag)/m + bias.
+  if (any(measurement.force_fresh)) {
+    using std::abs;
+    const Vector3<T> v0 = x.template segment<3>(kVelocity);
+    const Vector3<T> felt = (loads.force + drag_force(body, v0)) * T(1 / body.mass);
+    for (int i = 0; i < 3; ++i) {
+      const T slope =
+          -(T(body.air_density * body.drag.cda(i)) * T(abs(v0(i))) + T(body.drag.linear(i))) *
+          T(1 / body.mass);
+      const T expected = felt(i) + slope * (x(kVelocity + i) - v0(i)) + x(kForceBias + i);
+      use(SparseRow<T, 2>{{kVelocity + i, kForceBias + i}, {slope, T(1)}},
+          T(measurement.force(i) - expected), settings.R_force, measurement.force_fresh);
+    }
+  }
+
+  for (int i = 0; i < 3; ++i)
+    use(entry(kRates + i), T(measurement.rates(i) - x(kRates + i)), settings.R_rates,
+        measurement.rates_fresh);
+
+  seen.height_used = use(entry(kPosition + 2), T(-measurement.height - x(kPosition + 2)),
+                         settings.R_height, measurement.height_fresh);
+
+  MaskOf<T> believed{};
+  if (settings.position && any(measurement.gps_position_fresh))
+    for (int i = 0; i < 3; ++i)
+      believed = either(believed,
+                        use(entry(kPosition + i), T(measurement.gps_position(i) - x(kPosition + i)),
+                            settings.R_gps_position, measurement.gps_position_fresh));
+  if (settings.position && any(measurement.gps_velocity_fresh)) {
+    // R_WB v
+    const UquadVector<T> x0 = x;
+    const StateJacobian<T> A = state_jacobian(body, StateVector<T>(x0.template head<12>()), loads);
+    const Vector3<T> v0 = A.position_velocity * x0.template segment<3>(kVelocity);
+    for (int i = 0; i < 3; ++i) {
+      const SparseRow<T, 6> C = {
+          {kAttitude, kAttitude + 1, kAttitude + 2, kVelocity, kVelocity + 1, kVelocity + 2},
+          {A.position_attitude(i, 0), A.position_attitude(i, 1), A.position_attitude(i, 2),
+           A.position_velocity(i, 0), A.position_velocity(i, 1), A.position_velocity(i, 2)}};
+      T expected = v0(i);
+      for (std::size_t k = 0; k < 6; ++k)
+        expected += C.value[k] * (x(C.column[k]) - x0(C.column[k]));
+      believed = either(believed, use(C, T(measurement.gps_velocity(i) - expected),
+                                      settings.R_gps_velocity, measurement.gps_velocity_fresh));
+    }
+  }
+  symmetrize(kalman.P);
+  return believed;
+}
+
+/// The state of a filter that is told where it is.
+/// @param x  the 12 states of ned_convention(), with the errors' variances settings.P0.
+template <class T>
+[[nodiscard]] UquadFilterState<T> uquad_filter_start(const UquadFilterSettings<T>& settings,
+                                                     const StateVector<T>& x) {
+  UquadFilterState<T> state;
+  state.kalman.x << x, Vector3<T>::Zero();
+  state.kalman.P = settings.P0.asDiagonal();
+  uquad_filter_internal::leave_out(settings, state.kalman);
+  state.pressure_zero = settings.reference_pressure;
+  state.field_norm = settings.field_norm;
+  state.tilt = {x(kAttitude), x(kAttitude + 1)};
+  return state;
+}
+
+/// What the sensors of one period say, as the filter takes it. Tilt is that of the accelerometer
+/// less its estimated bias; the yaw takes the newest tilt with the field. Not finite is not fresh.
+template <class T>
+[[nodiscard]] UquadMeasurement<T> uquad_measurement(const UquadFilterSettings<T>& settings,
+                                                    UquadFilterState<T>& state,
+                                                    const SensorFrame<T>& frame, const T& gravity) {
+  using std::sqrt;
+  const auto fresh = [](const auto& sample) {
+    return both(sample.fresh, entries_are_finite<T>(sample.value));
+  };
+  UquadMeasurement<T> m;
+  m.force_fresh = fresh(frame.specific_force);
+  m.rates_fresh = fresh(frame.rates);
+  m.yaw_fresh = fresh(frame.magnetic_field);
+  m.gps_position_fresh = fresh(frame.gps_position);
+  m.gps_velocity_fresh = fresh(frame.gps_velocity);
+  m.force = frame.specific_force.value;
+  m.rates = frame.rates.value - state.gyro_offset;
+  m.gps_position = frame.gps_position.value;
+  m.gps_velocity = frame.gps_velocity.value;
+
+  const Vector3<T> f = m.force - state.kalman.x.template tail<3>();
+  const Tilt<T> tilt = tilt_of_force(f);
+  const T f_norm = sqrt(f.squaredNorm());
+  // A falling body feels nothing, and what is left then points anywhere.
+  m.tilt_fresh = both(m.force_fresh, f_norm > T(0.1) * gravity);
+  state.tilt.roll = select(m.tilt_fresh, tilt.roll, state.tilt.roll);
+  state.tilt.pitch = select(m.tilt_fresh, tilt.pitch, state.tilt.pitch);
+  state.force_excess =
+      select(m.force_fresh, magnitude(T(f_norm / gravity - T(1))), state.force_excess);
+  m.tilt = state.tilt;
+
+  const Vector3<T>& field = frame.magnetic_field.value;
+  m.yaw = yaw_of_field(field, state.tilt, settings.declination);
+  if (settings.dynamic_covariance) {
+    const T field_excess =
+        select(state.field_norm > T(0),
+               magnitude(T(T(sqrt(field.squaredNorm())) / state.field_norm - T(1))), T(0));
+    const T by_force = state.force_excess / settings.force_band;
+    const T by_field = field_excess / settings.field_band;
+    m.tilt_doubt = T(1) + by_force * by_force;
+    m.yaw_doubt = m.tilt_doubt + by_field * by_field;
+  }
+
+  const T& pressure = frame.pressure.value;
+  m.height_fresh = both(both(frame.pressure.fresh, is_finite(pressure)), pressure > T(0));
+  const T safe_pressure = select(m.height_fresh, pressure, state.pressure_zero);
+  m.height = barometric_height(safe_pressure, state.pressure_zero) - state.start_z;
+  return m;
+}
+
+/// One control period: prediction by the rotor speeds of the period that ends now, correction by
+/// what the sensors said in it.
+///
+/// During settings.calibration_time the vehicle stands still: the means of that time give the
+/// gyroscope's offset, the pressure at the start, the attitude and, unless it is set, the expected
+/// field; the estimate stays where it started.
+/// @param speeds    one per rotor [rad/s].
+/// @param standing  where true the vehicle stands on the ground, and gravity does not make it fall:
+///                  velocity is measured as 0, the accelerometer only for its tilt.
+template <class T>
+Estimate<T> step(const UquadFilterSettings<T>& settings, UquadFilterState<T>& state,
+                 const SensorFrame<T>& frame, const RigidBody& body, const RotorSpeeds<T>& speeds,
+                 const MaskOf<T>& standing) {
+  const T gravity = T(body.gravity);
+  UquadVector<T>& x = state.kalman.x;
+  Estimate<T> estimate;
+  const auto elapsed = [&] { return (static_cast<double>(state.periods) + 0.5) * settings.dt; };
+  const bool calibrating = elapsed() < settings.calibration_time;
+  if (state.periods == 0) state.start_z = calibrating ? x(kPosition + 2) : T(0);
+  UquadMeasurement<T> m = uquad_measurement(settings, state, frame, gravity);
+
+  if (calibrating) {
+    ++state.periods;
+    const auto add = [](const MaskOf<T>& fresh, const Vector3<T>& value, Vector3<T>& sum,
+                        T& count) {
+      for (int i = 0; i < 3; ++i) sum(i) += select(fresh, value(i), T(0));
+      count += select(fresh, T(1), T(0));
+    };
+    add(m.rates_fresh, frame.rates.value, state.gyro_sum, state.gyro_count);
+    add(m.force_fresh, m.force, state.force_sum, state.force_count);
+    add(m.yaw_fresh, frame.magnetic_field.value, state.field_sum, state.field_count);
+    state.pressure_sum += select(m.height_fresh, frame.pressure.value, T(0));
+    state.pressure_count += select(m.height_fresh, T(1), T(0));
+    if (elapsed() >= settings.calibration_time) {
+      using std::sqrt;
+      const auto mean = [](const Vector3<T>& sum, const T& count) {
+        return Vector3<T>(sum / greater(count, T(1)));
+      };
+      state.gyro_offset = mean(state.gyro_sum, state.gyro_count);
+      const MaskOf<T> pressed = state.pressure_count > T(0);
+      state.pressure_zero =
+          select(pressed, T(state.pressure_sum / greater(state.pressure_count, T(1))),
+                 state.pressure_zero);
+      state.start_z = select(pressed, state.start_z, T(0));
+      const Tilt<T> tilt = tilt_of_force(mean(state.force_sum, state.force_count));
+      const MaskOf<T> felt = state.force_count > T(0);
+      x(kAttitude) = select(felt, tilt.roll, x(kAttitude));
+      x(kAttitude + 1) = select(felt, tilt.pitch, x(kAttitude + 1));
+      const Vector3<T> field = mean(state.field_sum, state.field_count);
+      const MaskOf<T> turned = state.field_count > T(0);
+      const T yaw =
+          yaw_of_field(field, Tilt<T>{x(kAttitude), x(kAttitude + 1)}, settings.declination);
+      const T before = x(kAttitude + 2);
+      x(kAttitude + 2) = select(turned, T(before + wrapped(T(yaw - before))), before);
+      state.field_norm = select(both(turned, negated(settings.field_norm > T(0))),
+                                T(sqrt(field.squaredNorm())), state.field_norm);
+    }
+    estimate.x = x.template head<12>();
+    estimate.finite = entries_are_finite<T>(estimate.x);
+    return estimate;
+  }
+
+  const RotorLoads<T> loads = rotor_loads<T>(body, speeds);
+  predict(settings, state.kalman, body, loads, standing);
+  m.force_fresh = both(m.force_fresh, negated(standing));
+  const MaskOf<T> believed = correct(settings, state.kalman, body, loads, m, estimate);
+  state.gps_age = select(believed, T(0), T(state.gps_age + T(settings.dt)));
+  const MaskOf<T> lost = both(MaskOf<T>(settings.position), state.gps_age > settings.gps_timeout);
+  for (int i = 0; i < 3; ++i)
+    update(state.kalman, SparseRow<T, 1>{{kVelocity + i}, {T(1)}}, T(-x(kVelocity + i)),
+           settings.still_variance, i < 2 ? either(lost, standing) : standing);
+  symmetrize(state.kalman.P);
+  ++state.periods;
+  estimate.x = x.template head<12>();
+  estimate.finite = entries_are_finite<T>(estimate.x);
+  return estimate;
+}
+
+/// Whether step() may run with these: dt > 0, variances ≥ 0 with every R > 0, bands > 0, pressure
+/// > 0.
+/// @throws InvalidInput  "where: R_tilt is 0 rad2, expected a positive number"
+void validate(const UquadFilterSettings<double>& settings, const std::string& where);
+void validate(const UquadFilterSettings<float>& settings, const std::string& where);
+
+}  // namespace quadtune
