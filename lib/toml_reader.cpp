@@ -251,6 +251,11 @@ bool TomlTable::truth(const std::string& key) const {
   return node.truth;
 }
 
+bool TomlTable::is_list(const std::string& key) const {
+  const TomlNode* node = find(key);
+  return node != nullptr && node->kind == TomlNode::Kind::list;
+}
+
 bool TomlTable::is_text(const std::string& key) const {
   const TomlNode* node = find(key);
   return node != nullptr && node->kind == TomlNode::Kind::text;

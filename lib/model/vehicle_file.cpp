@@ -15,6 +15,7 @@
 #include "quadtune/internal/toml_reader.hpp"
 #include "quadtune/model/inertia.hpp"
 #include "quadtune/model/vehicle.hpp"
+#include "sensor_file.hpp"
 
 namespace quadtune {
 namespace {
@@ -250,7 +251,8 @@ MotorCommand read_motor(const TomlTable& table, std::size_t rotors) {
         fmt::format("command in [motor] is '{}', expected 'speed' or 'speed-squared'{}",
                     internal::printable(law), internal::did_you_mean(law, {"speed-squared"})));
   const std::string unit = squared ? "count" : "rad_s";
-  std::vector<TomlKey> keys = {{"command"}, {"min", unit}, {"max", unit}, {"direction"}};
+  std::vector<TomlKey> keys = {
+      {"command"}, {"min", unit}, {"max", unit}, {"quantum", unit}, {"direction"}};
   if (squared) keys.push_back({"gain", "rad2_per_s2_per_count"});
   table.allow(keys);
   motor.law = squared ? CommandLaw::speed_squared : CommandLaw::speed;
@@ -262,6 +264,7 @@ MotorCommand read_motor(const TomlTable& table, std::size_t rotors) {
     throw InvalidInput(table.where("max_" + unit),
                        fmt::format("max_{0} in [motor] is {1}, expected more than min_{0}, {2}",
                                    unit, motor.max, motor.min));
+  motor.quantum = table.number_or("quantum_" + unit, 0, Range::not_negative());
   motor.direction =
       table.has("direction") ? read_directions(table, rotors) : std::vector<int>(rotors, 1);
   return motor;
@@ -286,6 +289,8 @@ Vehicle parse_vehicle(const std::string& text, const std::string& origin) {
               {"rotors"},
               {"motor"},
               {"flight"},
+              {"sensors"},
+              {"battery"},
               {"published_cascade"}});
   Vehicle vehicle;
   vehicle.text = text;
@@ -307,6 +312,12 @@ Vehicle parse_vehicle(const std::string& text, const std::string& origin) {
     vehicle.altitude_thrust_fraction = table->number_or(
         "altitude_thrust_fraction", 1, {0, Range::Bound::open, 1, Range::Bound::closed});
   }
+  if (const auto table = file.maybe_table("sensors")) {
+    vehicle.sensors = internal::read_sensors(*table);
+    vehicle.sensors_known = true;
+  }
+  if (const auto table = file.maybe_table("battery"))
+    vehicle.battery = internal::read_battery(*table);
   if (const auto table = file.maybe_table("published_cascade")) {
     std::vector<TomlKey> keys = internal::cascade_gain_keys();
     keys.push_back({"source"});

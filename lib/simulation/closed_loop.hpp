@@ -11,6 +11,7 @@
 #include "closed_loop_parts.hpp"
 #include "flight_recorder.hpp"
 #include "motor_stage.hpp"
+#include "quadtune/errors.hpp"
 #include "quadtune/control/allocation.hpp"
 #include "quadtune/control/cascaded_pid.hpp"
 #include "quadtune/control/state_feedback_law.hpp"
@@ -435,7 +436,7 @@ void ClosedLoop<N, R>::start() {
       if (gyroscope_)
         for (int l = 0; l < N; ++l) {
           const double bias = sensors_[static_cast<std::size_t>(l)].gyroscope->bias(i);
-          set_lane(mambo_.attitude.bias(i), l, bias);
+          set_lane(mambo_.attitude.gyro_bias(i), l, bias);
           set_lane(uquad_.gyro_offset(i), l, bias);
         }
       if (accelerometer_)

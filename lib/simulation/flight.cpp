@@ -9,6 +9,7 @@
 #include "closed_loop_parts.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/simulation/air.hpp"
 #include "quadtune/simulation/pack.hpp"
 

@@ -7,6 +7,7 @@
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
 
 namespace quadtune {
 

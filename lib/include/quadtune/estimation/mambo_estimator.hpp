@@ -59,6 +59,8 @@ struct MamboEstimatorSettings {
   T flow_disagreement = T(1);  ///< Estimate::flow_disagrees above this distance [m/s]
 
   MamboPosition position = MamboPosition::filtered_velocity;
+
+  friend bool operator==(const MamboEstimatorSettings&, const MamboEstimatorSettings&) = default;
 };
 
 /// The complementary filter's share of them.

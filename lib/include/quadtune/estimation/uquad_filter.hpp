@@ -74,7 +74,40 @@ struct UquadFilterSettings {
   /// sees them, and their covariance would grow without bound.
   T gps_timeout = T(3);
   T still_variance = T(1);  ///< [m²/s²]; w too while the vehicle stands
+
+  friend bool operator==(const UquadFilterSettings&, const UquadFilterSettings&) = default;
 };
+
+/// The same settings in another precision.
+template <class To, class From>
+[[nodiscard]] UquadFilterSettings<To> uquad_filter_cast(const UquadFilterSettings<From>& from) {
+  UquadFilterSettings<To> to;
+  to.dt = from.dt;
+  to.calibration_time = from.calibration_time;
+  for (int i = 0; i < kUquadStates; ++i) {
+    to.Q(i) = To(from.Q(i));
+    to.P0(i) = To(from.P0(i));
+  }
+  to.R_tilt = To(from.R_tilt);
+  to.R_yaw = To(from.R_yaw);
+  to.R_force = To(from.R_force);
+  to.R_rates = To(from.R_rates);
+  to.R_height = To(from.R_height);
+  to.R_gps_position = To(from.R_gps_position);
+  to.R_gps_velocity = To(from.R_gps_velocity);
+  to.gate = To(from.gate);
+  to.position = from.position;
+  to.biases = from.biases;
+  to.dynamic_covariance = from.dynamic_covariance;
+  to.force_band = To(from.force_band);
+  to.field_band = To(from.field_band);
+  to.field_norm = To(from.field_norm);
+  to.declination = To(from.declination);
+  to.reference_pressure = To(from.reference_pressure);
+  to.gps_timeout = To(from.gps_timeout);
+  to.still_variance = To(from.still_variance);
+  return to;
+}
 
 /// The same filter with variances that describe a small multirotor with sensors of MEMS grade: the
 /// model is believed to 1 m/s² and 10 rad/s² of white acceleration at 100 Hz, the gyroscope to
@@ -250,7 +283,7 @@ MaskOf<T> correct(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadS
     const Vector3<T> felt = (loads.force + drag_force(body, v0)) * T(1 / body.mass);
     for (int i = 0; i < 3; ++i) {
       const T slope =
-          -(T(body.air_density * body.drag.cda(i)) * T(abs(v0(i))) + T(body.drag.linear(i))) *
+          -(T(body.air_density * body.cda(i)) * T(abs(v0(i))) + T(body.linear_drag(i))) *
           T(1 / body.mass);
       const T expected = felt(i) + slope * (x(kVelocity + i) - v0(i)) + x(kForceBias + i);
       use(SparseRow<T, 2>{{kVelocity + i, kForceBias + i}, {slope, T(1)}},
@@ -420,7 +453,7 @@ Estimate<T> step(const UquadFilterSettings<T>& settings, UquadFilterState<T>& st
     return estimate;
   }
 
-  const RotorLoads<T> loads = rotor_loads<T>(body, speeds);
+  const RotorLoads<T> loads = rotor_loads(body, speeds);
   predict(settings, state.kalman, body, loads, standing);
   m.force_fresh = both(m.force_fresh, negated(standing));
   const MaskOf<T> believed = correct(settings, state.kalman, body, loads, m, estimate);

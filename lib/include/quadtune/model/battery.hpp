@@ -22,6 +22,8 @@ struct Battery {
   /// true: speeds are held by the speed controllers, and only the greatest one follows the voltage.
   /// false: every speed is in proportion to it, and thrust falls with its square.
   bool regulated = true;
+
+  friend bool operator==(const Battery&, const Battery&) = default;
 };
 
 /// What is left of it.

@@ -75,8 +75,7 @@ template <class T>
   A.velocity_velocity = -cross_matrix(w);
   for (int i = 0; i < 3; ++i)
     A.velocity_velocity(i, i) -=
-        (T(body.air_density * body.drag.cda(i)) * abs(v(i)) + T(body.drag.linear(i))) *
-        T(1 / body.mass);
+        (T(body.air_density * body.cda(i)) * abs(v(i)) + T(body.linear_drag(i))) * T(1 / body.mass);
   A.velocity_rates = cross_matrix(v);
 
   // J w' = τ - w × (J w + h)

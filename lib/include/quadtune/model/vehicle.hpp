@@ -82,7 +82,8 @@ struct Vehicle {
   double takeoff_gain = 0;              ///< thrust at take-off is (1 + gain) m g
   double altitude_thrust_fraction = 1;  ///< share of the greatest thrust left to the altitude loop
   std::optional<Battery> battery;       ///< none: a supply that never falls
-  Sensors sensors = typical_sensors();  ///< the vehicle's own where its file has them
+  Sensors sensors = typical_sensors();
+  bool sensors_known = false;  ///< whether the sensors are the vehicle's own
   double airframe_height = std::numeric_limits<double>::quiet_NaN();    ///< [m]
   double airframe_diameter = std::numeric_limits<double>::quiet_NaN();  ///< [m]
   /// Gains that fly on it today, to measure new ones by.

@@ -67,6 +67,8 @@ struct SafetyLimits {
   double collision = 60;         ///< of the accelerometer's reading [m/s²]
   double flow_lost_time = 1;     ///< without optical flow, where the estimator needs it [s]
   double disagreement_time = 1;  ///< of optical flow and estimated velocity [s]
+
+  friend bool operator==(const SafetyLimits&, const SafetyLimits&) = default;
 };
 
 /// Everything that decides a flight: two flights of one setup have the same bytes.

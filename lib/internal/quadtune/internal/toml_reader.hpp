@@ -99,6 +99,7 @@ class TomlTable {
   [[nodiscard]] Eigen::MatrixXd matrix(const std::string& key) const;
   [[nodiscard]] bool is_list_of_lists(const std::string& key) const;
   [[nodiscard]] bool is_text(const std::string& key) const;
+  [[nodiscard]] bool is_list(const std::string& key) const;
 
   // The same with a value to take where the key is absent.
   [[nodiscard]] double number_or(const std::string& key, double fallback,
