@@ -77,6 +77,11 @@ std::string TomlTable::where(const std::string& key) const {
   return at(*node_);
 }
 
+std::string TomlTable::where(const std::string& key, std::size_t entry) const {
+  const TomlNode* node = find(key);
+  return node == nullptr || entry >= node->list.size() ? where(key) : at(node->list[entry]);
+}
+
 std::string TomlTable::named(const std::string& key) const {
   return title_.empty() ? key : key + " in " + title_;
 }

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <filesystem>
 #include <numbers>
-#include <system_error>
 
 #include "cascade_reader.hpp"
 #include "quadtune/errors.hpp"
@@ -270,12 +268,6 @@ MotorCommand read_motor(const TomlTable& table, std::size_t rotors) {
   return motor;
 }
 
-bool looks_like_path(const std::string& word) {
-  std::error_code ignored;  // a word too long for a file name is none
-  return word.find('/') != std::string::npos || word.ends_with(".toml") ||
-         std::filesystem::exists(word, ignored);
-}
-
 }  // namespace
 
 Vehicle parse_vehicle(const std::string& text, const std::string& origin) {
@@ -330,14 +322,15 @@ Vehicle parse_vehicle(const std::string& text, const std::string& origin) {
 
 std::vector<std::string> built_in_vehicles() {
   std::vector<std::string> names;
-  for (const internal::BuiltInFile& file : internal::built_in_files()) names.push_back(file.name);
+  for (const internal::BuiltInFile& file : internal::built_in_vehicle_files())
+    names.push_back(file.name);
   return names;
 }
 
 Vehicle load_vehicle(const std::string& name_or_path) {
-  for (const internal::BuiltInFile& file : internal::built_in_files())
+  for (const internal::BuiltInFile& file : internal::built_in_vehicle_files())
     if (file.name == name_or_path) return parse_vehicle(file.text, file.path);
-  if (!looks_like_path(name_or_path)) {
+  if (!internal::looks_like_path(name_or_path)) {
     const std::vector<std::string> known = built_in_vehicles();
     throw InvalidInput("vehicle",
                        fmt::format("no vehicle '{}', expected {} or a vehicle file{}",

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The vehicle files of vehicles/, compiled into the library by lib/embed_vehicles.cmake.
+/// The files of vehicles/ and missions/, compiled into the library by lib/embed_files.cmake, and
+/// how a word is told from a path.
 #pragma once
 
+#include <filesystem>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace quadtune::internal {
@@ -15,6 +18,14 @@ struct BuiltInFile {
 };
 
 /// All of them, in the order of the documentation.
-[[nodiscard]] const std::vector<BuiltInFile>& built_in_files();
+[[nodiscard]] const std::vector<BuiltInFile>& built_in_vehicle_files();
+[[nodiscard]] const std::vector<BuiltInFile>& built_in_mission_files();
+
+/// Whether a word that names nothing built in is meant as a file's path.
+[[nodiscard]] inline bool looks_like_path(const std::string& word) {
+  std::error_code ignored;  // a word too long for a file name is none
+  return word.find('/') != std::string::npos || word.ends_with(".toml") ||
+         std::filesystem::exists(word, ignored);
+}
 
 }  // namespace quadtune::internal

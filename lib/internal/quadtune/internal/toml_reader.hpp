@@ -80,6 +80,8 @@ class TomlTable {
 
   /// "file:line" of the key, or of the table when it has no such key or none is named.
   [[nodiscard]] std::string where(const std::string& key = "") const;
+  /// "file:line" of an entry of a list, counted from 0; of the key when there is no such entry.
+  [[nodiscard]] std::string where(const std::string& key, std::size_t entry) const;
   [[nodiscard]] const std::string& title() const { return title_; }
 
   // Each of these refuses a missing key, another type, a value out of range, nan and infinity.

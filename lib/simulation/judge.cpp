@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "quadtune/simulation/mission.hpp"
+
+namespace quadtune {
+namespace {
+
+// How much earlier than its mission a flight may end [s]: a whole number of control periods need
+// not make up the duration.
+constexpr double kEarly = 0.1;
+
+}  // namespace
+
+Verdict judge(const Mission& mission, const MetricValues& values) {
+  Verdict verdict;
+  verdict.checks.reserve(mission.limits.size() + 1);
+  const double flown = values[Metric::duration];
+  const double least = std::max(mission.duration - kEarly, 0.0);
+  verdict.checks.push_back({Metric::duration, flown, least, true, flown >= least});
+  for (const Limit& limit : mission.limits) {
+    const double value = values[limit.metric];
+    verdict.checks.push_back({limit.metric, value, limit.most, false, value <= limit.most});
+  }
+  verdict.ok = std::all_of(verdict.checks.begin(), verdict.checks.end(),
+                           [](const LimitCheck& check) { return check.ok; });
+  return verdict;
+}
+
+}  // namespace quadtune
