@@ -24,8 +24,7 @@
 #include "quadtune/frequency_response.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/model/vehicle.hpp"
-#include "quadtune/synthesis/lqr.hpp"
-#include "quadtune/tuning/bryson.hpp"
+#include "standard_lqr.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -62,14 +61,8 @@ struct Row {
   double searched = 0;  ///< up to which it was looked for; 0 where a formula gives it
 };
 
-/// Weights by Bryson's rule from what the vehicle can give, see docs/cli.md.
 Law lqr_law(const CascadeVehicle& vehicle) {
-  Eigen::VectorXd deviation(12);
-  deviation << 0.25, 0.25, 0.25, 0.2, 0.2, 0.35, 0.5, 0.5, 0.5, 2, 2, 2;
-  const Eigen::Vector4d share(0.15, 0.12, 0.12, 0.12);
-  const LqrWeights weights = bryson_weights(deviation, vehicle.authority.cwiseProduct(share));
-  const RiccatiResult riccati = lqr(vehicle.hover, weights);
-  if (!riccati.solved()) throw NoSolution("discretize: lqr: " + riccati.culprit, "V");
+  const RiccatiResult riccati = standard_lqr(vehicle, "discretize");
   Law law;
   law.name = "lqr";
   law.about =

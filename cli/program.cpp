@@ -102,7 +102,7 @@ void refuse_options_for_values(const CLI::App& app, const std::string& verb,
 void run_into_file(const Action& action, const std::string& file, Context& context) {
   std::ostringstream text;
   Context into{context.in,    text, context.err, context.json,
-               context.quiet, {},   file,        context.threads};
+               context.quiet, {},   file,        context.threads, context.seed, context.command};
   action(into);
   context.written = into.written;
   write_file(file, text.str());
@@ -130,11 +130,10 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
   app.add_flag("--json", context.json, "print one JSON object");
   app.add_flag("--quiet", context.quiet, "no notes on the error stream");
   app.add_flag("-h,--help", help, "show this help");
-  // Part of the contract of every verb; nothing here is random.
+  // Part of the contract of every verb.
   std::uint64_t threads = 0;
-  std::uint64_t seed = 0;
   add_count(app, "--threads", threads, 1, "threads to use; one for each processor if absent");
-  add_count(app, "--seed", seed, 0, "fixes everything random");
+  add_count(app, "--seed", context.seed, 0, "fixes everything random");
   const Action action = verb.define(app);
   std::string file;
   if (!app.get_option_no_throw("-o")) app.add_option("-o", file, "file to write instead");
@@ -236,6 +235,9 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
         std::ostream& err) {
   Context context{in, out, err};
   context.json = std::find(args.begin(), args.end(), "--json") != args.end();
+  context.command = "quadtune";
+  for (const std::string& arg : args)
+    context.command += arg.find(' ') == std::string::npos ? " " + arg : " '" + arg + "'";
   try {
     run_program(args, context);
     out.flush();
@@ -266,7 +268,7 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
 const std::vector<Verb>& verbs() {
   static const std::vector<Verb> all = {design_verb(),  vehicle_verb(), linearize_verb(),
                                         lqr_verb(),     kalman_verb(),  discretize_verb(),
-                                        margins_verb(), pid_verb(),     export_verb(),
+                                        margins_verb(), pid_verb(), fly_verb(), compare_verb(), export_verb(),
                                         verify_verb(),  diff_verb(),    help_verb()};
   return all;
 }

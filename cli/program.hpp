@@ -2,6 +2,7 @@
 /// The program as a function: arguments and streams in, exit status out.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <iosfwd>
 #include <stdexcept>
@@ -68,6 +69,8 @@ struct Context {
   std::vector<std::string> written = {};  ///< exports and pictures that are complete
   std::string file = {};                  ///< that -o names, where `out` goes into it; else empty
   std::size_t threads = 0;                ///< to use; 0: one for each processor
+  std::uint64_t seed = 1;                 ///< of everything random
+  std::string command = {};               ///< the command line, for what is written
 
   /// One line on the error stream that is not an error; silent with --quiet.
   void note(const std::string& line) const;
@@ -108,6 +111,8 @@ Verb kalman_verb();
 Verb discretize_verb();
 Verb margins_verb();
 Verb pid_verb();
+Verb fly_verb();
+Verb compare_verb();
 Verb export_verb();
 Verb verify_verb();
 Verb diff_verb();

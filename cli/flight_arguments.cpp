@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight_arguments.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+
+#include "cascade_report.hpp"
+#include "number_arguments.hpp"
+#include "print.hpp"
+#include "program.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/read_gains.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "standard_lqr.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+/// Control period of laws that come with none [s].
+constexpr double kUsualPeriod = 0.005;
+/// Of the model project's estimator.
+constexpr double kOriginalFlowScale = 1.15;
+
+struct ChosenLaw {
+  Controller controller;
+  std::string words;
+};
+
+/// What an option's word means, the option's mistake told as the command line's.
+template <class Function>
+auto word_of(const std::string& verb, const std::string& option, Function&& read) {
+  try {
+    return read(option);
+  } catch (const InvalidInput& error) {
+    throw UsageError(fmt::format("quadtune {}: {}", verb, error.what()), option);
+  }
+}
+
+bool is_design(const std::string& gains) { return gains.ends_with(".toml"); }
+
+ChosenLaw cascade_of(const FlightArguments& arguments, const Vehicle& vehicle,
+                     const std::string& verb) {
+  ChosenLaw law;
+  if (arguments.gains == "published") {
+    if (!vehicle.published_cascade)
+      throw UsageError(fmt::format("quadtune {}: --gains published: {} has no published cascade, "
+                                   "expected designed or a design file",
+                                   verb, vehicle.name),
+                       "--gains");
+    law.controller = CascadeController{vehicle.published_cascade->gains};
+    law.words = "cascaded PID, published: " + vehicle.published_cascade->source;
+  } else if (is_design(arguments.gains)) {
+    const Design design = load_design(arguments.gains);
+    if (!design.cascade)
+      throw InvalidInput(arguments.gains, "has no [cascade], expected one because its gains shall "
+                                          "fly");
+    const CascadeGains gains =
+        design.cascade->specification
+            ? design_cascade(vehicle, *design.cascade->specification, arguments.gains).cascade.gains
+            : design.cascade->gains;
+    law.controller = cascade_controller(*design.cascade, gains);
+    law.words = "cascaded PID of " + arguments.gains;
+  } else {
+    CascadeSpecification specification;
+    specification.dt =
+        vehicle.published_cascade ? vehicle.published_cascade->gains.dt : kUsualPeriod;
+    law.controller =
+        CascadeController{design_cascade(vehicle, specification, vehicle.name).cascade.gains};
+    law.words = fmt::format("cascaded PID, designed as by `quadtune pid {}`", arguments.vehicle);
+  }
+  return law;
+}
+
+ChosenLaw feedback_of(const FlightArguments& arguments, const Vehicle& vehicle,
+                      const std::string& verb) {
+  if (arguments.gains == "designed")
+    return {feedback_controller(standard_gains(vehicle, verb), kUsualPeriod),
+            "state feedback, LQR with weights by Bryson's rule"};
+  if (arguments.gains == "published")
+    throw UsageError(fmt::format("quadtune {}: --gains published is for cascaded-pid, expected "
+                                 "designed or a file of gains",
+                                 verb),
+                     "--gains");
+  const Gains gains = read_gains(arguments.gains);
+  if (!gains.vehicle.empty() && gains.vehicle != vehicle.name)
+    throw InvalidInput(arguments.gains,
+                       fmt::format("the gains are for the vehicle '{}', expected '{}'",
+                                   gains.vehicle, vehicle.name));
+  return {feedback_controller(gains, kUsualPeriod), "state feedback of " + arguments.gains};
+}
+
+ChosenLaw law_of(FlightArguments arguments, const Vehicle& vehicle, const std::string& verb) {
+  if (arguments.gains.empty()) arguments.gains = "designed";
+  const bool file = arguments.gains != "designed" && arguments.gains != "published";
+  if (arguments.controller.empty())
+    arguments.controller = file && !is_design(arguments.gains) ? "state-feedback" : "cascaded-pid";
+  const std::vector<std::string> known = {"cascaded-pid", "state-feedback"};
+  if (arguments.controller == known[0]) {
+    if (file && !is_design(arguments.gains))
+      throw UsageError(fmt::format("quadtune {}: --gains is '{}', expected a design file (.toml), "
+                                   "designed or published for a cascaded PID",
+                                   verb, arguments.gains),
+                       "--gains");
+    return cascade_of(arguments, vehicle, verb);
+  }
+  if (arguments.controller == known[1]) return feedback_of(arguments, vehicle, verb);
+  throw UsageError(fmt::format("quadtune {}: --controller is '{}', expected cascaded-pid or "
+                               "state-feedback{}",
+                               verb, arguments.controller,
+                               internal::did_you_mean(arguments.controller, known)),
+                   "--controller");
+}
+
+/// The estimator that a vehicle's sensors can feed.
+std::string usual_estimator(const Sensors& sensors) {
+  if (sensors.sonar && sensors.flow) return "mambo";
+  return sensors.barometer && sensors.magnetometer ? "uquad" : "truth";
+}
+
+void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& flight,
+                   const std::string& verb) {
+  const Sensors& sensors = setup.vehicle.sensors;
+  const auto need = [&](bool present, const char* sensor) {
+    if (!present)
+      throw UsageError(fmt::format("quadtune {}: --estimator {}: the vehicle '{}' has no {}, "
+                                   "expected an estimator that its sensors feed",
+                                   verb, name, setup.vehicle.name, sensor),
+                       "--estimator");
+  };
+  flight.estimator = name;
+  const bool original = name == "mambo-original";
+  setup.estimator = word_of(verb, "--estimator", [&](const std::string& option) {
+    return estimator_kind(original ? "mambo" : name, option);
+  });
+  if (setup.estimator == EstimatorKind::truth) return;
+  need(sensors.accelerometer.has_value(), "accelerometer");
+  need(sensors.gyroscope.has_value(), "gyroscope");
+  if (setup.estimator == EstimatorKind::mambo) {
+    need(sensors.sonar.has_value(), "sonar");
+    MamboEstimatorSettings<double>& mambo = setup.mambo_estimator;
+    if (original || !sensors.flow) {
+      mambo.flow_scale = kOriginalFlowScale;
+    } else {
+      // Calibrated: the sensor's scale is undone, and the body's turning taken out of the image.
+      const auto third_of_square = [](double angle) { return std::pow(std::tan(angle), 2) / 3; };
+      mambo.flow_scale = setup.real_sensors ? 1 / sensors.flow->faults.scale.head<2>().mean() : 1;
+      mambo.flow_compensation_x = 1 + third_of_square(sensors.flow->half_field_x);
+      mambo.flow_compensation_y = 1 + third_of_square(sensors.flow->half_field_y);
+    }
+  } else {
+    need(sensors.barometer.has_value(), "barometer");
+    setup.uquad_filter = uquad_filter_in_si<double>();
+    setup.uquad_filter.position = sensors.gps.has_value();
+  }
+}
+
+std::optional<double> positive(const CLI::App* app, const std::string& option, double value,
+                               const std::string& verb) {
+  (void)app;
+  if (value == 0) return {};
+  if (!(value > 0) || !std::isfinite(value))
+    throw UsageError(fmt::format("quadtune {}: {} is {}, expected more than 0", verb, option,
+                                 number(value)),
+                     option);
+  return value;
+}
+
+}  // namespace
+
+void add_flight_options(CLI::App& app, FlightArguments& arguments) {
+  app.add_option("--mission", arguments.mission,
+                 "a built-in mission or a mission file (docs/formats.md); hover")
+      ->type_name("NAME");
+  app.add_option("--controller", arguments.controller,
+                 "cascaded-pid or state-feedback; what --gains holds, or cascaded-pid")
+      ->type_name("KIND");
+  app.add_option("--gains", arguments.gains,
+                 "designed (default), published, a design file, an export or a file of gains")
+      ->type_name("WHICH");
+  app.add_option("--integrator", arguments.integrator,
+                 "of the PID: euler (default), backward-euler or tustin")
+      ->type_name("NAME");
+  app.add_option("--estimator", arguments.estimator,
+                 "mambo, mambo-original, uquad or truth; what the vehicle's sensors can feed")
+      ->type_name("NAME");
+  app.add_option("--flow", arguments.flow, "optical flow: full (default), simplified or off")
+      ->type_name("MODEL");
+  add_number(app, "--flow-rate", arguments.flow_rate, "of the optical flow [Hz]; the vehicle's")
+      ->type_name("HZ");
+  app.add_option("--sensors", arguments.sensors, "ideal, or real (default): as the vehicle's are")
+      ->type_name("KIND");
+  app.add_option("--wind", arguments.wind,
+                 "calm (default), light, moderate, severe, or a list: north=3,gust_east=2")
+      ->type_name("WIND");
+  add_number(app, "--duration", arguments.duration, "[s]; the mission's")->type_name("S");
+  app.add_option("--solver", arguments.solver,
+                 "euler, bogacki-shampine-3 (default) or runge-kutta-4")
+      ->type_name("NAME");
+  add_number(app, "--step", arguments.step, "longest step of the solver [s]; 0.005")
+      ->type_name("S");
+  app.add_flag("--dynamic-environment", arguments.dynamic_environment,
+               "air, gravity and magnetic field change with height");
+}
+
+CascadeController cascade_controller(const CascadeDesign& design, const CascadeGains& gains) {
+  CascadeController controller{gains};
+  if (design.specification) controller.method = design.specification->method;
+  controller.attitude_limit = design.attitude_limit;
+  controller.integrator_limit = design.integrator_limit;
+  controller.back_calculation = design.back_calculation;
+  return controller;
+}
+
+StateFeedbackController feedback_controller(const Gains& gains, double dt) {
+  StateFeedbackController controller{gains, gains.dt > 0 ? gains.dt : dt, {}};
+  if (gains.convention == "uquad") controller.guards = uquad_integral_guards();
+  return controller;
+}
+
+PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehicle,
+                          const Mission& mission, const Controller& controller,
+                          const std::string& law, const std::string& verb) {
+  PlannedFlight flight;
+  FlightSetup& setup = flight.setup;
+  setup.vehicle = vehicle;
+  setup.mission = mission;
+  setup.controller = controller;
+  flight.law = law;
+  if (auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
+    if (!arguments.integrator.empty())
+      cascade->method = word_of(verb, "--integrator", [&](const std::string& option) {
+        return pid_method(arguments.integrator, option);
+      });
+  } else if (!arguments.integrator.empty()) {
+    throw UsageError(fmt::format("quadtune {}: --integrator is for a cascaded PID, expected none "
+                                 "because a state feedback sums its error once a sample",
+                                 verb),
+                     "--integrator");
+  }
+  if (arguments.sensors != "real" && arguments.sensors != "ideal")
+    throw UsageError(fmt::format("quadtune {}: --sensors is '{}', expected ideal or real{}", verb,
+                                 arguments.sensors,
+                                 internal::did_you_mean(arguments.sensors, {"ideal", "real"})),
+                     "--sensors");
+  setup.real_sensors = arguments.sensors == "real";
+  flight.sensors = arguments.sensors;
+  if (setup.real_sensors && !vehicle.sensors_known)
+    flight.notes.push_back(fmt::format(
+        "the file of '{}' has no [sensors]: typical ones of small vehicles are flown", vehicle.name));
+  setup.flow = word_of(verb, "--flow", [&](const std::string& option) {
+    return flow_model(arguments.flow, option);
+  });
+  setup.flow_rate = positive(nullptr, "--flow-rate", arguments.flow_rate, verb).value_or(0);
+  setup.duration = positive(nullptr, "--duration", arguments.duration, verb).value_or(0);
+  set_estimator(arguments.estimator.empty() ? usual_estimator(vehicle.sensors)
+                                            : arguments.estimator,
+                setup, flight, verb);
+  setup.environment.dynamic = arguments.dynamic_environment;
+  setup.environment.wind = word_of(verb, "--wind", [&](const std::string& option) {
+    return wind_of_words(arguments.wind, option);
+  });
+  flight.wind = arguments.wind;
+  setup.integrator = word_of(verb, "--solver", [&](const std::string& option) {
+    return integrator(arguments.solver, option);
+  });
+  setup.step = positive(nullptr, "--step", arguments.step, verb).value_or(setup.step);
+  setup.seed = arguments.seed;
+  validate(setup);
+  return flight;
+}
+
+PlannedFlight plan_flight(const FlightArguments& arguments, const std::string& verb) {
+  if (arguments.vehicle.empty())
+    throw UsageError(fmt::format("quadtune {}: expected a vehicle", verb), "V");
+  const Vehicle vehicle = load_vehicle(arguments.vehicle);
+  const Mission mission = load_mission(arguments.mission);
+  const ChosenLaw law = law_of(arguments, vehicle, verb);
+  return plan_flight(arguments, vehicle, mission, law.controller, law.words, verb);
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Options that say what is flown, and the setup that they mean: for `fly`, `compare`, `design`.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "quadtune/design.hpp"
+#include "quadtune/simulation/flight.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace quadtune::cli {
+
+struct FlightArguments {
+  std::string vehicle;
+  std::string mission = "hover";
+  std::string controller;  ///< "cascaded-pid", "state-feedback"; empty: what the gains are
+  std::string gains;       ///< a file, an export, "designed" or "published"; empty: "designed"
+  std::string integrator;  ///< "euler", "backward-euler", "tustin"; empty: the gains' own
+  std::string estimator;   ///< "mambo", "mambo-original", "uquad", "truth"; empty: by the sensors
+  std::string flow = "full";
+  double flow_rate = 0;  ///< [Hz]; 0: the vehicle's
+  std::string sensors = "real";
+  std::string wind = "calm";
+  double duration = 0;  ///< [s]; 0: the mission's
+  std::string solver = "bogacki-shampine-3";
+  double step = 0.005;  ///< [s]
+  bool dynamic_environment = false;
+  std::uint64_t seed = 1;
+};
+
+/// Adds V and all of these but --seed, which every verb has.
+void add_flight_options(CLI::App& app, FlightArguments& arguments);
+
+/// A setup, and in words what was chosen for it.
+struct PlannedFlight {
+  FlightSetup setup;
+  std::string law;                 ///< e.g. "cascaded PID, designed as by `quadtune pid mambo`"
+  std::string estimator;           ///< e.g. "mambo"
+  std::string sensors;             ///< "real" or "ideal"
+  std::string wind;                ///< as it was asked for
+  std::vector<std::string> notes;  ///< what the user should know of a choice
+};
+
+/// @param verb  for messages
+/// @throws UsageError, InvalidInput, FileError, NoSolution
+[[nodiscard]] PlannedFlight plan_flight(const FlightArguments& arguments, const std::string& verb);
+
+/// The same for a vehicle, a mission and a law in memory; their options are not looked at.
+[[nodiscard]] PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehicle,
+                                        const Mission& mission, const Controller& controller,
+                                        const std::string& law, const std::string& verb);
+
+/// A cascade of a design file as it is flown.
+/// @param gains  designed where the file asks for them
+[[nodiscard]] CascadeController cascade_controller(const CascadeDesign& design,
+                                                   const CascadeGains& gains);
+
+/// A state feedback as it is flown: with the guards of the uquad's program in its convention.
+/// @param dt  control period [s]; that of the gains where they have one
+[[nodiscard]] StateFeedbackController feedback_controller(const Gains& gains, double dt);
+
+}  // namespace quadtune::cli

@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight_story.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "print.hpp"
+#include "quadtune/version.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+using internal::Json;
+
+/// Numbers that are not finite have no JSON: null says that there is none.
+Json finite_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+std::string in_words(double value, const std::string& unit) {
+  if (std::isnan(value)) return "none";
+  if (std::isinf(value)) return "never";
+  return fmt::format("{:.4g}{}", value, unit == "1" ? "" : " " + unit);
+}
+
+std::vector<std::string> state_names() {
+  return names_or_numbers(ned_convention().states, 12);
+}
+
+/// The k-th of the names of a group.
+std::array<std::string, 3> columns(const std::string& group) {
+  return {group + ".px", group + ".py", group + ".pz"};
+}
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+/// What was, what was asked for and what was believed of one state.
+ReportPlot state_plot(const std::string& title, const std::string& unit,
+                      const std::vector<std::string>& states, bool referred, double factor = 1) {
+  ReportPlot plot;
+  plot.title = title;
+  plot.unit = unit;
+  plot.factor = factor;
+  for (const std::string& state : states) {
+    plot.series.push_back({state, "x." + state, SeriesStyle::value});
+    if (referred)
+      plot.series.push_back({state + " asked for", "reference." + state, SeriesStyle::reference});
+    plot.series.push_back({state + " believed", "estimate." + state, SeriesStyle::estimate});
+  }
+  return plot;
+}
+
+ReportPlot plot_of(const LogTable& log, const std::string& title, const std::string& unit,
+                   const std::string& group, const std::vector<std::string>& names,
+                   SeriesStyle style) {
+  ReportPlot plot;
+  plot.title = title;
+  plot.unit = unit;
+  for (const std::string& name : names) {
+    const std::string column = group.empty() ? name : group + "." + name;
+    if (log.find(column) != nullptr) plot.series.push_back({name, column, style});
+  }
+  return plot;
+}
+
+std::vector<ReportPlot> plots_of(const FlownFlight& flight) {
+  const LogTable& log = flight.result.log;
+  std::vector<std::string> rotors;
+  for (std::size_t i = 1; i <= flight.plan.setup.vehicle.rotors.size(); ++i)
+    rotors.push_back(fmt::format("w{}", i));
+  std::vector<ReportPlot> plots = {
+      state_plot("Horizontal position", "m", {"px", "py"}, true),
+      state_plot("Height, downward", "m", {"pz"}, true),
+      state_plot("Roll and pitch", "deg", {"roll", "pitch"}, false, kDegrees),
+      state_plot("Yaw", "deg", {"yaw"}, true, kDegrees),
+      state_plot("Body velocity", "m/s", {"u", "v", "w"}, false),
+      state_plot("Body rates", "deg/s", {"p", "q", "r"}, false, kDegrees),
+      plot_of(log, "Thrust asked for", "N", "command", {"T"}, SeriesStyle::value),
+      plot_of(log, "Torques asked for", "N m", "command", {"tau_x", "tau_y", "tau_z"},
+              SeriesStyle::value),
+      plot_of(log, "Rotor speeds", "rad/s", "x", rotors, SeriesStyle::value),
+      plot_of(log, "Accelerometer", "m/s^2", "accelerometer", {"x", "y", "z"},
+              SeriesStyle::measurement),
+      plot_of(log, "Gyroscope", "rad/s", "gyroscope", {"x", "y", "z"}, SeriesStyle::measurement),
+      plot_of(log, "Sonar", "m", "", {"sonar"}, SeriesStyle::measurement),
+      plot_of(log, "Optical flow", "rad/s", "flow", {"x", "y"}, SeriesStyle::measurement),
+      plot_of(log, "Barometer", "Pa", "", {"barometer"}, SeriesStyle::measurement),
+      plot_of(log, "Satellite position", "m", "gps", {"px", "py", "pz"}, SeriesStyle::measurement),
+      plot_of(log, "Battery", "V", "battery", {"voltage"}, SeriesStyle::value),
+      plot_of(log, "Wind", "m/s", "wind", {"north", "east", "down"}, SeriesStyle::value)};
+  std::erase_if(plots, [](const ReportPlot& plot) { return plot.series.empty(); });
+  return plots;
+}
+
+std::vector<GainTable> gains_of(const Controller& controller) {
+  if (const auto* feedback = std::get_if<StateFeedbackController>(&controller)) {
+    const Gains& gains = feedback->gains;
+    const auto rows = names_or_numbers(gains.inputs, gains.K.rows());
+    std::vector<GainTable> tables = {
+        {"K, on the states of convention " + gains.convention, rows,
+         names_or_numbers(gains.states, gains.K.cols()), gains.K}};
+    if (gains.K_int.cols() > 0)
+      tables.push_back({"K_int, on their integrals", rows,
+                        names_or_numbers(gains.integrals, gains.K_int.cols()), gains.K_int});
+    return tables;
+  }
+  const CascadeGains& gains = std::get<CascadeController>(controller).gains;
+  GainTable table;
+  table.title = "PID loops";
+  table.columns = {"Kp", "Ki", "Kd"};
+  table.values.resize(std::ssize(gains.loops), 3);
+  for (std::size_t i = 0; i < gains.loops.size(); ++i) {
+    const PidLoop& loop = gains.loops[i];
+    table.rows.push_back(fmt::format("{} to {} [{}]", loop.name, loop.output, loop.unit));
+    table.values.row(static_cast<Eigen::Index>(i)) << loop.Kp, loop.Ki, loop.Kd;
+  }
+  return {table};
+}
+
+ReportReplay replay_of(const Vehicle& vehicle) {
+  ReportReplay replay;
+  replay.position = columns("x");
+  replay.attitude = {"x.qw", "x.qx", "x.qy", "x.qz"};
+  replay.reference = columns("reference");
+  replay.estimate = columns("estimate");
+  for (std::size_t i = 0; i < vehicle.rotors.size(); ++i)
+    replay.rotors.push_back({vehicle.rotors[i].position,
+                             static_cast<int>(spin_sign(vehicle.rotors[i].spin)),
+                             fmt::format("x.w{}", i + 1)});
+  if (!vehicle.rotors.empty() && std::isfinite(vehicle.rotors[0].radius))
+    replay.rotor_radius = vehicle.rotors[0].radius;
+  return replay;
+}
+
+}  // namespace
+
+FlownFlight fly_planned(PlannedFlight plan) {
+  FlownFlight flight;
+  flight.plan = std::move(plan);
+  const auto begin = std::chrono::steady_clock::now();
+  flight.result = fly(flight.plan.setup);
+  flight.wall_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  Mission judged = flight.plan.setup.mission;
+  if (flight.plan.setup.duration > 0) judged.duration = flight.plan.setup.duration;
+  flight.verdict = judge(judged, flight.result.metrics);
+  flight.passed = flight.verdict.ok && flight.result.end == FlightEnd::completed;
+  return flight;
+}
+
+std::string label_of(Metric metric) {
+  switch (metric) {
+    case Metric::duration:
+      return "time flown";
+    case Metric::settling_time:
+      return "settling time";
+    case Metric::overshoot:
+      return "overshoot";
+    case Metric::yaw_overshoot:
+      return "overshoot of yaw";
+    case Metric::tracking_rms:
+      return "tracking error, rms";
+    case Metric::tracking_max:
+      return "tracking error, greatest";
+    case Metric::height_rms:
+      return "height error, rms";
+    case Metric::height_max:
+      return "height error, greatest";
+    case Metric::yaw_rms:
+      return "yaw error, rms";
+    case Metric::yaw_max:
+      return "yaw error, greatest";
+    case Metric::tilt_max:
+      return "greatest tilt";
+    case Metric::speed_max:
+      return "greatest speed";
+    case Metric::saturation_time:
+      return "time at a motor's limit";
+    case Metric::energy:
+      return "energy of the motors";
+    case Metric::estimate_rms:
+      return "position believed wrong, rms";
+    case Metric::estimate_max:
+      return "position believed wrong, greatest";
+    case Metric::position_drift:
+      return "drift of the believed position";
+    case Metric::final_distance:
+      return "distance at the end";
+    case Metric::touchdown_speed:
+      return "speed at touchdown";
+  }
+  return "";
+}
+
+std::string circumstances(const PlannedFlight& plan) {
+  return fmt::format("{}; estimator {}, {} sensors, wind {}, seed {}", plan.law, plan.estimator,
+                     plan.sensors, plan.wind, plan.setup.seed);
+}
+
+std::vector<std::string> reasons(const FlownFlight& flight) {
+  std::vector<std::string> why;
+  const FlightResult& result = flight.result;
+  if (result.end == FlightEnd::diverged)
+    why.push_back(fmt::format("diverged at {:.4g} s: state {} left every range that means anything",
+                              result.end_time, result.culprit));
+  if (result.end == FlightEnd::safety_exit && !result.events.empty()) {
+    const LogEvent& last = result.events.back();
+    why.push_back(fmt::format("safety exit '{}' at {:.4g} s{}", last.name, last.time,
+                              last.detail.empty() ? "" : ": " + last.detail));
+  }
+  for (const LimitCheck& check : flight.verdict.checks) {
+    if (check.ok || (check.metric == Metric::duration && !why.empty())) continue;
+    why.push_back(fmt::format("{} is {}, expected {} {}", label_of(check.metric),
+                              in_words(check.value, unit_of(check.metric)),
+                              check.at_least ? "at least" : "at most",
+                              in_words(check.bound, unit_of(check.metric))));
+  }
+  return why;
+}
+
+Json to_json(const FlownFlight& flight) {
+  const FlightResult& result = flight.result;
+  const FlightSetup& setup = flight.plan.setup;
+  Json json = {{"vehicle", setup.vehicle.name},
+               {"mission", setup.mission.name},
+               {"law", flight.plan.law},
+               {"estimator", flight.plan.estimator},
+               {"sensors", flight.plan.sensors},
+               {"flow", to_string(setup.flow)},
+               {"wind", flight.plan.wind},
+               {"seed", setup.seed},
+               {"verdict", flight.passed ? "pass" : "fail"},
+               {"end", to_string(result.end)},
+               {"end_time_s", result.end_time}};
+  if (!result.culprit.empty()) json["culprit"] = result.culprit;
+  json["metrics"] = Json::object();
+  for (std::size_t i = 0; i < kMetrics; ++i) {
+    const auto metric = static_cast<Metric>(i);
+    const std::string& unit = unit_of(metric);
+    const std::string key = name_of(metric) + (unit == "1" ? "" : "_" + unit);
+    json["metrics"][key] = finite_or_null(result.metrics[metric]);
+  }
+  json["limits"] = Json::array();
+  for (const LimitCheck& check : flight.verdict.checks)
+    json["limits"].push_back({{"metric", name_of(check.metric)},
+                              {"value", finite_or_null(check.value)},
+                              {check.at_least ? "at_least" : "at_most", check.bound},
+                              {"ok", check.ok}});
+  json["reasons"] = reasons(flight);
+  json["events"] = Json::array();
+  for (const LogEvent& event : result.events)
+    json["events"].push_back({{"t", event.time}, {"name", event.name}, {"detail", event.detail}});
+  json["final_state"] = Json::object();
+  json["final_estimate"] = Json::object();
+  const std::vector<std::string> names = state_names();
+  for (std::size_t i = 0; i < 12; ++i) {
+    json["final_state"][names[i]] = finite_or_null(result.final_state(static_cast<int>(i)));
+    json["final_estimate"][names[i]] = finite_or_null(result.final_estimate(static_cast<int>(i)));
+  }
+  json["steps"] = result.steps;
+  json["wall_s"] = flight.wall_s;
+  return json;
+}
+
+std::string to_text(const FlownFlight& flight) {
+  const FlightResult& result = flight.result;
+  const FlightSetup& setup = flight.plan.setup;
+  std::string text = fmt::format("{} flies {}: {}\n  {}\n\n", setup.vehicle.name,
+                                 setup.mission.name, setup.mission.description,
+                                 circumstances(flight.plan));
+  const std::vector<std::string> why = reasons(flight);
+  text += fmt::format("verdict: {}\n", flight.passed ? "pass" : "fail");
+  for (const std::string& reason : why) text += "  " + reason + "\n";
+  text += "\n";
+  const auto limit_of = [&](Metric metric) -> const LimitCheck* {
+    for (const LimitCheck& check : flight.verdict.checks)
+      if (check.metric == metric) return &check;
+    return nullptr;
+  };
+  for (std::size_t i = 0; i < kMetrics; ++i) {
+    const auto metric = static_cast<Metric>(i);
+    const double value = result.metrics[metric];
+    const LimitCheck* check = limit_of(metric);
+    if (std::isnan(value) && check == nullptr) continue;
+    std::string limit;
+    if (check != nullptr)
+      limit = fmt::format("{} {}{}", check->at_least ? "at least" : "at most",
+                          in_words(check->bound, unit_of(metric)), check->ok ? "" : "  NOT KEPT");
+    const std::string line = fmt::format("  {:<34} {:<14} {}", label_of(metric),
+                                         in_words(value, unit_of(metric)), limit);
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  if (!result.events.empty()) text += "\nevents\n";
+  for (const LogEvent& event : result.events)
+    text += fmt::format("  {:>8.3f} s  {}{}\n", event.time, event.name,
+                        event.detail.empty() ? "" : ": " + event.detail);
+  text += fmt::format("\n{:.4g} s in {:.2g} s of computing, {} steps of {}\n", result.end_time,
+                      flight.wall_s, result.steps, to_string(setup.integrator));
+  return text;
+}
+
+FlightReport report_of(const FlownFlight& flight, const std::string& command) {
+  const FlightSetup& setup = flight.plan.setup;
+  FlightReport report;
+  report.title = fmt::format("{} flies {}", setup.vehicle.name, setup.mission.name);
+  report.verdict = flight.passed ? ReportVerdict::pass : ReportVerdict::fail;
+  report.reasons = reasons(flight);
+  if (flight.passed)
+    report.reasons.push_back(fmt::format("flown to the end, {} limits kept",
+                                         flight.verdict.checks.size()));
+  for (std::size_t i = 0; i < kMetrics; ++i) {
+    const auto metric = static_cast<Metric>(i);
+    ReportMetric row;
+    row.name = name_of(metric);
+    row.label = label_of(metric);
+    row.value = flight.result.metrics[metric];
+    row.unit = unit_of(metric);
+    for (const LimitCheck& check : flight.verdict.checks)
+      if (check.metric == metric) {
+        row.limit = check.bound;
+        row.limit_is_least = check.at_least;
+        row.ok = check.ok;
+      }
+    if (!std::isnan(row.value) || row.limit) report.metrics.push_back(row);
+  }
+  report.log = flight.result.log;
+  auto& about = report.log.about;
+  about.insert(about.begin() + 2, {"law", flight.plan.law});
+  about.insert(about.begin() + 2, {"description", setup.mission.description});
+  about.push_back({"wind", flight.plan.wind});
+  report.plots = plots_of(flight);
+  report.replay = replay_of(setup.vehicle);
+  report.gains = gains_of(setup.controller);
+  report.command = command;
+  report.version = std::string(kVersion);
+  report.seed = fmt::format("{}", setup.seed);
+  return report;
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "standard_lqr.hpp"
+
+#include "cascade_report.hpp"
+#include "program.hpp"
+#include "quadtune/synthesis/lqr.hpp"
+#include "quadtune/tuning/bryson.hpp"
+
+namespace quadtune::cli {
+
+RiccatiResult standard_lqr(const CascadeVehicle& vehicle, const std::string& verb) {
+  Eigen::VectorXd deviation(12);
+  deviation << 0.25, 0.25, 0.25, 0.2, 0.2, 0.35, 0.5, 0.5, 0.5, 2, 2, 2;
+  const Eigen::Vector4d share(0.15, 0.12, 0.12, 0.12);
+  const LqrWeights weights = bryson_weights(deviation, vehicle.authority.cwiseProduct(share));
+  RiccatiResult riccati = lqr(vehicle.hover, weights);
+  if (!riccati.solved()) throw NoSolution(verb + ": lqr: " + riccati.culprit, "V");
+  return riccati;
+}
+
+Gains standard_gains(const Vehicle& vehicle, const std::string& verb) {
+  Gains gains;
+  gains.K = standard_lqr(cascade_vehicle(vehicle, verb), verb).K;
+  gains.K_int = Eigen::MatrixXd(4, 0);
+  gains.states = ned_convention().states;
+  gains.inputs = ned_convention().wrench;
+  gains.x0 = Eigen::VectorXd::Zero(12);
+  gains.u0 = Eigen::Vector4d(vehicle.mass * vehicle.gravity, 0, 0, 0);
+  gains.vehicle = vehicle.name;
+  gains.convention = "ned";
+  gains.input_kind = InputKind::wrench;
+  return gains;
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The LQR that stands for a vehicle whose user has not given any weights.
+#pragma once
+
+#include "quadtune/gains.hpp"
+#include "quadtune/model/vehicle.hpp"
+#include "quadtune/synthesis/pid_cascade.hpp"
+#include "quadtune/synthesis/riccati.hpp"
+
+namespace quadtune::cli {
+
+/// Of the hover, from the 12 states to the wrench, weights by Bryson's rule from what the vehicle
+/// can give, see docs/cli.md. The motors' lag is not in it.
+/// @param verb  that asked, for NoSolution
+/// @throws NoSolution  with the culprit
+[[nodiscard]] RiccatiResult standard_lqr(const CascadeVehicle& vehicle, const std::string& verb);
+
+/// The same as gains that can be flown.
+[[nodiscard]] Gains standard_gains(const Vehicle& vehicle, const std::string& verb);
+
+}  // namespace quadtune::cli
