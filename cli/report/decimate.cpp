@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report/decimate.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -10,25 +11,28 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// The least and the greatest finite value of a bucket, in the order in which they came.
-std::pair<double, double> extremes(const std::vector<double>& values, std::size_t begin,
-                                   std::size_t end) {
+/// What stands for the rows begin … end - 1 of a column; `end` is a row, too.
+std::pair<double, double> two_for(const std::vector<double>& values, std::size_t begin,
+                                  std::size_t end) {
+  const std::size_t middle = begin + (end - begin) / 2;
   std::size_t least = end;
   std::size_t greatest = end;
+  std::size_t count = 0;
   for (std::size_t i = begin; i < end; ++i) {
     if (!std::isfinite(values[i])) continue;
+    ++count;
     if (least == end || values[i] < values[least]) least = i;
     if (greatest == end || values[i] > values[greatest]) greatest = i;
   }
-  if (least == end) return {kNaN, kNaN};
-  if (least != greatest)
-    return {values[std::min(least, greatest)], values[std::max(least, greatest)]};
-  // One value, or all the same: where there are several, both halves of the bucket have it.
-  std::size_t count = 0;
-  for (std::size_t i = begin; i < end; ++i) count += std::isfinite(values[i]) ? 1 : 0;
-  if (count > 1) return {values[least], values[least]};
-  return least < begin + (end - begin + 1) / 2 ? std::pair(values[least], kNaN)
-                                               : std::pair(kNaN, values[least]);
+  if (count == 0) return {kNaN, kNaN};
+  if (count == 1)
+    return least < middle ? std::pair(values[least], kNaN) : std::pair(kNaN, values[least]);
+  const double a = values[begin], b = values[middle], c = values[end];
+  const bool shown = std::isfinite(a) && std::isfinite(b) && std::isfinite(c) &&
+                     values[least] >= std::min({a, b, c}) &&
+                     values[greatest] <= std::max({a, b, c});
+  if (shown) return {a, b};
+  return {values[std::min(least, greatest)], values[std::max(least, greatest)]};
 }
 
 }  // namespace
@@ -57,7 +61,7 @@ Decimated decimate(const std::vector<double>& time,
     std::vector<double> kept = {column->front()};
     kept.reserve(result.time.size());
     for (std::size_t k = 0; k < buckets; ++k) {
-      const auto [one, other] = extremes(*column, first(k), first(k + 1));
+      const auto [one, other] = two_for(*column, first(k), first(k + 1));
       kept.push_back(one);
       kept.push_back(other);
     }

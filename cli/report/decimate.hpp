@@ -16,10 +16,11 @@ struct Decimated {
 /// Keeps at most `rows` rows of a record. A record of no more rows comes back as it is.
 ///
 /// Otherwise the first and the last row stay, and the rows between are dealt into buckets of equal
-/// count, two rows each: every column's least and greatest value in the bucket, in the order in
-/// which they came. So no peak is lost, and none is moved by more than a bucket; within a row the
-/// columns need not be of one instant. What is not finite counts as no value: a bucket with one
-/// value keeps that and a NaN, a bucket without is a gap. A gap shorter than a bucket is lost.
+/// count, two rows each: a column's values at the bucket's start and middle. Where the bucket goes
+/// beyond what a line through these would show, they are its least and its greatest value instead,
+/// in the order in which they came. So what is smooth stays exact, no peak is lost, and none is
+/// moved by more than a bucket. What is not finite counts as no value: a bucket with one value keeps
+/// that and a NaN, a bucket without is a gap. A gap shorter than a bucket is lost.
 ///
 /// @param time     increasing
 /// @param columns  each as long as `time`; not null

@@ -11,7 +11,7 @@ const Page = (() => {
       if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
       else element.setAttribute(name, value === true ? '' : String(value));
     }
-    for (const child of children.flat())
+    for (const child of children.flat(Infinity))
       if (child !== null && child !== undefined) element.append(child);
     return element;
   }

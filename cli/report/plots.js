@@ -3,11 +3,11 @@
 'use strict';
 
 const Plots = (() => {
-  const {el, float32, float64, indexAt, number, color} = Page;
+  const {el, float32, float64, indexAt, fixed, color} = Page;
 
   const kColors = 6;     // --series-1 … --series-6
   const kHeight = 190;   // of a plot [px]
-  const kPrintSize = {width: 660, height: 160};
+  const kPrintSize = {width: 686, height: 160};
   const kLeastSpan = 0.01;  // of the zoom [s]
 
   /** Which colour, dashes and width a series has: references and estimates follow their value. */
@@ -46,6 +46,20 @@ const Plots = (() => {
     if (!sparse) return values[row];
     for (let i = row; i >= 0; --i) if (values[i] !== null) return values[i];
     return null;
+  }
+
+  /** How many decimals tell values apart that a plot shows apart. */
+  function decimalsOf(series) {
+    let low = Infinity;
+    let high = -Infinity;
+    for (const {values} of series)
+      for (const v of values) {
+        if (v === null) continue;
+        low = Math.min(low, v);
+        high = Math.max(high, v);
+      }
+    const size = high > low ? high - low : Math.abs(high);
+    return size > 0 && size < Infinity ? Math.min(Math.max(3 - Math.ceil(Math.log10(size)), 0), 9) : 1;
   }
 
   /** A sample of a series' line for the legend. */
@@ -99,7 +113,7 @@ const Plots = (() => {
     }
 
     function follow(plot, t) {
-      const {u, series, values} = plot;
+      const {u, series, shown, decimals} = plot;
       const {min, max} = u.scales.x;
       const inside = t >= min && t <= max;
       const left = inside ? u.valToPos(t, 'x') : -10;
@@ -107,7 +121,7 @@ const Plots = (() => {
       let row = indexAt(time, t);
       if (row + 1 < time.length && time[row + 1] - t < t - time[row]) ++row;
       series.forEach((s, i) => {
-        values[i].textContent = number(valueAt(u.data[i + 1], row, s.sparse));
+        shown[i].textContent = fixed(valueAt(s.values, row, s.sparse), decimals);
       });
     }
 
@@ -140,6 +154,8 @@ const Plots = (() => {
         const sparse = isSparse(values);
         return {...s, look: styles[i], sparse, dots: sparse || s.style === 'measurement', values};
       });
+      // Dots lie under lines; the keys stay in the order of the report.
+      const layers = [...series].sort((a, b) => b.dots - a.dots);
       const shown = series.map((s) => el('span', {class: 'reading'}));
       const keys = series.map((s, i) => {
         const button = el('button', {type: 'button', class: 'key', 'aria-pressed': 'true',
@@ -148,7 +164,7 @@ const Plots = (() => {
         button.addEventListener('click', () => {
           const on = button.getAttribute('aria-pressed') !== 'true';
           button.setAttribute('aria-pressed', String(on));
-          entry.u.setSeries(i + 1, {show: on});
+          u.setSeries(layers.indexOf(series[i]) + 1, {show: on});
         });
         return button;
       });
@@ -183,7 +199,7 @@ const Plots = (() => {
         cursor: {y: false, drag: {x: true, y: false, dist: 4}, points: {size: 6},
                  // The cursor is the clock: it stays where the mouse has left it.
                  bind: {mouseleave: () => null}},
-        series: [{}, ...series.map((s) => ({
+        series: [{}, ...layers.map((s) => ({
           label: s.label,
           stroke: () => color(s.look.tone),
           fill: undefined,
@@ -223,15 +239,14 @@ const Plots = (() => {
           }],
         },
       };
-      const u = new uPlot(options, [time, ...series.map((s) => s.values)], canvas);
+      const u = new uPlot(options, [time, ...layers.map((s) => s.values)], canvas);
       const touch = (event) => {
         const box = u.over.getBoundingClientRect();
         if (!clock.playing) clock.set(u.posToVal(event.touches[0].clientX - box.left, 'x'));
       };
       u.over.addEventListener('touchstart', touch, {passive: true});
       u.over.addEventListener('touchmove', touch, {passive: true});
-      const entry = {u, series, values: shown, canvas};
-      plots.push(entry);
+      plots.push({u, series, shown, canvas, decimals: decimalsOf(series)});
     }
 
     let printing = false;

@@ -9,7 +9,7 @@ const Replay = (() => {
   const {el, float32, float64, indexAt, fixed, color} = Page;
 
   const kFrontOfBody = 1e-3;    // a rotor farther ahead is a front one [share of the arm]
-  const kFixedShare = 0.09;     // the vehicle's least share of the picture from the fixed camera
+  const kFixedShare = 0.18;     // the vehicle's least share of the picture from the fixed camera
   const kFieldOfView = 40;      // [deg]
 
   /** The recorded flight, and what it was at any time. */
@@ -83,14 +83,16 @@ const Replay = (() => {
     return {low, high, radius};
   }
 
-  /** 1, 2 or 5 times a power of ten, not below x. */
-  function roundUp(x) {
+  /** A multiple of a power of ten, not below x. */
+  function roundUp(x, multiples) {
     const power = 10 ** Math.floor(Math.log10(x));
-    return [1, 2, 5, 10].map((m) => m * power).find((v) => v >= x * (1 - 1e-9));
+    return [...multiples, 10].map((m) => m * power).find((v) => v >= x * (1 - 1e-9));
   }
+  const roundDistance = (x) => roundUp(x, [1, 2, 5]);
+  const roundScale = (x) => Math.max(1, roundUp(x, [1, 2, 3, 5]));
 
   /** What stands over the picture: where the vehicle is and how it is turned. */
-  function makeReadings(host) {
+  function makeReadings(flight, host) {
     const cells = {};
     const item = (key, label, unit) => {
       cells[key] = el('span', {class: 'value'});
@@ -101,7 +103,7 @@ const Replay = (() => {
       el('div', {class: 'readings'},
          item('north', 'north', 'm'), item('east', 'east', 'm'), item('up', 'up', 'm'),
          item('speed', 'speed', 'm/s'), item('roll', 'roll', '\u00b0'), item('pitch', 'pitch', '\u00b0'),
-         item('yaw', 'yaw', '\u00b0'), item('off', 'off reference', 'm')));
+         item('yaw', 'yaw', '\u00b0'), flight.reference ? item('off', 'off reference', 'm') : null));
     return (state) => {
       const [roll, pitch, yaw] = angles(state.quaternion).map((a) => (a * 180) / Math.PI);
       const [n, e, d] = state.position;
@@ -112,8 +114,9 @@ const Replay = (() => {
       cells.roll.textContent = fixed(roll, 1);
       cells.pitch.textContent = fixed(pitch, 1);
       cells.yaw.textContent = fixed(yaw, 1);
-      cells.off.textContent = state.reference
-        ? fixed(Math.hypot(...state.position.map((v, i) => v - state.reference[i])), 2) : '\u2013';
+      if (state.reference)
+        cells.off.textContent =
+          fixed(Math.hypot(...state.position.map((v, i) => v - state.reference[i])), 2);
     };
   }
 
@@ -157,7 +160,7 @@ const Replay = (() => {
 
     // The ground: a square of lines with round distances.
     const wide = Math.max(high[0] - low[0], high[1] - low[1], 4 * span, extent);
-    const cell = roundUp(wide / 12);
+    const cell = roundDistance(wide / 12);
     const edge = [0, 1].map((axis) => [Math.floor(low[axis] / cell - 1) * cell,
                                        Math.ceil(high[axis] / cell + 1) * cell]);
     for (const axis of [0, 1]) {
@@ -204,9 +207,10 @@ const Replay = (() => {
       return {ends, object};
     }
     if (flight.reference) track(flight.reference, 'path-reference', 1.5, {dashed: true});
-    if (flight.estimate) track(flight.estimate, 'path-estimate', 1.25);
+    if (flight.estimate) track(flight.estimate, 'path-estimate', 1, {opacity: 0.7});
     track(flight.position, 'path', 2, {opacity: 0.28});
     const past = track(flight.position, 'path', 2.75);
+    if (past.object) past.object.renderOrder = 1;  // over what else is at the same place
 
     // The vehicle in body axes.
     const vehicle = new Three.Group();
@@ -296,7 +300,7 @@ const Replay = (() => {
                                        : new Three.Vector3(-0.85, -0.5, -0.62);
       const half = (kFieldOfView / 2) * (Math.PI / 180);
       const narrow = Math.min(1, camera.aspect);
-      const size = view.following ? span * 1.6 : Math.max(radius, span) * 1.08;
+      const size = view.following ? span * 1.3 : Math.max(radius, span) * 1.08;
       const distance = size / Math.sin(Math.atan(Math.tan(half) * narrow));
       controls.target.copy(view.following && last ? last : center);
       camera.position.copy(controls.target).addScaledVector(direction.normalize(), distance);
@@ -389,7 +393,7 @@ const Replay = (() => {
     function follow(on) {
       view.following = on;
       // From afar the vehicle would be a dot.
-      view.scale = on ? 1 : Math.max(1, roundUp((kFixedShare * 2 * extent) / span));
+      view.scale = on ? 1 : roundScale((kFixedShare * 2 * extent) / span);
       show(flight.at(clock.time));
       home();
       redraw();
@@ -459,7 +463,7 @@ const Replay = (() => {
       const x = (e) => width / 2 + (e - east) * size;
       const y = (n) => height / 2 - (n - north) * size;
 
-      const cell = roundUp((2 * extent) / 12);
+      const cell = roundDistance((2 * extent) / 12);
       ctx.lineWidth = 1;
       ctx.strokeStyle = color('ground');
       ctx.fillStyle = color('muted');
@@ -522,7 +526,7 @@ const Replay = (() => {
     render();
     return {
       kind: 'flat',
-      cell: roundUp((2 * extent) / 12),
+      cell: roundDistance((2 * extent) / 12),
       view: {following: false, scale: 1},
       show(next) {
         state = next;
@@ -542,7 +546,7 @@ const Replay = (() => {
     const renderer = makeRenderer();
     const picture = renderer ? drawSpace(renderer, data.replay, flight, clock, stage)
                              : drawFlat(data.replay, flight, clock, stage);
-    const read = makeReadings(stage);
+    const read = makeReadings(flight, stage);
 
     const play = el('button', {type: 'button', class: 'play'});
     const scrub = el('input', {type: 'range', class: 'scrub', min: clock.first, max: clock.last,
@@ -576,7 +580,8 @@ const Replay = (() => {
       note.textContent = grid + (scale > 1 ? ` Vehicle drawn ${scale} times its size.` : '') +
         (flight.rotors.some((r) => r.top > 0) ? ' Rotor discs fill with speed.' : '');
     };
-    const key = (tone, text) => el('span', {class: 'key-item'}, el('i', {class: `line tone-${tone}`}), text);
+    const key = (tone, text, shape = 'line') =>
+      el('span', {class: 'key-item'}, el('i', {class: `${shape} tone-${tone}`}), text);
     const buttons = [];
     if (picture.kind === 'drawn') {
       const camera = [['Fixed', false], ['Follow', true]].map(([text, on]) => {
@@ -608,7 +613,7 @@ const Replay = (() => {
             flight.reference ? key('path-reference', 'reference') : null,
             flight.estimate ? key('path-estimate', 'estimate') : null,
             picture.kind === 'drawn' && flight.rotors.length
-              ? [key('front', 'front rotors'), key('back', 'back rotors')] : null,
+              ? [key('front', 'front rotors', 'disc'), key('back', 'back rotors', 'disc')] : null,
             picture.kind === 'drawn'
               ? [key('axis-x', 'x forward'), key('axis-y', 'y right'), key('axis-z', 'z down')] : null),
          el('div', {class: 'buttons'}, buttons)),

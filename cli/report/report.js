@@ -181,7 +181,7 @@
   const host = section('plots', 'Plots');
   let plots = null;
   if (data.plots.length) {
-    host.append(el('div', {class: 'hint'}, 'Drag to zoom, double-click for the whole flight.', reset));
+    host.append(el('div', {class: 'hint'}, 'Over time in s. Drag to zoom, double-click for the whole flight.', reset));
     flight.append(host);
     plots = Plots.draw(data, clock, host);
     themed.push(plots);

@@ -18,6 +18,7 @@ export {
   PerspectiveCamera,
   RingGeometry,
   Scene,
+  SphereGeometry,
   Vector3,
   WebGLRenderer,
 } from 'three';
