@@ -88,8 +88,9 @@ const Page = (() => {
         clock.set(clock.time);
       },
     };
-    function tick(now) {
+    function tick() {
       if (!clock.playing) return;
+      const now = performance.now();
       // A page that slept for long shall not have missed the flight.
       const seconds = Math.min(Math.max(now - before, 0), 250) / 1000;
       before = now;

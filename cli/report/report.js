@@ -209,7 +209,8 @@
   // For scripts that take pictures of a certain instant or check where things are.
   window.flightReport = {seek: clock.set, replay};
 
-  requestAnimationFrame(() => {
+  // uPlot draws at the end of this task.
+  setTimeout(() => {
     root.dataset.plots = String(plots ? plots.count() : 0);
     root.dataset.replay = replay ? replay.kind : 'none';
   });
