@@ -19,8 +19,8 @@ struct Decimated {
 /// count, two rows each: a column's values at the bucket's start and middle. Where the bucket goes
 /// beyond what a line through these would show, they are its least and its greatest value instead,
 /// in the order in which they came. So what is smooth stays exact, no peak is lost, and none is
-/// moved by more than a bucket. What is not finite counts as no value: a bucket with one value keeps
-/// that and a NaN, a bucket without is a gap. A gap shorter than a bucket is lost.
+/// moved by more than a bucket. What is not finite counts as no value: a bucket with one value
+/// keeps that and a NaN, a bucket without is a gap. A gap shorter than a bucket is lost.
 ///
 /// @param time     increasing
 /// @param columns  each as long as `time`; not null

@@ -69,10 +69,9 @@ void check(const FlightReport& report) {
   for (const GainTable& table : report.gains)
     if (table.values.rows() != static_cast<Eigen::Index>(table.rows.size()) ||
         table.values.cols() != static_cast<Eigen::Index>(table.columns.size()))
-      throw InvalidInput(
-          kWhere, fmt::format("table '{}' is {}x{}, expected {}x{} as it has names", table.title,
-                              table.values.rows(), table.values.cols(), table.rows.size(),
-                              table.columns.size()));
+      throw InvalidInput(kWhere, fmt::format("table '{}' is {}x{}, expected {}x{} as it has names",
+                                             table.title, table.values.rows(), table.values.cols(),
+                                             table.rows.size(), table.columns.size()));
 }
 
 json metrics_json(const std::vector<ReportMetric>& metrics) {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-
 #include <nlohmann/json.hpp>
 
 #include "quadtune/exports/file_set.hpp"
@@ -24,8 +23,8 @@ void append_little_endian(std::vector<unsigned char>& out, std::uint64_t bits, i
 std::string html_text(std::string_view text) {
   // The JSON library knows what UTF-8 is; between its quotes only two characters are escaped, as
   // control characters are taken out after.
-  const std::string quoted =
-      nlohmann::json(std::string(text)).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const std::string quoted = nlohmann::json(std::string(text))
+                                 .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   const std::string clean = nlohmann::json::parse(quoted).get<std::string>();
   std::string result;
   for (const char c : clean) {
@@ -56,8 +55,7 @@ std::string html_text(std::string_view text) {
 }
 
 std::string script_json(const nlohmann::json& value) {
-  const std::string text =
-      value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  const std::string text = value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
   std::string result;
   result.reserve(text.size());
   // These three stand in strings only, where their escapes mean the same.

@@ -2,12 +2,11 @@
 /// Text that goes into a web page and must not break out of its place.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include <nlohmann/json_fwd.hpp>
 
 namespace quadtune::cli {
 
@@ -16,7 +15,8 @@ namespace quadtune::cli {
 [[nodiscard]] std::string html_text(std::string_view text);
 
 /// JSON as the content of a `<script>` element: ASCII only, no `<`, `>` or `&`, so that neither
-/// `</script>` nor `<!--` can stand in it. What is no UTF-8 becomes U+FFFD; what is not finite null.
+/// `</script>` nor `<!--` can stand in it. What is no UTF-8 becomes U+FFFD; what is not finite
+/// null.
 [[nodiscard]] std::string script_json(const nlohmann::json& value);
 
 /// Bytes in base64 with padding.

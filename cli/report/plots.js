@@ -83,9 +83,8 @@ const Plots = (() => {
     return svg;
   }
 
-  /** Draws all plots into a host; returns how many, and what acts on all of them. */
+  /** Draws all plots, one at least, into a host; returns what acts on all of them. */
   function draw(data, clock, host) {
-    if (!data.plots.length) return {count: 0, restyle() {}, print() {}, reset() {}, zoomed: () => {}};
     const time = float64(data.time);
     const columns = data.columns.map((c) =>
       Array.from(float32(c), (v) => (Number.isFinite(v) ? v : null)));
@@ -93,7 +92,7 @@ const Plots = (() => {
     const plots = [];
     const zoomListeners = [];
     let following = false;  // a plot is being brought to what another one shows
-    let drawn = 0;
+    const drawn = new Set();
 
     function zoom(min, max, source) {
       following = true;
@@ -210,7 +209,7 @@ const Plots = (() => {
                          : {show: false},
         }))],
         hooks: {
-          ready: [() => { ++drawn; }],
+          draw: [(u) => drawn.add(u)],
           setCursor: [(u) => {
             if (u.cursor.left >= 0 && !clock.playing && !following)
               clock.set(u.posToVal(u.cursor.left, 'x'));
@@ -265,7 +264,7 @@ const Plots = (() => {
     });
 
     return {
-      count: () => drawn,
+      count: () => drawn.size,
       zoomed: (listener) => zoomListeners.push(listener),
       reset: () => zoom(full.min, full.max, null),
       restyle: () => { for (const {u} of plots) u.redraw(false, true); },

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The flight report as a reader's browser shows it. Skipped where there is no Chromium.
+#include "browser.hpp"
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -9,7 +11,6 @@
 #include <regex>
 #include <set>
 
-#include "browser.hpp"
 #include "hostile_texts.hpp"
 #include "sample_flight.hpp"
 #include "temporary_directory.hpp"
@@ -20,7 +21,6 @@ namespace {
 using cli::FlightReport;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Not;
 
 /// The value of a data attribute of the page's root element; "(none)" where it is absent.
 std::string root_data(const std::string& page, const std::string& name) {
@@ -87,6 +87,36 @@ TEST_F(Browser, DrawsEveryPlotAndTheReplay) {
   EXPECT_THAT(page, HasSubstr("rotor 2 within 10 % of its largest speed"));
 }
 
+// Lines in colours, not grids and texts alone.
+TEST_F(Browser, PlotsAndReplayHaveColours) {
+  const std::string script = R"(
+    const root = document.documentElement;
+    const colourful = (canvas) => {
+      const copy = document.createElement('canvas');
+      copy.width = canvas.width;
+      copy.height = canvas.height;
+      const ctx = copy.getContext('2d');
+      ctx.drawImage(canvas, 0, 0);
+      const {data} = ctx.getImageData(0, 0, copy.width, copy.height);
+      let count = 0;
+      for (let i = 0; i < data.length; i += 4)
+        if (data[i + 3] > 128 && Math.max(data[i], data[i + 1], data[i + 2]) -
+            Math.min(data[i], data[i + 1], data[i + 2]) > 60) ++count;
+      return count;
+    };
+    flightReport.replay.render();
+    root.dataset.plotted = [...document.querySelectorAll('.plot canvas')].map(colourful).join(' ');
+    root.dataset.replayed = colourful(document.querySelector('.stage canvas'));
+  )";
+  const std::string page = opened(with_script(cli::html(sample_flight()), script));
+  EXPECT_EQ(root_data(page, "error"), "(none)");
+  std::istringstream plotted(root_data(page, "plotted"));
+  int plots = 0;
+  for (int pixels = 0; plotted >> pixels; ++plots) EXPECT_GT(pixels, 400) << "plot " << plots;
+  EXPECT_EQ(plots, 8);
+  EXPECT_GT(std::stoi(root_data(page, "replayed")), 3000);
+}
+
 TEST_F(Browser, ShowsTheFlightFromAboveWithoutWebGl) {
   const std::string page = opened(cli::html(sample_flight()), {"--disable-3d-apis"});
   EXPECT_EQ(root_data(page, "error"), "(none)");
@@ -112,8 +142,9 @@ TEST_F(Browser, LoadsNothing) {
     return requests(place_.read("requests.json"));
   };
   const std::string html = cli::html(sample_flight());
-  const std::string image = "document.body.append(Object.assign(new Image(), "
-                            "{src: 'http://control.example/x.png'}));";
+  const std::string image =
+      "document.body.append(Object.assign(new Image(), "
+      "{src: 'http://control.example/x.png'}));";
   EXPECT_THAT(asked(with_script(html, image)),
               ::testing::ElementsAre("http://control.example/x.png"));  // the log does tell
   EXPECT_THAT(asked(with_script(html, "")), IsEmpty());
@@ -171,11 +202,11 @@ class Attitude : public Browser {
 
 TEST_F(Attitude, LevelAndNorth) {
   const auto back = seen(0, 0, 0, behind);
-  EXPECT_LT(back[3].first, back[2].first);              // left is left
-  EXPECT_NEAR(back[2].second, back[3].second, 0.1);     // level
+  EXPECT_LT(back[3].first, back[2].first);           // left is left
+  EXPECT_NEAR(back[2].second, back[3].second, 0.1);  // level
   const auto top = seen(0, 0, 0, above);
-  EXPECT_LT(top[0].second, top[3].second);              // ahead is north is up in the picture
-  EXPECT_LT(top[0].first, top[1].first);                // right is east is right
+  EXPECT_LT(top[0].second, top[3].second);  // ahead is north is up in the picture
+  EXPECT_LT(top[0].first, top[1].first);    // right is east is right
 }
 
 TEST_F(Attitude, RollLowersTheRightSide) {

@@ -24,7 +24,7 @@ const std::vector<std::string>& hostile_texts() {
       "{{data}} {{script}} ${" + kBreak + "} `",
       "javascript:" + kBreak,
       "\\u003c/script\\u003e \\\" \\\\",
-      "line\xE2\x80\xA8separator\xE2\x80\xA9paragraph",     // U+2028, U+2029
+      "line\xE2\x80\xA8separator\xE2\x80\xA9paragraph",                  // U+2028, U+2029
       "right to left \xE2\x80\xAEtxet\xE2\x80\xAC \xE2\x81\xA6isolate",  // U+202E, U+202C, U+2066
       std::string("control \0 \x01 \x08 \x0b \x1b[31m \x7f \r\n\t", 27),
       "no UTF-8: \xff\xfe \xc0\x80 \xed\xa0\x80 \xe2\x82",
@@ -56,7 +56,7 @@ cli::FlightReport hostile_flight() {
     report.metrics.push_back({"m", "", value, "", value, false, true});
   report.log.columns.push_back({text, text, {0, 1, 2, 3, 4}});
   std::vector<std::vector<double>> columns = {
-      {1, kNaN, 2, kInf, 3},       {kNaN, kNaN, kNaN, kNaN, kNaN}, {1e300, -1e300, 1e39, 0, 1},
+      {1, kNaN, 2, kInf, 3},        {kNaN, kNaN, kNaN, kNaN, kNaN},   {1e300, -1e300, 1e39, 0, 1},
       {1e-300, 0, -0.0, 5e-324, 1}, {kInf, -kInf, kInf, -kInf, kInf}, {7, 7, 7, 7, 7}};
   const std::vector<std::string>& texts = hostile_texts();
   for (std::size_t i = 0; i < columns.size(); ++i)
@@ -74,7 +74,8 @@ cli::FlightReport hostile_flight() {
   replay.estimate = {{texts[5], texts[5], texts[5]}};
   replay.arm = kNaN;
   replay.rotor_radius = -kInf;
-  replay.rotors = {{{kNaN, kInf, 0}, 0, texts[4]}, {{0, 0, 0}, 1, ""}, {{1e300, 0, 0}, -1, texts[2]}};
+  replay.rotors = {
+      {{kNaN, kInf, 0}, 0, texts[4]}, {{0, 0, 0}, 1, ""}, {{1e300, 0, 0}, -1, texts[2]}};
   report.replay = std::move(replay);
   Eigen::MatrixXd values(1, 3);
   values << kNaN, kInf, -1e-300;

@@ -121,7 +121,9 @@ void add_plots(cli::FlightReport& report) {
         {"roll, estimate", "estimate.roll", estimate},
         {"pitch, estimate", "estimate.pitch", estimate}},
        kDegrees},
-      {"Velocity", "m/s", {{"north", "x.vn", value}, {"east", "x.ve", value}, {"down", "x.vd", value}}},
+      {"Velocity",
+       "m/s",
+       {{"north", "x.vn", value}, {"east", "x.ve", value}, {"down", "x.vd", value}}},
       {"Rotor speeds",
        "rad/s",
        {{"1", "rotor.1", value},
@@ -148,10 +150,8 @@ void add_tables(cli::FlightReport& report) {
   Eigen::MatrixXd rates(3, 4);
   rates << 0.01078, 0.02777, -0.001508, 0.12, 0.01322, 0.03391, -0.001714, 0.12, 0.004025, 0.004904,
       0, 0.05;
-  report.gains = {{"Attitude cascade",
-                   {"roll", "pitch", "yaw"},
-                   {"Kp", "Ki", "Kd", "limit"},
-                   rates}};
+  report.gains = {
+      {"Attitude cascade", {"roll", "pitch", "yaw"}, {"Kp", "Ki", "Kd", "limit"}, rates}};
   Eigen::MatrixXd K(4, 12);
   for (Eigen::Index i = 0; i < 4; ++i)
     for (Eigen::Index j = 0; j < 12; ++j)
@@ -226,11 +226,12 @@ cli::FlightReport sample_flight(double duration, double rate) {
     record.add("x.vd", "m/s", v.z());
     const double thrust = (acceleration(t) - Vector3d(0, 0, kGravity)).norm() / kGravity;
     for (int k = 1; k <= 4; ++k)
-      record.add("rotor." + std::to_string(k), "rad/s",
-                 kHoverSpeed * std::sqrt(thrust) + 1.5 * noise(random) +
-                     9 * std::sin(0.9 * t + 1.6 * k));
+      record.add(
+          "rotor." + std::to_string(k), "rad/s",
+          kHoverSpeed * std::sqrt(thrust) + 1.5 * noise(random) + 9 * std::sin(0.9 * t + 1.6 * k));
     record.add("wind.n", "m/s", 0.4 * std::sin(0.7 * t) + 4 * gust(t).x() + 0.15 * noise(random));
-    record.add("wind.e", "m/s", 3 + 0.5 * std::sin(0.9 * t) + 8 * gust(t).y() + 0.15 * noise(random));
+    record.add("wind.e", "m/s",
+               3 + 0.5 * std::sin(0.9 * t) + 8 * gust(t).y() + 0.15 * noise(random));
     record.end_row();
   }
   cli::ReportReplay replay;
@@ -250,9 +251,12 @@ cli::FlightReport sample_flight(double duration, double rate) {
 cli::FlightReport still_flight(double roll, double pitch, double yaw) {
   cli::FlightReport report;
   report.title = "Still";
-  report.log.columns = {{"t", "s", {0, 1}},          {"n", "m", {0, 0}},
-                        {"e", "m", {0, 0}},          {"d", "m", {-1, -1}},
-                        {"roll", "rad", {roll, roll}}, {"pitch", "rad", {pitch, pitch}},
+  report.log.columns = {{"t", "s", {0, 1}},
+                        {"n", "m", {0, 0}},
+                        {"e", "m", {0, 0}},
+                        {"d", "m", {-1, -1}},
+                        {"roll", "rad", {roll, roll}},
+                        {"pitch", "rad", {pitch, pitch}},
                         {"yaw", "rad", {yaw, yaw}}};
   cli::ReportReplay replay;
   replay.position = {"n", "e", "d"};
