@@ -8,6 +8,7 @@ const Plots = (() => {
   const kColors = 6;     // --series-1 … --series-6
   const kHeight = 190;   // of a plot [px]
   const kPrintSize = {width: 686, height: 160};
+  const kManyEvents = 30;   // from here on their lines step back
   const kLeastSpan = 0.01;  // of the zoom [s]
 
   /** Which colour, dashes and width a series has: references and estimates follow their value. */
@@ -189,7 +190,7 @@ const Plots = (() => {
         width: Math.max(canvas.clientWidth, 200),
         height: kHeight,
         legend: {show: false},
-        padding: [8, 10, 0, 0],
+        padding: [8, 16, 0, 0],
         scales: {x: {time: false, range: (u, min, max) => (min < max ? [min, max] : [min, min + 1])}},
         axes: [{...axis, size: 26, space: 60},
                // One width for all, so that the same instant is at the same place in each.
@@ -225,6 +226,7 @@ const Plots = (() => {
             ctx.strokeStyle = color('event');
             ctx.lineWidth = devicePixelRatio;
             ctx.setLineDash([3 * devicePixelRatio, 3 * devicePixelRatio]);
+            if (data.events.length > kManyEvents) ctx.globalAlpha = 0.35;
             for (const event of data.events) {
               if (event.time === null) continue;
               if (event.time < u.scales.x.min || event.time > u.scales.x.max) continue;

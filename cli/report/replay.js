@@ -180,10 +180,17 @@ const Replay = (() => {
       scene.add(object);
       return object;
     };
-    segments(lines, painted(new Three.LineBasicMaterial(), 'ground'));
+    const ground = segments(lines, painted(new Three.LineBasicMaterial(), 'ground'));
+    // A finer one goes along with the vehicle when the camera does.
+    const kNear = 15;
+    const nearLines = [];
+    for (let k = -kNear; k <= kNear; ++k)
+      nearLines.push(k, -kNear, 0, k, kNear, 0, -kNear, k, 0, kNear, k, 0);
+    const nearGround = segments(nearLines, painted(new Three.LineBasicMaterial(), 'ground'));
 
     // Paths: pieces between rows that have values, with the row at which each piece ends.
     const pixels = [];
+    const dashes = [];
     function track(rows, tone, width, {opacity = 1, dashed = false} = {}) {
       const points = [];
       const ends = [];
@@ -197,9 +204,9 @@ const Replay = (() => {
       const geometry = new Three.LineSegmentsGeometry();
       geometry.setPositions(points);
       const material = painted(
-        new Three.LineMaterial({linewidth: width, transparent: opacity < 1, opacity, dashed,
-                                dashSize: extent / 45, gapSize: extent / 60}), tone);
+        new Three.LineMaterial({linewidth: width, transparent: opacity < 1, opacity, dashed}), tone);
       pixels.push(material);
+      if (dashed) dashes.push(material);
       const object = new Three.LineSegments2(geometry, material);
       if (dashed) object.computeLineDistances();
       object.frustumCulled = false;
@@ -292,7 +299,7 @@ const Replay = (() => {
       else clock.play();
     });
 
-    const view = {following: false, scale: 1};
+    const view = {following: false, scale: 1, cell};
     let last = null;
 
     function home() {
@@ -350,11 +357,17 @@ const Replay = (() => {
         points.setXYZ(1, last.x, last.y, 0);
         points.needsUpdate = true;
         spot.position.set(last.x, last.y, 0);
+        if (view.following) {
+          view.cell = roundDistance(Math.max(span, Math.abs(last.z) / 4));
+          nearGround.scale.setScalar(view.cell);
+          nearGround.position.set(Math.round(last.x / view.cell) * view.cell,
+                                  Math.round(last.y / view.cell) * view.cell, 0);
+        }
         spot.scale.setScalar(0.5 * arm * view.scale);
       }
       if (target.visible) {
         target.position.set(...state.reference);
-        target.scale.setScalar(view.following ? 0.12 * arm : Math.max(0.1 * arm * view.scale, extent / 140));
+        target.scale.setScalar(view.following ? 0.07 * arm : Math.max(0.1 * arm * view.scale, extent / 140));
       }
       rotors.forEach(({disc}, i) => {
         const share = state.rotors[i];
@@ -394,6 +407,13 @@ const Replay = (() => {
       view.following = on;
       // From afar the vehicle would be a dot.
       view.scale = on ? 1 : roundScale((kFixedShare * 2 * extent) / span);
+      view.cell = cell;
+      ground.visible = !on;
+      nearGround.visible = on;
+      for (const material of dashes) {
+        material.dashSize = on ? span / 3 : extent / 45;
+        material.gapSize = 0.75 * material.dashSize;
+      }
       show(flight.at(clock.time));
       home();
       redraw();
@@ -405,7 +425,6 @@ const Replay = (() => {
     renderer.render(scene, camera);
     return {
       kind: 'drawn',
-      cell,
       view,
       show,
       restyle,
@@ -443,6 +462,7 @@ const Replay = (() => {
     const {low, high, radius} = bounds(flight);
     const {span} = frame(data);
     const extent = Math.max(radius, span);
+    const cell = roundDistance((2 * extent) / 12);
     let state = flight.at(clock.time);
 
     function render() {
@@ -463,7 +483,6 @@ const Replay = (() => {
       const x = (e) => width / 2 + (e - east) * size;
       const y = (n) => height / 2 - (n - north) * size;
 
-      const cell = roundDistance((2 * extent) / 12);
       ctx.lineWidth = 1;
       ctx.strokeStyle = color('ground');
       ctx.fillStyle = color('muted');
@@ -526,8 +545,7 @@ const Replay = (() => {
     render();
     return {
       kind: 'flat',
-      cell: roundDistance((2 * extent) / 12),
-      view: {following: false, scale: 1},
+      view: {following: false, scale: 1, cell},
       show(next) {
         state = next;
         render();
@@ -571,14 +589,15 @@ const Replay = (() => {
 
     const note = el('p', {class: 'note'});
     const describe = () => {
-      const grid = `Grid ${picture.cell} m.`;
+      const grid = `Grid ${picture.view.cell} m.`;
       if (picture.kind === 'flat') {
         note.textContent = `${grid} This browser has no WebGL, so the flight is shown from above.`;
         return;
       }
       const {scale} = picture.view;
-      note.textContent = grid + (scale > 1 ? ` Vehicle drawn ${scale} times its size.` : '') +
+      const text = grid + (scale > 1 ? ` Vehicle drawn ${scale} times its size.` : '') +
         (flight.rotors.some((r) => r.top > 0) ? ' Rotor discs fill with speed.' : '');
+      if (note.textContent !== text) note.textContent = text;
     };
     const key = (tone, text, shape = 'line') =>
       el('span', {class: 'key-item'}, el('i', {class: `${shape} tone-${tone}`}), text);
@@ -625,6 +644,7 @@ const Replay = (() => {
       const state = flight.at(t);
       picture.show(state);
       read(state);
+      describe();
       if (document.activeElement !== scrub || Number(scrub.value) !== t) scrub.value = t;
       scrub.setAttribute('aria-valuetext', `${t.toFixed(2)} seconds`);
       now.textContent = `${t.toFixed(2)} / ${whole} s`;

@@ -178,12 +178,11 @@ cli::FlightReport sample_flight(double duration, double rate) {
   report.title = "Figure of eight in a gust";
   report.verdict = cli::ReportVerdict::fail;
   report.reasons = {"rotor speed left, least: 8.3 %, expected at least 10 %"};
-  report.command =
-      "quadtune fly missions/eight.toml --vehicle uquad --wind gust --report out/eight.html";
+  report.command = "test_report --gtest_filter=Browser.TakesPicturesWideAndNarrow";
   report.version = "0.1.0";
   report.seed = "42";
   report.log.about = {
-      {"vehicle", "uquad, 1.741 kg, plus layout, arm 0.25 m"},
+      {"vehicle", "made up for the tests: 1.7 kg, X layout, arm 0.25 m"},
       {"mission", "take off, figure of eight at 2.5 m, 9 m long, 8.4 s a lap"},
       {"controller", "LQR with integrals of position and yaw, every 10 ms"},
       {"estimator", "extended Kalman filter, every 5 ms"},
