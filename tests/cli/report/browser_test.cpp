@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The flight report as a reader's browser shows it. Skipped where there is no Chromium.
+#include "browser.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+
+#include "hostile_texts.hpp"
+#include "sample_flight.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune::testing {
+namespace {
+
+using cli::FlightReport;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// The value of a data attribute of the page's root element; "(none)" where it is absent.
+std::string root_data(const std::string& page, const std::string& name) {
+  const std::string root = page.substr(0, page.find("<head"));
+  std::smatch match;
+  const std::regex attribute("data-" + name + "=\"([^\"]*)\"");
+  return std::regex_search(root, match, attribute) ? match[1].str() : "(none)";
+}
+
+/// The page without its policy and with a script of the test, which runs once the page is drawn.
+/// What the script puts into document.documentElement.dataset can be read with root_data().
+std::string with_script(const std::string& html, const std::string& script) {
+  static const std::string kPolicy = "<meta http-equiv=\"Content-Security-Policy\"";
+  std::string page = html;
+  const std::size_t start = page.find(kPolicy);
+  page.erase(start, page.find('>', start) + 1 - start);
+  const std::string body_end = "</body>";
+  page.insert(page.rfind(body_end), "<script>setTimeout(() => {" + script + "}, 500);</script>");
+  return page;
+}
+
+class Browser : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (find_browser().empty()) GTEST_SKIP() << "no chromium here, so no page is opened";
+  }
+
+  std::string write(const std::string& html, const std::string& name = "report.html") const {
+    return place_.write(name, html).string();
+  }
+
+  /// The page after its scripts.
+  std::string opened(const std::string& html,
+                     const std::vector<std::string>& arguments = {}) const {
+    const BrowserResult result = dump_page(write(html), arguments);
+    EXPECT_TRUE(result.in_time) << "the browser did not end";
+    EXPECT_EQ(result.status, 0);
+    return result.out;
+  }
+
+  TemporaryDirectory place_;
+};
+
+// What web pages of this browser run have asked for; what the browser itself wants is left out.
+std::set<std::string> requests(const std::string& log) {
+  std::set<std::string> urls;
+  const nlohmann::json all = nlohmann::json::parse(log);
+  for (const auto& event : all.at("events")) {
+    if (!event.contains("params") || !event["params"].contains("url")) continue;
+    const auto& params = event["params"];
+    if (params.value("initiator", "not an origin") != "not an origin")
+      urls.insert(params["url"].get<std::string>());
+  }
+  return urls;
+}
+
+TEST_F(Browser, DrawsEveryPlotAndTheReplay) {
+  const std::string page = opened(cli::html(sample_flight()));
+  EXPECT_EQ(root_data(page, "error"), "(none)");
+  EXPECT_EQ(root_data(page, "plots"), "8");
+  EXPECT_EQ(root_data(page, "replay"), "drawn");
+  EXPECT_THAT(page, HasSubstr("8 of 9 limits kept"));
+  EXPECT_THAT(page, HasSubstr("extended Kalman filter, every 5 ms"));
+  EXPECT_THAT(page, HasSubstr("rotor 2 within 10 % of its largest speed"));
+}
+
+// Lines in colours, not grids and texts alone.
+TEST_F(Browser, PlotsAndReplayHaveColours) {
+  const std::string script = R"(
+    const root = document.documentElement;
+    const colourful = (canvas) => {
+      const copy = document.createElement('canvas');
+      copy.width = canvas.width;
+      copy.height = canvas.height;
+      const ctx = copy.getContext('2d');
+      ctx.drawImage(canvas, 0, 0);
+      const {data} = ctx.getImageData(0, 0, copy.width, copy.height);
+      let count = 0;
+      for (let i = 0; i < data.length; i += 4)
+        if (data[i + 3] > 128 && Math.max(data[i], data[i + 1], data[i + 2]) -
+            Math.min(data[i], data[i + 1], data[i + 2]) > 60) ++count;
+      return count;
+    };
+    flightReport.replay.render();
+    root.dataset.plotted = [...document.querySelectorAll('.plot canvas')].map(colourful).join(' ');
+    root.dataset.replayed = colourful(document.querySelector('.stage canvas'));
+  )";
+  const std::string page = opened(with_script(cli::html(sample_flight()), script));
+  EXPECT_EQ(root_data(page, "error"), "(none)");
+  std::istringstream plotted(root_data(page, "plotted"));
+  int plots = 0;
+  for (int pixels = 0; plotted >> pixels; ++plots) EXPECT_GT(pixels, 400) << "plot " << plots;
+  EXPECT_EQ(plots, 8);
+  EXPECT_GT(std::stoi(root_data(page, "replayed")), 3000);
+}
+
+TEST_F(Browser, ShowsTheFlightFromAboveWithoutWebGl) {
+  const std::string page = opened(cli::html(sample_flight()), {"--disable-3d-apis"});
+  EXPECT_EQ(root_data(page, "error"), "(none)");
+  EXPECT_EQ(root_data(page, "plots"), "8");
+  EXPECT_EQ(root_data(page, "replay"), "flat");
+  EXPECT_THAT(page, HasSubstr("This browser has no WebGL, so the flight is shown from above."));
+}
+
+TEST_F(Browser, ShowsAReportOfNothing) {
+  const std::string page = opened(cli::html(FlightReport{}));
+  EXPECT_EQ(root_data(page, "error"), "(none)");
+  EXPECT_EQ(root_data(page, "plots"), "0");
+  EXPECT_EQ(root_data(page, "replay"), "none");
+  EXPECT_THAT(page, HasSubstr("No verdict"));
+}
+
+// Without its policy, too: the policy only makes sure.
+TEST_F(Browser, LoadsNothing) {
+  const std::string log = (place_.path() / "requests.json").string();
+  const auto asked = [&](const std::string& html) {
+    std::filesystem::remove(log);
+    (void)opened(html, {"--log-net-log=" + log});
+    return requests(place_.read("requests.json"));
+  };
+  const std::string html = cli::html(sample_flight());
+  const std::string image =
+      "document.body.append(Object.assign(new Image(), "
+      "{src: 'http://control.example/x.png'}));";
+  EXPECT_THAT(asked(with_script(html, image)),
+              ::testing::ElementsAre("http://control.example/x.png"));  // the log does tell
+  EXPECT_THAT(asked(with_script(html, "")), IsEmpty());
+  EXPECT_THAT(asked(html), IsEmpty());
+}
+
+TEST_F(Browser, PolicyStopsOtherScripts) {
+  std::string html = cli::html(sample_flight(4));
+  html.insert(html.rfind("</body>"),
+              "<script>document.documentElement.dataset.alien = 'ran'</script>");
+  const std::string page = opened(html);
+  EXPECT_EQ(root_data(page, "plots"), "8");
+  EXPECT_EQ(root_data(page, "alien"), "(none)");
+}
+
+TEST_F(Browser, HostileTextsStayTexts) {
+  FlightReport report = hostile_flight();
+  // Every text is shown, none of it as markup, and nothing of it runs, without the policy as well.
+  const std::string page =
+      opened(with_script(cli::html(report),
+                         "const root = document.documentElement; root.dataset.elements = "
+                         "document.querySelectorAll('main img, main script, main b[onclick], main "
+                         "iframe, main svg[onload], main a').length; root.dataset.heading = "
+                         "document.querySelector('h1').textContent.length;"));
+  EXPECT_EQ(root_data(page, "error"), "(none)");
+  EXPECT_EQ(root_data(page, "broken"), "(none)");
+  EXPECT_EQ(root_data(page, "plots"), std::to_string(report.plots.size()));
+  EXPECT_EQ(root_data(page, "replay"), "drawn");
+  EXPECT_EQ(root_data(page, "elements"), "0");
+  EXPECT_NE(root_data(page, "heading"), "0");
+}
+
+// Where rotors are in the picture [px], with the camera at a place beside the vehicle [m].
+class Attitude : public Browser {
+ protected:
+  /// Pixel columns x and y, in the order front left, front right, back right, back left.
+  std::vector<std::pair<double, double>> seen(double roll, double pitch, double yaw,
+                                              const std::string& from) {
+    const std::string script = fmt::format(
+        "flightReport.replay.look({}); document.documentElement.dataset.seen = "
+        "[[.2,-.2,0],[.2,.2,0],[-.2,.2,0],[-.2,-.2,0]].map(flightReport.replay.project).flat()"
+        ".map((v) => v.toFixed(2)).join(' ');",
+        from);
+    const std::string page = opened(with_script(cli::html(still_flight(roll, pitch, yaw)), script));
+    EXPECT_EQ(root_data(page, "error"), "(none)");
+    std::istringstream text(root_data(page, "seen"));
+    std::vector<std::pair<double, double>> places;
+    for (double x = 0, y = 0; text >> x >> y;) places.emplace_back(x, y);
+    places.resize(4);
+    return places;
+  }
+  const std::string behind = "[-2, 0, 0]";
+  const std::string above = "[-0.001, 0, -2]";  // with north at the top of the picture
+};
+
+TEST_F(Attitude, LevelAndNorth) {
+  const auto back = seen(0, 0, 0, behind);
+  EXPECT_LT(back[3].first, back[2].first);           // left is left
+  EXPECT_NEAR(back[2].second, back[3].second, 0.1);  // level
+  const auto top = seen(0, 0, 0, above);
+  EXPECT_LT(top[0].second, top[3].second);  // ahead is north is up in the picture
+  EXPECT_LT(top[0].first, top[1].first);    // right is east is right
+}
+
+TEST_F(Attitude, RollLowersTheRightSide) {
+  const auto back = seen(0.4, 0, 0, behind);
+  EXPECT_GT(back[2].second, back[3].second + 5);  // pixels count downward
+}
+
+TEST_F(Attitude, PitchLiftsTheNose) {
+  const auto back = seen(0, 0.4, 0, behind);
+  EXPECT_LT(back[0].second, back[3].second - 5);
+}
+
+TEST_F(Attitude, YawTurnsClockwiseSeenFromAbove) {
+  const auto top = seen(0, 0, 0.4, above);
+  const double ahead = (top[0].first + top[1].first) / 2;
+  const double behind_it = (top[2].first + top[3].first) / 2;
+  EXPECT_GT(ahead, behind_it + 5);  // the nose went right
+}
+
+TEST_F(Browser, PlotsReplayAndScrubBarShareOneTime) {
+  const std::string html = cli::html(sample_flight());
+  const std::string script = R"(
+    // The browser's clock runs ahead here, and it draws next to no frames.
+    window.requestAnimationFrame = (f) => setTimeout(f, 16);
+    const root = document.documentElement;
+    const over = [...document.querySelectorAll('.u-over')];
+    const at = (box, type, share) => {
+      const r = box.getBoundingClientRect();
+      box.dispatchEvent(new MouseEvent(type, {bubbles: true, button: 0, movementX: 1,
+        clientX: r.left + share * r.width, clientY: r.top + r.height / 2}));
+    };
+    at(over[0], 'mouseenter', 0.5);
+    at(over[0], 'mousemove', 0.5);
+    const lines = over.map((o) => new DOMMatrix(getComputedStyle(
+      o.querySelector('.u-cursor-x')).transform).m41 / o.clientWidth);
+    root.dataset.spread = (Math.max(...lines) - Math.min(...lines)).toFixed(3);
+    root.dataset.line = lines[3].toFixed(2);
+    root.dataset.scrub = Number(document.querySelector('.scrub').value).toFixed(1);
+    at(over[2], 'mousedown', 0.25);
+    at(over[2], 'mousemove', 0.5);
+    at(over[2], 'mouseup', 0.5);
+    setTimeout(() => {
+      root.dataset.zoomed = String(!document.querySelector('.reset').disabled);
+      flightReport.seek(15);
+      root.dataset.middle = (new DOMMatrix(getComputedStyle(over[5].querySelector(
+        '.u-cursor-x')).transform).m41 / over[5].clientWidth).toFixed(2);
+      at(over[1], 'dblclick', 0.5);
+      setTimeout(() => {
+        root.dataset.whole = String(document.querySelector('.reset').disabled);
+        flightReport.seek(0);
+        document.querySelector('.play').click();
+        setTimeout(() => {
+          root.dataset.played = Number(document.querySelector('.scrub').value).toFixed(2);
+        }, 1000);
+      }, 100);
+    }, 100);
+  )";
+  const std::string page = opened(with_script(html, script));
+  EXPECT_EQ(root_data(page, "error"), "(none)");
+  EXPECT_EQ(root_data(page, "line"), "0.50");
+  EXPECT_LT(std::stod(root_data(page, "spread")), 0.01);
+  EXPECT_NEAR(std::stod(root_data(page, "scrub")), 20, 0.2);
+  EXPECT_EQ(root_data(page, "zoomed"), "true");
+  EXPECT_NEAR(std::stod(root_data(page, "middle")), 0.5, 0.02);  // of 10 s to 20 s
+  EXPECT_EQ(root_data(page, "whole"), "true");
+  EXPECT_GT(std::stod(root_data(page, "played")), 0.3);
+  EXPECT_LT(std::stod(root_data(page, "played")), 2);
+}
+
+// A window cannot be as narrow as a telephone; a frame in it can.
+std::string in_frame(const std::string& name, int width, int height) {
+  return fmt::format(
+      "<!DOCTYPE html><body style='margin:0'><iframe src='{}' style='width:{}px;height:{}px;"
+      "border:0'></iframe><script>addEventListener('message', (e) => "
+      "{{ document.documentElement.dataset.inside = e.data; }});</script></body>",
+      name, width, height);
+}
+
+TEST_F(Browser, FitsIntoANarrowWindow) {
+  for (const FlightReport& report : {sample_flight(4), hostile_flight()}) {
+    write(with_script(cli::html(report),
+                      "parent.postMessage(document.documentElement.scrollWidth, '*')"),
+          "inner.html");
+    const std::string page = opened(in_frame("inner.html", 390, 800));
+    EXPECT_EQ(root_data(page, "inside"), "390") << report.title;
+  }
+}
+
+/// Width and height of a PNG [px]; 0, 0 for anything else.
+std::pair<unsigned, unsigned> png_size(const std::string& bytes) {
+  if (bytes.size() < 24 || bytes.substr(1, 3) != "PNG") return {0, 0};
+  const auto number = [&](std::size_t at) {
+    unsigned value = 0;
+    for (std::size_t i = at; i < at + 4; ++i)
+      value = value << 8 | static_cast<unsigned char>(bytes[i]);
+    return value;
+  };
+  return {number(16), number(20)};
+}
+
+// With QUADTUNE_UPDATE_DOCS=1 in the environment the wide one becomes the picture of the documents.
+TEST_F(Browser, TakesPicturesWideAndNarrow) {
+  const std::string wide = (place_.path() / "wide.png").string();
+  const std::string narrow = (place_.path() / "narrow.png").string();
+  const std::string html = with_script(cli::html(sample_flight()), "flightReport.seek(21.4)");
+  const std::string file = write(html);
+  EXPECT_EQ(take_picture(file, wide, 1400, 1350).status, 0);
+  EXPECT_EQ(png_size(place_.read("wide.png")), std::pair(1400U, 1350U));
+  const std::string frame = write(in_frame("report.html", 390, 2000), "frame.html");
+  EXPECT_EQ(take_picture(frame, narrow, 500, 2000).status, 0);
+  EXPECT_EQ(png_size(place_.read("narrow.png")), std::pair(500U, 2000U));
+  // A page without anything is about 10 kB.
+  EXPECT_GT(std::filesystem::file_size(wide), 60'000U);
+  EXPECT_GT(std::filesystem::file_size(narrow), 40'000U);
+  if (std::getenv("QUADTUNE_UPDATE_DOCS"))
+    std::filesystem::copy_file(wide, QUADTUNE_SOURCE_DIR "/docs/images/flight-report.png",
+                               std::filesystem::copy_options::overwrite_existing);
+}
+
+}  // namespace
+}  // namespace quadtune::testing
