@@ -44,7 +44,7 @@ inline void require_place(const Eigen::Vector3d& position, const std::string& wh
                           const std::string& what) {
   require_within(position.x(), kPlaces, where, "north of " + what, "m");
   require_within(position.y(), kPlaces, where, "east of " + what, "m");
-  require_within(-position.z(), kHeights, where, "height of " + what, "m");
+  require_within(0 - position.z(), kHeights, where, "height of " + what, "m");
 }
 
 }  // namespace quadtune::internal

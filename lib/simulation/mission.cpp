@@ -119,7 +119,7 @@ void check(const MissionStart& start, const std::string& where) {
   require_within(start.yaw, internal::kAngles, where, "yaw of the start", "rad");
   require_within(start.start_up, internal::kTimes, where, "time of start-up", "s");
   require_within(start.take_off, internal::kTimes, where, "time of take-off", "s");
-  const double height = -start.position.z();
+  const double height = 0 - start.position.z();  // never -0
   if (start.in_air != (height > 0))
     refuse(where, fmt::format("the start is {} at a height of {} m, expected {}",
                               start.in_air ? "in the air" : "on the ground", height,

@@ -8,9 +8,10 @@
 ///
 /// **Steps and holds.** A *step* is a period in which flying begins, or in which r differs from the
 /// one of the period before, moved on by its velocity, by more than the band (SettlingRule), or the
-/// yaw reference from the one before by more than its band. The reference *holds* from a step, or
-/// from the period after it last moved at all (more than 1e-9 m or rad), to the period before it
-/// moves again, position is no longer asked for, or flying or the flight ends. Only holds that last
+/// yaw reference from the one before by more than its band. The reference *moves* in a period in
+/// which it has a velocity or differs by more than 1e-9 m or rad from the one before. It *holds*
+/// from a step, or from the period after it last moved, to the period before it moves again,
+/// position is no longer asked for, or flying or the flight ends. Only holds that last
 /// at least the window (less 1 µs for rounding, here and below) are judged:
 ///
 /// | settling_time    | from the hold's beginning to the end of the last period with ‖e‖ > band or
@@ -108,6 +109,8 @@ class FlightMetrics {
 
   // Sums of control periods fall this short of a window that they make up [s].
   static constexpr double kRounding = 1e-6;
+  // A reference that moves by less in a period stands still [m, rad].
+  static constexpr double kStill = 1e-9;
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   static constexpr double kNever = std::numeric_limits<double>::infinity();
 
@@ -218,7 +221,10 @@ void FlightMetrics<T>::add_hold(double t, double dt, const StateVector<T>& x,
   const T jump_squared = squared(unforeseen(0), unforeseen(1), unforeseen(2));
   const Mask jumped = either(jump_squared > band * band, turned > yaw_band);
   const Mask step = both(flying, either(negated(flew_), jumped));
-  const Mask moved = either(squared(change(0), change(1), change(2)) > T(1e-18), turned > T(1e-9));
+  const Vector3<T>& speed = reference.velocity;
+  const Mask goes = either(squared(change(0), change(1), change(2)) > T(kStill * kStill),
+                           squared(speed(0), speed(1), speed(2)) > T(0));
+  const Mask moved = either(goes, turned > T(kStill));
   const Mask asked = both(flying, Mask(reference.track_position));
   const Mask ends = both(both(counts, holds_), either(negated(asked), either(step, moved)));
   close_hold(ends);
