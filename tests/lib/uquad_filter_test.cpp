@@ -1,0 +1,1 @@
+int x_uquad_filter_placeholder;
