@@ -70,10 +70,11 @@ struct UquadFilterSettings {
   T declination = T(0);   ///< of magnetic north, east positive [rad]
   /// [Pa] at z = 0; the mean while standing still takes its place, at the z given at the start.
   T reference_pressure = T(101325);
-  /// Time without GPS after which u and v are measured as 0 with still_variance [s]: nothing else
-  /// sees them, and their covariance would grow without bound.
+  /// Time without GPS after which u and v are measured as 0 in every period, with still_variance
+  /// [s]: nothing else sees them, and their covariance would grow without bound.
   T gps_timeout = T(3);
-  T still_variance = T(1);  ///< [m²/s²]; w too while the vehicle stands
+  T still_variance = T(100);      ///< [m²/s²]; 100 at 100 Hz says 0 ± 1 m/s about once a second
+  T standing_variance = T(0.01);  ///< of the velocity 0 while the vehicle stands [m²/s²]
 
   friend bool operator==(const UquadFilterSettings&, const UquadFilterSettings&) = default;
 };
@@ -106,6 +107,7 @@ template <class To, class From>
   to.reference_pressure = To(from.reference_pressure);
   to.gps_timeout = To(from.gps_timeout);
   to.still_variance = To(from.still_variance);
+  to.standing_variance = To(from.standing_variance);
   return to;
 }
 
@@ -240,6 +242,7 @@ void predict(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadStates
   const StateVector<T> x = kalman.x.template head<12>();
   const StateJacobian<T> A = state_jacobian(body, x, loads);
   kalman.x.template head<12>() += state_derivative(body, x, loads) * h;
+  if (!settings.position) kalman.x.template head<2>() = x.template head<2>();
 
   // F P Fᵀ = (F (F P)ᵀ)ᵀ, and P is symmetric.
   internal::advance_rows(A, h, kalman.P);
@@ -461,7 +464,8 @@ Estimate<T> step(const UquadFilterSettings<T>& settings, UquadFilterState<T>& st
   const MaskOf<T> lost = both(MaskOf<T>(settings.position), state.gps_age > settings.gps_timeout);
   for (int i = 0; i < 3; ++i)
     update(state.kalman, SparseRow<T, 1>{{kVelocity + i}, {T(1)}}, T(-x(kVelocity + i)),
-           settings.still_variance, i < 2 ? either(lost, standing) : standing);
+           select(standing, settings.standing_variance, settings.still_variance),
+           i < 2 ? either(lost, standing) : standing);
   symmetrize(state.kalman.P);
   ++state.periods;
   estimate.x = x.template head<12>();
