@@ -54,8 +54,9 @@ ChosenLaw cascade_of(const FlightArguments& arguments, const Vehicle& vehicle,
   } else if (is_design(arguments.gains)) {
     const Design design = load_design(arguments.gains);
     if (!design.cascade)
-      throw InvalidInput(arguments.gains, "has no [cascade], expected one because its gains shall "
-                                          "fly");
+      throw InvalidInput(arguments.gains,
+                         "has no [cascade], expected one because its gains shall "
+                         "fly");
     const CascadeGains gains =
         design.cascade->specification
             ? design_cascade(vehicle, *design.cascade->specification, arguments.gains).cascade.gains
@@ -106,11 +107,11 @@ ChosenLaw law_of(FlightArguments arguments, const Vehicle& vehicle, const std::s
     return cascade_of(arguments, vehicle, verb);
   }
   if (arguments.controller == known[1]) return feedback_of(arguments, vehicle, verb);
-  throw UsageError(fmt::format("quadtune {}: --controller is '{}', expected cascaded-pid or "
-                               "state-feedback{}",
-                               verb, arguments.controller,
-                               internal::did_you_mean(arguments.controller, known)),
-                   "--controller");
+  throw UsageError(
+      fmt::format("quadtune {}: --controller is '{}', expected cascaded-pid or "
+                  "state-feedback{}",
+                  verb, arguments.controller, internal::did_you_mean(arguments.controller, known)),
+      "--controller");
 }
 
 /// The estimator that a vehicle's sensors can feed.
@@ -161,9 +162,9 @@ std::optional<double> positive(const CLI::App* app, const std::string& option, d
   (void)app;
   if (value == 0) return {};
   if (!(value > 0) || !std::isfinite(value))
-    throw UsageError(fmt::format("quadtune {}: {} is {}, expected more than 0", verb, option,
-                                 number(value)),
-                     option);
+    throw UsageError(
+        fmt::format("quadtune {}: {} is {}, expected more than 0", verb, option, number(value)),
+        option);
   return value;
 }
 
@@ -247,16 +248,17 @@ PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehic
   setup.real_sensors = arguments.sensors == "real";
   flight.sensors = arguments.sensors;
   if (setup.real_sensors && !vehicle.sensors_known)
-    flight.notes.push_back(fmt::format(
-        "the file of '{}' has no [sensors]: typical ones of small vehicles are flown", vehicle.name));
+    flight.notes.push_back(
+        fmt::format("the file of '{}' has no [sensors]: typical ones of small vehicles are flown",
+                    vehicle.name));
   setup.flow = word_of(verb, "--flow", [&](const std::string& option) {
     return flow_model(arguments.flow, option);
   });
   setup.flow_rate = positive(nullptr, "--flow-rate", arguments.flow_rate, verb).value_or(0);
   setup.duration = positive(nullptr, "--duration", arguments.duration, verb).value_or(0);
-  set_estimator(arguments.estimator.empty() ? usual_estimator(vehicle.sensors)
-                                            : arguments.estimator,
-                setup, flight, verb);
+  set_estimator(
+      arguments.estimator.empty() ? usual_estimator(vehicle.sensors) : arguments.estimator, setup,
+      flight, verb);
   setup.environment.dynamic = arguments.dynamic_environment;
   setup.environment.wind = word_of(verb, "--wind", [&](const std::string& option) {
     return wind_of_words(arguments.wind, option);

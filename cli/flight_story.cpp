@@ -24,9 +24,7 @@ std::string in_words(double value, const std::string& unit) {
   return fmt::format("{:.4g}{}", value, unit == "1" ? "" : " " + unit);
 }
 
-std::vector<std::string> state_names() {
-  return names_or_numbers(ned_convention().states, 12);
-}
+std::vector<std::string> state_names() { return names_or_numbers(ned_convention().states, 12); }
 
 /// The k-th of the names of a group.
 std::array<std::string, 3> columns(const std::string& group) {
@@ -97,9 +95,8 @@ std::vector<GainTable> gains_of(const Controller& controller) {
   if (const auto* feedback = std::get_if<StateFeedbackController>(&controller)) {
     const Gains& gains = feedback->gains;
     const auto rows = names_or_numbers(gains.inputs, gains.K.rows());
-    std::vector<GainTable> tables = {
-        {"K, on the states of convention " + gains.convention, rows,
-         names_or_numbers(gains.states, gains.K.cols()), gains.K}};
+    std::vector<GainTable> tables = {{"K, on the states of convention " + gains.convention, rows,
+                                      names_or_numbers(gains.states, gains.K.cols()), gains.K}};
     if (gains.K_int.cols() > 0)
       tables.push_back({"K_int, on their integrals", rows,
                         names_or_numbers(gains.integrals, gains.K_int.cols()), gains.K_int});
@@ -140,8 +137,7 @@ FlownFlight fly_planned(PlannedFlight plan) {
   flight.plan = std::move(plan);
   const auto begin = std::chrono::steady_clock::now();
   flight.result = fly(flight.plan.setup);
-  flight.wall_s =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  flight.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   Mission judged = flight.plan.setup.mission;
   if (flight.plan.setup.duration > 0) judged.duration = flight.plan.setup.duration;
   flight.verdict = judge(judged, flight.result.metrics);
@@ -266,9 +262,9 @@ Json to_json(const FlownFlight& flight) {
 std::string to_text(const FlownFlight& flight) {
   const FlightResult& result = flight.result;
   const FlightSetup& setup = flight.plan.setup;
-  std::string text = fmt::format("{} flies {}: {}\n  {}\n\n", setup.vehicle.name,
-                                 setup.mission.name, setup.mission.description,
-                                 circumstances(flight.plan));
+  std::string text =
+      fmt::format("{} flies {}: {}\n  {}\n\n", setup.vehicle.name, setup.mission.name,
+                  setup.mission.description, circumstances(flight.plan));
   const std::vector<std::string> why = reasons(flight);
   text += fmt::format("verdict: {}\n", flight.passed ? "pass" : "fail");
   for (const std::string& reason : why) text += "  " + reason + "\n";
@@ -307,8 +303,8 @@ FlightReport report_of(const FlownFlight& flight, const std::string& command) {
   report.verdict = flight.passed ? ReportVerdict::pass : ReportVerdict::fail;
   report.reasons = reasons(flight);
   if (flight.passed)
-    report.reasons.push_back(fmt::format("flown to the end, {} limits kept",
-                                         flight.verdict.checks.size()));
+    report.reasons.push_back(
+        fmt::format("flown to the end, {} limits kept", flight.verdict.checks.size()));
   for (std::size_t i = 0; i < kMetrics; ++i) {
     const auto metric = static_cast<Metric>(i);
     ReportMetric row;

@@ -16,8 +16,8 @@ namespace quadtune::cli {
 struct FlownFlight {
   PlannedFlight plan;
   FlightResult result;
-  Verdict verdict;     ///< of the mission's limits; it was flown to the end
-  double wall_s = 0;   ///< time that the computer took [s]
+  Verdict verdict;    ///< of the mission's limits; it was flown to the end
+  double wall_s = 0;  ///< time that the computer took [s]
   bool passed = false;
 };
 

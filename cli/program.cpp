@@ -101,8 +101,8 @@ void refuse_options_for_values(const CLI::App& app, const std::string& verb,
 /// Runs an action whose output goes into a file, written whole or not at all.
 void run_into_file(const Action& action, const std::string& file, Context& context) {
   std::ostringstream text;
-  Context into{context.in,    text, context.err, context.json,
-               context.quiet, {},   file,        context.threads, context.seed, context.command};
+  Context into{context.in, text, context.err,     context.json, context.quiet,
+               {},         file, context.threads, context.seed, context.command};
   action(into);
   context.written = into.written;
   write_file(file, text.str());
@@ -266,10 +266,10 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
 }
 
 const std::vector<Verb>& verbs() {
-  static const std::vector<Verb> all = {design_verb(),  vehicle_verb(), linearize_verb(),
-                                        lqr_verb(),     kalman_verb(),  discretize_verb(),
-                                        margins_verb(), pid_verb(), fly_verb(), compare_verb(), export_verb(),
-                                        verify_verb(),  diff_verb(),    help_verb()};
+  static const std::vector<Verb> all = {
+      design_verb(),     vehicle_verb(), linearize_verb(), lqr_verb(), kalman_verb(),
+      discretize_verb(), margins_verb(), pid_verb(),       fly_verb(), compare_verb(),
+      export_verb(),     verify_verb(),  diff_verb(),      help_verb()};
   return all;
 }
 

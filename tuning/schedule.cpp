@@ -8,7 +8,7 @@
 #include <memory>
 #include <optional>
 
-#include "in_parallel.hpp"
+#include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/discretize/van_loan.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"

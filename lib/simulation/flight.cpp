@@ -8,6 +8,7 @@
 
 #include "closed_loop_parts.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/simulation/air.hpp"
@@ -183,28 +184,42 @@ FlightResult fly(const FlightSetup& setup) {
   return std::move(fly_lanes<1>({&setup}, {})[0]);
 }
 
-std::vector<FlightResult> fly_all(std::span<const FlightSetup> setups, std::size_t /*threads*/,
+std::vector<FlightResult> fly_all(std::span<const FlightSetup> setups, std::size_t threads,
                                   const std::function<bool()>& interrupted) {
-  for (const FlightSetup& setup : setups) validate(setup);
-  std::vector<FlightResult> results(setups.size());
-  std::size_t begin = 0;
-  while (begin < setups.size()) {
+  for (std::size_t i = 0; i < setups.size(); ++i) {
+    try {
+      validate(setups[i]);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(fmt::format("flight {}", i), error.what());
+    }
+  }
+  // Runs of flights that share a pack; where they begin does not depend on the threads.
+  std::vector<std::size_t> begins;
+  for (std::size_t begin = 0; begin < setups.size();) {
+    begins.push_back(begin);
     std::size_t end = begin + 1;
     while (end < setups.size() && end < begin + kPackLanes &&
            internal::same_structure(setups[begin], setups[end]))
       ++end;
-    if (end - begin == 1) {
-      results[begin] = std::move(fly_lanes<1>({&setups[begin]}, interrupted)[0]);
-    } else {
-      // Lanes that are left over fly the first flight again.
-      std::array<const FlightSetup*, kPackLanes> lanes;
-      lanes.fill(&setups[begin]);
-      for (std::size_t i = begin; i < end; ++i) lanes[i - begin] = &setups[i];
-      auto together = fly_lanes<kPackLanes>(lanes, interrupted);
-      for (std::size_t i = begin; i < end; ++i) results[i] = std::move(together[i - begin]);
-    }
     begin = end;
   }
+  begins.push_back(setups.size());
+  std::vector<FlightResult> results(setups.size());
+  const auto fly_run = [&](std::size_t part) {
+    const std::size_t begin = begins[part], end = begins[part + 1];
+    if (end - begin == 1) {
+      results[begin] = std::move(fly_lanes<1>({&setups[begin]}, interrupted)[0]);
+      return;
+    }
+    // Lanes that are left over fly the first flight again.
+    std::array<const FlightSetup*, kPackLanes> lanes;
+    lanes.fill(&setups[begin]);
+    for (std::size_t i = begin; i < end; ++i) lanes[i - begin] = &setups[i];
+    auto together = fly_lanes<kPackLanes>(lanes, interrupted);
+    for (std::size_t i = begin; i < end; ++i) results[i] = std::move(together[i - begin]);
+  };
+  internal::in_parallel(
+      begins.size() - 1, internal::thread_count(threads), [&] { return fly_run; }, interrupted);
   return results;
 }
 

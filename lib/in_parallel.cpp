@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "in_parallel.hpp"
+#include "quadtune/internal/in_parallel.hpp"
 
 #include <algorithm>
 #include <atomic>
