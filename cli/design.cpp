@@ -6,6 +6,7 @@
 #include <optional>
 #include <ostream>
 
+#include "design_flights.hpp"
 #include "design_flow.hpp"
 #include "design_report.hpp"
 #include "program.hpp"
@@ -43,30 +44,48 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
   return written;
 }
 
+/// A page for each mission, beside the exports.
+void write_reports(const DesignOutcome& outcome, const std::string& directory, Context& context) {
+  for (const FlownFlight& flight : outcome.flights) {
+    const std::string file =
+        (std::filesystem::path(directory) / ("flight-" + flight.plan.setup.mission.name + ".html"))
+            .string();
+    write_file(file, html(mission_report(outcome, flight, context.command)));
+    context.written.push_back(file);
+  }
+}
+
 }  // namespace
 
 Verb design_verb() {
   struct Options {
     std::string file, directory;
+    bool force = false;
   };
   return {
       "design", "FILE [-o DIR]",
-      "the whole way: trim, linearize, synthesize, export, verify, report",
+      "the whole way: trim, linearize, synthesize, fly, export, verify, report",
       "quadtune design designs/uquad-hover.toml -o out/uquad-hover", [](CLI::App& app) -> Action {
         auto options = std::make_shared<Options>();
         app.add_option("FILE", options->file, "a design file (docs/formats.md)");
         app.add_option("-o", options->directory, "directory to write; without it, only print")
             ->type_name("DIR");
+        app.add_flag("--force", options->force,
+                     "write although a mission of the design was not flown well");
         return [options](Context& context) {
           if (options->file.empty())
             throw UsageError("quadtune design: expected a design file", "FILE");
-          const DesignOutcome outcome = run_design(options->file);
+          DesignOutcome outcome = run_design(options->file);
+          outcome.flights = fly_missions(outcome, context.seed, !options->directory.empty());
           for (const std::string& note : outcome.model.notes) context.note("design: note: " + note);
           if (outcome.design.condition.yaw != 0 && outcome.gains)
             context.note("design: note: position is in world axes, so K holds at this yaw only");
           std::vector<WrittenExport> written;
-          if (!options->directory.empty())
+          const bool flies = missions_passed(outcome);
+          if (!options->directory.empty() && (flies || options->force)) {
             written = write_all(outcome, options->directory, context);
+            write_reports(outcome, options->directory, context);
+          }
           if (context.json)
             context.out << internal::readable(design_json(outcome, written)) << "\n";
           else
@@ -74,7 +93,11 @@ Verb design_verb() {
           if (!passed(outcome, written))
             throw AnswerIsNo(outcome.cascade && unstable(*outcome.cascade)
                                  ? "design: the cascade does not hold the vehicle"
-                                 : "design: what was written does not verify");
+                             : !flies && !options->directory.empty() && !options->force
+                                 ? "design: a mission was not flown well, so nothing is written; "
+                                   "--force writes all the same"
+                             : !flies ? "design: a mission was not flown well"
+                                      : "design: what was written does not verify");
         };
       }};
 }

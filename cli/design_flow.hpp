@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cascade_report.hpp"
+#include "flight_story.hpp"
 #include "margins_report.hpp"
 #include "quadtune/design.hpp"
 #include "quadtune/exports/content.hpp"
@@ -48,6 +49,7 @@ struct DesignOutcome {
   std::optional<CascadeReport> cascade;
   std::vector<DesignedFilter> filters;
   std::optional<PublishedDifference> published;
+  std::vector<FlownFlight> flights;  ///< of the missions that the design asks for
 };
 
 /// Trims, linearizes, solves.

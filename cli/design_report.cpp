@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "design_flights.hpp"
 #include "export_report.hpp"
 #include "print.hpp"
 #include "quadtune/model/mixer.hpp"
@@ -189,6 +190,7 @@ std::string written_text(const WrittenExport& written) {
 
 bool passed(const DesignOutcome& outcome, const std::vector<WrittenExport>& written) {
   if (outcome.cascade && unstable(*outcome.cascade)) return false;
+  if (!missions_passed(outcome)) return false;
   return std::all_of(written.begin(), written.end(),
                      [](const WrittenExport& one) { return one.verification.ok(); });
 }
@@ -213,6 +215,7 @@ Json design_json(const DesignOutcome& outcome, const std::vector<WrittenExport>&
     json["kalman"].push_back(filter_json(filter));
   if (outcome.sampled) json["discretization"] = {{"method", "zoh"}, {"dt", outcome.sampled->dt}};
   if (outcome.published) json["published"] = published_json(*outcome.published, *design.published);
+  json["missions"] = missions_json(outcome);
   json["exports"] = Json::array();
   for (const WrittenExport& one : written) {
     Json entry = {
@@ -235,6 +238,7 @@ std::string design_text(const DesignOutcome& outcome, const std::vector<WrittenE
   if (outcome.cascade) text += to_text(*outcome.cascade);
   for (const DesignedFilter& filter : outcome.filters)
     text += section("filter", filter_text(filter));
+  if (!outcome.flights.empty()) text += section("missions", missions_text(outcome));
   for (const WrittenExport& one : written) text += section("written", written_text(one));
   for (const std::string& warning : design_warnings(outcome)) text += section("warning", warning);
   return text + section("verdict", verdict(outcome, written));

@@ -35,7 +35,12 @@ Verb fly_verb() {
                                              "ends in .html",
                                              options->report),
                                  "--report");
-              if (!options->log.empty()) require_log_name(options->log, "--log");
+              if (!options->log.empty() && !options->log.ends_with(".csv") &&
+                  !options->log.ends_with(".mat"))
+                throw UsageError(fmt::format("quadtune fly: --log is '{}', expected a name that "
+                                             "ends in .csv or .mat",
+                                             options->log),
+                                 "--log");
               options->flight.seed = context.seed;
               PlannedFlight plan = plan_flight(options->flight, "fly");
               plan.setup.log = !options->log.empty() || !options->report.empty();

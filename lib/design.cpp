@@ -356,6 +356,41 @@ LqrMethod lqr_method(const std::string& name, const std::string& where) {
                                  fmt::join(known, ", "), internal::did_you_mean(name, known)));
 }
 
+namespace {
+
+MissionRequest read_mission_request(const TomlTable& table, const Design& design,
+                                    const std::filesystem::path& folder) {
+  table.allow({{"name"}, {"controller"}, {"estimator"}, {"sensors"}, {"flow"}, {"wind"}});
+  MissionRequest request;
+  request.where = table.where();
+  request.mission = table.text("name");
+  if (request.mission.ends_with(".toml") && !folder.empty())
+    request.mission = (folder / request.mission).string();
+  request.controller =
+      table.text_or("controller", design.cascade ? "cascaded-pid" : "state-feedback");
+  const std::vector<std::string> known = {"cascaded-pid", "state-feedback"};
+  if (request.controller != known[0] && request.controller != known[1])
+    throw InvalidInput(table.where("controller"),
+                       fmt::format("controller in {} is '{}', expected cascaded-pid or "
+                                   "state-feedback{}",
+                                   table.title(), internal::printable(request.controller),
+                                   internal::did_you_mean(request.controller, known)));
+  const bool cascade = request.controller == known[0];
+  if (cascade ? !design.cascade : !design.lqr)
+    throw InvalidInput(
+        table.where("controller"),
+        fmt::format("{} flies {}, but the file has no {}, expected the law that the "
+                    "mission is to prove",
+                    table.title(), request.controller, cascade ? "[cascade]" : "[lqr]"));
+  request.estimator = table.text_or("estimator", "");
+  request.sensors = table.text_or("sensors", request.sensors);
+  request.flow = table.text_or("flow", request.flow);
+  request.wind = table.text_or("wind", request.wind);
+  return request;
+}
+
+}  // namespace
+
 Design parse_design(const std::string& text, const std::string& origin,
                     const std::filesystem::path& folder) {
   const TomlTable file = TomlTable::parse(text, origin);
@@ -366,6 +401,7 @@ Design parse_design(const std::string& text, const std::string& origin,
               {"lqr"},
               {"kalman"},
               {"cascade"},
+              {"mission"},
               {"export"},
               {"published"}});
   Design design;
@@ -390,6 +426,8 @@ Design parse_design(const std::string& text, const std::string& origin,
                        "[cascade]");
   if (const auto table = file.maybe_table("published"))
     design.published = read_published(*table, design.lqr);
+  for (const TomlTable& table : file.tables("mission"))
+    design.missions.push_back(read_mission_request(table, design, folder));
   design.exports = read_exports(file, design);
   return design;
 }

@@ -73,6 +73,17 @@ struct ExportRequest {
   std::string to;  ///< "uquad", "mambo" or "json"
 };
 
+/// A mission that the gains must fly before they are exported.
+struct MissionRequest {
+  std::string mission;           ///< name of a built-in one, or a file beside the design's
+  std::string controller;        ///< "cascaded-pid" or "state-feedback"
+  std::string estimator;         ///< as `quadtune fly --estimator`; empty: by the sensors
+  std::string sensors = "real";  ///< or "ideal"
+  std::string flow = "full";     ///< as `quadtune fly --flow`
+  std::string wind = "calm";     ///< as `quadtune fly --wind`
+  std::string where;             ///< "file:line", for messages
+};
+
 /// Gains published elsewhere, to say how far the design is from them and why.
 struct PublishedGains {
   std::string source;     ///< where they were published
@@ -90,6 +101,7 @@ struct Design {
   std::optional<LqrDesign> lqr;
   std::vector<KalmanDesign> kalman;
   std::optional<CascadeDesign> cascade;
+  std::vector<MissionRequest> missions;
   std::vector<ExportRequest> exports;
   std::optional<PublishedGains> published;
   std::filesystem::path file;  ///< it was read from; empty when parsed from text

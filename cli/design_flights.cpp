@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "design_flights.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "program.hpp"
+#include "quadtune/errors.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+using internal::Json;
+
+std::vector<MarginRow> margin_rows(const MarginsReport& margins) {
+  const auto decibels = [](double gain) { return 20 * std::log10(gain); };
+  const auto degrees = [](double angle) { return angle * 180 / std::numbers::pi; };
+  std::vector<MarginRow> rows;
+  for (std::size_t i = 0; i < margins.loops.size(); ++i) {
+    const LoopMargins& loop = margins.loops[i];
+    rows.push_back({i < margins.names.size() ? margins.names[i] : "loop",
+                    {{"gain margin", "dB", decibels(loop.gain_margin)},
+                     {"phase margin", "deg", degrees(loop.phase_margin)},
+                     {"delay margin", "s", loop.delay_margin},
+                     {"disk gain margin", "dB", decibels(loop.disk.gain_high)},
+                     {"Ms", "", loop.Ms}}});
+  }
+  return rows;
+}
+
+FlownFlight fly_one(const DesignOutcome& outcome, const MissionRequest& request, std::uint64_t seed,
+                    bool keep_log) {
+  const Design& design = outcome.design;
+  FlightArguments arguments;
+  arguments.vehicle = design.vehicle.name;
+  arguments.estimator = request.estimator;
+  arguments.sensors = request.sensors;
+  arguments.flow = request.flow;
+  arguments.wind = request.wind;
+  arguments.seed = seed;
+  const Mission mission = load_mission(request.mission);
+  const bool cascade = request.controller == "cascaded-pid";
+  // Continuous gains are flown at the rate of the Mambo's program.
+  constexpr double kUsualPeriod = 0.005;
+  const Controller controller =
+      cascade ? Controller(cascade_controller(*design.cascade, outcome.cascade->cascade.gains))
+              : Controller(feedback_controller(*outcome.gains, kUsualPeriod));
+  try {
+    PlannedFlight plan = plan_flight(
+        arguments, design.vehicle, mission, controller,
+        fmt::format("{} of {}", cascade ? "cascaded PID" : "state feedback", design.name),
+        "design");
+    plan.setup.log = keep_log;
+    return fly_planned(std::move(plan));
+  } catch (const UsageError& error) {
+    // The words came from the file, not from the command line.
+    std::string message = error.what();
+    const std::string prefix = "quadtune design: ";
+    if (message.starts_with(prefix)) message.erase(0, prefix.size());
+    if (message.starts_with("--")) message.erase(0, 2);
+    throw InvalidInput(request.where, message);
+  }
+}
+
+}  // namespace
+
+std::vector<FlownFlight> fly_missions(const DesignOutcome& outcome, std::uint64_t seed,
+                                      bool keep_logs) {
+  std::vector<FlownFlight> flights;
+  for (const MissionRequest& request : outcome.design.missions)
+    flights.push_back(fly_one(outcome, request, seed, keep_logs));
+  return flights;
+}
+
+FlightReport mission_report(const DesignOutcome& outcome, const FlownFlight& flight,
+                            const std::string& command) {
+  FlightReport report = report_of(flight, command);
+  const bool cascade = std::holds_alternative<CascadeController>(flight.plan.setup.controller);
+  const MarginsReport* margins = cascade && outcome.cascade    ? &outcome.cascade->margins
+                                 : !cascade && outcome.margins ? &*outcome.margins
+                                                               : nullptr;
+  if (margins != nullptr) report.margins = margin_rows(*margins);
+  return report;
+}
+
+bool missions_passed(const DesignOutcome& outcome) {
+  return std::all_of(outcome.flights.begin(), outcome.flights.end(),
+                     [](const FlownFlight& flight) { return flight.passed; });
+}
+
+Json missions_json(const DesignOutcome& outcome) {
+  Json json = Json::array();
+  for (const FlownFlight& flight : outcome.flights) json.push_back(to_json(flight));
+  return json;
+}
+
+std::string missions_text(const DesignOutcome& outcome) {
+  std::string text;
+  for (const FlownFlight& flight : outcome.flights) {
+    const MetricValues& metrics = flight.result.metrics;
+    text += fmt::format("{}{}: {}; {:.4g} s flown", text.empty() ? "" : "\n",
+                        flight.plan.setup.mission.name, flight.passed ? "pass" : "FAIL",
+                        flight.result.end_time);
+    for (const Metric metric :
+         {Metric::settling_time, Metric::tracking_rms, Metric::tilt_max, Metric::energy})
+      if (std::isfinite(metrics[metric]))
+        text += fmt::format(", {} {:.3g} {}", label_of(metric), metrics[metric], unit_of(metric));
+    text += "\n  " + circumstances(flight.plan);
+    for (const std::string& reason : reasons(flight)) text += "\n  " + reason;
+  }
+  return text;
+}
+
+}  // namespace quadtune::cli
