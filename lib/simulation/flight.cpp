@@ -46,8 +46,16 @@ std::array<FlightResult, N> fly_lanes(const std::array<const FlightSetup*, N>& s
     case 4:
       return internal::fly_together<N, 4>(setups, interrupted);
     default:
-      return internal::fly_together<N, Eigen::Dynamic>(setups, interrupted);
+      break;
   }
+  // Packs are made for what is common: no lag, or four rotors with it.
+  if constexpr (N == 1) return internal::fly_together<1, Eigen::Dynamic>(setups, interrupted);
+  throw InvalidInput("flight", "no pack for this number of rotors");
+}
+
+bool has_pack(const FlightSetup& setup) {
+  const int rotors = lagging_rotors(setup);
+  return rotors == 0 || rotors == 4;
 }
 
 }  // namespace
@@ -198,7 +206,7 @@ std::vector<FlightResult> fly_all(std::span<const FlightSetup> setups, std::size
   for (std::size_t begin = 0; begin < setups.size();) {
     begins.push_back(begin);
     std::size_t end = begin + 1;
-    while (end < setups.size() && end < begin + kPackLanes &&
+    while (end < setups.size() && end < begin + kPackLanes && has_pack(setups[begin]) &&
            internal::same_structure(setups[begin], setups[end]))
       ++end;
     begin = end;

@@ -1,9 +1,0 @@
-// SPDX-License-Identifier: Apache-2.0
-#include "closed_loop.hpp"
-
-namespace quadtune::internal {
-
-template std::array<FlightResult, kPackLanes> fly_together<kPackLanes, Eigen::Dynamic>(
-    const std::array<const FlightSetup*, kPackLanes>&, const std::function<bool()>&);
-
-}  // namespace quadtune::internal
