@@ -190,15 +190,23 @@ KalmanUpdate<T> update(KalmanState<T, nx>& state, const SparseRow<T, entries>& C
   if (!any(result.used)) return result;
 
   const Column K = PC / S;
-  Eigen::Matrix<T, nx, nx> M = state.P;
-  for (int j = 0; j < nx; ++j) M.col(j) -= K * PC(j);
-  Column MC = M.col(C.column[0]) * C.value[0];
-  for (std::size_t k = 1; k < n; ++k) MC += M.col(C.column[k]) * C.value[k];
-  const Column rest = K * R - MC;
-  for (int j = 0; j < nx; ++j) M.col(j) += rest * K(j);
+  const auto correct = [&](Eigen::Matrix<T, nx, nx>& P) {
+    for (int j = 0; j < nx; ++j) P.col(j) -= K * PC(j);
+    Column MC = P.col(C.column[0]) * C.value[0];
+    for (std::size_t k = 1; k < n; ++k) MC += P.col(C.column[k]) * C.value[k];
+    const Column rest = K * R - MC;
+    for (int j = 0; j < nx; ++j) P.col(j) += rest * K(j);
+  };
   const Column x = state.x + K * e;
-  state.x = select_entries<T>(result.used, x, state.x);
-  state.P = select_entries<T>(result.used, M, state.P);
+  if (all(result.used)) {
+    state.x = x;
+    correct(state.P);
+  } else {
+    Eigen::Matrix<T, nx, nx> P = state.P;
+    correct(P);
+    state.x = select_entries<T>(result.used, x, state.x);
+    state.P = select_entries<T>(result.used, P, state.P);
+  }
   return result;
 }
 

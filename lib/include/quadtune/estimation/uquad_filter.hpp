@@ -61,6 +61,10 @@ struct UquadFilterSettings {
   bool position = true;
   bool biases = true;  ///< false: the accelerometer's biases are 0
 
+  /// The field is turned level by the accelerometer's tilt, as the original does, or by the
+  /// estimated one, which is better in flight, where the accelerometer feels mostly the motion.
+  bool yaw_by_estimated_tilt = false;
+
   /// Variances of tilt and yaw times 1 + (d/band)², d the relative distance of |f| from g, for the
   /// yaw also that of |field| from its expected value.
   bool dynamic_covariance = false;
@@ -128,6 +132,7 @@ template <class T>
   settings.R_height = T(0.25);
   settings.R_gps_position = T(1);
   settings.R_gps_velocity = T(0.1);
+  settings.yaw_by_estimated_tilt = true;
   settings.dynamic_covariance = true;
   return settings;
 }
@@ -376,7 +381,9 @@ template <class T>
   m.tilt = state.tilt;
 
   const Vector3<T>& field = frame.magnetic_field.value;
-  m.yaw = yaw_of_field(field, state.tilt, settings.declination);
+  const Tilt<T> estimated = {state.kalman.x(kAttitude), state.kalman.x(kAttitude + 1)};
+  m.yaw = yaw_of_field(field, settings.yaw_by_estimated_tilt ? estimated : state.tilt,
+                       settings.declination);
   if (settings.dynamic_covariance) {
     const T field_excess =
         select(state.field_norm > T(0),
