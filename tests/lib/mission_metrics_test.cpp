@@ -180,6 +180,19 @@ TEST(Metrics, JumpsOfMoreThanTheBandAreSteps) {
   EXPECT_TRUE(std::isnan(flight[Metric::tracking_rms]));
 }
 
+// With the velocity they are foreseen.
+TEST(Metrics, FastReferencesDoNotStep) {
+  Flight flight({0.005, 0.05, 0.1});
+  flight.reference.velocity.x() = 1;
+  for (int i = 0; i < 100; ++i) {
+    flight.reference.position.x() = i * 0.01;
+    flight.x(0) = flight.reference.position.x() - 0.25;
+    flight.period();
+  }
+  EXPECT_NEAR(flight[Metric::tracking_rms], 0.25, 1e-12);
+  EXPECT_TRUE(std::isnan(flight[Metric::settling_time]));
+}
+
 TEST(Metrics, YawStepGoesTheShorterWay) {
   Flight flight({0.1, 0.05, 1});
   flight.x(kAttitude + 2) = 3.0;
@@ -407,6 +420,34 @@ TEST(Metrics, LanesAreFlightsOfTheirOwn) {
     }
   }
   EXPECT_GT(figures, 4 * 15);
+}
+
+// Periods that do not count are as if they had not been.
+TEST(Metrics, WhatDoesNotCountChangesNothing) {
+  Flight with({0.1, 0.05, 1}), without({0.1, 0.05, 1});
+  for (int i = 0; i < 300; ++i) {
+    for (Flight* flight : {&with, &without}) {
+      flight->reference.position = {1, 0, -1};
+      flight->x.head<3>() << (i < 150 ? 0.5 : 1.02), 0, -1;
+      flight->estimate.x(1) = 0.01 * i;
+      flight->period();
+    }
+    if (i % 50 != 20) continue;
+    Reference<double> other = with.reference;
+    other.position.setConstant(7);
+    other.phase = i < 100 ? FlightPhase::off : FlightPhase::flying;
+    const StateVector<double> nowhere = StateVector<double>::Constant(std::nan(""));
+    with.metrics.add(with.t, 0.01, nowhere, with.estimate, other, true, 100, false);
+    with.metrics.add(with.t, 0.01, 9 * with.x, {}, other, true, 100, false);
+  }
+  EXPECT_NEAR(without[Metric::settling_time], 1.5, 1e-12);
+  const MetricValues want = without.metrics.values(), got = with.metrics.values();
+  for (std::size_t k = 0; k < kMetrics; ++k) {
+    EXPECT_EQ(std::isnan(got.value[k]), std::isnan(want.value[k])) << metric_names()[k];
+    if (!std::isnan(want.value[k])) {
+      EXPECT_EQ(got.value[k], want.value[k]) << metric_names()[k];
+    }
+  }
 }
 
 TEST(Metrics, ASpoiltLaneSpoilsNoOther) {

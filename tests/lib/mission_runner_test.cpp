@@ -417,6 +417,9 @@ TEST(MissionRunner, LandsWhereThePilotTookIt) {
   EXPECT_EQ(runner.at(11, at_place({9, 9, -1})).position, Vector3d(3, 4, -0.5));
   EXPECT_EQ(runner.at(12, at_place({9, 9, -1})).phase, FlightPhase::off);  // abort still counts
   EXPECT_EQ(runner.event(), MissionEvent::abort);
+  // The motors are off already, and where it lies is no landing.
+  EXPECT_EQ(runner.at(13, at_place({9, 9, 0})).phase, FlightPhase::off);
+  EXPECT_EQ(runner.event(), MissionEvent::none);
 }
 
 TEST(MissionRunner, LandsFromAPathWhereItIsThen) {
@@ -473,8 +476,11 @@ TEST(MissionRunner, BuiltInMissionsEndWhereTheyShould) {
 
 TEST(MissionRunner, ReadsBadTimesAsTheBeginning) {
   MissionRunner runner(load_mission("step-north"));
-  for (const double t : {kNaN, -1.0, -std::numeric_limits<double>::infinity()})
+  MissionRunner from_ground(load_mission("hover"));
+  for (const double t : {kNaN, -1.0, -std::numeric_limits<double>::infinity()}) {
     EXPECT_EQ(runner.at(t, kAnywhere).position, Vector3d(0, 0, -1.1));
+    EXPECT_EQ(from_ground.at(t, kAnywhere).phase, FlightPhase::start_up);
+  }
   EXPECT_EQ(runner.at(std::numeric_limits<double>::infinity(), kAnywhere).position,
             Vector3d(1, 0, -1.1));
 }
