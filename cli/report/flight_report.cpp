@@ -160,6 +160,7 @@ std::array<std::vector<double>, 4> attitudes(const LogTable& log,
                                              const std::vector<std::string>& names,
                                              const std::vector<std::size_t>& rows) {
   std::vector<const std::vector<double>*> columns;
+  columns.reserve(names.size());
   for (const std::string& name : names) columns.push_back(&column(log, name).values);
   std::array<std::vector<double>, 4> result;
   for (const std::size_t row : rows) {

@@ -436,6 +436,16 @@ const Replay = (() => {
         controls.update();
         redraw();
       },
+      /** A browser prints what it has shown last, but a plain canvas as it is now. */
+      print(on) {
+        stage.querySelector('.paper')?.remove();
+        canvas.hidden = on;
+        if (!on) return;
+        render();
+        const copy = el('canvas', {class: 'paper', width: canvas.width, height: canvas.height});
+        copy.getContext('2d').drawImage(canvas, 0, 0);
+        stage.append(copy);
+      },
       render,
       /** Where a point of the body is in the picture [px], right and down from its corner. */
       project(point) {
@@ -552,6 +562,7 @@ const Replay = (() => {
       },
       restyle: render,
       resize: render,
+      print() {},
       render,
     };
   }

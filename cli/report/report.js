@@ -198,10 +198,11 @@
   window.addEventListener('beforeprint', () => {
     paint('light');
     plots?.print(true);
-    replay?.render();
+    replay?.print(true);
   });
   window.addEventListener('afterprint', () => {
     plots?.print(false);
+    replay?.print(false);
     paint(theme);
   });
 

@@ -57,6 +57,7 @@ std::vector<std::string> environment(const std::string& home) {
 
 std::vector<char*> pointers(std::vector<std::string>& texts) {
   std::vector<char*> result;
+  result.reserve(texts.size() + 1);
   for (std::string& text : texts) result.push_back(text.data());
   result.push_back(nullptr);
   return result;
@@ -69,7 +70,7 @@ std::string find_browser() {
   for (const char* name : {"chromium", "chromium-browser", "google-chrome"}) {
     std::istringstream folders(path ? path : "");
     for (std::string folder; std::getline(folders, folder, ':');) {
-      const std::string file = (std::filesystem::path(folder) / name).string();
+      std::string file = (std::filesystem::path(folder) / name).string();
       if (::access(file.c_str(), X_OK) == 0) return file;
     }
   }
