@@ -33,27 +33,38 @@ std::string read_all(std::FILE* stream, const std::string& path, std::size_t lim
   return text;
 }
 
+void require_size(std::size_t size, const std::string& origin, std::size_t limit) {
+  if (size > limit)
+    throw InvalidInput(origin, fmt::format("is larger than {0} ({1} bytes), expected at most {0}",
+                                           size_in_words(limit), limit));
+}
+
+std::string origin_of(const std::string& path) { return path == "-" ? "standard input" : path; }
+
 }  // namespace
 
-std::string read_text_file(const std::string& path, std::size_t limit) {
-  std::string text;
+std::string read_file(const std::string& path, std::size_t limit) {
+  std::string bytes;
   if (path == "-") {
-    text = read_all(stdin, "standard input", limit);
-    require_text(text, "standard input", limit);
-    return text;
+    bytes = read_all(stdin, origin_of(path), limit);
+  } else {
+    const auto close = [](std::FILE* file) { std::fclose(file); };
+    const std::unique_ptr<std::FILE, decltype(close)> file(std::fopen(path.c_str(), "rb"), close);
+    if (!file) throw_system_error(path);
+    bytes = read_all(file.get(), path, limit);
   }
-  const auto close = [](std::FILE* file) { std::fclose(file); };
-  const std::unique_ptr<std::FILE, decltype(close)> file(std::fopen(path.c_str(), "rb"), close);
-  if (!file) throw_system_error(path);
-  text = read_all(file.get(), path, limit);
-  require_text(text, path, limit);
+  require_size(bytes.size(), origin_of(path), limit);
+  return bytes;
+}
+
+std::string read_text_file(const std::string& path, std::size_t limit) {
+  std::string text = read_file(path, limit);
+  require_text(text, origin_of(path), limit);
   return text;
 }
 
 void require_text(std::string_view text, const std::string& origin, std::size_t limit) {
-  if (text.size() > limit)
-    throw InvalidInput(origin, fmt::format("is larger than {0} ({1} bytes), expected at most {0}",
-                                           size_in_words(limit), limit));
+  require_size(text.size(), origin, limit);
   const std::size_t zero = text.find('\0');
   if (zero != std::string_view::npos)
     throw InvalidInput(

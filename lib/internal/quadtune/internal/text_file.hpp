@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Reads small text files whole, with a limit.
+/// Reads files whole, with a limit.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,11 @@ namespace quadtune::internal {
 /// @throws InvalidInput  if it has more than `limit` bytes or holds a zero byte (it is not text).
 [[nodiscard]] std::string read_text_file(const std::string& path, std::size_t limit);
 
-/// The same two checks on bytes that are already here.
+/// The same for a file that may hold any bytes, a zero byte included.
+/// @throws FileError, InvalidInput  as read_text_file().
+[[nodiscard]] std::string read_file(const std::string& path, std::size_t limit);
+
+/// The two checks of read_text_file() on bytes that are already here.
 /// @throws InvalidInput  naming `origin`.
 void require_text(std::string_view text, const std::string& origin, std::size_t limit);
 
