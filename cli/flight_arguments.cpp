@@ -20,6 +20,8 @@ namespace {
 
 /// Control period of laws that come with none [s].
 constexpr double kUsualPeriod = 0.005;
+/// Of designed cascades [1/s]: near Ki/Kp of their loops. The model project's 0.001 unwinds nothing.
+constexpr double kDesignedBackCalculation = 2;
 /// Of the model project's estimator.
 constexpr double kOriginalFlowScale = 1.15;
 
@@ -67,8 +69,10 @@ ChosenLaw cascade_of(const FlightArguments& arguments, const Vehicle& vehicle,
     CascadeSpecification specification;
     specification.dt =
         vehicle.published_cascade ? vehicle.published_cascade->gains.dt : kUsualPeriod;
-    law.controller =
-        CascadeController{design_cascade(vehicle, specification, vehicle.name).cascade.gains};
+    CascadeController controller{
+        design_cascade(vehicle, specification, vehicle.name).cascade.gains};
+    controller.back_calculation = kDesignedBackCalculation;
+    law.controller = controller;
     law.words = fmt::format("cascaded PID, designed as by `quadtune pid {}`", arguments.vehicle);
   }
   return law;
