@@ -609,6 +609,58 @@ std::vector<Mistake> schedule_mistakes() {
   };
 }
 
+std::vector<Mistake> flight_mistakes() {
+  const auto fly = [](const std::string& name, std::vector<std::string> extra,
+                      const std::vector<std::string>& said, int status = 2) {
+    extra.insert(extra.begin(), {"fly", "mambo"});
+    return Mistake{name, extra, status, said};
+  };
+  const auto mission = [](const std::string& name, const std::string& text,
+                          const std::vector<std::string>& said) {
+    return Mistake{name, {"fly", "mambo", "--mission", "@/m.toml"}, 3, said, {{"m.toml", text}}};
+  };
+  return {
+      {"FlyNothing", {"fly"}, 2, {"expected a vehicle"}},
+      {"FlyUnknownVehicle", {"fly", "mamba"}, 3, {"mamba", "did you mean 'mambo'"}},
+      fly("UnknownMission", {"--mission", "hoover"}, {"hoover", "did you mean 'hover'"}, 3),
+      fly("UnknownController", {"--controller", "pid"}, {"--controller", "'pid'", "cascaded-pid"}),
+      fly("UnknownEstimator", {"--estimator", "manbo"}, {"--estimator", "did you mean 'mambo'"}),
+      fly("EstimatorWithoutItsSensors", {"--estimator", "uquad"}, {"--estimator", "has no"}),
+      fly("UnknownFlow", {"--flow", "half"}, {"--flow", "full, simplified, off"}),
+      fly("NegativeFlowRate", {"--flow-rate", "-60"}, {"--flow-rate", "-60", "more than 0"}),
+      fly("UnknownSensors", {"--sensors", "rael"}, {"--sensors", "did you mean 'real'"}),
+      fly("UnknownWind", {"--wind", "stormy"}, {"--wind", "stormy", "calm, light"}),
+      fly("WindWithoutNumber", {"--wind", "north=strong"}, {"--wind", "north", "'strong'"}),
+      fly("WindOfNoLength", {"--wind", "gust_east=1,gust_length=0"}, {"--wind", "gust_length"}),
+      fly("UnknownSolver", {"--solver", "ode45"}, {"--solver", "ode45", "bogacki-shampine-3"}),
+      fly("UnknownIntegrator", {"--integrator", "eular"}, {"--integrator", "did you mean 'euler'"}),
+      fly("IntegratorOfAStateFeedback",
+          {"--controller", "state-feedback", "--integrator", "tustin"},
+          {"--integrator", "cascaded PID"}),
+      fly("DurationOfNothing", {"--duration", "-1"}, {"--duration", "-1", "more than 0"}),
+      fly("LogOfAnotherKind", {"--log", "@/f.xlsx"}, {"--log", ".csv", ".mat"}),
+      fly("ReportOfAnotherKind", {"--report", "@/f.pdf"}, {"--report", ".html"}),
+      fly("MissingGains", {"--gains", "@/none.json"}, {"none.json"}, 5),
+      {"PublishedGainsOfNobody",
+       {"fly", "uquad", "--gains", "published"},
+       2,
+       {"--gains", "uquad", "no published cascade"}},
+      mission("MissionWithUnknownKey", "name = \"m\"\nduration = 3\n[hover]\nheight_m = 1\n",
+              {"m.toml:2", "duration", "duration_s"}),
+      mission("MissionWithoutADeed", "name = \"m\"\nduration_s = 3\n", {"m.toml"}),
+      {"CompareNothing", {"compare"}, 2, {"integrators, flow or gains"}},
+      {"CompareUnknown", {"compare", "flows", "mambo"}, 2, {"flows", "did you mean 'flow'"}},
+      {"CompareGainsOfOne", {"compare", "gains", "mambo", "designed"}, 2, {"expected two"}},
+      {"CompareTooMuch", {"compare", "flow", "mambo", "designed"}, 2, {"designed", "vehicle"}},
+      design_mistake("MissionOfADesignUnknown", "name = \"hover\"\nsensors",
+                     "name = \"hovr\"\nsensors", 3, {"hovr", "did you mean 'hover'"}),
+      design_mistake("MissionOfADesignWithBadWord", "sensors = \"ideal\"", "sensors = \"perfect\"",
+                     3, {"d.toml:", "sensors", "perfect"}),
+      design_mistake("MissionOfALawThatIsNotThere", "sensors = \"ideal\"",
+                     "controller = \"cascaded-pid\"", 3, {"d.toml:", "no [cascade]"}),
+  };
+}
+
 class BadInput : public ::testing::TestWithParam<Mistake> {};
 
 /// `where` of the JSON error of a command that ends with `status`.
@@ -685,6 +737,7 @@ INSTANTIATE_TEST_SUITE_P(Vehicles, BadInput, ::testing::ValuesIn(vehicle_mistake
 INSTANTIATE_TEST_SUITE_P(Matrices, BadInput, ::testing::ValuesIn(matrix_mistakes()), name_of);
 INSTANTIATE_TEST_SUITE_P(Designs, BadInput, ::testing::ValuesIn(design_mistakes()), name_of);
 INSTANTIATE_TEST_SUITE_P(Sampling, BadInput, ::testing::ValuesIn(sampling_mistakes()), name_of);
+INSTANTIATE_TEST_SUITE_P(Flights, BadInput, ::testing::ValuesIn(flight_mistakes()), name_of);
 INSTANTIATE_TEST_SUITE_P(Schedules, BadInput, ::testing::ValuesIn(schedule_mistakes()), name_of);
 INSTANTIATE_TEST_SUITE_P(CommandLine, BadInput, ::testing::ValuesIn(command_line_mistakes()),
                          name_of);

@@ -37,7 +37,7 @@ TEST(BuiltInMissions, AreTheFilesOfTheTree) {
   EXPECT_THAT(built_in_missions(),
               ElementsAre("hover", "take-off-and-land", "step-north", "step-east", "step-height",
                           "step-yaw", "waypoints", "line", "circle", "lemniscate", "keys",
-                          "motor-test", "arm"));
+                          "motor-test", "lemniscate-carried"));
   for (const std::string& name : built_in_missions()) {
     const Mission mission = load_mission(name);
     EXPECT_EQ(mission.name, name);

@@ -184,7 +184,7 @@ TEST(CarriedMotion, ObeysKinematics) {
 }
 
 TEST(CarriedMotion, ArmOfTheExperimentIs60CentimetresLongAndHigh) {
-  const Mission arm = load_mission("arm");
+  const Mission arm = load_mission("lemniscate-carried");
   const CarriedMotion carried(std::get<Carried>(arm.kind));
   double least = 0, most = 0;
   for (double t = 0; t < arm.duration; t += 1e-3) {

@@ -237,7 +237,7 @@ TEST(MissionRunner, RampsFromTheFirstInstant) {
 
 // Velocity is the derivative of position wherever there is no step.
 TEST(MissionRunner, SuppliesTheVelocityOfSmoothReferences) {
-  for (const char* name : {"line", "circle", "lemniscate", "arm"}) {
+  for (const char* name : {"line", "circle", "lemniscate", "lemniscate-carried"}) {
     const Mission mission = load_mission(name);
     MissionRunner runner(mission);
     constexpr double kStep = 1e-4;
@@ -365,7 +365,7 @@ TEST(MissionRunner, RunsMotorsByTheirNumbers) {
 }
 
 TEST(MissionRunner, SaysWhereACarriedVehicleIs) {
-  MissionRunner runner(load_mission("arm"));
+  MissionRunner runner(load_mission("lemniscate-carried"));
   EXPECT_FALSE(runner.depends_on_estimate());
   const Reference<double> reference = runner.at(5, kAnywhere);
   EXPECT_EQ(reference.phase, FlightPhase::off);
