@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -96,6 +97,29 @@ TEST(ComplementaryFilter, FindsTheBiasWhereAskedTo) {
   EXPECT_THAT(missed - down * down.dot(missed), MatrixNear(Vector3d(Vector3d::Zero()), 1e-9));
 }
 
+// One correction goes into the bias along the axes about which the body would have to turn.
+TEST(ComplementaryFilter, MovesTheBiasAlongTheBodysAxes) {
+  Settings settings;
+  settings.bias_time_constant = 5;
+  State state;
+  state.angles = {0.5, 0.3, 1};
+  step(settings, state, Vector3d(Vector3d::Zero()), force_at_rest(0.6, 0.2), true);
+  const double alpha = 0.005 / 1.005;
+  const Vector3d error(0.1, -0.1, 0);
+  const Matrix3<double> to_body =
+      body_rate_matrix(0.5 + alpha * error.x(), 0.3 + alpha * error.y());
+  EXPECT_THAT(state.gyro_bias, MatrixNear(Vector3d(-alpha / 5 * to_body * error), 1e-15));
+}
+
+TEST(ComplementaryFilter, BoundsTheRatesNearTheVertical) {
+  for (const double pitch : {0.0, 0.7, -1.2})
+    EXPECT_THAT(bounded_euler_rates(0.4, pitch, Vector3d(1, 2, 3)),
+                MatrixNear(Vector3d(euler_rate_matrix(0.4, pitch) * Vector3d(1, 2, 3)), 1e-14));
+  const double right_angle = std::numbers::pi / 2;
+  EXPECT_NEAR(bounded_euler_rates(0.0, right_angle - 0.01, Vector3d(0, 0, 1)).z(), 20, 1e-12);
+  EXPECT_NEAR(bounded_euler_rates(0.0, right_angle + 0.01, Vector3d(0, 0, 1)).z(), -20, 1e-12);
+}
+
 // Turning on the spot, level and tilted: roll and pitch stay, the yaw counts the turns.
 TEST(ComplementaryFilter, ComesBackFromTurnsOfYaw) {
   for (const double tilt : {0.0, 0.4}) {
@@ -153,6 +177,12 @@ TEST(ComplementaryFilter, BelievesTheForceByItsLength) {
   EXPECT_EQ(corrected(1.3, true), 0);
   EXPECT_EQ(corrected(0, true), 0);
   EXPECT_EQ(corrected(1, false), 0);
+  // Of a fall the direction is noise, and no band makes it believable.
+  Settings credulous;
+  credulous.force_band = std::numeric_limits<double>::infinity();
+  State falling;
+  step(credulous, falling, Vector3d(Vector3d::Zero()), Vector3d(0.1, 0.2, 0.3), true);
+  EXPECT_EQ(falling.angles, Vector3d::Zero());
   Settings gyro_only;
   gyro_only.time_constant = std::numeric_limits<double>::infinity();
   State state;

@@ -22,6 +22,7 @@ namespace {
 using testing::lane_of;
 using testing::MatrixNear;
 using Row2 = Eigen::Matrix<double, 1, 2>;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 template <class T>
@@ -212,12 +213,15 @@ TEST(KalmanFilter, LeavesAllAsItIsWithoutABelievableMeasurement) {
   const double far = before.x(0) + 100;
   EXPECT_FALSE(update(after, C, 1, 1, false).used);
   EXPECT_FALSE(update(after, C, kNaN, 1, true).used);
+  EXPECT_FALSE(update(after, C, kInfinity, 1, true).used);
   EXPECT_FALSE(update(after, C, far, 1, true, 9).used);
   EXPECT_FALSE(update(after, CC, {1, 1}, RR, false).used);
   EXPECT_FALSE(update(after, CC, {1, kNaN}, RR, true).used);
+  EXPECT_FALSE(update(after, CC, {kInfinity, 1}, RR, true).used);
   EXPECT_FALSE(update(after, CC, {far, before.x(1)}, RR, true, 9).used);
   EXPECT_FALSE(update(after, sparse, 1, 1, false).used);
   EXPECT_FALSE(update(after, sparse, kNaN, 1, true).used);
+  EXPECT_FALSE(update(after, sparse, kInfinity, 1, true).used);
   EXPECT_FALSE(update(after, sparse, 100, 1, true, 9).used);
   EXPECT_TRUE(unchanged(after));
   // What the gate refused can still be counted.

@@ -448,6 +448,34 @@ TEST(MamboEstimator, LanesDoNotDependOnEachOtherAndFloatFollows) {
   }
 }
 
+// Every setting another than its default, so that one that is forgotten or swapped shows.
+TEST(MamboEstimator, CastKeepsEverySetting) {
+  const Settings settings = {0.01,
+                             1.5,
+                             2,
+                             3,
+                             4,
+                             5,
+                             6,
+                             7,
+                             8,
+                             9,
+                             10,
+                             11,
+                             12,
+                             13,
+                             14,
+                             15,
+                             16,
+                             17,
+                             18,
+                             19,
+                             false,
+                             20,
+                             MamboPosition::flow_velocity};
+  EXPECT_EQ(mambo_estimator_cast<double>(settings), settings);
+}
+
 TEST(MamboEstimator, RefusesWhatCannotRun) {
   EXPECT_NO_THROW(validate(Settings(), "estimator"));
   EXPECT_NO_THROW(validate(MamboEstimatorSettings<float>(), "estimator"));

@@ -709,6 +709,37 @@ TEST(UquadFilter, LanesDoNotDependOnEachOtherAndFloatFollows) {
   }
 }
 
+// Every setting another than its default, so that one that is forgotten shows.
+TEST(UquadFilter, CastKeepsEverySetting) {
+  Settings settings;
+  settings.dt = 0.02;
+  settings.calibration_time = 2;
+  settings.Q *= 2;
+  settings.P0 *= 3;
+  settings.R_tilt = 4;
+  settings.R_yaw = 5;
+  settings.R_force = 6;
+  settings.R_rates = 7;
+  settings.R_height = 8;
+  settings.R_gps_position = 9;
+  settings.R_gps_velocity = 11;
+  settings.gate = 12;
+  settings.position = false;
+  settings.biases = false;
+  settings.yaw_by_estimated_tilt = true;
+  settings.dynamic_covariance = true;
+  settings.force_band = 13;
+  settings.field_band = 14;
+  settings.field_norm = 15;
+  settings.declination = 16;
+  settings.reference_pressure = 17;
+  settings.gps_timeout = 18;
+  settings.still_variance = 19;
+  settings.standing_variance = 20;
+  EXPECT_EQ(uquad_filter_cast<double>(settings), settings);
+  EXPECT_EQ(uquad_filter_cast<double>(uquad_filter_cast<float>(settings)).gate, 12);
+}
+
 TEST(UquadFilter, RefusesWhatCannotRun) {
   EXPECT_NO_THROW(validate(Settings(), "filter"));
   EXPECT_NO_THROW(validate(uquad_filter_in_si<double>(), "filter"));
