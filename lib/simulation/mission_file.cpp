@@ -65,7 +65,7 @@ Vector3d point_of(const Eigen::VectorXd& row, const std::string& where, const st
   if (row.size() != 3)
     throw InvalidInput(where, fmt::format("{} has {} numbers, expected 3 (north, east, height)",
                                           what, row.size()));
-  const Vector3d position(row(0), row(1), -row(2));
+  Vector3d position(row(0), row(1), -row(2));
   internal::require_place(position, where, what);
   return position;
 }

@@ -59,25 +59,39 @@ Progress progress(const Extent& way, const Passage& passage, double t) {
   return {way.rate * (since - passage.ramp / 2), way.rate, 0};
 }
 
-// Position with its first two derivatives by s, and heading with its first.
+// Position with its first two derivatives by s.
 struct CurvePoint {
   Vector3d p, dp, ddp;
-  double heading, dheading;
+};
+
+// Where the curve goes [rad], with its derivative by s.
+struct Heading {
+  double angle;
+  double by_s;
 };
 
 CurvePoint curve(const LinePath& path, double s) {
   const Vector3d along = (path.to - path.from).normalized();
-  return {path.from + along * s, along, Vector3d::Zero(), std::atan2(along.y(), along.x()), 0};
+  return {path.from + along * s, along, Vector3d::Zero()};
 }
 
+Heading heading(const LinePath& path, double /*s*/) {
+  const Vector3d way = path.to - path.from;
+  return {std::atan2(way.y(), way.x()), 0};
+}
+
+double sense(const CirclePath& path) { return path.radius > 0 ? 1 : -1; }
+
 CurvePoint curve(const CirclePath& path, double s) {
-  const double sense = path.radius > 0 ? 1 : -1;
   const double radius = std::abs(path.radius);
-  const double bearing = path.bearing + sense * s;
+  const double bearing = path.bearing + sense(path) * s;
   const Vector3d outward(std::cos(bearing), std::sin(bearing), 0);
   const Vector3d sideways(-outward.y(), outward.x(), 0);  // d outward / d bearing
-  return {path.center + radius * outward, sense * radius * sideways, -radius * outward,
-          bearing + sense * std::numbers::pi / 2, sense};
+  return {path.center + radius * outward, path.radius * sideways, -radius * outward};
+}
+
+Heading heading(const CirclePath& path, double s) {
+  return {path.bearing + sense(path) * (s + std::numbers::pi / 2), sense(path)};
 }
 
 CurvePoint curve(const LemniscatePath& path, double s) {
@@ -86,17 +100,18 @@ CurvePoint curve(const LemniscatePath& path, double s) {
   const Vector3d right(-along.y(), along.x(), 0);
   const double sin1 = std::sin(s), cos1 = std::cos(s);
   const double sin2 = 2 * sin1 * cos1, cos2 = cos1 * cos1 - sin1 * sin1;
-  const double dx = a * cos1, dy = 2 * b * cos2;
-  const double ddx = -a * sin1, ddy = -4 * b * sin2;
-  CurvePoint point;
-  point.p = path.center + a * sin1 * along + b * sin2 * right;
-  point.dp = dx * along + dy * right;
-  point.ddp = ddx * along + ddy * right;
+  return {path.center + a * sin1 * along + b * sin2 * right,
+          a * cos1 * along + 2 * b * cos2 * right, -a * sin1 * along - 4 * b * sin2 * right};
+}
+
+Heading heading(const LemniscatePath& path, double s) {
+  const double a = path.length / 2, b = path.width / 2;
+  const double dx = a * std::cos(s), dy = 2 * b * std::cos(2 * s);
+  const double ddx = -a * std::sin(s), ddy = -4 * b * std::sin(2 * s);
   // The curve goes straight to the left at its tips and never straight to the right, so an angle
   // counted from the left has no jump.
-  point.heading = path.heading - std::numbers::pi / 2 + std::atan2(dx, -dy);
-  point.dheading = (dx * ddy - dy * ddx) / (dx * dx + dy * dy);
-  return point;
+  return {path.heading - std::numbers::pi / 2 + std::atan2(dx, -dy),
+          (dx * ddy - dy * ddx) / (dx * dx + dy * dy)};
 }
 
 void require(bool holds, const std::string& where, const std::string& message) {
@@ -142,9 +157,12 @@ PathPoint path_point(const SmoothPath& path, double t) {
         point.position = c.p;
         point.velocity = c.dp * at.rate;
         point.acceleration = c.ddp * (at.rate * at.rate) + c.dp * at.acceleration;
-        const bool ahead = shape.passage.nose == Nose::ahead;
-        point.yaw = ahead ? c.heading : shape.passage.yaw;
-        point.yaw_rate = ahead ? c.dheading * at.rate : 0;
+        point.yaw = shape.passage.yaw;
+        if (shape.passage.nose == Nose::ahead) {
+          const Heading way = heading(shape, at.s);
+          point.yaw = way.angle;
+          point.yaw_rate = way.by_s * at.rate;
+        }
         return point;
       },
       path);

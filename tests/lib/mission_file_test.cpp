@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -267,7 +268,7 @@ TEST(MissionFile, RefusesEveryUnitThatIsAbsentOrAnother) {
         if (stem.empty()) return;
         ++keys;
         for (const std::string& wrong : {stem, stem + "_cm", stem + "_deg"})
-          EXPECT_THAT(message_of(lines, i, wrong + " = " + value),
+          EXPECT_THAT(message_of(lines, i, fmt::format("{} = {}", wrong, value)),
                       AllOf(StartsWith("m.toml:" + std::to_string(i + 1) + ": key '" + wrong + "'"),
                             HasSubstr("is not known, expected '"),
                             HasSubstr("' (the unit is part of the key)")));
@@ -659,10 +660,10 @@ TEST(ScriptCsv, IsNamedByTheMissionThatHasNone) {
                         "or directory), expected a file beside the mission's")));
   for (const std::string name : {"../path.csv", "/dev/zero", "a b", ""})
     EXPECT_THAT(
-        [&] { (void)parse(kHead + kAir + "[csv]\nfile = '" + name + "'\n"); },
+        [&] { (void)parse(fmt::format("{}{}[csv]\nfile = '{}'\n", kHead, kAir, name)); },
         ThrowsMessage<InvalidInput>(StartsWith("m.toml:7: file in [csv] is '" + name + "'")));
   for (const std::string name : {"-", ".", ".."})  // neither standard input nor a folder
-    EXPECT_THAT([&] { (void)parse(kHead + kAir + "[csv]\nfile = '" + name + "'\n"); },
+    EXPECT_THAT([&] { (void)parse(fmt::format("{}{}[csv]\nfile = '{}'\n", kHead, kAir, name)); },
                 ThrowsMessage<InvalidInput>(StartsWith("m.toml:7: the references cannot be read")));
   EXPECT_THAT([] { (void)with_csv("", kCsvMission + "between = 'jump'\n"); },
               ThrowsMessage<InvalidInput>(

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <vector>
 
 #include "quadtune/simulation/flight_metrics.hpp"
 #include "quadtune/simulation/mission.hpp"
@@ -18,6 +19,14 @@ using ::testing::ElementsAre;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// first, first + step, … before last.
+std::vector<double> times(double first, double last, double step) {
+  std::vector<double> all;
+  while (first + static_cast<double>(all.size()) * step < last)
+    all.push_back(first + static_cast<double>(all.size()) * step);
+  return all;
+}
 
 // One flight, a period at a time: what is not said is 0.
 struct Flight {
@@ -70,7 +79,7 @@ TEST(Metrics, SecondOrderStepHasItsOvershootAndSettlingTime) {
     };
     constexpr double kBand = 0.05, kStepTime = 1, kDt = 1e-3;
     double settled = 0;
-    for (double t = 0; t < 20; t += 1e-5)
+    for (const double t : times(0, 20, 1e-5))
       if (std::abs(response(t) - 1) > kBand) settled = t;
     Flight flight({kBand, 0.05, 5});
     flight.dt = kDt;
@@ -124,7 +133,7 @@ TEST(Metrics, NeverSettledIsInfinite) {
 TEST(Metrics, ShortHoldsAreNotJudged) {
   Flight flight({0.1, 0.05, 1});
   for (int i = 0; i < 300; ++i) {  // a step of 1 m every half second, never followed
-    flight.reference.position.x() = i / 50;
+    flight.reference.position.x() = std::floor(i / 50.0);
     flight.period();
   }
   EXPECT_TRUE(std::isnan(flight[Metric::settling_time]));

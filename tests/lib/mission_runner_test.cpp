@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <vector>
 
 #include "matrix_near.hpp"
 #include "quadtune/errors.hpp"
@@ -21,6 +22,14 @@ using testing::MatrixNear;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// first, first + step, … before last.
+std::vector<double> times(double first, double last, double step) {
+  std::vector<double> all;
+  while (first + static_cast<double>(all.size()) * step < last)
+    all.push_back(first + static_cast<double>(all.size()) * step);
+  return all;
+}
 
 StateVector<double> at_place(const Vector3d& position) {
   StateVector<double> x = StateVector<double>::Zero();
@@ -241,7 +250,7 @@ TEST(MissionRunner, SuppliesTheVelocityOfSmoothReferences) {
     const Mission mission = load_mission(name);
     MissionRunner runner(mission);
     constexpr double kStep = 1e-4;
-    for (double t = kStep; t < mission.duration; t += 0.0317) {
+    for (const double t : times(kStep, mission.duration, 0.0317)) {
       const Vector3d before = runner.at(t - kStep, kAnywhere).position;
       const Vector3d velocity = runner.at(t, kAnywhere).velocity;
       const Vector3d after = runner.at(t + kStep, kAnywhere).position;
@@ -438,7 +447,7 @@ TEST(MissionRunner, CopiesGoOnAlike) {
     const Mission mission = load_mission(name);
     MissionRunner runner(mission), same(mission);
     StateVector<double> x = at_place(mission.start.position);
-    for (double t = 0; t < mission.duration; t += 0.05) {
+    for (const double t : times(0, mission.duration, 0.05)) {
       if (t > mission.duration / 2) same = MissionRunner(runner);
       const Reference<double> a = runner.at(t, x);
       const Reference<double> b = same.at(t, x);
@@ -461,7 +470,7 @@ TEST(MissionRunner, BuiltInMissionsEndWhereTheyShould) {
     MissionRunner runner(mission);
     StateVector<double> x = at_place(mission.start.position);
     Reference<double> reference;
-    for (double t = 0; t < mission.duration; t += 0.005) {
+    for (const double t : times(0, mission.duration, 0.005)) {
       reference = runner.at(t, x);
       const Vector3d off = reference.position - x.head<3>();
       if (reference.phase == FlightPhase::flying) x.head<3>() += 0.01 * off;
