@@ -15,6 +15,7 @@
 #include "quadtune/control/allocation.hpp"
 #include "quadtune/control/cascaded_pid.hpp"
 #include "quadtune/control/state_feedback_law.hpp"
+#include "quadtune/errors.hpp"
 #include "quadtune/simulation/air.hpp"
 #include "quadtune/simulation/carried_motion.hpp"
 #include "quadtune/simulation/flight.hpp"
@@ -208,7 +209,7 @@ void ClosedLoop<N, R>::make_plant() {
     // The feet stand where the rotors are.
     reach = greater(reach, greater(magnitude(rotor.position(0)), magnitude(rotor.position(1))));
   }
-  plant_ = PlantOf(body, ground_contact(body.mass, reach));
+  plant_ = PlantOf(body, ground_contact(body.mass, lesser(body.J(0, 0), body.J(1, 1)), reach));
   motors_ =
       MotorStage<N>(each<const Vehicle*>(setups_, [](const FlightSetup& s) { return &flown(s); }));
   battery_ = flown(common_).battery;
