@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quadtune/control/allocation.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/QR>
 #include <cmath>
 
@@ -10,6 +12,9 @@ namespace quadtune {
 
 Allocation<double> allocation(const Vehicle& vehicle) {
   const auto n = static_cast<Eigen::Index>(vehicle.rotors.size());
+  if (n < 1 || n > kMaxRotors)
+    throw InvalidInput("vehicle '" + vehicle.name + "'",
+                       fmt::format("{} rotors, expected 1 to {}", n, kMaxRotors));
   Allocation<double> result;
   result.rotors = static_cast<int>(n);
   // Twice: the drag torque's slope is taken at the hover thrusts that the first pass finds.

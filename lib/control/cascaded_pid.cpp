@@ -24,7 +24,8 @@ CascadedPidSettings<double> cascaded_pid_settings(const Vehicle& vehicle, const 
       target.integral_min = -most;
       target.integral_max = most;
     }
-    target.back_calculation = back_calculation;
+    // Without Ki nothing would ever bring back what the back-calculation adds.
+    target.back_calculation = loop.Ki != 0 ? back_calculation : 0;
     validate(target, "loop '" + loop.name + "'");
   }
   settings.attitude_limit = attitude_limit;

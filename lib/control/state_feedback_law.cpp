@@ -35,7 +35,7 @@ GuardedIntegralSettings<double> guard_of(const std::string& state, double dt,
 const std::vector<IntegralGuard>& uquad_integral_guards() {
   static const std::vector<IntegralGuard> guards = {
       {"x", 1, 1, 5},         {"y", 1, 1, 5},         {"z", 2, 2.5e-3, 2},
-      {"psi", 0.26, 1e-3, 1}, {"phi", 0.78, 7e-3, 2}, {"theta", 0.26, 1e-3, 1}};
+      {"psi", 0.26, 1e-3, 1}, {"phi", 0.26, 1e-3, 1}, {"theta", 0.78, 7e-3, 2}};
   return guards;
 }
 
@@ -46,6 +46,12 @@ StateFeedbackSettings<double> state_feedback_settings(const Vehicle& vehicle, co
   const Convention& words = convention(gains.convention, "gains");
   const int rotors = static_cast<int>(vehicle.rotors.size());
   const int inputs = gains.input_kind == InputKind::wrench ? 4 : rotors;
+  if (rotors < 1 || rotors > kMaxRotors)
+    throw InvalidInput("gains", fmt::format("'{}' has {} rotors, expected 1 to {}", vehicle.name,
+                                            rotors, kMaxRotors));
+  if (gains.integrals.size() > static_cast<std::size_t>(kMostIntegrals))
+    throw InvalidInput("gains", fmt::format("{} integrals, expected at most {}, one for each state",
+                                            gains.integrals.size(), kMostIntegrals));
   if (gains.K.rows() != inputs)
     throw InvalidInput("gains", fmt::format("K has {} rows, expected {}, one for each input of "
                                             "'{}'",
@@ -71,10 +77,10 @@ StateFeedbackSettings<double> state_feedback_settings(const Vehicle& vehicle, co
   settings.integrals = static_cast<int>(gains.integrals.size());
   for (std::size_t j = 0; j < gains.integrals.size(); ++j) {
     const std::string& name = gains.integrals[j].name;
+    const Eigen::Index row = index_in(words.states, name);
     Eigen::Index state = 0;
-    const double sign =
-        words.from_ned.row(index_in(words.states, name)).cwiseAbs().maxCoeff(&state) *
-        words.from_ned(index_in(words.states, name), state);
+    words.from_ned.row(row).cwiseAbs().maxCoeff(&state);
+    const double sign = words.from_ned(row, state);
     settings.integrated[j] = static_cast<int>(state);
     settings.K_int.col(static_cast<Eigen::Index>(j)).head(inputs) =
         sign * K_int.col(static_cast<Eigen::Index>(j));

@@ -3,6 +3,8 @@
 /// numbers only. Order within a control period: docs/theory.md, "Simulated flight".
 #pragma once
 
+#include <fmt/format.h>
+
 #include <array>
 #include <memory>
 #include <optional>
@@ -11,10 +13,10 @@
 #include "closed_loop_parts.hpp"
 #include "flight_recorder.hpp"
 #include "motor_stage.hpp"
-#include "quadtune/errors.hpp"
 #include "quadtune/control/allocation.hpp"
 #include "quadtune/control/cascaded_pid.hpp"
 #include "quadtune/control/state_feedback_law.hpp"
+#include "quadtune/errors.hpp"
 #include "quadtune/simulation/air.hpp"
 #include "quadtune/simulation/carried_motion.hpp"
 #include "quadtune/simulation/flight.hpp"
@@ -208,7 +210,7 @@ void ClosedLoop<N, R>::make_plant() {
     // The feet stand where the rotors are.
     reach = greater(reach, greater(magnitude(rotor.position(0)), magnitude(rotor.position(1))));
   }
-  plant_ = PlantOf(body, ground_contact(body.mass, reach));
+  plant_ = PlantOf(body, ground_contact(body.mass, lesser(body.J(0, 0), body.J(1, 1)), reach));
   motors_ =
       MotorStage<N>(each<const Vehicle*>(setups_, [](const FlightSetup& s) { return &flown(s); }));
   battery_ = flown(common_).battery;
@@ -467,7 +469,8 @@ void ClosedLoop<N, R>::run(const std::function<bool()>& interrupted) {
     estimate();
     refer(t);
     command(k, t);
-    metrics_.add(t, dt_, euler_state_now(), estimate_, reference_, saturated_, power_, alive_);
+    metrics_.add(t, dt_, euler_state_now(), estimate_, reference_, saturated_, power_, alive_,
+                 off_);
     for (std::size_t l = 0; l < recorders_.size(); ++l)
       if (lane(alive_, static_cast<int>(l)))
         recorders_[l].add(t, static_cast<int>(l), x_, plant_.rotor_speeds(x_), frame_, estimate_,
@@ -624,10 +627,11 @@ void ClosedLoop<N, R>::estimate() {
       estimate_ = step(mambo_settings_, mambo_, frame_);
       return;
     case EstimatorKind::uquad: {
-      const bool stands = reference_.phase == FlightPhase::off ||
-                          reference_.phase == FlightPhase::start_up || !between_;
+      const Mask<N> stands =
+          either(off_, Mask<N>(reference_.phase == FlightPhase::start_up || !between_));
+      const bool may_stand = !common_.mission.start.in_air && !carried_;
       estimate_ = step(uquad_settings_, uquad_, frame_, believed_body_, speeds_,
-                       Mask<N>(stands && !common_.mission.start.in_air));
+                       both(stands, Mask<N>(may_stand)));
       return;
     }
     case EstimatorKind::truth:
@@ -731,6 +735,7 @@ void ClosedLoop<N, R>::command(std::uint64_t index, double t) {
   } else {
     speeds_.setConstant(P(0));
   }
+  for (int i = 0; i < 4; ++i) wrench_(i) = select(off_, P(0), wrench_(i));
   for (Eigen::Index i = 0; i < speeds_.size(); ++i) speeds_(i) = select(off_, P(0), speeds_(i));
   saturated_ = both(saturated_, negated(off_));
   if (battery_) motors_.supply(*battery_, charge_, speeds_, saturated_);
@@ -752,6 +757,7 @@ void ClosedLoop<N, R>::end_flight(const Mask<N>& lanes, double t, FlightEnd end,
     if (!lane(lanes, l) || !lane(alive_, l)) continue;
     FlightResult& result = results_[static_cast<std::size_t>(l)];
     result.end = end;
+    result.end_time = t;
     keep_final(l);
     if (name != nullptr) result.events.push_back({t, name, detail});
     set_lane(alive_, l, false);
@@ -762,14 +768,12 @@ void ClosedLoop<N, R>::end_flight(const Mask<N>& lanes, double t, FlightEnd end,
 template <int N, int R>
 void ClosedLoop<N, R>::watch(double t) {
   const SafetyLimits& safety = common_.safety;
-  if (common_.environment.dynamic || true) {
-    const P force2 = frame_.specific_force.value.squaredNorm();
-    const Mask<N> collided =
-        both(frame_.specific_force.fresh, force2 > P(safety.collision * safety.collision));
-    if (any(both(collided, alive_)))
-      end_flight(collided, t, FlightEnd::safety_exit, "collision",
-                 "the accelerometer read more than " + std::to_string(safety.collision) + " m/s²");
-  }
+  const P force2 = frame_.specific_force.value.squaredNorm();
+  const Mask<N> collided =
+      both(frame_.specific_force.fresh, force2 > P(safety.collision * safety.collision));
+  if (any(both(collided, alive_)))
+    end_flight(collided, t, FlightEnd::safety_exit, "collision",
+               fmt::format("the accelerometer read more than {} m/s²", safety.collision));
   if (battery_) {
     const Mask<N> empty = charge_.voltage < P(battery_->cutoff_voltage);
     if (any(both(empty, alive_)))
@@ -790,9 +794,8 @@ void ClosedLoop<N, R>::watch(double t) {
   const P upright = cos(estimate_.x(3)) * cos(estimate_.x(4));
   const Mask<N> tilted = both(in_flight, upright < P(std::cos(safety.tilt)));
   if (any(both(tilted, alive_)))
-    end_flight(
-        tilted, t, FlightEnd::safety_exit, "tilt",
-        "the believed attitude is tilted by more than " + std::to_string(safety.tilt) + " rad");
+    end_flight(tilted, t, FlightEnd::safety_exit, "tilt",
+               fmt::format("the believed attitude is tilted by more than {} rad", safety.tilt));
   if (common_.estimator == EstimatorKind::mambo && common_.flow != FlowModel::off) {
     const Mask<N> high = -estimate_.x(2) > P(mambo_settings_.flow_least_height);
     const Mask<N> blind =
@@ -846,7 +849,6 @@ void ClosedLoop<N, R>::check_divergence(double t) {
       for (int i = kParts[part]; i < kParts[part + 1] && result.culprit.empty(); ++i)
         if (!(std::abs(lane(x_(i), l)) <= kBounds[part]))
           result.culprit = kNames[static_cast<std::size_t>(i)];
-    result.end_time = t;
     Mask<N> one;
     set_lane(one, l, true);
     end_flight(one, t, FlightEnd::diverged, "diverged", "state " + result.culprit);

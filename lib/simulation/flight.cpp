@@ -5,8 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "closed_loop_parts.hpp"
+#include "quadtune/control/allocation.hpp"
+#include "quadtune/control/cascaded_pid.hpp"
+#include "quadtune/control/state_feedback_law.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -147,12 +151,27 @@ bool same_structure(const FlightSetup& a, const FlightSetup& b) {
     for (const Signal& signal : gains.integrals) integrated.push_back(signal.name);
     return std::tuple(1, static_cast<int>(gains.input_kind), integrated);
   };
-  return a.mission.text == b.mission.text && a.mission.name == b.mission.name &&
-         !a.mission.text.empty() && law(a) == law(b) && control_period(a) == control_period(b) &&
-         duration_of(a) == duration_of(b) && a.estimator == b.estimator &&
-         a.mambo_estimator == b.mambo_estimator && a.uquad_filter == b.uquad_filter &&
-         a.vehicle.mass == b.vehicle.mass && a.vehicle.text == b.vehicle.text &&
-         a.real_sensors == b.real_sensors && a.flow == b.flow &&
+  // What a pack takes from the first flight must be the same in all.
+  const auto believed = [](const Vehicle& v) {
+    return std::tie(v.mass, v.inertia, v.gravity, v.air_density, v.drag.cda, v.drag.linear);
+  };
+  const auto rotor = [](const Rotor& r) {
+    return std::tie(r.position, r.spin, r.thrust_a2, r.thrust_a1, r.torque_d2, r.torque_d1,
+                    r.inertia, r.lag);
+  };
+  const bool same_rotors = std::equal(
+      a.vehicle.rotors.begin(), a.vehicle.rotors.end(), b.vehicle.rotors.begin(),
+      b.vehicle.rotors.end(), [&](const Rotor& r, const Rotor& s) { return rotor(r) == rotor(s); });
+  const auto air = [](const FlightSetup& s) {
+    const std::optional<BarometerSensor>& barometer = flown(s).sensors.barometer;
+    return barometer ? std::pair(std::isfinite(barometer->fall), barometer->ground_pressure)
+                     : std::pair(false, 0.0);
+  };
+  return a.mission == b.mission && law(a) == law(b) && control_period(a) == control_period(b) &&
+         same_rotors && believed(a.vehicle) == believed(b.vehicle) && air(a) == air(b) &&
+         flown(a).gravity == flown(b).gravity && duration_of(a) == duration_of(b) &&
+         a.estimator == b.estimator && a.mambo_estimator == b.mambo_estimator &&
+         a.uquad_filter == b.uquad_filter && a.real_sensors == b.real_sensors && a.flow == b.flow &&
          clocks(sensors_of(a)) == clocks(sensors_of(b)) &&
          a.environment.dynamic == b.environment.dynamic && a.integrator == b.integrator &&
          a.environment.magnetic_field == b.environment.magnetic_field && a.step == b.step &&
@@ -168,8 +187,10 @@ void validate(const FlightSetup& setup) {
   if (!(dt >= 1e-4 && dt <= 1))
     throw InvalidInput("flight",
                        fmt::format("the control period is {} s, expected 0.0001 to 1 s", dt));
-  if (!(setup.step > 0) || !std::isfinite(setup.step))
-    throw InvalidInput("flight", fmt::format("the step is {} s, expected more than 0", setup.step));
+  if (!(setup.step > 0 && dt / setup.step <= 1e6) || !std::isfinite(setup.step))
+    throw InvalidInput("flight", fmt::format("the step is {} s, expected more than 0 and at least "
+                                             "a millionth of the control period, {} s",
+                                             setup.step, dt));
   const double duration = internal::duration_of(setup);
   if (!(duration > 0 && duration / dt <= 1e8))
     throw InvalidInput("flight", fmt::format("the duration is {} s, expected more than 0 and at "
@@ -185,6 +206,19 @@ void validate(const FlightSetup& setup) {
                                    "as many",
                                    setup.flown->rotors.size(), setup.vehicle.rotors.size()));
   (void)dryden_numbers(setup.environment.wind);
+  // What the flight makes of these it makes in a thread of its own: better said before.
+  validate(setup.mission, "mission '" + setup.mission.name + "'");
+  (void)RigidBody(setup.vehicle);
+  (void)RigidBody(internal::flown(setup));
+  (void)allocation(setup.vehicle);
+  if (const auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
+    (void)cascaded_pid_settings(setup.vehicle, cascade->gains, cascade->method,
+                                cascade->attitude_limit, cascade->integrator_limit,
+                                cascade->back_calculation);
+  } else {
+    const auto& feedback = std::get<StateFeedbackController>(setup.controller);
+    (void)state_feedback_settings(setup.vehicle, feedback.gains, feedback.dt, feedback.guards);
+  }
 }
 
 FlightResult fly(const FlightSetup& setup) {

@@ -4,11 +4,17 @@
 #include "quadtune/simulation/sensor_channel.hpp"
 
 namespace quadtune {
+namespace {
+
+/// Radians a sample beyond which a response is over before the next sample.
+constexpr double kFastest = 1e4;
+
+}  // namespace
 
 SampledResponse sampled_response(double natural_frequency, double damping, double dt) {
-  if (natural_frequency == 0) return {};
   // Time in samples: (y, y' dt, u, u' dt) by one exponential.
   const double w = natural_frequency * dt;
+  if (w == 0 || w > kFastest) return {};
   Eigen::Matrix4d M = Eigen::Matrix4d::Zero();
   M(0, 1) = 1;
   M.row(1) << -w * w, -2 * damping * w, w * w, 0;

@@ -30,7 +30,7 @@ struct Allocation {
 /// @throws InvalidInput  if the rotors cannot make every wrench, or cannot hover.
 [[nodiscard]] Allocation<double> allocation(const Vehicle& vehicle);
 
-/// Speed at which a rotor gives `thrust`; 0 for thrusts below 0. [rad/s]
+/// Speed at which a rotor gives `thrust`; a thrust below 0 counts as 0. [rad/s]
 template <class T>
 [[nodiscard]] T speed_for_thrust(const T& thrust, const T& a2, const T& a1) {
   using std::sqrt;

@@ -43,8 +43,8 @@ template <class T>
 /// One step under a load held for dt.
 ///
 /// The voltage without load falls in a line with the charge drawn. With V = V₀ - R I and V I = P
-/// the current is the smaller root; a power beyond V₀²/4R cannot be had, and the voltage is then
-/// V₀/2.
+/// the current is the smaller root; a power beyond V₀²/4R cannot be had: the voltage is then V₀/2
+/// and the current V₀/2R.
 /// @param shaft_power  of all rotors [W], ≥ 0
 template <class T>
 void step(const Battery& battery, BatteryState<T>& state, const T& shaft_power, double dt) {
@@ -52,9 +52,10 @@ void step(const Battery& battery, BatteryState<T>& state, const T& shaft_power, 
   const T used = clamped(state.charge * T(1 / battery.capacity), T(0), T(1));
   const T open = T(battery.full_voltage) - used * T(battery.full_voltage - battery.empty_voltage);
   const T power = shaft_power * T(1 / battery.efficiency) + T(battery.idle_power);
-  const T root = greater(open * open - power * T(4 * battery.resistance), T(0));
-  state.voltage = (open + sqrt(root)) * T(0.5);
-  state.current = power / state.voltage;
+  const T root = open * open - power * T(4 * battery.resistance);
+  state.voltage = (open + sqrt(greater(root, T(0)))) * T(0.5);
+  state.current =
+      select(root < T(0), state.voltage * T(1 / battery.resistance), power / state.voltage);
   state.charge += state.current * T(dt);
 }
 

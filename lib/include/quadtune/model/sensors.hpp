@@ -72,8 +72,8 @@ struct Sensors {
 /// Sensors that say what is true, at the rates of `sensors`, at once.
 [[nodiscard]] Sensors ideal(Sensors sensors);
 
-/// What small vehicles carry whose own numbers are not known: inertial sensors, magnetometer and
-/// barometer at 200 Hz, sonar at 20 Hz, flow at 60 Hz, satellite at 1 Hz.
+/// What small vehicles carry whose own numbers are not known: inertial sensors at 200 Hz,
+/// magnetometer at 100 Hz, barometer at 50 Hz, sonar at 20 Hz, flow at 60 Hz, satellite at 1 Hz.
 [[nodiscard]] Sensors typical_sensors();
 
 }  // namespace quadtune

@@ -23,7 +23,9 @@ struct DrydenNumbers {
   Eigen::Vector3d sigma = Eigen::Vector3d::Zero();  ///< standard deviations along, across, up [m/s]
   Eigen::Vector3d tau = Eigen::Vector3d::Ones();    ///< L / V [s]
 };
-/// @throws InvalidInput  for a height out of 3 … 300 m or speeds that are not finite and ≥ 0
+/// @throws InvalidInput  for a height out of 3 … 300 m, a turbulence below 0, a gust without
+/// length,
+///                       or numbers that are not finite
 [[nodiscard]] DrydenNumbers dryden_numbers(const Wind& wind);
 
 /// One axis across the wind: two first-order stages in a row, with their joint noise.
@@ -43,7 +45,7 @@ class WindModel {
 
   WindModel() = default;
   /// @param winds   one a lane
-  /// @param stream  first of two random streams that are the wind's own
+  /// @param stream  first of three random streams that are the wind's own
   WindModel(const std::array<Wind, N>& winds, double dt, std::uint32_t stream);
 
   /// Whether there is any wind at all.

@@ -80,9 +80,10 @@ class FlightMetrics {
   /// @param saturated  whether some motor is at a limit
   /// @param power      of the motors [W]
   /// @param counts     false in a lane whose flight has ended: it stays as it is
+  /// @param motors_off  true in a lane whose flight is over while those of others go on
   void add(double t, double dt, const StateVector<T>& x, const Estimate<T>& estimate,
            const Reference<T>& reference, const Mask& saturated, const T& power,
-           const Mask& counts = Mask(true));
+           const Mask& counts = Mask(true), const Mask& motors_off = Mask(false));
 
   /// The figures of one lane so far.
   [[nodiscard]] MetricValues values(int which = 0) const;
@@ -185,12 +186,14 @@ class FlightMetrics {
 template <class T>
 void FlightMetrics<T>::add(double t, double dt, const StateVector<T>& x,
                            const Estimate<T>& estimate, const Reference<T>& reference,
-                           const Mask& saturated, const T& power, const Mask& counts) {
+                           const Mask& saturated, const T& power, const Mask& counts,
+                           const Mask& motors_off) {
   T sum = power;
   for (int i = 0; i < 12; ++i) sum += x(i) * T(0) + estimate.x(i) * T(0);  // NaN where not finite
   spoilt_ = either(spoilt_, both(counts, negated(is_finite(sum))));
 
-  const Mask flying = both(counts, Mask(reference.phase == FlightPhase::flying));
+  const Mask flying =
+      both(both(counts, negated(motors_off)), Mask(reference.phase == FlightPhase::flying));
   add_hold(t, dt, x, reference, flying, counts);
   add_tracking(t, dt, x, reference, flying);
   flew_ = select(counts, flying, flew_);

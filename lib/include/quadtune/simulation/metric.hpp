@@ -60,6 +60,8 @@ struct MetricValues {
 struct Limit {
   Metric metric = Metric::duration;
   double most = 0;  ///< in the metric's unit, ≥ 0
+
+  friend bool operator==(const Limit&, const Limit&) = default;
 };
 
 /// The limit's key in a mission file: "settling_time_max_s", "tilt_max_rad", "overshoot_max".
@@ -72,6 +74,8 @@ struct SettlingRule {
   /// How long after a step tracking is not yet judged, and how long a reference must stand still
   /// for settling to be judged [s], ≥ 0.
   double window = 5;
+
+  friend bool operator==(const SettlingRule&, const SettlingRule&) = default;
 };
 
 /// One limit held against one flight.

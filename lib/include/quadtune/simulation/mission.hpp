@@ -23,12 +23,16 @@ struct MissionStart {
   double yaw = 0;                                      ///< [rad]
   double start_up = 0.5;  ///< on the ground: the motors run up to their least speed [s], ≥ 0
   double take_off = 1;    ///< then constant thrust, attitude held [s], ≥ 0
+
+  friend bool operator==(const MissionStart&, const MissionStart&) = default;
 };
 
 /// One place and yaw for the whole flight.
 struct Hover {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< world [m]
   double yaw = 0;                                      ///< [rad]
+
+  friend bool operator==(const Hover&, const Hover&) = default;
 };
 
 /// A change of the reference: along a straight line from what it was to what is said here.
@@ -37,11 +41,15 @@ struct TimedReference {
   double until = 0;  ///< when it is complete [s]; `from` is a step
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< world [m]
   double yaw = 0;                                      ///< [rad], unwrapped
+
+  friend bool operator==(const TimedReference&, const TimedReference&) = default;
 };
 
 /// Timed references, the first a step at time 0, each complete before the next begins.
 struct Script {
   std::vector<TimedReference> references;
+
+  friend bool operator==(const Script&, const Script&) = default;
 };
 
 /// Points to fly to one after the other: follow_waypoints() says how.
@@ -51,12 +59,16 @@ struct Waypoints {
   double transition_radius = 0;         ///< at which a waypoint is reached [m], > 0
   Nose nose = Nose::fixed;              ///< ahead: along the segment
   double yaw = 0;                       ///< of a fixed nose [rad]
+
+  friend bool operator==(const Waypoints&, const Waypoints&) = default;
 };
 
 /// One key press.
 struct KeyPress {
   double time = 0;  ///< [s]
   char key = 0;     ///< of kMissionKeys
+
+  friend bool operator==(const KeyPress&, const KeyPress&) = default;
 };
 
 /// What the keys of a pilot do, those of the Mambo's model project and, as far as they change a set
@@ -72,6 +84,8 @@ struct Keys {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< before the first press [m]
   double yaw = 0;                                      ///< likewise [rad]
   std::vector<KeyPress> presses;                       ///< times increase
+
+  friend bool operator==(const Keys&, const Keys&) = default;
 };
 
 /// Motors that turn on their own for a while.
@@ -80,16 +94,22 @@ struct MotorRun {
   double duration = 0;      ///< [s], > 0
   std::vector<int> motors;  ///< 1 is the first
   double share = 0;         ///< of the command: 0 the least, 1 the greatest
+
+  friend bool operator==(const MotorRun&, const MotorRun&) = default;
 };
 
 /// Motors one after the other, the vehicle on the ground and no law at work.
 struct MotorTest {
   std::vector<MotorRun> runs;  ///< at least one; each begins after the one before has ended
+
+  friend bool operator==(const MotorTest&, const MotorTest&) = default;
 };
 
 /// A vehicle that something carries along a path, level, its motors off: CarriedMotion tells how.
 struct Carried {
   SmoothPath path;
+
+  friend bool operator==(const Carried&, const Carried&) = default;
 };
 
 /// A SmoothPath is one that the vehicle flies.
@@ -100,6 +120,8 @@ struct Landing {
   double begin = 0;          ///< [s]
   double rate = 0.3;         ///< downward [m/s], > 0
   double off_height = 0.05;  ///< believed height at or below which the motors stop [m], > 0
+
+  friend bool operator==(const Landing&, const Landing&) = default;
 };
 
 /// Everything that is known of a mission.
@@ -114,6 +136,8 @@ struct Mission {
   std::vector<Limit> limits;   ///< each metric at most once
   std::filesystem::path file;  ///< it was read from; empty when made in memory or built in
   std::string text;            ///< the file's bytes, for the manifest's hash
+
+  friend bool operator==(const Mission&, const Mission&) = default;
 };
 
 /// Checks everything that a mission must satisfy: times in order and within the duration, places

@@ -34,13 +34,16 @@ struct GroundContact {
 
 /// Contact as stiff as the step allows: the vehicle on its feet swings with 60 rad/s, critically
 /// damped, so it sinks in by 3 mm at rest, g/60².
-/// @param reach  of the feet [m]
+/// @param moment  the least of the body's moments of inertia about x and y [kg m²]
+/// @param reach   of the feet [m]; cut to the radius of gyration, √(moment/mass), for feet that
+///                stand wider rock the vehicle faster than it swings, faster than a step can follow
 template <class P>
-[[nodiscard]] GroundContact<P> ground_contact(P mass, P reach, P leg_height = P(0)) {
+[[nodiscard]] GroundContact<P> ground_contact(P mass, P moment, P reach, P leg_height = P(0)) {
+  using std::sqrt;
   constexpr double kFrequency = 60;
   GroundContact<P> ground;
   ground.leg_height = leg_height;
-  ground.leg_reach = reach;
+  ground.leg_reach = lesser(reach, P(sqrt(moment / mass)));
   ground.stiffness = mass * P(kFrequency * kFrequency / 4);
   ground.damping = mass * P(2 * kFrequency / 4);
   return ground;

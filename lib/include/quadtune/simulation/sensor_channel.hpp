@@ -3,8 +3,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "quadtune/estimation/on_board.hpp"
@@ -96,11 +99,10 @@ class SensorChannel {
   double delay_ = 0;
   std::uint32_t stream_ = 0;
   bool noisy_ = false, responds_ = false, quantized_ = false, limited_ = false, lossy_ = false;
-  bool started_ = false;
   Values scale_, bias_, noise_;
   P limit_, quantum_, dropout_;
   std::array<P, 8> response_;  ///< A by rows, b0, b1
-  Values before_, y_, rate_;   ///< last truth, and the response's state
+  Values before_, y_, rate_;   ///< last truth, and the response's state; NaN: none yet
   std::vector<Pending> queue_;
   std::size_t first_ = 0, waiting_ = 0;
 };
@@ -132,6 +134,7 @@ SensorChannel<N, Axes>::SensorChannel(const std::array<SensorFaults, N>& faults,
                                            r.b0(0),   r.b0(1),   r.b1(0),   r.b1(1)};
     for (std::size_t i = 0; i < 8; ++i) set_lane(response_[i], l, numbers[i]);
   }
+  y_.setConstant(P(std::numeric_limits<double>::quiet_NaN()));  // it begins with the first truth
 }
 
 template <int N, int Axes>
@@ -139,22 +142,19 @@ void SensorChannel<N, Axes>::take(const Values& truth, const RandomSource<N>& so
                                   const Mask<N>& lost) {
   Values y = truth;
   if (responds_) {
-    if (!started_) {
-      before_ = truth;
-      y_ = truth;
-      rate_.setConstant(P(0));
-    }
+    // At rest on the first truth, and on the first after there was none: a NaN that once entered
+    // the response would never leave it.
+    const P none = std::numeric_limits<double>::quiet_NaN();
     for (int i = 0; i < Axes; ++i) {
-      const P y0 = y_(i), r0 = rate_(i);
-      y_(i) = response_[0] * y0 + response_[1] * r0 + response_[4] * before_(i) +
-              response_[6] * truth(i);
-      rate_(i) = response_[2] * y0 + response_[3] * r0 + response_[5] * before_(i) +
-                 response_[7] * truth(i);
+      const Mask<N> goes_on = y_(i) == y_(i);
+      const P y0 = select(goes_on, y_(i), truth(i)), r0 = select(goes_on, rate_(i), P(0));
+      const P u0 = select(goes_on, before_(i), truth(i)), u1 = truth(i);
+      y(i) = response_[0] * y0 + response_[1] * r0 + response_[4] * u0 + response_[6] * u1;
+      rate_(i) = response_[2] * y0 + response_[3] * r0 + response_[5] * u0 + response_[7] * u1;
+      y_(i) = select(lost, none, y(i));
     }
     before_ = truth;
-    y = y_;
   }
-  started_ = true;
   const std::uint64_t index = clock_.index();
   for (int i = 0; i < Axes; ++i) y(i) = y(i) * scale_(i) + bias_(i);
   if (noisy_)
@@ -172,6 +172,11 @@ void SensorChannel<N, Axes>::take(const Values& truth, const RandomSource<N>& so
       y(i) = select(quantum_ > P(0), nearest(y(i) / quantum_) * quantum_, y(i));
   Mask<N> gone = lost;
   if (lossy_) gone = either(gone, random_uniform(source, stream_ + 3, index).first < dropout_);
+  if (waiting_ == queue_.size()) {  // more samples in a control period than were expected
+    std::rotate(queue_.begin(), queue_.begin() + static_cast<std::ptrdiff_t>(first_), queue_.end());
+    first_ = 0;
+    queue_.resize(2 * queue_.size());
+  }
   const std::size_t end = (first_ + waiting_) % queue_.size();
   queue_[end] = {y, gone, clock_.next(), clock_.next() + delay_};
   ++waiting_;

@@ -28,6 +28,8 @@ struct Passage {
   double ramp = 1;   ///< how long it gathers speed, and how long it loses it [s], > 0
   Nose nose = Nose::fixed;
   double yaw = 0;  ///< of a fixed nose [rad]
+
+  friend bool operator==(const Passage&, const Passage&) = default;
 };
 
 /// s = length from `from` to `to`.
@@ -36,6 +38,8 @@ struct LinePath {
   Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< world [m]; not `from`
   double speed = 0;                                ///< [m/s], > 0
   Passage passage;
+
+  friend bool operator==(const LinePath&, const LinePath&) = default;
 };
 
 /// s = angle gone round: centre + |radius| (cos b, sin b, 0) at the bearing b = from ± s.
@@ -46,6 +50,8 @@ struct CirclePath {
   double speed = 0;    ///< [m/s], > 0
   double turns = 1;    ///< > 0
   Passage passage;
+
+  friend bool operator==(const CirclePath&, const CirclePath&) = default;
 };
 
 /// Gerono's lemniscate, s = angle: a sin s along its long axis and b sin 2s to the right of it,
@@ -58,6 +64,8 @@ struct LemniscatePath {
   double lap = 0;                                    ///< time of a lap at full rate [s], > 0
   double laps = 1;                                   ///< > 0
   Passage passage;
+
+  friend bool operator==(const LemniscatePath&, const LemniscatePath&) = default;
 };
 
 using SmoothPath = std::variant<LinePath, CirclePath, LemniscatePath>;
