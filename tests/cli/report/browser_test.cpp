@@ -230,7 +230,7 @@ TEST_F(Browser, PlotsReplayAndScrubBarShareOneTime) {
   const std::string html = cli::html(sample_flight());
   const std::string script = R"(
     // The browser's clock runs ahead here, and it draws next to no frames.
-    window.requestAnimationFrame = (f) => setTimeout(f, 16);
+    window.requestAnimationFrame = (f) => setTimeout(f, 100);
     const root = document.documentElement;
     const over = [...document.querySelectorAll('.u-over')];
     const at = (box, type, share) => {
@@ -260,6 +260,7 @@ TEST_F(Browser, PlotsReplayAndScrubBarShareOneTime) {
         document.querySelector('.play').click();
         setTimeout(() => {
           root.dataset.played = Number(document.querySelector('.scrub').value).toFixed(2);
+          document.querySelector('.play').click();
         }, 1000);
       }, 100);
     }, 100);
@@ -274,6 +275,43 @@ TEST_F(Browser, PlotsReplayAndScrubBarShareOneTime) {
   EXPECT_EQ(root_data(page, "whole"), "true");
   EXPECT_GT(std::stod(root_data(page, "played")), 0.3);
   EXPECT_LT(std::stod(root_data(page, "played")), 2);
+}
+
+TEST_F(Browser, PlotsObeyTheKeyboard) {
+  const std::string script = R"(
+    const root = document.documentElement;
+    const plot = document.querySelectorAll('.plot')[4];
+    const press = (key) => plot.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true}));
+    const time = () => Number(document.querySelector('.scrub').value).toFixed(2);
+    press('End');
+    root.dataset.end = time();
+    press('Home');
+    press('ArrowRight');
+    root.dataset.right = time();
+    press('+');
+    const key = plot.querySelector('.key');
+    key.click();
+    root.dataset.hidden = key.getAttribute('aria-pressed');
+    document.querySelectorAll('.events button')[2].click();
+    root.dataset.event = time();
+    document.querySelector('.theme').click();
+    setTimeout(() => {
+      root.dataset.nearer = String(!document.querySelector('.reset').disabled);
+      press('0');
+      setTimeout(() => {
+        root.dataset.whole = String(document.querySelector('.reset').disabled);
+      }, 50);
+    }, 50);
+  )";
+  const std::string page = opened(with_script(cli::html(sample_flight()), script));
+  EXPECT_EQ(root_data(page, "error"), "(none)");
+  EXPECT_EQ(root_data(page, "end"), "40.00");
+  EXPECT_EQ(root_data(page, "right"), "0.20");
+  EXPECT_EQ(root_data(page, "hidden"), "false");
+  EXPECT_EQ(root_data(page, "event"), "19.80");
+  EXPECT_EQ(root_data(page, "theme"), "dark");
+  EXPECT_EQ(root_data(page, "nearer"), "true");
+  EXPECT_EQ(root_data(page, "whole"), "true");
 }
 
 // A window cannot be as narrow as a telephone; a frame in it can.
