@@ -42,7 +42,7 @@ Eigen::Vector3d axes(const TomlTable& table, const std::string& key,
                        fmt::format("{} in {} has {} entries, expected {} or one number", key,
                                    table.title(), values.size(), count));
   Eigen::Vector3d result = fallback;
-  result.head(count) = values;
+  for (int i = 0; i < count; ++i) result(i) = values(i);
   return result;
 }
 
