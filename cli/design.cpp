@@ -45,13 +45,13 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
 }
 
 /// A page for each mission, beside the exports.
-void write_reports(const DesignOutcome& outcome, const std::string& directory, Context& context) {
+void write_reports(const DesignOutcome& outcome, const std::string& directory,
+                   const Context& context) {
   for (const FlownFlight& flight : outcome.flights) {
     const std::string file =
         (std::filesystem::path(directory) / ("flight-" + flight.plan.setup.mission.name + ".html"))
             .string();
     write_file(file, html(mission_report(outcome, flight, context.command)));
-    context.written.push_back(file);
   }
 }
 

@@ -282,7 +282,12 @@ TEST_F(DesignTest, GivesTheSameBytesTwice) {
     int files = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder_.path() / "a")) {
       const std::string file = entry.path().filename().string();
-      EXPECT_EQ(folder_.read("a/" + file), folder_.read("b/" + file)) << file;
+      // A page quotes its command, and that the directory.
+      std::string b = folder_.read("b/" + file);
+      const std::string named = (folder_.path() / "b").string();
+      for (std::size_t at = b.find(named); at != std::string::npos; at = b.find(named, at))
+        b.replace(at + named.size() - 1, 1, "a");
+      EXPECT_TRUE(folder_.read("a/" + file) == b) << file;
       ++files;
     }
     EXPECT_GE(files, 4);
