@@ -768,12 +768,6 @@ void ClosedLoop<N, R>::end_flight(const Mask<N>& lanes, double t, FlightEnd end,
 template <int N, int R>
 void ClosedLoop<N, R>::watch(double t) {
   const SafetyLimits& safety = common_.safety;
-  const P force2 = frame_.specific_force.value.squaredNorm();
-  const Mask<N> collided =
-      both(frame_.specific_force.fresh, force2 > P(safety.collision * safety.collision));
-  if (any(both(collided, alive_)))
-    end_flight(collided, t, FlightEnd::safety_exit, "collision",
-               fmt::format("the accelerometer read more than {} m/s²", safety.collision));
   if (battery_) {
     const Mask<N> empty = charge_.voltage < P(battery_->cutoff_voltage);
     if (any(both(empty, alive_)))
@@ -791,6 +785,12 @@ void ClosedLoop<N, R>::watch(double t) {
   }
   using std::cos;
   const Mask<N> in_flight = negated(off_);
+  const P force2 = frame_.specific_force.value.squaredNorm();
+  const Mask<N> collided = both(both(in_flight, frame_.specific_force.fresh),
+                                force2 > P(safety.collision * safety.collision));
+  if (any(both(collided, alive_)))
+    end_flight(collided, t, FlightEnd::safety_exit, "collision",
+               fmt::format("the accelerometer read more than {} m/s²", safety.collision));
   const P upright = cos(estimate_.x(3)) * cos(estimate_.x(4));
   const Mask<N> tilted = both(in_flight, upright < P(std::cos(safety.tilt)));
   if (any(both(tilted, alive_)))

@@ -628,7 +628,7 @@ std::vector<Mistake> flight_mistakes() {
       fly("EstimatorWithoutItsSensors", {"--estimator", "uquad"}, {"--estimator", "has no"}),
       fly("UnknownFlow", {"--flow", "half"}, {"--flow", "full, simplified, off"}),
       fly("NegativeFlowRate", {"--flow-rate", "-60"}, {"--flow-rate", "-60", "more than 0"}),
-      fly("UnknownSensors", {"--sensors", "rael"}, {"--sensors", "did you mean 'real'"}),
+      fly("UnknownSensors", {"--sensors", "reel"}, {"--sensors", "did you mean 'real'"}),
       fly("UnknownWind", {"--wind", "stormy"}, {"--wind", "stormy", "calm, light"}),
       fly("WindWithoutNumber", {"--wind", "north=strong"}, {"--wind", "north", "'strong'"}),
       fly("WindOfNoLength", {"--wind", "gust_east=1,gust_length=0"}, {"--wind", "gust_length"}),
