@@ -81,7 +81,8 @@ TEST(Fly, HoldsTheMamboToCentimetresWithItsRealSensors) {
 
 TEST(Fly, FliesEveryBuiltInMission) {
   for (const std::string& mission : built_in_missions()) {
-    const Json flight = flown({"fly", "mambo", "--mission", mission, "--sensors", "ideal"});
+    const Json flight = flown({"fly", "mambo", "--gains", "published", "--mission", mission,
+                               "--sensors", "ideal", "--estimator", "truth"});
     EXPECT_EQ(flight["end"], "completed") << mission << flight;
     EXPECT_EQ(flight["mission"], mission);
   }
