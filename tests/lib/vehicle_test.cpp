@@ -215,8 +215,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"WrongUnitOfCurve", plus_with(6, "thrust_a2_N_s2 = 5e-5"),
                 "v.toml:6: key 'thrust_a2_N_s2' in [rotor] is not known, expected "
                 "'thrust_a2_N_s2_per_rad2'"},
-        Refusal{"LaterKeys", "sensors = 1\n" + joined(kPlus),
-                "v.toml:1: key 'sensors' is not known"},
+        Refusal{"LaterKeys", "payload = 1\n" + joined(kPlus),
+                "v.toml:1: key 'payload' is not known"},
         Refusal{"MissingKey", without_lines(3, 3), "v.toml:2: [body] has no key 'mass_kg'"},
         Refusal{"MissingBody", without_lines(2, 4), "the file has no key 'body'"},
         Refusal{"DuplicateKey", plus_with(4, "mass_kg = 2"),
