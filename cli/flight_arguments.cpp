@@ -20,7 +20,8 @@ namespace {
 
 /// Control period of laws that come with none [s].
 constexpr double kUsualPeriod = 0.005;
-/// Of designed cascades [1/s]: near Ki/Kp of their loops. The model project's 0.001 unwinds nothing.
+/// Of designed cascades [1/s]: near Ki/Kp of their loops. The model project's 0.001 unwinds
+/// nothing.
 constexpr double kDesignedBackCalculation = 2;
 /// Of the model project's estimator.
 constexpr double kOriginalFlowScale = 1.15;

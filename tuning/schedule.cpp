@@ -8,10 +8,10 @@
 #include <memory>
 #include <optional>
 
-#include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/discretize/van_loan.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/linearize/linearize.hpp"
 #include "quadtune/synthesis/lqr.hpp"
 #include "quadtune/synthesis/riccati_batch.hpp"

@@ -26,8 +26,8 @@ double number_of(const std::string& text, const std::string& key, const std::str
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, value);
   if (error != std::errc() || stop != end || !std::isfinite(value))
-    throw InvalidInput(where, fmt::format("{} is '{}', expected a number", key,
-                                          internal::printable(text)));
+    throw InvalidInput(
+        where, fmt::format("{} is '{}', expected a number", key, internal::printable(text)));
   return value;
 }
 
@@ -75,14 +75,15 @@ Wind wind_of_words(const std::string& words, const std::string& where) {
     begin = end + 1;
   }
   if (!(wind.gust.length > 0))
-    throw InvalidInput(where, fmt::format("gust_length is {} s, expected more than 0",
-                                          wind.gust.length));
+    throw InvalidInput(where,
+                       fmt::format("gust_length is {} s, expected more than 0", wind.gust.length));
   if (wind.mean.norm() > 100 || wind.gust.velocity.norm() > 100)
-    throw InvalidInput(where, "the wind is faster than 100 m/s, expected air that a vehicle of this "
-                              "kind can meet");
+    throw InvalidInput(where,
+                       "the wind is faster than 100 m/s, expected air that a vehicle of this "
+                       "kind can meet");
   if (!(wind.turbulence >= 0 && wind.turbulence <= 100))
-    throw InvalidInput(where, fmt::format("turbulence is {} m/s, expected 0 to 100",
-                                          wind.turbulence));
+    throw InvalidInput(where,
+                       fmt::format("turbulence is {} m/s, expected 0 to 100", wind.turbulence));
   if (!(wind.turbulence_height >= 3 && wind.turbulence_height <= 300))
     throw InvalidInput(where,
                        fmt::format("turbulence_height is {} m, expected 3 to 300, where the scales "

@@ -7,8 +7,8 @@
 
 namespace quadtune {
 
-/// The 3 × 3 blocks of ∂x'/∂x that are not zero, named by rows and columns. Only the position's rate
-/// depends on the yaw: elsewhere the attitude's third column is 0.
+/// The 3 × 3 blocks of ∂x'/∂x that are not zero, named by rows and columns. Only the position's
+/// rate depends on the yaw: elsewhere the attitude's third column is 0.
 template <class T>
 struct StateJacobian {
   Matrix3<T> position_attitude;
