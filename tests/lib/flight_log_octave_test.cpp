@@ -2,7 +2,6 @@
 // Loads logs in Octave and compares what it holds afterwards, bit for bit.
 #include <gmock/gmock.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <sstream>
 
@@ -13,7 +12,6 @@
 namespace quadtune {
 namespace {
 
-using ::testing::ElementsAreArray;
 using testing::TemporaryDirectory;
 
 // Numbers as the hexadecimal digits of their bytes, texts as those of their UTF-8, a line each.
@@ -73,8 +71,7 @@ std::string line(const std::string& what, const std::vector<double>& values) {
   return what + " " + hex(values.data(), values.size() * sizeof(double));
 }
 
-// A flight with everything that a text or a number can be. Octave ends a text at no zero byte, but
-// its regular expressions that split lines know nothing of them, so texts with one stay out.
+// A flight with everything that a text or a number can be.
 LogTable hostile_log() {
   LogTable log = testing::small_log();
   std::mt19937_64 random(4);
@@ -85,6 +82,7 @@ LogTable hostile_log() {
       log.columns.push_back(
           {text, text, {testing::any_double(random), testing::any_double(random)}});
   }
+  // dlmread drops columns without any value at the end.
   log.columns.push_back({"last", "1", {1, 0}});
   return log;
 }

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <tuple>
 
+#include "logs/mat_fields.hpp"
 #include "quadtune/errors.hpp"
 #include "sample_logs.hpp"
 #include "temporary_directory.hpp"
@@ -239,6 +240,68 @@ TEST(LogMat, DamageIsRefusedOrReadWithoutHarm) {
     }
   }
   EXPECT_GT(refused, 3000);
+}
+
+// matio would hand out memory that it never filled.
+TEST(LogMat, RefusesArraysThatClaimMoreThanTheyHold) {
+  std::string bytes = bytes_of_mat(small_log());
+  const double first = 0.1;  // of x.px
+  const std::size_t data =
+      bytes.find(std::string(reinterpret_cast<const char*>(&first), sizeof first));
+  ASSERT_NE(data, std::string::npos);
+  char& rows = bytes[data - 24];  // before it columns, the tag of the empty name, its own tag
+  ASSERT_EQ(rows, 2);
+  rows = 3;
+  EXPECT_THAT(
+      [&] { std::ignore = table_of_mat(bytes, "f.mat"); },
+      ThrowsMessage<InvalidInput>(StrEq(
+          "f.mat: an array of 3 entries has 16 bytes of type 9 at offset " + std::to_string(data) +
+          ", expected a whole MAT v5 file; is it cut short or damaged?")));
+  rows = 127;
+  EXPECT_THAT([&] { std::ignore = table_of_mat(bytes, "f.mat"); },
+              ThrowsMessage<InvalidInput>(HasSubstr("an array claims 127 x 1 entries")));
+}
+
+// Each level takes stack, here and in matio.
+TEST(LogMat, RefusesArraysThatLieTooDeep) {
+  const auto tagged = [](std::uint32_t type, const std::string& data) {
+    std::string element(8, '\0');
+    const auto size = static_cast<std::uint32_t>(data.size());
+    std::memcpy(element.data(), &type, 4);
+    std::memcpy(element.data() + 4, &size, 4);
+    return element + data;
+  };
+  const std::string flags = tagged(6, std::string("\1\0\0\0\0\0\0\0", 8));  // of cells
+  const std::string size = tagged(5, std::string("\1\0\0\0\1\0\0\0", 8));
+  std::string nested;
+  for (int i = 0; i < 1000; ++i) nested = tagged(14, flags + size + tagged(1, "") + nested);
+  EXPECT_THAT(
+      [&] {
+        std::ignore = table_of_mat(bytes_of_mat(small_log()).substr(0, 128) + nested, "f.mat");
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("an array lies 33 deep")));
+}
+
+// What MATLAB and Octave users type is what the pages say.
+TEST(LogMat, NamesBecomeFieldsThatMatlabTakes) {
+  internal::FieldNames names;
+  EXPECT_EQ(names.add("px"), "px");
+  EXPECT_EQ(names.add("px"), "px_2");
+  EXPECT_EQ(names.add("px_2"), "px_2_2");
+  EXPECT_EQ(names.add("1a"), "x1a");
+  EXPECT_EQ(names.add("_a"), "x_a");
+  EXPECT_EQ(names.add("end"), "xend");
+  EXPECT_EQ(names.add("ende"), "ende");
+  EXPECT_EQ(names.add(""), "x");
+  EXPECT_EQ(names.add("高-b"), "x__b");
+  EXPECT_EQ(names.add(std::string(70, 'a')), std::string(63, 'a'));
+  EXPECT_EQ(names.add(std::string(80, 'a')), std::string(61, 'a') + "_2");
+  EXPECT_THAT(internal::layout_of(
+                  {"t", "x.px", "x.py", "x", "units", "units.a", "a-b.c", "a_b.c", "a.b.c.d.e.f"},
+                  {"units"})
+                  .paths,
+              ::testing::ElementsAre("t", "x.px", "x.py", "x_2", "units_2", "units_3.a", "a_b.c",
+                                     "a_b_2.c", "a.b.c.d_e_f"));
 }
 
 TEST(LogMat, RefusesOtherFilesAndSaysWhy) {
