@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -18,6 +19,7 @@ namespace {
 constexpr std::size_t kHeaderSize = 128;  // [bytes]
 constexpr std::size_t kTagSize = 8;       // [bytes]
 constexpr std::uint32_t kInt32 = 5;
+constexpr std::uint32_t kUint32 = 6;
 constexpr std::uint32_t kMatrix = 14;
 constexpr std::uint32_t kCompressed = 15;
 constexpr int kDeepest = 32;  // far more than a log has, far less than the stack holds
@@ -78,25 +80,56 @@ class Elements {
     return {type, bytes_.substr(data, size)};
   }
 
+  // Parts of an array, in order: flags with its class, dimensions, name, then data or what it
+  // holds.
   void check_matrix(const Element& matrix, int depth) {
     if (depth > kDeepest) refuse(offset(matrix.data), fmt::format("an array lies {} deep", depth));
     std::size_t at = offset(matrix.data);
     const std::size_t end = at + matrix.data.size();
-    for (int place = 0; at < end; ++place) {
+    bool plain = false;  // numbers or letters
+    std::int64_t entries = 0;
+    int parts = 0;
+    for (; at < end; ++parts) {
       const Element part = next(at, end);
-      if (place == 1) check_dimensions(part, matrix.data.size());
+      if (parts == 0) plain = is_plain(part);
+      if (parts == 1) entries = entries_of(part, matrix.data.size());
+      if (parts == 3 && plain) check_data(part, entries);
       if (part.type == kMatrix) check_matrix(part, depth + 1);
     }
+    if (plain && entries > 0 && parts < 4) refuse(end, "an array ends before its data");
   }
 
-  // The second part of an array. Each entry of what a log holds takes a byte or more.
-  void check_dimensions(const Element& part, std::size_t most) const {
-    if (part.type != kInt32 || part.data.size() != 2 * sizeof(std::int32_t))
-      refuse(offset(part.data), "an array has other than two dimensions");
-    const auto rows = number_at<std::int32_t>(part.data, 0);
-    const auto columns = number_at<std::int32_t>(part.data, 4);
-    if (rows < 0 || columns < 0 || std::int64_t{rows} * columns > static_cast<std::int64_t>(most))
-      refuse(offset(part.data), fmt::format("an array claims {} x {} entries", rows, columns));
+  [[nodiscard]] bool is_plain(const Element& flags) const {
+    if (flags.type != kUint32 || flags.data.size() != 2 * sizeof(std::uint32_t))
+      refuse(offset(flags.data), "an array does not begin with its flags");
+    const std::uint32_t kind = number_at<std::uint32_t>(flags.data, 0) & 0xffU;
+    constexpr std::uint32_t kCharacters = 4;
+    constexpr std::uint32_t kDouble = 6;
+    constexpr std::uint32_t kLastInteger = 15;
+    return kind == kCharacters || (kind >= kDouble && kind <= kLastInteger);
+  }
+
+  // Each entry of what a log holds takes a byte or more.
+  [[nodiscard]] std::int64_t entries_of(const Element& dimensions, std::size_t most) const {
+    if (dimensions.type != kInt32 || dimensions.data.size() != 2 * sizeof(std::int32_t))
+      refuse(offset(dimensions.data), "an array has other than two dimensions");
+    const auto rows = number_at<std::int32_t>(dimensions.data, 0);
+    const auto columns = number_at<std::int32_t>(dimensions.data, 4);
+    const std::int64_t entries = std::int64_t{rows} * columns;
+    if (rows < 0 || columns < 0 || entries > static_cast<std::int64_t>(most))
+      refuse(offset(dimensions.data),
+             fmt::format("an array claims {} x {} entries", rows, columns));
+    return entries;
+  }
+
+  void check_data(const Element& data, std::int64_t entries) const {
+    // Bytes of an entry by type, 0 for what is none: int8, uint8, … as the format numbers them.
+    constexpr std::array<std::int64_t, 19> kWidths = {0, 1, 1, 2, 2, 4, 4, 4, 0, 8,
+                                                      0, 0, 8, 8, 0, 0, 1, 2, 4};
+    const std::int64_t width = data.type < kWidths.size() ? kWidths[data.type] : 0;
+    if (width == 0 || entries * width != static_cast<std::int64_t>(data.data.size()))
+      refuse(offset(data.data), fmt::format("an array of {} entries has {} bytes of type {}",
+                                            entries, data.data.size(), data.type));
   }
 
   std::string_view bytes_;

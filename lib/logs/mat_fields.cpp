@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <memory>
 #include <unordered_map>
 
@@ -18,41 +16,13 @@ bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z')
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 // Of MATLAB and of Octave, which has the long ends.
-bool is_keyword(std::string_view name) {
-  constexpr std::array<std::string_view, 33> kKeywords = {"break",
-                                                          "case",
-                                                          "catch",
-                                                          "classdef",
-                                                          "continue",
-                                                          "do",
-                                                          "else",
-                                                          "elseif",
-                                                          "end",
-                                                          "for",
-                                                          "function",
-                                                          "global",
-                                                          "if",
-                                                          "otherwise",
-                                                          "parfor",
-                                                          "persistent",
-                                                          "return",
-                                                          "spmd",
-                                                          "switch",
-                                                          "try",
-                                                          "until",
-                                                          "unwind_protect",
-                                                          "unwind_protect_cleanup",
-                                                          "while",
-                                                          "end_try_catch",
-                                                          "end_unwind_protect",
-                                                          "endfunction",
-                                                          "endfor",
-                                                          "endif",
-                                                          "endparfor",
-                                                          "endswitch",
-                                                          "endwhile",
-                                                          "endclassdef"};
-  return std::find(kKeywords.begin(), kKeywords.end(), name) != kKeywords.end();
+bool is_keyword(const std::string& name) {
+  constexpr std::string_view kKeywords =
+      " break case catch classdef continue do else elseif end end_try_catch end_unwind_protect "
+      "endclassdef endfor endfunction endif endparfor endswitch endwhile for function global if "
+      "otherwise parfor persistent return spmd switch try until unwind_protect "
+      "unwind_protect_cleanup while ";
+  return kKeywords.find(' ' + name + ' ') != std::string_view::npos;
 }
 
 std::string identifier(std::string_view text) {

@@ -61,19 +61,35 @@ class Reader {
                                             printable(place.name), expected));
   }
 
+  // matio leaves out the size of what it could not read.
+  static bool has_size(const Place& place) {
+    return place.variable != nullptr && place.variable->rank == 2 &&
+           place.variable->dims != nullptr;
+  }
   static std::size_t rows(const Place& place) {
-    return place.variable == nullptr ? 0 : place.variable->dims[0];
+    return has_size(place) ? place.variable->dims[0] : 0;
+  }
+  static std::size_t columns(const Place& place) {
+    return has_size(place) ? place.variable->dims[1] : 0;
   }
 
-  // Of two dimensions, with its data.
-  static bool is(const Place& place, matio_classes kind, std::size_t columns) {
-    const matvar_t* const v = place.variable;
-    return v != nullptr && v->class_type == kind && v->rank == 2 && v->dims[1] == columns &&
-           v->isComplex == 0 && (v->data != nullptr || v->dims[0] * v->dims[1] == 0);
+  // Of that kind, with its data where it has any.
+  static bool is(const Place& place, matio_classes kind) {
+    if (!has_size(place) || place.variable->class_type != kind || place.variable->isComplex != 0)
+      return false;
+    const bool empty = rows(place) * columns(place) == 0 ||
+                       (kind == MAT_C_STRUCT && Mat_VarGetNumberOfFields(place.variable) == 0);
+    return empty || place.variable->data != nullptr;
+  }
+
+  // Likewise, as many entries of that type as its size says.
+  static bool is(const Place& place, matio_classes kind, matio_types type, std::size_t entry) {
+    return is(place, kind) && place.variable->data_type == type &&
+           place.variable->nbytes == rows(place) * columns(place) * entry;
   }
 
   void require_struct(const Place& place, std::size_t count) const {
-    if (!is(place, MAT_C_STRUCT, 1) || rows(place) != count)
+    if (!is(place, MAT_C_STRUCT) || columns(place) != 1 || rows(place) != count)
       refuse(place, "a struct, or a column of them");
   }
 
@@ -83,7 +99,7 @@ class Reader {
   }
 
   [[nodiscard]] std::vector<double> numbers(const Place& place) const {
-    if (!is(place, MAT_C_DOUBLE, 1) || place.variable->data_type != MAT_T_DOUBLE)
+    if (!is(place, MAT_C_DOUBLE, MAT_T_DOUBLE, sizeof(double)) || columns(place) != 1)
       refuse(place, "a column of real numbers");
     const auto* const first = static_cast<const double*>(place.variable->data);
     return {first, first + rows(place)};
@@ -96,13 +112,10 @@ class Reader {
   }
 
   [[nodiscard]] std::string text(const Place& place) const {
-    const matvar_t* const v = place.variable;
-    if (v == nullptr || !is(place, MAT_C_CHAR, v->rank == 2 ? v->dims[1] : 0) || v->dims[0] > 1 ||
-        v->data_type != MAT_T_UTF16)
+    if (!is(place, MAT_C_CHAR, MAT_T_UTF16, sizeof(char16_t)) || rows(place) > 1)
       refuse(place, "a text in UTF-16");
-    const std::size_t size = v->dims[0] * v->dims[1];
-    const std::optional<std::string> utf8 =
-        internal::utf8_of({static_cast<const char16_t*>(v->data), size});
+    const std::optional<std::string> utf8 = internal::utf8_of(
+        {static_cast<const char16_t*>(place.variable->data), rows(place) * columns(place)});
     if (!utf8) refuse(place, "a text in UTF-16");
     return *utf8;
   }
@@ -111,7 +124,8 @@ class Reader {
     const Place about = field(log, "about");
     require_struct(about, 1);
     const Place keys = field(log, "about_keys");
-    if (!is(keys, MAT_C_CELL, 1) || rows(keys) != Mat_VarGetNumberOfFields(about.variable))
+    if (!is(keys, MAT_C_CELL) || columns(keys) != 1 ||
+        rows(keys) != Mat_VarGetNumberOfFields(about.variable))
       refuse(keys, "a column of cells, one for each field of about");
     for (std::size_t i = 0; i < rows(keys); ++i) {
       const std::string name = fmt::format("{}[{}]", about.name, i);
@@ -133,8 +147,7 @@ class Reader {
   static Place follow(Place place, std::string_view path) {
     while (true) {
       const std::size_t dot = path.find('.');
-      if (place.variable != nullptr && place.variable->class_type != MAT_C_STRUCT)
-        place.variable = nullptr;
+      if (!is(place, MAT_C_STRUCT) || rows(place) * columns(place) != 1) place.variable = nullptr;
       place = field(place, std::string(path.substr(0, dot)));
       if (dot == std::string_view::npos) return place;
       path.remove_prefix(dot + 1);
