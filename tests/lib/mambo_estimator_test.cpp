@@ -185,7 +185,7 @@ TEST(MamboEstimator, ComesBackFromAFloorThatIsAnother) {
   }
   EXPECT_TRUE(found);
   EXPECT_NEAR(z, -1, 1e-12);
-  EXPECT_NEAR(refused * settings.dt, 1, 0.011);
+  EXPECT_EQ(refused, 200);  // a second, and not a period more
 }
 
 TEST(MamboEstimator, BelievesTheSonarWithinItsRangeOnly) {

@@ -550,6 +550,8 @@ TEST(UquadFilter, FindsOffsetsWhileItStands) {
   Vector12 expected = truth;
   expected.head<2>() << frame.gps_position.value.head<2>();
   EXPECT_THAT(estimate.x, MatrixNear(expected, 1e-9));
+  // What the ground carries is no bias.
+  EXPECT_THAT(state.kalman.x.tail<3>(), MatrixNear(Vector3d(Vector3d::Zero()), 1e-9));
 }
 
 TEST(UquadFilter, TellsHeightFromPressure) {
