@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <vector>
+
+#include "matrix_near.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/simulation/air.hpp"
+
+namespace quadtune {
+namespace {
+
+using Eigen::Vector3d;
+using testing::MatrixNear;
+using ::testing::StrEq;
+using ::testing::ThrowsMessage;
+
+template <int N>
+Vector3d lane_of(const Vector3<Pack<N>>& wind, int l) {
+  return {lane(wind(0), l), lane(wind(1), l), lane(wind(2), l)};
+}
+
+// The numbers of [MIL-F-8785C] at low altitude, worked by hand in feet for 6 m: h = 19.685 ft,
+// 0.177 + 0.000823 h = 0.193201.
+TEST(Wind, DrydensNumbersAreThoseOfTheirSource) {
+  Wind wind;
+  wind.turbulence = 10;
+  wind.mean = {3, 4, 1};
+  const DrydenNumbers numbers = dryden_numbers(wind);
+  const double across = 19.685039 / std::pow(0.193200787, 1.2) * 0.3048;
+  EXPECT_THAT(numbers.sigma, MatrixNear(Vector3d(1 / std::pow(0.193200787, 0.4),
+                                                 1 / std::pow(0.193200787, 0.4), 1),
+                                        1e-7));
+  EXPECT_THAT(numbers.tau, MatrixNear(Vector3d(across / 5, across / 5, 1.2), 1e-6));
+  wind.mean.setZero();  // a vehicle that hovers in still air lets the turbulence pass at 1 m/s
+  EXPECT_THAT(dryden_numbers(wind).tau, MatrixNear(Vector3d(across, across, 6), 1e-5));
+}
+
+TEST(Wind, GustIsOneMinusCosine) {
+  Wind wind;
+  wind.mean = {2, 0, -1};
+  wind.gust.velocity = {4, -6, 1};
+  wind.gust.start = 1;
+  wind.gust.length = 0.5;
+  WindModel<1> model({wind}, 0.01, 0);
+  EXPECT_TRUE(model.windy());
+  for (std::uint64_t k = 0; k < 200; ++k) {
+    const double t = static_cast<double>(k) * 0.01;
+    const double phase = (t - 1) / 0.5;
+    const double share =
+        phase > 0 && phase < 1 ? 0.5 * (1 - std::cos(2 * std::numbers::pi * phase)) : 0;
+    EXPECT_THAT(lane_of(model.at(k, t, {}), 0),
+                MatrixNear(Vector3d(wind.mean + wind.gust.velocity * share), 1e-14));
+  }
+  EXPECT_FALSE((WindModel<1>({Wind{}}, 0.01, 0).windy()));
+}
+
+// Turbulence over many flights at some samples: a standard deviation is known to 1/√(2 flights).
+constexpr std::uint32_t kFlights = 20000;
+
+struct Turbulence {
+  std::vector<std::vector<Vector3d>> at;  // by sample asked for, then by flight
+
+  Turbulence(const Wind& wind, double dt, const std::vector<std::uint64_t>& samples) {
+    for (std::uint32_t flight = 0; flight < kFlights; flight += 8) {
+      std::array<Wind, 8> winds;
+      winds.fill(wind);
+      WindModel<8> model(winds, dt, 3);
+      RandomSource<8> source{11, {}};
+      for (std::uint32_t l = 0; l < 8; ++l) source.flight[l] = flight + l;
+      std::size_t next = 0;
+      at.resize(samples.size());
+      for (std::uint64_t k = 0; next < samples.size(); ++k) {
+        const Vector3<Pack<8>> now = model.at(k, static_cast<double>(k) * dt, source);
+        if (k != samples[next]) continue;
+        for (int l = 0; l < 8; ++l) at[next].push_back(lane_of(now, l) - wind.mean);
+        ++next;
+      }
+    }
+  }
+
+  // Mean of the products of two directions' winds in two samples.
+  [[nodiscard]] double covariance(std::size_t i, const Vector3d& a, std::size_t j,
+                                  const Vector3d& b) const {
+    double sum = 0;
+    for (std::size_t n = 0; n < at[i].size(); ++n) sum += a.dot(at[i][n]) * b.dot(at[j][n]);
+    return sum / static_cast<double>(at[i].size());
+  }
+};
+
+// Standard deviations from the first sample on, and what is left of them after a lag s:
+// along e^(-s/τ), across and up e^(-s/τ) (1 - s/2τ), whatever the period it is sampled with.
+TEST(Wind, TurbulenceHasTheSpectrumOfDryden) {
+  Wind wind;
+  wind.turbulence = 10;
+  wind.turbulence_height = 20;
+  wind.mean = {6, 8, 0};
+  const DrydenNumbers numbers = dryden_numbers(wind);
+  const Vector3d along(0.6, 0.8, 0), across(-0.8, 0.6, 0), up(0, 0, -1);
+  const std::array<Vector3d, 3> axes = {along, across, up};
+  for (const double dt : {1.0, 0.1}) {
+    const auto samples = [&](double t) { return static_cast<std::uint64_t>(std::lround(t / dt)); };
+    const std::vector<double> times = {0, 1, 3, 8};
+    const Turbulence turbulence(
+        wind, dt, {samples(times[0]), samples(times[1]), samples(times[2]), samples(times[3])});
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double variance = std::pow(numbers.sigma(static_cast<Eigen::Index>(axis)), 2);
+      const double tau = numbers.tau(static_cast<Eigen::Index>(axis));
+      const double error = 5 * std::sqrt(2.0 / kFlights) * variance;
+      for (std::size_t i = 0; i < times.size(); ++i) {
+        EXPECT_NEAR(turbulence.covariance(i, axes[axis], i, axes[axis]), variance, error);
+        const double s = times[i] / tau;
+        const double left = std::exp(-s) * (axis == 0 ? 1 : 1 - s / 2);
+        EXPECT_NEAR(turbulence.covariance(0, axes[axis], i, axes[axis]), variance * left, error)
+            << "axis " << axis << " lag " << times[i] << " dt " << dt;
+      }
+      const std::size_t other = (axis + 1) % 3;  // and the axes know nothing of each other
+      EXPECT_NEAR(turbulence.covariance(2, axes[axis], 2, axes[other]), 0, error);
+    }
+  }
+}
+
+// Two samples of one stage are one sample over twice the time.
+TEST(Wind, TwoSamplesMakeOne) {
+  for (const double x : {1e-4, 0.01, 0.3, 5.0}) {
+    const DrydenStage one = dryden_stage(2, 2 * x), two = dryden_stage(2, 4 * x);
+    Eigen::Matrix2d A;
+    A << one.decay, 0, one.coupling, one.decay;
+    const Eigen::Matrix2d Q = one.noise * one.noise.transpose();
+    Eigen::Matrix2d A2;
+    A2 << two.decay, 0, two.coupling, two.decay;
+    EXPECT_THAT(Eigen::Matrix2d(A * A), MatrixNear(A2, 1e-14));
+    EXPECT_THAT(Eigen::Matrix2d(A * Q * A.transpose() + Q),
+                MatrixNear(Eigen::Matrix2d(two.noise * two.noise.transpose()), 1e-14));
+    const Eigen::Matrix2d P = one.stationary * one.stationary.transpose();
+    EXPECT_THAT(P, MatrixNear((Eigen::Matrix2d() << 1, 0.5, 0.5, 0.5).finished(), 1e-14));
+    EXPECT_THAT(Eigen::Matrix2d(A * P * A.transpose() + Q), MatrixNear(P, 1e-14));
+  }
+}
+
+TEST(Wind, EachLaneHasItsOwn) {
+  std::array<Wind, 4> winds;
+  winds[0].mean = {1, 2, 3};
+  winds[1].turbulence = 7.7;
+  winds[2].gust = {{0, 5, 0}, 0.1, 1};
+  WindModel<4> together(winds, 0.01, 32);
+  RandomSource<4> source{5, {9, 8, 7, 6}};
+  std::array<WindModel<1>, 4> alone;
+  for (std::size_t l = 0; l < 4; ++l) alone[l] = WindModel<1>({winds[l]}, 0.01, 32);
+  for (std::uint64_t k = 0; k < 100; ++k) {
+    const double t = static_cast<double>(k) * 0.01;
+    const Vector3<Pack<4>> wind = together.at(k, t, source);
+    for (std::size_t l = 0; l < 4; ++l)
+      EXPECT_THAT(lane_of(wind, static_cast<int>(l)),
+                  MatrixNear(lane_of(alone[l].at(k, t, {5, {source.flight[l]}}), 0), 0));
+  }
+}
+
+TEST(Wind, RefusesWhatIsNoWind) {
+  const auto refusal = [](const std::function<void(Wind&)>& change, const std::string& message) {
+    Wind wind;
+    change(wind);
+    EXPECT_THAT([&] { (void)dryden_numbers(wind); }, ThrowsMessage<InvalidInput>(StrEq(message)));
+  };
+  const double nan = std::nan("");
+  refusal([](Wind& w) { w.turbulence = -1; }, "wind: turbulence is -1 m/s, expected 0 or more");
+  refusal([&](Wind& w) { w.turbulence = nan; }, "wind: turbulence is nan m/s, expected 0 or more");
+  refusal([](Wind& w) { w.turbulence_height = 2; },
+          "wind: the turbulence's height is 2 m, expected 3 to 300 m, where its scales are known");
+  refusal([&](Wind& w) { w.mean.y() = nan; },
+          "wind: a velocity is not finite, expected numbers of m/s");
+  refusal([](Wind& w) { w.gust.velocity.x() = INFINITY; },
+          "wind: a velocity is not finite, expected numbers of m/s");
+  refusal(
+      [](Wind& w) { w.gust.length = 0; },
+      "wind: the gust begins at 0 s and lasts 0 s, expected a time and a length of more than 0");
+  refusal([&](Wind& w) { w.gust.start = nan; },
+          "wind: the gust begins at nan s and lasts 1 s, expected a time and a length of more than "
+          "0");
+}
+
+}  // namespace
+}  // namespace quadtune
