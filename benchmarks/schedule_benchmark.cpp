@@ -6,8 +6,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <chrono>
-#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -18,6 +16,7 @@
 #include "quadtune/synthesis/riccati_batch.hpp"
 #include "quadtune/tuning/schedule.hpp"
 #include "residuals.hpp"
+#include "wall_time.hpp"
 
 namespace quadtune::bench {
 namespace {
@@ -191,26 +190,6 @@ Contest solves(const Flown& flights) {
   contest.contestants.push_back(slicot("SB02MD scaled", true, flights));
 #endif
   return contest;
-}
-
-/// Wall time of some repetitions [s].
-struct Wall {
-  double median = 0;
-  double least = 0;
-};
-
-Wall wall_of(const std::function<void()>& work) {
-  constexpr std::size_t kRepetitions = 15;
-  std::vector<double> seconds;
-  seconds.reserve(kRepetitions);
-  for (std::size_t i = 0; i < kRepetitions; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    seconds.push_back(
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  }
-  std::sort(seconds.begin(), seconds.end());
-  return {seconds[kRepetitions / 2], seconds.front()};
 }
 
 void print_stage(const std::string& name, const Wall& wall, std::size_t points) {

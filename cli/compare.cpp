@@ -24,26 +24,35 @@ struct Options {
 /// The two flights: what the user asked for, but for the one thing that is compared.
 std::array<FlightArguments, 2> both_flights(Options options) {
   FlightArguments& flight = options.flight;
-  // Where nothing is said, the experiments are those of the model project.
-  const auto by_default = [](std::string& option, const char* value) {
-    if (option.empty()) option = value;
+  const auto expect_none = [&](const std::string& value, const char* option, const char* because) {
+    if (!value.empty())
+      throw UsageError(fmt::format("quadtune compare: {} came with {}, expected none because {}",
+                                   option, options.what, because),
+                       option);
   };
   if (options.what == "integrators") {
-    if (!flight.integrator.empty())
-      throw UsageError(
-          "quadtune compare: --integrator came with integrators, expected none because "
-          "euler is compared with tustin",
-          "--integrator");
+    expect_none(flight.integrator, "--integrator", "euler is compared with tustin");
+    flight = as_the_model_project(flight);
     std::array<FlightArguments, 2> two = {flight, flight};
     two[0].integrator = "euler";
     two[1].integrator = "tustin";
     return two;
   }
   if (options.what == "flow") {
-    by_default(flight.estimator, "mambo-original");
+    expect_none(flight.flow, "--flow", "the simplified flow is compared with the full one");
+    flight = as_the_model_project(flight);
+    if (flight.estimator.empty()) flight.estimator = "mambo-original";
     std::array<FlightArguments, 2> two = {flight, flight};
     two[0].flow = "simplified";
     two[1].flow = "full";
+    return two;
+  }
+  if (options.what == "filter") {
+    expect_none(flight.estimator, "--estimator",
+                "the position by filtered velocity is compared with that by the flow's own");
+    std::array<FlightArguments, 2> two = {flight, flight};
+    two[0].estimator = "mambo";
+    two[1].estimator = "mambo-raw";
     return two;
   }
   if (options.what == "gains") {
@@ -52,14 +61,15 @@ std::array<FlightArguments, 2> both_flights(Options options) {
           "quadtune compare: gains: expected two, as for --gains of quadtune fly, e.g. "
           "quadtune compare gains mambo published designed",
           "A");
+    expect_none(flight.gains, "--gains", "the two that are compared follow the vehicle");
     std::array<FlightArguments, 2> two = {flight, flight};
     two[0].gains = options.first;
     two[1].gains = options.second;
     return two;
   }
-  const std::vector<std::string> known = {"integrators", "flow", "gains"};
+  const std::vector<std::string> known = {"integrators", "flow", "filter", "gains"};
   throw UsageError(
-      fmt::format("quadtune compare: no comparison '{}', expected integrators, flow or "
+      fmt::format("quadtune compare: no comparison '{}', expected integrators, flow, filter or "
                   "gains{}",
                   options.what, internal::did_you_mean(options.what, known)),
       "WHAT");
@@ -68,6 +78,7 @@ std::array<FlightArguments, 2> both_flights(Options options) {
 std::array<std::string, 2> names_of(const Options& options) {
   if (options.what == "integrators") return {"euler", "tustin"};
   if (options.what == "flow") return {"simplified", "full"};
+  if (options.what == "filter") return {"filtered", "raw"};
   return {options.first, options.second};
 }
 
@@ -75,20 +86,21 @@ std::array<std::string, 2> names_of(const Options& options) {
 
 Verb compare_verb() {
   return {
-      "compare", "integrators|flow|gains V [A B] [--mission NAME|FILE] [options]",
+      "compare", "integrators|flow|filter|gains V [A B] [--mission NAME|FILE] [options]",
       "fly the same mission twice and show where the flights part",
       "quadtune compare integrators mambo --mission hover", [](CLI::App& app) -> Action {
         auto options = std::make_shared<Options>();
         app.add_option("WHAT", options->what,
                        "integrators: euler against tustin; flow: simplified against full; "
-                       "gains: A against B");
+                       "filter: filtered velocity against raw; gains: A against B");
         app.add_option("V", options->flight.vehicle, "a built-in vehicle or a vehicle file");
         app.add_option("A", options->first, "gains of the first flight");
         app.add_option("B", options->second, "gains of the second flight");
         add_flight_options(app, options->flight);
         return [options](Context& context) {
           if (options->what.empty())
-            throw UsageError("quadtune compare: expected integrators, flow or gains", "WHAT");
+            throw UsageError("quadtune compare: expected integrators, flow, filter or gains",
+                             "WHAT");
           if (options->what != "gains" && !options->first.empty())
             throw UsageError(fmt::format("quadtune compare: '{}' came after the vehicle, "
                                          "expected nothing there but with gains",

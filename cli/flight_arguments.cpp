@@ -23,8 +23,6 @@ constexpr double kUsualPeriod = 0.005;
 /// Of designed cascades [1/s]: near Ki/Kp of their loops. The model project's 0.001 unwinds
 /// nothing.
 constexpr double kDesignedBackCalculation = 2;
-/// Of the model project's estimator.
-constexpr double kOriginalFlowScale = 1.15;
 
 struct ChosenLaw {
   Controller controller;
@@ -136,42 +134,24 @@ void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& f
                        "--estimator");
   };
   flight.estimator = name;
-  const bool original = name == "mambo-original";
+  // Variants of the Mambo's: without the calibration, without the filter.
+  const bool original = name == "mambo-original", raw = name == "mambo-raw";
   setup.estimator = word_of(verb, "--estimator", [&](const std::string& option) {
-    return estimator_kind(original ? "mambo" : name, option);
+    return estimator_kind(original || raw ? "mambo" : name, option);
   });
+  if (raw) setup.mambo_estimator.position = MamboPosition::flow_velocity;
   if (setup.estimator == EstimatorKind::truth) return;
   need(sensors.accelerometer.has_value(), "accelerometer");
   need(sensors.gyroscope.has_value(), "gyroscope");
   if (setup.estimator == EstimatorKind::mambo) {
     need(sensors.sonar.has_value(), "sonar");
-    MamboEstimatorSettings<double>& mambo = setup.mambo_estimator;
-    if (original || !sensors.flow) {
-      mambo.flow_scale = kOriginalFlowScale;
-    } else {
-      // Calibrated: the sensor's scale is undone, and the body's turning taken out of the image.
-      const auto third_of_square = [](double angle) { return std::pow(std::tan(angle), 2) / 3; };
-      mambo.flow_scale = setup.real_sensors ? 1 / sensors.flow->faults.scale.head<2>().mean() : 1;
-      mambo.flow_compensation_x = 1 + third_of_square(sensors.flow->half_field_x);
-      mambo.flow_compensation_y = 1 + third_of_square(sensors.flow->half_field_y);
-    }
+    if (!original) calibrate_flow(setup);
   } else {
     need(sensors.barometer.has_value(), "barometer");
     need(sensors.magnetometer.has_value(), "magnetometer");
     setup.uquad_filter = uquad_filter_in_si<double>();
     setup.uquad_filter.position = sensors.gps.has_value();
   }
-}
-
-std::optional<double> positive(const CLI::App* app, const std::string& option, double value,
-                               const std::string& verb) {
-  (void)app;
-  if (value == 0) return {};
-  if (!(value > 0) || !std::isfinite(value))
-    throw UsageError(
-        fmt::format("quadtune {}: {} is {}, expected more than 0", verb, option, number(value)),
-        option);
-  return value;
 }
 
 }  // namespace
@@ -190,25 +170,33 @@ void add_flight_options(CLI::App& app, FlightArguments& arguments) {
                  "of the PID: euler (default), backward-euler or tustin")
       ->type_name("NAME");
   app.add_option("--estimator", arguments.estimator,
-                 "mambo, mambo-original, uquad or truth; what the vehicle's sensors can feed")
+                 "mambo, mambo-original, mambo-raw, uquad or truth; what the sensors can feed")
       ->type_name("NAME");
   app.add_option("--flow", arguments.flow, "optical flow: full (default), simplified or off")
       ->type_name("MODEL");
-  add_number(app, "--flow-rate", arguments.flow_rate, "of the optical flow [Hz]; the vehicle's")
+  add_positive(app, "--flow-rate", arguments.flow_rate, "of the optical flow [Hz]; the vehicle's")
       ->type_name("HZ");
   app.add_option("--sensors", arguments.sensors, "ideal, or real (default): as the vehicle's are")
       ->type_name("KIND");
   app.add_option("--wind", arguments.wind,
                  "calm (default), light, moderate, severe, or a list: north=3,gust_east=2")
       ->type_name("WIND");
-  add_number(app, "--duration", arguments.duration, "[s]; the mission's")->type_name("S");
+  add_positive(app, "--duration", arguments.duration, "[s]; the mission's")->type_name("S");
   app.add_option("--solver", arguments.solver,
                  "euler, bogacki-shampine-3 (default) or runge-kutta-4")
       ->type_name("NAME");
-  add_number(app, "--step", arguments.step, "longest step of the solver [s]; 0.005")
+  add_positive(app, "--step", arguments.step, "longest step of the solver [s]; 0.005")
       ->type_name("S");
   app.add_flag("--dynamic-environment", arguments.dynamic_environment,
                "air, gravity and magnetic field change with height");
+}
+
+FlightArguments as_the_model_project(FlightArguments arguments) {
+  if (arguments.sensors.empty()) arguments.sensors = "ideal";
+  if (arguments.gains.empty() && arguments.controller != "state-feedback" &&
+      !arguments.vehicle.empty() && load_vehicle(arguments.vehicle).published_cascade)
+    arguments.gains = "published";
+  return arguments;
 }
 
 CascadeController cascade_controller(const CascadeDesign& design, const CascadeGains& gains) {
@@ -246,22 +234,22 @@ PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehic
                                  verb),
                      "--integrator");
   }
-  if (arguments.sensors != "real" && arguments.sensors != "ideal")
+  const std::string sensors = arguments.sensors.empty() ? "real" : arguments.sensors;
+  if (sensors != "real" && sensors != "ideal")
     throw UsageError(fmt::format("quadtune {}: --sensors is '{}', expected ideal or real{}", verb,
-                                 arguments.sensors,
-                                 internal::did_you_mean(arguments.sensors, {"ideal", "real"})),
+                                 sensors, internal::did_you_mean(sensors, {"ideal", "real"})),
                      "--sensors");
-  setup.real_sensors = arguments.sensors == "real";
-  flight.sensors = arguments.sensors;
+  setup.real_sensors = sensors == "real";
+  flight.sensors = sensors;
   if (setup.real_sensors && !vehicle.sensors_known)
     flight.notes.push_back(
         fmt::format("the file of '{}' has no [sensors]: typical ones of small vehicles are flown",
                     vehicle.name));
   setup.flow = word_of(verb, "--flow", [&](const std::string& option) {
-    return flow_model(arguments.flow, option);
+    return flow_model(arguments.flow.empty() ? "full" : arguments.flow, option);
   });
-  setup.flow_rate = positive(nullptr, "--flow-rate", arguments.flow_rate, verb).value_or(0);
-  setup.duration = positive(nullptr, "--duration", arguments.duration, verb).value_or(0);
+  setup.flow_rate = arguments.flow_rate.value_or(0);
+  setup.duration = arguments.duration.value_or(0);
   set_estimator(
       arguments.estimator.empty() ? usual_estimator(vehicle.sensors) : arguments.estimator, setup,
       flight, verb);
@@ -273,7 +261,7 @@ PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehic
   setup.integrator = word_of(verb, "--solver", [&](const std::string& option) {
     return integrator(arguments.solver, option);
   });
-  setup.step = positive(nullptr, "--step", arguments.step, verb).value_or(setup.step);
+  setup.step = arguments.step.value_or(setup.step);
   setup.seed = arguments.seed;
   validate(setup);
   return flight;

@@ -22,17 +22,22 @@ struct FlightArguments {
   std::string controller;  ///< "cascaded-pid", "state-feedback"; empty: what the gains are
   std::string gains;       ///< a file, an export, "designed" or "published"; empty: "designed"
   std::string integrator;  ///< "euler", "backward-euler", "tustin"; empty: the gains' own
-  std::string estimator;   ///< "mambo", "mambo-original", "uquad", "truth"; empty: by the sensors
-  std::string flow = "full";
-  double flow_rate = 0;  ///< [Hz]; 0: the vehicle's
-  std::string sensors = "real";
+  std::string estimator;   ///< "mambo", "mambo-original", "mambo-raw", "uquad", "truth"; empty: by
+                           ///< the sensors
+  std::string flow;        ///< "full", "simplified", "off"; empty: "full"
+  std::optional<double> flow_rate;  ///< [Hz]; none: the vehicle's
+  std::string sensors;              ///< "ideal", "real"; empty: "real"
   std::string wind = "calm";
-  double duration = 0;  ///< [s]; 0: the mission's
+  std::optional<double> duration;  ///< [s]; none: the mission's
   std::string solver = "bogacki-shampine-3";
-  double step = 0.005;  ///< [s]
+  std::optional<double> step;  ///< [s]; none: that of FlightSetup
   bool dynamic_environment = false;
   std::uint64_t seed = 1;
 };
+
+/// Where nothing is said: published gains of a vehicle that has them, and ideal sensors, as the
+/// model project flew its experiments.
+[[nodiscard]] FlightArguments as_the_model_project(FlightArguments arguments);
 
 /// Adds V and all of these but --seed, which every verb has.
 void add_flight_options(CLI::App& app, FlightArguments& arguments);

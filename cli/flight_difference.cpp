@@ -20,7 +20,10 @@ constexpr const char* kCompared[][2] = {{"command.T", "T"},
                                         {"x.pz", "pz"},
                                         {"x.roll", "roll"},
                                         {"x.pitch", "pitch"},
-                                        {"x.yaw", "yaw"}};
+                                        {"x.yaw", "yaw"},
+                                        {"estimate.px", "believed_px"},
+                                        {"estimate.py", "believed_py"},
+                                        {"estimate.pz", "believed_pz"}};
 
 Json flight_json(const std::string& name, const FlownFlight& flight) {
   const EstimateError error = estimate_error(flight.result.log);
@@ -96,13 +99,17 @@ std::string to_text(const std::string& what, const std::array<std::string, 2>& n
       fmt::format("{} flies {} twice, compared by {}: a {}, b {}\n  a  {}\n", setup.vehicle.name,
                   setup.mission.name, what, names[0], names[1], circumstances(flights[0].plan));
   text += fmt::format("  b  {}\n\n", circumstances(flights[1].plan));
-  text += fmt::format("difference over {:.4g} s\n  {:<8} {:>14} {:>14} {:>10}\n",
+  text += fmt::format("difference over {:.4g} s\n  {:<12} {:>14} {:>14} {:>10}\n",
                       difference.duration, "", "mean squared", "greatest", "at");
-  for (const ColumnDifference& column : difference.columns)
+  const bool carried = std::holds_alternative<Carried>(setup.mission.kind);
+  for (const ColumnDifference& column : difference.columns) {
+    // Who is carried does not steer.
+    if (carried && column.max == 0) continue;
     text +=
-        fmt::format("  {:<8} {:>14} {:>14} {:>8} s  {}\n", column.name,
+        fmt::format("  {:<12} {:>14} {:>14} {:>8} s  {}\n", column.name,
                     fmt::format("{:.3g}", column.mean_squared), fmt::format("{:.3g}", column.max),
                     fmt::format("{:.4g}", column.max_at), column.unit);
+  }
   text += fmt::format("\n  {:<36} {:>14} {:>14}\n", "", "a", "b");
   const auto row = [&](const std::string& label, const std::string& a, const std::string& b) {
     text += fmt::format("  {:<36} {:>14} {:>14}\n", label, a, b);
@@ -119,10 +126,11 @@ std::string to_text(const std::string& what, const std::array<std::string, 2>& n
   const EstimateError b = estimate_error(flights[1].result.log);
   row("believed wrong across, mean [m]", figure(a.mean_absolute), figure(b.mean_absolute));
   row("believed wrong across, at the end [m]", figure(a.final), figure(b.final));
-  for (std::size_t i = 0; i < 2; ++i)
-    for (const std::string& reason : reasons(flights[i]))
-      text +=
-          fmt::format("{}{}: {}\n", text.ends_with("\n\n") ? "" : "\n", i == 0 ? "a" : "b", reason);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::vector<std::string> why = reasons(flights[i]);
+    for (std::size_t k = 0; k < why.size(); ++k)
+      text += fmt::format("{}{}: {}\n", i == 0 && k == 0 ? "\n" : "", i == 0 ? "a" : "b", why[k]);
+  }
   return text;
 }
 

@@ -206,7 +206,10 @@ std::vector<std::string> reasons(const FlownFlight& flight) {
                               last.detail.empty() ? "" : ": " + last.detail));
   }
   for (const LimitCheck& check : flight.verdict.checks) {
-    if (check.ok || (check.metric == Metric::duration && !why.empty())) continue;
+    // What a flight that ended early did not come to is no further reason.
+    const bool ended = flight.result.end != FlightEnd::completed;
+    if (check.ok || (ended && (check.metric == Metric::duration || std::isnan(check.value))))
+      continue;
     why.push_back(fmt::format("{} is {}, expected {} {}", label_of(check.metric),
                               in_words(check.value, unit_of(check.metric)),
                               check.at_least ? "at least" : "at most",

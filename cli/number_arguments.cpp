@@ -33,6 +33,19 @@ CLI::Option* add_number(CLI::App& app, const std::string& option, double& value,
   return app.add_option_function<std::string>(option, read, description);
 }
 
+CLI::Option* add_positive(CLI::App& app, const std::string& option, std::optional<double>& value,
+                          const std::string& description) {
+  const auto read = [&app, &value, option](const std::string& word) {
+    double number = 0;
+    if (!read_number(word, number) || !(number > 0))
+      throw UsageError(fmt::format("{}: {}: '{}' came, expected a number of more than 0",
+                                   app.get_name(), option, internal::printable(word)),
+                       option);
+    value = number;
+  };
+  return app.add_option_function<std::string>(option, read, description);
+}
+
 CLI::Option* add_count(CLI::App& app, const std::string& option, std::uint64_t& value,
                        std::uint64_t least, const std::string& description) {
   const auto read = [&app, &value, option, least](const std::string& word) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -21,6 +22,11 @@ namespace quadtune::cli {
 /// @throws UsageError  when parsed, naming the option and the word that is no such number.
 CLI::Option* add_number(CLI::App& app, const std::string& option, double& value,
                         const std::string& description);
+
+/// Adds an option that takes a number of more than 0, which stays away where it is not given.
+/// @throws UsageError  when parsed, likewise.
+CLI::Option* add_positive(CLI::App& app, const std::string& option, std::optional<double>& value,
+                          const std::string& description);
 
 /// Adds an option that takes a whole number of at least `least`.
 /// @throws UsageError  when parsed, likewise.

@@ -25,9 +25,11 @@ target_compile_options(quadtune_flags INTERFACE -Wno-psabi)
 if(QUADTUNE_NATIVE)
   target_compile_options(quadtune_flags INTERFACE -march=native)
 endif()
-# GCC 12 makes fused multiply-adds of neighbouring sums and differences of products (vfmaddsub)
-# whatever -ffp-contract says. For sources whose scalar and packed code must give the same bytes.
-set(QUADTUNE_NO_CONTRACTION $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
+# For sources that simulate flights, alone and in packs. GCC 12's own vectors would make fused
+# multiply-adds of neighbouring sums and differences (vfmaddsub) whatever -ffp-contract says, so that
+# the two would not give the same bytes; and they slow a step down by half, being stored in parts and
+# loaded whole.
+set(QUADTUNE_PACKS_ONLY $<$<CXX_COMPILER_ID:GNU>:-fno-tree-vectorize>)
 if(QUADTUNE_WERROR)
   target_compile_options(quadtune_flags INTERFACE -Werror)
 endif()

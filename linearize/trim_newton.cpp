@@ -135,9 +135,10 @@ Eigen::Matrix<T, 6, 1> TrimProblem::evaluate(const Eigen::Matrix<T, Eigen::Dynam
               curve.speed(thrust), loads);
   }
   const Vector3<T> down = R.row(2).transpose();
-  const NetLoad<T> net = net_load(body_, down, velocity, rates, loads);
   Eigen::Matrix<T, 6, 1> balance;
-  balance << net.force * T(1 / weight()), net.torque * T(1 / (weight() * arm_));
+  balance << linear_acceleration(body_, down, velocity, rates, loads.force, velocity) *
+                 T(1 / body_.gravity),
+      net_torque(body_, rates, loads) * T(1 / (weight() * arm_));
   return balance;
 }
 

@@ -406,7 +406,7 @@ void ClosedLoop<N, R>::start() {
   const Mission& mission = common_.mission;
   runners_.assign(1, MissionRunner(mission));
   if (runners_[0].depends_on_estimate()) runners_.assign(N, runners_[0]);
-  const int rotors = plant_.body.rotor_count;
+  const int rotors = plant_.body().rotor_count;
   if constexpr (R == Eigen::Dynamic) x_.resize(kRotorSpeeds + rotors);
   x_.setConstant(P(0));
   speeds_ = RotorSpeeds<P>::Constant(rotors, P(0));
@@ -424,7 +424,7 @@ void ClosedLoop<N, R>::start() {
                              allocation_.a1[static_cast<std::size_t>(i)]);
     } else {
       // At rest on its feet.
-      x_(2) = plant_.body.mass * plant_.body.gravity / (P(4) * plant_.ground.stiffness) -
+      x_(2) = plant_.body().mass * plant_.body().gravity / (P(4) * plant_.ground.stiffness) -
               plant_.ground.leg_height;
     }
     plant_.command(speeds_, x_);
@@ -504,6 +504,8 @@ template <int N, int R>
 void ClosedLoop<N, R>::set_environment(std::uint64_t index, double t) {
   if (wind_.windy()) plant_.wind = wind_.at(index, t, source_);
   if (!common_.environment.dynamic) return;
+  P air = plant_.body().air_density, ratio = plant_.body().density_ratio;
+  P gravity = plant_.body().gravity;
   for (int l = 0; l < N; ++l) {
     const auto k = static_cast<std::size_t>(l);
     const Vehicle& vehicle = flown(*setups_[k]);
@@ -512,12 +514,13 @@ void ClosedLoop<N, R>::set_environment(std::uint64_t index, double t) {
     if (!std::isfinite(height)) continue;
     const double density = standard_atmosphere(height).density;
     const double fall = kEarthRadius / (kEarthRadius + height);
-    set_lane(plant_.body.air_density, l, density);
-    set_lane(plant_.body.density_ratio, l, density / vehicle.air_density);
-    set_lane(plant_.body.gravity, l, vehicle.gravity * fall * fall);
+    set_lane(air, l, density);
+    set_lane(ratio, l, density / vehicle.air_density);
+    set_lane(gravity, l, vehicle.gravity * fall * fall);
     for (int i = 0; i < 3; ++i)
       set_lane(field_(i), l, setups_[k]->environment.magnetic_field(i) * fall * fall * fall);
   }
+  plant_.set_air(air, ratio, gravity);
 }
 
 template <int N, int R>
@@ -721,7 +724,7 @@ void ClosedLoop<N, R>::command(std::uint64_t index, double t) {
         break;
     }
     if (feedback_settings_.input_kind != InputKind::wrench) {
-      const RotorLoads<P> loads = rotor_loads(plant_.body, speeds_);
+      const RotorLoads<P> loads = rotor_loads(plant_.body(), speeds_);
       wrench_ << -loads.force.z(), loads.torque;
     }
     motors_.limit(speeds_, saturated_);
@@ -741,10 +744,10 @@ void ClosedLoop<N, R>::command(std::uint64_t index, double t) {
   if (battery_) motors_.supply(*battery_, charge_, speeds_, saturated_);
   power_ = 0;
   const RotorSpeeds<P> turning = plant_.rotor_speeds(x_);
-  for (int i = 0; i < plant_.body.rotor_count; ++i) {
-    const BasicRotor<P>& rotor = plant_.body.rotors[static_cast<std::size_t>(i)];
+  for (int i = 0; i < plant_.body().rotor_count; ++i) {
+    const BasicRotor<P>& rotor = plant_.body().rotors[static_cast<std::size_t>(i)];
     const P w = R == 0 ? speeds_(i) : turning(i);
-    power_ += rotor_torque(rotor, w, plant_.body.density_ratio) * w;
+    power_ += rotor_torque(rotor, w, plant_.body().density_ratio) * w;
   }
   power_ = greater(power_, P(0));
   if (battery_) step(*battery_, charge_, power_, dt_);

@@ -182,6 +182,16 @@ bool same_structure(const FlightSetup& a, const FlightSetup& b) {
 
 }  // namespace internal
 
+void calibrate_flow(FlightSetup& setup) {
+  const Sensors& sensors = internal::flown(setup).sensors;
+  if (!sensors.flow) return;
+  const auto of_image = [](double half_field) { return 1 + std::pow(std::tan(half_field), 2) / 3; };
+  MamboEstimatorSettings<double>& estimator = setup.mambo_estimator;
+  estimator.flow_scale = setup.real_sensors ? 1 / sensors.flow->faults.scale.head<2>().mean() : 1;
+  estimator.flow_compensation_x = of_image(sensors.flow->half_field_x);
+  estimator.flow_compensation_y = of_image(sensors.flow->half_field_y);
+}
+
 void validate(const FlightSetup& setup) {
   const double dt = internal::control_period(setup);
   if (!(dt >= 1e-4 && dt <= 1))

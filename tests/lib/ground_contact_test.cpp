@@ -46,15 +46,15 @@ Direct::State at_rest(const Vehicle& vehicle) {
 }
 
 Direct::State started(Direct& plant, Direct::State x) {
-  plant.command(RotorSpeeds<double>::Zero(plant.body.rotor_count), x);
+  plant.command(RotorSpeeds<double>::Zero(plant.body().rotor_count), x);
   return x;
 }
 
 // Motion, height and springs.
 double energy(const Direct& plant, const Direct::State& x) {
-  double sum = 0.5 * plant.body.mass * x.segment<3>(7).squaredNorm() +
-               0.5 * x.tail<3>().dot(plant.body.J * x.tail<3>()) -
-               plant.body.mass * plant.body.gravity * x(2);
+  double sum = 0.5 * plant.body().mass * x.segment<3>(7).squaredNorm() +
+               0.5 * x.tail<3>().dot(plant.body().J * x.tail<3>()) -
+               plant.body().mass * plant.body().gravity * x(2);
   const Eigen::Matrix3d R = Direct::attitude(x).toRotationMatrix();
   for (const double sx : {1.0, -1.0})
     for (const double sy : {1.0, -1.0}) {
@@ -145,12 +145,12 @@ TEST(GroundContact, DoesNotPull) {
   Direct::State x = started(plant, at_rest(plus_quadrotor()));
   for (const double up : {0.5, 1.0, 5.0}) {
     x(9) = -up;  // the damper alone would pull with 4 d up
-    EXPECT_LE(plant.derivative(x)(9), plant.body.gravity * (1 + 1e-15));
-    EXPECT_DOUBLE_EQ(plant.derivative(x)(9), plant.body.gravity);
+    EXPECT_LE(plant.derivative(x)(9), plant.body().gravity * (1 + 1e-15));
+    EXPECT_DOUBLE_EQ(plant.derivative(x)(9), plant.body().gravity);
   }
   x(2) = -1e-9;
   x(9) = 10;
-  EXPECT_DOUBLE_EQ(plant.derivative(x)(9), plant.body.gravity);  // nor pushed before it is there
+  EXPECT_DOUBLE_EQ(plant.derivative(x)(9), plant.body().gravity);  // nor pushed before it is there
 }
 
 // Friction holds against a wind up to its coefficient: what it needs it finds at a creeping speed

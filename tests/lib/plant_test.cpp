@@ -45,12 +45,12 @@ TEST(Plant, FallsFreelyAndKeepsEnergyAndAngularMomentum) {
     plant.command(Eigen::Vector4d::Zero(), x);
     const Direct::State from = x;
     const auto momentum = [&](const Direct::State& s) -> Vector3d {
-      return rotation(s) * (plant.body.J * s.tail<3>());
+      return rotation(s) * (plant.body().J * s.tail<3>());
     };
     const auto energy = [&](const Direct::State& s) {
-      return 0.5 * plant.body.mass * s.segment<3>(7).squaredNorm() +
-             0.5 * s.tail<3>().dot(plant.body.J * s.tail<3>()) -
-             plant.body.mass * plant.body.gravity * s(2);
+      return 0.5 * plant.body().mass * s.segment<3>(7).squaredNorm() +
+             0.5 * s.tail<3>().dot(plant.body().J * s.tail<3>()) -
+             plant.body().mass * plant.body().gravity * s(2);
     };
     const double h = 1e-3, t = 2;
     for (int i = 0; i < 2000; ++i) x = plant.step(Integrator::runge_kutta_4, x, h);
@@ -98,7 +98,7 @@ TEST(Plant, ARotorThatSpeedsUpTurnsTheBodyBack) {
   plant.command(Eigen::Vector4d(300, 0, 300, 0), x);
   for (int i = 0; i < 200; ++i) x = plant.step(Integrator::runge_kutta_4, x, 1e-3);
   const double rotors = 1.54e-5 * -(x(13) + x(15));  // 1 and 3 turn counter-clockwise
-  EXPECT_NEAR(plant.body.J(2, 2) * x(12) + rotors, 0, 1e-12);
+  EXPECT_NEAR(plant.body().J(2, 2) * x(12) + rotors, 0, 1e-12);
   EXPECT_GT(x(12), 0.1);
 }
 

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <type_traits>
+#include <utility>
 
 namespace quadtune {
 
@@ -54,6 +55,14 @@ requires std::is_floating_point_v<T>
 [[nodiscard]] constexpr bool both(bool a, bool b) noexcept { return a && b; }
 [[nodiscard]] constexpr bool either(bool a, bool b) noexcept { return a || b; }
 [[nodiscard]] constexpr bool negated(bool a) noexcept { return !a; }
+
+/// f(0), f(1) … f(N - 1), inlined, each index a constant: unlike a loop it lets the compiler keep
+/// the elements of small arrays in registers.
+template <int N, class Function>
+[[gnu::always_inline]] inline void unrolled(Function&& f) {
+  [&]<int... I>(std::integer_sequence<int, I...>) __attribute__((always_inline)) { (f(I), ...); }
+  (std::make_integer_sequence<int, N>());
+}
 
 /// How many vehicles a scalar stands for.
 template <class T>

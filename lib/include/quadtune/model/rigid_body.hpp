@@ -10,6 +10,7 @@
 
 #include "quadtune/model/rotation.hpp"
 #include "quadtune/model/vehicle.hpp"
+#include "quadtune/scalar.hpp"
 
 namespace quadtune {
 
@@ -92,13 +93,6 @@ struct RotorLoads {
   Vector3<T> angular_momentum = Vector3<T>::Zero();  ///< of the turning parts, h [kg m²/s]
 };
 
-/// Force and torque left over on a body in a given motion: m v' and J w'.
-template <class T>
-struct NetLoad {
-  Vector3<T> force;   ///< m v' [N]
-  Vector3<T> torque;  ///< J w' [N m]
-};
-
 /// Adds one rotor: thrust along body -z at its hub, drag torque against its spin, momentum along
 /// it.
 /// @param thrust  [N];  @param torque  drag torque ≥ 0 [N m];  @param speed  [rad/s].
@@ -143,8 +137,8 @@ template <class T>
 
 /// Drag of the body moving at `airspeed` (body axes) through the air [N].
 template <class P, class T>
-[[nodiscard]] inline Vector3<T> drag_force(const BasicRigidBody<P>& body,
-                                           const Vector3<T>& airspeed) {
+[[nodiscard, gnu::always_inline]] inline Vector3<T> drag_force(const BasicRigidBody<P>& body,
+                                                               const Vector3<T>& airspeed) {
   using std::abs;
   const P half_density = 0.5 * body.air_density;
   // F_i = -(rho/2) cda_i |v_i| v_i - linear_i v_i
@@ -155,26 +149,38 @@ template <class P, class T>
   return {along(0), along(1), along(2)};
 }
 
-/// m v' and J w' in body axes.
+/// v' in body axes [m/s²].
 /// @param down      the world's z axis in body components (unit).
 /// @param velocity  body axes [m/s];  @param rates  body axes [rad/s].
+/// @param force     of the rotors [N].
 /// @param airspeed  velocity through the air, body axes [m/s].
 template <class P, class T>
-[[nodiscard]] inline NetLoad<T> net_load(const BasicRigidBody<P>& body, const Vector3<T>& down,
-                                         const Vector3<T>& velocity, const Vector3<T>& rates,
-                                         const RotorLoads<T>& loads, const Vector3<T>& airspeed) {
-  NetLoad<T> net;
-  // m v' = F - w × m v
-  const T m = T(body.mass);
-  const T weight = T(body.mass * body.gravity);
+[[nodiscard, gnu::always_inline]] inline Vector3<T> linear_acceleration(
+    const BasicRigidBody<P>& body, const Vector3<T>& down, const Vector3<T>& velocity,
+    const Vector3<T>& rates, const Vector3<T>& force, const Vector3<T>& airspeed) {
+  const T gravity = T(body.gravity), inverse_mass = T(body.inverse_mass);
   const T &p = rates(0), &q = rates(1), &r = rates(2);
   const T &u = velocity(0), &v = velocity(1), &w = velocity(2);
-  net.force = {loads.force(0) + down(0) * weight - (q * w - r * v) * m,
-               loads.force(1) + down(1) * weight - (r * u - p * w) * m,
-               loads.force(2) + down(2) * weight - (p * v - q * u) * m};
-  if (body.has_drag) net.force += drag_force(body, airspeed);
-  // J w' = τ - w × L with L = J w + h
+  // v' = F/m + g - w × v
+  const Vector3<T> free(down(0) * gravity + (r * v - q * w), down(1) * gravity + (p * w - r * u),
+                        down(2) * gravity + (q * u - p * v));
+  if (!body.has_drag)
+    return {force(0) * inverse_mass + free(0), force(1) * inverse_mass + free(1),
+            force(2) * inverse_mass + free(2)};
+  const Vector3<T> drag = drag_force(body, airspeed);
+  return {(force(0) + drag(0)) * inverse_mass + free(0),
+          (force(1) + drag(1)) * inverse_mass + free(1),
+          (force(2) + drag(2)) * inverse_mass + free(2)};
+}
+
+/// J w' in body axes [N m].
+template <class P, class T>
+[[nodiscard, gnu::always_inline]] inline Vector3<T> net_torque(const BasicRigidBody<P>& body,
+                                                               const Vector3<T>& rates,
+                                                               const RotorLoads<T>& loads) {
+  const T &p = rates(0), &q = rates(1), &r = rates(2);
   const Vector3<T>& h = loads.angular_momentum;
+  // J w' = τ - w × L with L = J w + h
   T Lx, Ly, Lz;
   if (body.principal_axes) {
     Lx = T(body.J(0, 0)) * p + h(0);
@@ -185,22 +191,14 @@ template <class P, class T>
     Ly = T(body.J(1, 0)) * p + T(body.J(1, 1)) * q + T(body.J(1, 2)) * r + h(1);
     Lz = T(body.J(2, 0)) * p + T(body.J(2, 1)) * q + T(body.J(2, 2)) * r + h(2);
   }
-  net.torque = {loads.torque(0) - (q * Lz - r * Ly), loads.torque(1) - (r * Lx - p * Lz),
-                loads.torque(2) - (p * Ly - q * Lx)};
-  return net;
-}
-/// The same in still air.
-template <class P, class T>
-[[nodiscard]] inline NetLoad<T> net_load(const BasicRigidBody<P>& body, const Vector3<T>& down,
-                                         const Vector3<T>& velocity, const Vector3<T>& rates,
-                                         const RotorLoads<T>& loads) {
-  return net_load(body, down, velocity, rates, loads, velocity);
+  return {loads.torque(0) - (q * Lz - r * Ly), loads.torque(1) - (r * Lx - p * Lz),
+          loads.torque(2) - (p * Ly - q * Lx)};
 }
 
 /// w' of a torque J w' [rad/s²].
 template <class P, class T>
-[[nodiscard]] inline Vector3<T> angular_acceleration(const BasicRigidBody<P>& body,
-                                                     const Vector3<T>& torque) {
+[[nodiscard, gnu::always_inline]] inline Vector3<T> angular_acceleration(
+    const BasicRigidBody<P>& body, const Vector3<T>& torque) {
   const Matrix3<P>& I = body.J_inv;
   if (body.principal_axes)
     return {T(I(0, 0)) * torque(0), T(I(1, 1)) * torque(1), T(I(2, 2)) * torque(2)};
@@ -219,19 +217,21 @@ template <class P, class T>
   const Vector3<T> rates = x.template segment<3>(kRates);
   const Matrix3<T> R_WB = rotation_of_euler(roll, pitch, yaw);
   const Vector3<T> down = R_WB.row(2).transpose();
-  const NetLoad<T> net = net_load(body, down, velocity, rates, loads);
   StateVector<T> derivative;
   derivative.template segment<3>(kPosition) = R_WB * velocity;
   derivative.template segment<3>(kAttitude) = euler_rate_matrix(roll, pitch) * rates;
-  derivative.template segment<3>(kVelocity) = net.force * T(body.inverse_mass);
-  derivative.template segment<3>(kRates) = angular_acceleration(body, net.torque);
+  derivative.template segment<3>(kVelocity) =
+      linear_acceleration(body, down, velocity, rates, loads.force, velocity);
+  derivative.template segment<3>(kRates) =
+      angular_acceleration(body, net_torque(body, rates, loads));
   return derivative;
 }
 
 /// R_WB of a unit quaternion, written out.
 template <class T>
-[[nodiscard]] inline Matrix3<T> rotation_of_quaternion(const T& qw, const T& qx, const T& qy,
-                                                       const T& qz) {
+[[nodiscard, gnu::always_inline]] inline Matrix3<T> rotation_of_quaternion(const T& qw, const T& qx,
+                                                                           const T& qy,
+                                                                           const T& qz) {
   const T x2 = qx + qx, y2 = qy + qy, z2 = qz + qz;
   const T xx = qx * x2, yy = qy * y2, zz = qz * z2;
   const T xy = qx * y2, xz = qx * z2, yz = qy * z2;
@@ -254,8 +254,9 @@ template <class T>
 /// @param wind        velocity of the air, world axes [m/s]; nullptr: still
 /// @param derivative  13 numbers
 template <class P, class T, class From, class To>
-inline void rigid_motion(const BasicRigidBody<P>& body, const From& x, const RotorLoads<T>& loads,
-                         const Vector3<T>* wind, To& derivative) {
+[[gnu::always_inline]] inline void rigid_motion(const BasicRigidBody<P>& body, const From& x,
+                                                const RotorLoads<T>& loads, const Vector3<T>* wind,
+                                                To& derivative) {
   const T &qw = x(3), &qx = x(4), &qy = x(5), &qz = x(6);
   const Vector3<T> velocity(x(7), x(8), x(9));
   const Vector3<T> rates(x(10), x(11), x(12));
@@ -265,13 +266,14 @@ inline void rigid_motion(const BasicRigidBody<P>& body, const From& x, const Rot
   if (wind != nullptr)
     for (int i = 0; i < 3; ++i)
       airspeed(i) -= R(0, i) * (*wind)(0) + R(1, i) * (*wind)(1) + R(2, i) * (*wind)(2);
-  const NetLoad<T> net = net_load(body, down, velocity, rates, loads, airspeed);
-  const Vector3<T> turning = angular_acceleration(body, net.torque);
-  for (int i = 0; i < 3; ++i) {
+  const Vector3<T> speeding =
+      linear_acceleration(body, down, velocity, rates, loads.force, airspeed);
+  const Vector3<T> turning = angular_acceleration(body, net_torque(body, rates, loads));
+  unrolled<3>([&](int i) __attribute__((always_inline)) {
     derivative(i) = R(i, 0) * velocity(0) + R(i, 1) * velocity(1) + R(i, 2) * velocity(2);
-    derivative(7 + i) = net.force(i) * T(body.inverse_mass);
+    derivative(7 + i) = speeding(i);
     derivative(10 + i) = turning(i);
-  }
+  });
   // q' = ½ q ⊗ (0, w)
   const T p = T(0.5) * rates(0), q = T(0.5) * rates(1), r = T(0.5) * rates(2);
   derivative(3) = -(qx * p + qy * q + qz * r);

@@ -115,6 +115,10 @@ struct FlightResult {
   LogTable log;  ///< a row each control period; empty unless asked for
 };
 
+/// Makes the Mambo's estimator right for the optical flow that flies: the sensor's scale undone, the
+/// body's own turning taken out of the image. Without optical flow it changes nothing.
+void calibrate_flow(FlightSetup& setup);
+
 /// Checks that a setup can be flown.
 /// @throws InvalidInput  naming the part and what is wrong.
 void validate(const FlightSetup& setup);

@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "quadtune/scalar.hpp"
+
 namespace quadtune {
 
 /// Ways to carry the state over one step.
@@ -19,9 +21,36 @@ enum class Integrator {
 /// @throws InvalidInput  naming the word and the three that exist.
 [[nodiscard]] Integrator integrator(const std::string& name, const std::string& where);
 
+/// combine(x, k ...), component by component where the state is a vector of few: what is stored in
+/// parts and loaded whole makes the processor wait.
+template <class Combine, class State, class... States>
+[[nodiscard, gnu::always_inline]] inline State combined(Combine&& combine, const State& x,
+                                                        const States&... k) {
+  if constexpr (requires { State::SizeAtCompileTime; }) {
+    State result;
+    if constexpr (State::SizeAtCompileTime < 0) {
+      result.resize(x.size());
+      for (int i = 0; i < x.size(); ++i) result(i) = combine(x(i), k(i)...);
+    } else {
+      unrolled<State::SizeAtCompileTime>([&](int i) __attribute__((always_inline)) {
+        result(i) = combine(x(i), k(i)...);
+      });
+    }
+    return result;
+  } else {
+    return combine(x, k...);
+  }
+}
+
+/// x + k h
+template <class State>
+[[nodiscard, gnu::always_inline]] inline State moved(const State& x, const State& k, double h) {
+  return combined([h](const auto& x_i, const auto& k_i) { return x_i + k_i * h; }, x, k);
+}
+
 template <class State, class Derivative>
 [[nodiscard]] State euler_step(const Derivative& f, double t, const State& x, double h) {
-  return x + f(t, x) * h;
+  return moved(x, State(f(t, x)), h);
 }
 
 /// The third-order solution of the pair of [Bogacki89], whose second-order one is not needed.
@@ -29,18 +58,24 @@ template <class State, class Derivative>
 [[nodiscard]] State bogacki_shampine_3_step(const Derivative& f, double t, const State& x,
                                             double h) {
   const State k1 = f(t, x);
-  const State k2 = f(t + h / 2, State(x + k1 * (h / 2)));
-  const State k3 = f(t + h * 3 / 4, State(x + k2 * (h * 3 / 4)));
-  return x + (k1 * (h * 2 / 9) + k2 * (h / 3) + k3 * (h * 4 / 9));
+  const State k2 = f(t + h / 2, moved(x, k1, h / 2));
+  const State k3 = f(t + h * 3 / 4, moved(x, k2, h * 3 / 4));
+  return combined(
+      [h](const auto& x_i, const auto& a, const auto& b, const auto& c) {
+        return x_i + (a * (h * 2 / 9) + b * (h / 3) + c * (h * 4 / 9));
+      },
+      x, k1, k2, k3);
 }
 
 template <class State, class Derivative>
 [[nodiscard]] State runge_kutta_4_step(const Derivative& f, double t, const State& x, double h) {
   const State k1 = f(t, x);
-  const State k2 = f(t + h / 2, State(x + k1 * (h / 2)));
-  const State k3 = f(t + h / 2, State(x + k2 * (h / 2)));
-  const State k4 = f(t + h, State(x + k3 * h));
-  return x + (k1 + (k2 + k3) * 2.0 + k4) * (h / 6);
+  const State k2 = f(t + h / 2, moved(x, k1, h / 2));
+  const State k3 = f(t + h / 2, moved(x, k2, h / 2));
+  const State k4 = f(t + h, moved(x, k3, h));
+  return combined([h](const auto& x_i, const auto& a, const auto& b, const auto& c,
+                      const auto& d) { return x_i + (a + (b + c) * 2.0 + d) * (h / 6); },
+                  x, k1, k2, k3, k4);
 }
 
 template <class State, class Derivative>

@@ -61,22 +61,37 @@ class Plant {
   using State = Eigen::Matrix<T, kStates, 1, Eigen::ColMajor, kMostStates, 1>;
 
   Plant() = default;
-  Plant(const BasicRigidBody<T>& body_, const GroundContact<T>& ground_)
-      : body(body_), ground(ground_), speeds(RotorSpeeds<T>::Zero(body.rotor_count)) {
-    for (int i = 0; i < body.rotor_count; ++i) {
-      const T lag = body.rotors[static_cast<std::size_t>(i)].lag;
-      lag_rate_[static_cast<std::size_t>(i)] = select(lag > T(0), T(1) / lag, T(0));
+  Plant(const BasicRigidBody<T>& body, const GroundContact<T>& ground_)
+      : ground(ground_), speeds(RotorSpeeds<T>::Zero(body.rotor_count)), body_(body) {
+    set_air(body.air_density, body.density_ratio, body.gravity);
+  }
+
+  /// Where it flies: density [kg/m³], that over the one of the rotor curves, gravity [m/s²].
+  void set_air(const T& density, const T& ratio, const T& gravity) {
+    body_.air_density = density;
+    body_.density_ratio = ratio;
+    body_.gravity = gravity;
+    for (int i = 0; i < body_.rotor_count; ++i) {
+      const BasicRotor<T>& rotor = body_.rotors[static_cast<std::size_t>(i)];
+      RotorNumbers& numbers = rotors_[static_cast<std::size_t>(i)];
+      numbers.thrust_a2 = rotor.thrust_a2 * ratio;
+      numbers.thrust_a1 = rotor.thrust_a1 * ratio;
+      numbers.torque_d2 = rotor.spin * rotor.torque_d2 * ratio;
+      numbers.torque_d1 = rotor.spin * rotor.torque_d1 * ratio;
+      numbers.momentum = rotor.spin * rotor.inertia;
+      numbers.lag_rate = select(rotor.lag > T(0), T(1) / rotor.lag, T(0));
     }
   }
+  [[nodiscard]] const BasicRigidBody<T>& body() const { return body_; }
 
   /// Speeds asked of the rotors until the next call [rad/s]; those without lag have them at once.
   void command(const RotorSpeeds<T>& asked, State& x) {
     speeds = asked;
     if constexpr (N == 0) {
-      held_ = rotor_loads(body, speeds);
+      held_ = rotor_loads(body_, speeds);
     } else {
-      for (int i = 0; i < body.rotor_count; ++i) {
-        const T lag = body.rotors[static_cast<std::size_t>(i)].lag;
+      for (int i = 0; i < body_.rotor_count; ++i) {
+        const T lag = body_.rotors[static_cast<std::size_t>(i)].lag;
         x(kRotorSpeeds + i) = select(lag > T(0), x(kRotorSpeeds + i), asked(i));
       }
     }
@@ -87,41 +102,44 @@ class Plant {
     if constexpr (N == 0) {
       return speeds;
     } else {
-      return x.segment(kRotorSpeeds, body.rotor_count);
+      return x.segment(kRotorSpeeds, body_.rotor_count);
     }
   }
 
-  [[nodiscard]] State derivative(const State& x) const {
+  /// Inlined into step(), so that a step's intermediate states stay in registers.
+  [[nodiscard, gnu::always_inline]] State derivative(const State& x) const {
     State result;
     if constexpr (N == Eigen::Dynamic) result.resize(x.size());
     RotorLoads<T> loads = rotors(x);
     if constexpr (N != 0) {
       // w' = (asked - w) / lag; the torque that speeds a rotor up turns the body back.
-      for (int i = 0; i < count(); ++i) {
-        const BasicRotor<T>& rotor = body.rotors[static_cast<std::size_t>(i)];
-        const T rise = (speeds(i) - x(kRotorSpeeds + i)) * lag_rate_[static_cast<std::size_t>(i)];
+      each_rotor([&](int i) __attribute__((always_inline)) {
+        const RotorNumbers& rotor = rotors_[static_cast<std::size_t>(i)];
+        const T rise = (speeds(i) - x(kRotorSpeeds + i)) * rotor.lag_rate;
         result(kRotorSpeeds + i) = rise;
-        loads.torque.z() -= rotor.spin * rotor.inertia * rise;
-      }
+        loads.torque(2) -= rotor.momentum * rise;
+      });
     }
-    if (ground.present && any(x(2) + reach() > T(0))) add_contact(x, loads);
-    rigid_motion(body, x, loads, windy ? &wind : nullptr, result);
+    add_contact(x, loads);
+    rigid_motion(body_, x, loads, windy ? &wind : nullptr, result);
     return result;
   }
 
   /// What an accelerometer at the centre of mass feels: v' + w × v - g, body axes [m/s²].
   [[nodiscard]] Vector3<T> specific_force(const State& x) const {
     RotorLoads<T> loads = rotors(x);
-    if (ground.present && any(x(2) + reach() > T(0))) add_contact(x, loads);
+    add_contact(x, loads);
     const Matrix3<T> R_WB = attitude(x).toRotationMatrix();
     const Vector3<T> airspeed = x.template segment<3>(kBodyVelocity) - R_WB.transpose() * wind;
-    return (loads.force + drag_force(body, airspeed)) * body.inverse_mass;
+    return (loads.force + drag_force(body_, airspeed)) * body_.inverse_mass;
   }
 
   /// One step, the quaternion brought back to its norm.
   [[nodiscard]] State step(Integrator method, const State& x, double h) const {
     State next = integrator_step(
-        method, [this](double, const State& at) { return derivative(at); }, 0, x, h);
+        method,
+        [this](double, const State& at) __attribute__((always_inline)) { return derivative(at); },
+        0, x, h);
     restore_norm(next);
     return next;
   }
@@ -137,29 +155,61 @@ class Plant {
     for (int i = kQuaternion; i < kBodyVelocity; ++i) x(i) *= factor;
   }
 
-  BasicRigidBody<T> body;
   GroundContact<T> ground;
   Vector3<T> wind = Vector3<T>::Zero();  ///< of the air, world axes [m/s], held
   bool windy = false;                    ///< false: wind is 0
   RotorSpeeds<T> speeds;                 ///< that are asked for [rad/s], held
 
  private:
-  [[nodiscard]] int count() const { return N == Eigen::Dynamic ? body.rotor_count : N; }
+  template <class Function>
+  [[gnu::always_inline]] void each_rotor(Function&& f) const {
+    if constexpr (N == Eigen::Dynamic) {
+      for (int i = 0; i < body_.rotor_count; ++i) f(i);
+    } else {
+      unrolled<N>(f);
+    }
+  }
   [[nodiscard]] T reach() const { return ground.leg_height + ground.leg_reach + ground.leg_reach; }
 
-  [[nodiscard]] RotorLoads<T> rotors(const State& x) const {
+  /// Loads of the rotors as they turn, without that of speeding them up.
+  [[nodiscard, gnu::always_inline]] RotorLoads<T> rotors(const State& x) const {
     if constexpr (N == 0) {
       (void)x;
       return held_;
-    } else if constexpr (N == Eigen::Dynamic) {
-      return rotor_loads(body, x.segment(kRotorSpeeds, body.rotor_count));
     } else {
-      return rotor_loads(body, x.template segment<N>(kRotorSpeeds));
+      T thrust = T(0), roll = T(0), pitch = T(0), yaw = T(0), momentum = T(0);
+      each_rotor([&](int i) __attribute__((always_inline)) {
+        const RotorNumbers& rotor = rotors_[static_cast<std::size_t>(i)];
+        const Vector3<T>& hub = body_.rotors[static_cast<std::size_t>(i)].position;
+        const T w = x(kRotorSpeeds + i);
+        const T lift = (rotor.thrust_a2 * w + rotor.thrust_a1) * w;
+        thrust += lift;
+        roll -= hub.y() * lift;
+        pitch += hub.x() * lift;
+        yaw -= (rotor.torque_d2 * w + rotor.torque_d1) * w;
+        momentum += rotor.momentum * w;
+      });
+      RotorLoads<T> loads;
+      loads.force.z() = -thrust;
+      loads.torque.x() = roll;
+      loads.torque.y() = pitch;
+      loads.torque.z() = yaw;
+      loads.angular_momentum.z() = momentum;
+      return loads;
     }
   }
 
   void add_contact(const State& x, RotorLoads<T>& loads) const {
+    if (!ground.present || !any(x(2) + reach() > T(0))) return;
+    const RotorLoads<T> of_ground = contact(x);
+    loads.force += of_ground.force;
+    loads.torque += of_ground.torque;
+  }
+
+  /// Takes a copy: what a function is given the address of does not stay in registers.
+  [[nodiscard, gnu::noinline]] RotorLoads<T> contact(State x) const {
     using std::sqrt;
+    RotorLoads<T> loads;
     const Matrix3<T> R_WB = attitude(x).toRotationMatrix();
     const Vector3<T> velocity = x.template segment<3>(kBodyVelocity);
     const Vector3<T> rates = x.template segment<3>(kBodyRates);
@@ -179,9 +229,19 @@ class Plant {
         loads.force += force;
         loads.torque += foot.cross(force);
       }
+    return loads;
   }
 
-  std::array<T, kMaxRotors> lag_rate_{};  ///< [1/s]; 0: no lag
+  /// What the equations take from a rotor, at the density that there is.
+  struct RotorNumbers {
+    T thrust_a2 = T(0), thrust_a1 = T(0);
+    T torque_d2 = T(0), torque_d1 = T(0);  ///< with the sign of the spin
+    T momentum = T(0);                     ///< of a speed of 1 rad/s, along z [kg m²]
+    T lag_rate = T(0);                     ///< [1/s]; 0: no lag
+  };
+
+  BasicRigidBody<T> body_;
+  std::array<RotorNumbers, kMaxRotors> rotors_{};
   RotorLoads<T> held_;
 };
 

@@ -1,0 +1,359 @@
+// SPDX-License-Identifier: Apache-2.0
+// How fast it flies: the equations of motion alone, for one vehicle and for a pack of them, against
+// SciPy and Octave; then whole flights with sensors, estimator and control. docs/benchmarks.md says
+// what is timed.
+#include <fmt/format.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "machine.hpp"
+#include "quadtune/simulation/flight.hpp"
+#include "quadtune/simulation/pack.hpp"
+#include "quadtune/simulation/plant.hpp"
+#include "wall_time.hpp"
+
+namespace quadtune::bench {
+namespace {
+
+constexpr double kStep = 0.005;      // [s]
+constexpr double kDuration = 10;     // of a flight of the equations alone [s]
+constexpr double kTolerance = 1e-9;  // of the peers, relative and absolute
+
+// --- the equations of motion ---
+
+/// Free flight, tilted and turning, the rotors running up to speeds that are not all the same.
+struct FreeFlight {
+  RigidBody body;
+  bool lagging = false;
+  Eigen::VectorXd start;   // 13 numbers, then the rotors' speeds where they lag
+  Eigen::Vector4d speeds;  // that are asked for [rad/s]
+};
+
+FreeFlight free_flight(const char* vehicle, bool lagging) {
+  FreeFlight flight{RigidBody(load_vehicle(vehicle)), lagging, {}, {}};
+  double a2 = 0;
+  for (int i = 0; i < 4; ++i) a2 += flight.body.rotors[static_cast<std::size_t>(i)].thrust_a2;
+  const double hover = std::sqrt(flight.body.mass * flight.body.gravity / a2);
+  flight.speeds = Eigen::Vector4d(1, 1.0001, 0.9999, 1.00005) * hover;
+  flight.start = Eigen::VectorXd::Zero(lagging ? 17 : 13);
+  StateVector<double> x;
+  x << 0, 0, -100, 0.2, -0.1, 0.5, 1, -0.5, 0.2, 0.3, -0.2, 0.4;
+  flight.start.head<13>() = quaternion_state(x);
+  if (lagging) flight.start.tail<4>().setConstant(0.95 * hover);
+  return flight;
+}
+
+template <class T>
+BasicRigidBody<T> in_every_lane(const RigidBody& body) {
+  BasicRigidBody<T> result;
+  result.mass = T(body.mass);
+  result.inverse_mass = T(body.inverse_mass);
+  result.gravity = T(body.gravity);
+  result.J = body.J.unaryExpr([](double x) { return T(x); });
+  result.J_inv = body.J_inv.unaryExpr([](double x) { return T(x); });
+  result.cda = body.cda.unaryExpr([](double x) { return T(x); });
+  result.linear_drag = body.linear_drag.unaryExpr([](double x) { return T(x); });
+  result.air_density = T(body.air_density);
+  result.density_ratio = T(body.density_ratio);
+  result.has_drag = body.has_drag;
+  result.principal_axes = body.principal_axes;
+  result.rotor_count = body.rotor_count;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(body.rotor_count); ++i) {
+    const BasicRotor<double>& from = body.rotors[i];
+    BasicRotor<T>& to = result.rotors[i];
+    to.position = from.position.unaryExpr([](double x) { return T(x); });
+    to.spin = T(from.spin);
+    to.thrust_a2 = T(from.thrust_a2);
+    to.thrust_a1 = T(from.thrust_a1);
+    to.torque_d2 = T(from.torque_d2);
+    to.torque_d1 = T(from.torque_d1);
+    to.inertia = T(from.inertia);
+    to.lag = T(from.lag);
+  }
+  return result;
+}
+
+/// The flight in all lanes of T, by the classical Runge-Kutta method. N as of Plant.
+template <class T, int N>
+class Flown {
+ public:
+  explicit Flown(const FreeFlight& flight) {
+    const auto ground = ground_contact<T>(T(flight.body.mass), T(1), T(0.05));
+    plant_ = Plant<T, N>(in_every_lane<T>(flight.body), ground);
+    for (int i = 0; i < start_.size(); ++i) start_(i) = T(flight.start(i));
+    plant_.command(flight.speeds.unaryExpr([](double w) { return T(w); }), start_);
+  }
+
+  void fly(double step) {
+    x_ = start_;
+    const auto steps = static_cast<int>(std::lround(kDuration / step));
+    for (int i = 0; i < steps; ++i) x_ = plant_.step(Integrator::runge_kutta_4, x_, step);
+  }
+  [[nodiscard]] Eigen::VectorXd end() const {
+    Eigen::VectorXd result(x_.size());
+    for (int i = 0; i < x_.size(); ++i) result(i) = lane(x_(i), 0);
+    return result;
+  }
+
+ private:
+  Plant<T, N> plant_;
+  typename Plant<T, N>::State start_, x_;
+};
+
+/// Position, attitude and velocity at the end: the greatest difference [m, 1, m/s].
+double difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return (a - b).head<10>().cwiseAbs().maxCoeff();
+}
+
+struct Line {
+  std::string name;
+  double seconds = 0;  // of one flight of kDuration
+  double steps = 0;
+  double error = 0;
+  double goal = 0;  // steps a second; 0: none
+};
+
+template <class T, int N>
+Line ours(const std::string& name, const FreeFlight& flight, const Eigen::VectorXd& truth,
+          double goal) {
+  auto flown = std::make_unique<Flown<T, N>>(flight);
+  constexpr int kTimes = 20;
+  const Wall wall = wall_of([&] {
+    for (int i = 0; i < kTimes; ++i) flown->fly(kStep);
+  });
+  return {name, wall.median / kTimes / kLanesOf<T>, kDuration / kStep,
+          difference(flown->end(), truth), goal};
+}
+
+std::string json_of(const FreeFlight& flight, double max_step) {
+  const auto rotors = [&](auto&& number) {
+    std::vector<double> all;
+    for (std::size_t i = 0; i < 4; ++i) all.push_back(number(flight.body.rotors[i]));
+    return fmt::format("[{:.17g}]", fmt::join(all, ", "));
+  };
+  const RigidBody& body = flight.body;
+  return fmt::format(
+      R"({{"mass": {:.17g}, "gravity": {:.17g}, "inertia": [{:.17g}, {:.17g}, {:.17g}], "x": {},
+"y": {}, "spin": {}, "a2": {}, "a1": {}, "d2": {}, "d1": {}, "rotor_inertia": {}, "lag": {},
+"lagging": {}, "start": [{:.17g}], "speeds": [{:.17g}], "duration": {}, "tolerance": {},
+"max_step": {}}})",
+      body.mass, body.gravity, body.J(0, 0), body.J(1, 1), body.J(2, 2),
+      rotors([](const auto& r) { return r.position.x(); }),
+      rotors([](const auto& r) { return r.position.y(); }),
+      rotors([](const auto& r) { return r.spin; }),
+      rotors([](const auto& r) { return r.thrust_a2; }),
+      rotors([](const auto& r) { return r.thrust_a1; }),
+      rotors([](const auto& r) { return r.torque_d2; }),
+      rotors([](const auto& r) { return r.torque_d1; }),
+      rotors([](const auto& r) { return r.inertia; }), rotors([](const auto& r) { return r.lag; }),
+      flight.lagging, fmt::join(flight.start, ", "), fmt::join(flight.speeds, ", "), kDuration,
+      kTolerance, max_step);
+}
+
+/// What a peer's program says of the flight; nothing where it cannot be run.
+std::optional<Line> peer(const std::string& name, const std::string& command,
+                         const FreeFlight& flight, double max_step, const Eigen::VectorXd& truth) {
+  const std::filesystem::path input =
+      std::filesystem::temp_directory_path() / "quadtune-flight-benchmark.json";
+  std::ofstream(input) << json_of(flight, max_step);
+  const std::string whole = fmt::format(fmt::runtime(command), fmt::arg("input", input.string()));
+  FILE* pipe = popen((whole + " 2>/dev/null").c_str(), "r");
+  if (!pipe) return std::nullopt;
+  std::string text;
+  std::array<char, 4096> buffer;
+  while (std::fgets(buffer.data(), buffer.size(), pipe)) text += buffer.data();
+  const bool failed = pclose(pipe) != 0;
+  std::filesystem::remove(input);
+  if (failed) return std::nullopt;
+  Line line{name, 0, 0, 0, 0};
+  std::istringstream words(text);
+  std::string evaluations;
+  words >> line.seconds >> line.steps >> evaluations;
+  Eigen::VectorXd end(flight.start.size());
+  for (double& number : end) words >> number;
+  if (!words) return std::nullopt;
+  line.error = difference(end, truth);
+  return line;
+}
+
+void print_header(const std::string& title) {
+  fmt::print(
+      "\n| {} | ns/step | steps/s | {:.0f} s of flight [ms] | error at the end | slower | goal |\n"
+      "|---|---:|---:|---:|---:|---:|---|\n",
+      title, kDuration);
+}
+
+void print(const Line& line, double single) {
+  const double rate = line.steps / line.seconds;
+  fmt::print("| {} | {:.1f} | {} | {:.3g} | {:.1e} | {} | {} |\n", line.name, 1e9 / rate,
+             rate > 1e6 ? fmt::format("{:.1f} million", rate / 1e6) : fmt::format("{:.0f}", rate),
+             line.seconds * 1e3, line.error,
+             line.goal > 0 ? "" : fmt::format("{:.0f} times", line.seconds / single),
+             line.goal > 0 ? fmt::format("{:.0f} million: {}", line.goal / 1e6,
+                                         rate >= line.goal ? "met" : "not met")
+                           : "");
+}
+
+template <int N>
+void race(const char* vehicle, double goal_single) {
+  const FreeFlight flight = free_flight(vehicle, N != 0);
+  const int states = 13 + N;
+  Flown<double, N> fine(flight);
+  fine.fly(kStep / 32);
+  const Eigen::VectorXd truth = fine.end();
+  print_header(fmt::format("equations of motion, {} states ({})", states, vehicle));
+  const Line single = ours<Pack<1>, N>("quadtune, one vehicle", flight, truth, goal_single);
+  print(single, single.seconds);
+  print(ours<Pack<kPackLanes>, N>(fmt::format("quadtune, packs of {}", kPackLanes), flight, truth,
+                                  40e6),
+        single.seconds);
+  const std::string python = fmt::format("python3 {}/flight_scipy.py < {{input}}", QUADTUNE_PEERS);
+  const std::string octave =
+      fmt::format("octave-cli --norc --quiet {}/flight_octave.m {{input}}", QUADTUNE_PEERS);
+  bool any = false;
+  for (const auto& [name, command] :
+       {std::pair("SciPy solve_ivp RK45", python), std::pair("Octave ode45", octave)})
+    for (const auto& [words, max_step] :
+         {std::pair("steps of 5 ms at most", kStep), std::pair("steps as it likes", kDuration)})
+      if (const auto line =
+              peer(fmt::format("{}, {}", name, words), command, flight, max_step, truth)) {
+        print(*line, single.seconds);
+        any = true;
+      }
+  if (!any) fmt::print("\nneither SciPy nor Octave is installed: no peer was measured\n");
+}
+
+// --- whole flights ---
+
+/// As `quadtune pid mambo` designs them.
+CascadeController designed() {
+  CascadeController controller;
+  controller.gains = load_vehicle("mambo").published_cascade->gains;
+  for (PidLoop& loop : controller.gains.loops) {
+    const auto set = [&](const char* name, double Kp, double Ki, double Kd) {
+      if (loop.name != name) return;
+      loop.Kp = Kp;
+      loop.Ki = Ki;
+      loop.Kd = Kd;
+    };
+    set("roll", 0.01078, 0.02777, -0.001508);
+    set("pitch", 0.01324, 0.03435, -0.001623);
+    set("yaw", 0.004025, 0.004904, -0.001079);
+    set("altitude", 0.8048, 0.5537, -0.3858);
+    set("y", 0.1834, 0.03979, -0.1684);
+    set("x", -0.2237, -0.05286, 0.1841);
+  }
+  controller.back_calculation = 2;
+  return controller;
+}
+
+FlightSetup mambo_hover() {
+  FlightSetup setup;
+  setup.vehicle = load_vehicle("mambo");
+  setup.mission = load_mission("hover");
+  setup.controller = designed();
+  calibrate_flow(setup);
+  return setup;
+}
+
+/// The same with every sensor there is, in turbulent wind, by the filter of 15 states. The law gets
+/// the true state's sensors only through it.
+FlightSetup everything() {
+  FlightSetup setup = mambo_hover();
+  setup.vehicle.sensors = typical_sensors();
+  setup.estimator = EstimatorKind::uquad;
+  setup.uquad_filter = uquad_filter_in_si<double>();
+  setup.environment.wind.mean = {1, 0, 0};
+  setup.environment.wind.turbulence = 1;
+  setup.safety.tilt = 10;
+  return setup;
+}
+
+bool same_bytes(const FlightResult& a, const FlightResult& b) {
+  const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
+  bool same = a.end == b.end && a.steps == b.steps && a.events.size() == b.events.size();
+  for (int i = 0; i < 12; ++i)
+    same = same && bits(a.final_state(i)) == bits(b.final_state(i)) &&
+           bits(a.final_estimate(i)) == bits(b.final_estimate(i));
+  for (std::size_t i = 0; i < kMetrics; ++i)
+    same = same && bits(a.metrics.value[i]) == bits(b.metrics.value[i]);
+  for (std::size_t c = 0; c < a.log.columns.size(); ++c)
+    for (std::size_t k = 0; same && k < a.log.columns[c].values.size(); ++k)
+      same = bits(a.log.columns[c].values[k]) == bits(b.log.columns[c].values[k]);
+  return same;
+}
+
+bool same_bytes(const std::vector<FlightResult>& a, const std::vector<FlightResult>& b) {
+  bool same = a.size() == b.size();
+  for (std::size_t i = 0; same && i < a.size(); ++i) same = same_bytes(a[i], b[i]);
+  return same;
+}
+
+void fly_whole(const std::string& name, const FlightSetup& setup, double goal) {
+  FlightResult result;
+  const Wall single = wall_of([&] { result = fly(setup); });
+  const double real_time = result.end_time / single.median;
+  std::vector<FlightSetup> setups(32, setup);
+  for (std::size_t i = 0; i < setups.size(); ++i) setups[i].flight = static_cast<std::uint32_t>(i);
+  std::vector<FlightResult> packed;
+  const Wall pack = wall_of([&] { packed = fly_all(setups, 1); }, 5);
+  std::vector<FlightResult> alone;
+  double flown = 0;
+  for (const FlightSetup& one : setups) alone.push_back(fly(one));
+  for (const FlightResult& one : alone) flown += one.end_time;
+  const double packed_rate = flown / pack.median;
+  fmt::print(
+      "| {} | {} | {:.2f} | {:.0f}{} | {:.2f} | {:.0f} | {:.1f} times{} | {} |\n", name,
+      to_string(result.end), single.median * 1e3, real_time,
+      goal > 0 ? (real_time >= goal ? " (goal 3000: met)" : " (goal 3000: not met)") : "",
+      pack.median / static_cast<double>(setups.size()) * 1e3, packed_rate, packed_rate / real_time,
+      goal > 0 ? (packed_rate >= 4 * real_time ? " (goal 4: met)" : " (goal 4: not met)") : "",
+      same_bytes(packed, alone) ? "same bytes" : "NOT the same");
+}
+
+void fly_threads() {
+  FlightSetup setup = mambo_hover();
+  setup.duration = 10;
+  setup.log = true;
+  std::vector<FlightSetup> setups(45, setup);
+  for (std::size_t i = 0; i < setups.size(); ++i) {
+    setups[i].flight = static_cast<std::uint32_t>(i);
+    setups[i].environment.wind.turbulence = i % 2 == 0 ? 1 : 0;
+  }
+  const std::vector<FlightResult> one = fly_all(setups, 1);
+  fmt::print("\n{} flights of 10 s with logs:", setups.size());
+  for (const std::size_t threads : {2, 4, 8})
+    fmt::print(" {} threads {};", threads,
+               same_bytes(one, fly_all(setups, threads)) ? "the same bytes as one"
+                                                         : "NOT the same bytes as one");
+  fmt::print("\n");
+}
+
+}  // namespace
+}  // namespace quadtune::bench
+
+int main() {
+  using namespace quadtune;
+  using namespace quadtune::bench;
+  fmt::print("{}", describe_machine());
+  race<4>("crazyflie", 5e6);
+  race<0>("mambo", 12e6);
+  fmt::print(
+      "\n| whole flight of 100 s, one thread | ended | alone [ms] | times real time | of a pack "
+      "[ms] | times real time | pack over alone | a pack's flights and those alone |\n"
+      "|---|---|---:|---:|---:|---:|---:|---|\n");
+  fly_whole("mambo hovers, its sensors and estimator", mambo_hover(), 3000);
+  fly_whole("every sensor, turbulence, filter of 15 states", everything(), 0);
+  fly_threads();
+}
