@@ -12,6 +12,7 @@
 #include <set>
 
 #include "hostile_texts.hpp"
+#include "run_program.hpp"
 #include "sample_flight.hpp"
 #include "temporary_directory.hpp"
 
@@ -345,11 +346,16 @@ std::pair<unsigned, unsigned> png_size(const std::string& bytes) {
   return {number(16), number(20)};
 }
 
-// With QUADTUNE_UPDATE_DOCS=1 in the environment the wide one becomes the picture of the documents.
+// Of a flight that was flown, by the command that the README has. With QUADTUNE_UPDATE_DOCS=1 in
+// the environment the wide one becomes its picture.
 TEST_F(Browser, TakesPicturesWideAndNarrow) {
   const std::string wide = (place_.path() / "wide.png").string();
   const std::string narrow = (place_.path() / "narrow.png").string();
-  const std::string html = with_script(cli::html(sample_flight()), "flightReport.seek(21.4)");
+  const std::string report = (place_.path() / "lemniscate.html").string();
+  const ProgramResult flown =
+      run_program({"fly", "mambo", "--mission", "lemniscate", "--report", report});
+  ASSERT_EQ(flown.status, 0) << flown.out << flown.err;
+  const std::string html = with_script(place_.read("lemniscate.html"), "flightReport.seek(21.4)");
   const std::string file = write(html);
   EXPECT_EQ(take_picture(file, wide, 1400, 1350).status, 0);
   EXPECT_EQ(png_size(place_.read("wide.png")), std::pair(1400U, 1350U));

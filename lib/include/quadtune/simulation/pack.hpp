@@ -33,11 +33,13 @@ template <int N>
 struct PackTypes {
   typedef double Numbers __attribute__((vector_size(N * sizeof(double))));
   typedef std::int64_t Bits __attribute__((vector_size(N * sizeof(double))));
+  typedef std::uint64_t Words __attribute__((vector_size(N * sizeof(double))));
 };
 template <>
 struct PackTypes<1> {
   using Numbers = double;
   using Bits = std::int64_t;
+  using Words = std::uint64_t;
 };
 
 /// One truth value a lane.
@@ -154,6 +156,14 @@ struct Pack {
     }
   }
 
+  /// Whole numbers of at most 2⁵² in size.
+  static Pack of_whole(Bits from) {
+    if constexpr (N == 1) {
+      return of(static_cast<double>(from));
+    } else {
+      return of(__builtin_convertvector(from, Numbers));
+    }
+  }
   /// The bits of the numbers, to take their parts.
   [[nodiscard]] Bits bits() const { return std::bit_cast<Bits>(v); }
   static Pack of_bits(Bits b) { return of(std::bit_cast<Numbers>(b)); }

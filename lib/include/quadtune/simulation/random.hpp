@@ -48,41 +48,37 @@ struct RandomPair {
 template <int N>
 [[nodiscard]] inline RandomPair<N> random_uniform(const RandomSource<N>& source,
                                                   std::uint32_t stream, std::uint64_t index) {
-  // Written over arrays, so that the lanes are computed side by side.
-  std::array<std::uint64_t, N> c0;
-  std::array<std::uint64_t, N> c1;
-  std::array<std::uint64_t, N> c2;
-  std::array<std::uint64_t, N> c3;
-  for (std::size_t i = 0; i < N; ++i) {
-    c0[i] = static_cast<std::uint32_t>(index);
-    c1[i] = static_cast<std::uint32_t>(index >> 32);
-    c2[i] = stream;
-    c3[i] = source.flight[i];
+  // A word of 32 bits in each of 64, the lanes side by side.
+  using Words = typename PackTypes<N>::Words;
+  const Words zero{};
+  Words c0 = zero + static_cast<std::uint32_t>(index);
+  Words c1 = zero + static_cast<std::uint32_t>(index >> 32);
+  Words c2 = zero + stream;
+  Words c3;
+  if constexpr (N == 1) {
+    c3 = source.flight[0];
+  } else {
+    for (int i = 0; i < N; ++i) c3[i] = source.flight[static_cast<std::size_t>(i)];
   }
   std::uint64_t k0 = static_cast<std::uint32_t>(source.seed);
   std::uint64_t k1 = static_cast<std::uint32_t>(source.seed >> 32);
   constexpr std::uint64_t kLow = 0xffffffff;
   for (int round = 0; round < 10; ++round) {
-    for (std::size_t i = 0; i < N; ++i) {
-      const std::uint64_t a = std::uint64_t{0xD2511F53} * c0[i];
-      const std::uint64_t b = std::uint64_t{0xCD9E8D57} * c2[i];
-      c0[i] = (b >> 32) ^ c1[i] ^ k0;
-      c1[i] = b & kLow;
-      c2[i] = (a >> 32) ^ c3[i] ^ k1;
-      c3[i] = a & kLow;
-    }
+    const Words a = c0 * std::uint64_t{0xD2511F53};
+    const Words b = c2 * std::uint64_t{0xCD9E8D57};
+    c0 = (b >> 32) ^ c1 ^ k0;
+    c1 = b & kLow;
+    c2 = (a >> 32) ^ c3 ^ k1;
+    c3 = a & kLow;
     k0 = (k0 + 0x9E3779B9) & kLow;
     k1 = (k1 + 0xBB67AE85) & kLow;
   }
-  RandomPair<N> result;
-  for (std::size_t i = 0; i < N; ++i) {
-    constexpr double kStep = 1.0 / 4503599627370496.0;  // 2⁻⁵²
-    const auto first = static_cast<std::int64_t>(((c1[i] << 32) | c0[i]) >> 12);
-    const auto second = static_cast<std::int64_t>(((c3[i] << 32) | c2[i]) >> 12);
-    set_lane(result.first, static_cast<int>(i), (static_cast<double>(first) + 0.5) * kStep);
-    set_lane(result.second, static_cast<int>(i), (static_cast<double>(second) + 0.5) * kStep);
-  }
-  return result;
+  using P = Pack<N>;
+  const auto fraction = [](Words high, Words low) {
+    const P k = P::of_whole((typename P::Bits)(((high << 32) | low) >> 12));
+    return (k + P(0.5)) * P(1.0 / 4503599627370496.0);  // 2⁻⁵²
+  };
+  return {fraction(c1, c0), fraction(c3, c2)};
 }
 
 /// Normal with mean 0 and variance 1.
