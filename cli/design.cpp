@@ -51,7 +51,7 @@ void write_reports(const DesignOutcome& outcome, const std::string& directory,
     const std::string file =
         (std::filesystem::path(directory) / ("flight-" + flight.plan.setup.mission.name + ".html"))
             .string();
-    write_file(file, html(mission_report(outcome, flight, context.command)));
+    write_file(file, html(report_of(flight, context.command)));
   }
 }
 

@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "program.hpp"
 #include "quadtune/errors.hpp"
@@ -14,22 +12,6 @@ namespace quadtune::cli {
 namespace {
 
 using internal::Json;
-
-std::vector<MarginRow> margin_rows(const MarginsReport& margins) {
-  const auto decibels = [](double gain) { return 20 * std::log10(gain); };
-  const auto degrees = [](double angle) { return angle * 180 / std::numbers::pi; };
-  std::vector<MarginRow> rows;
-  for (std::size_t i = 0; i < margins.loops.size(); ++i) {
-    const LoopMargins& loop = margins.loops[i];
-    rows.push_back({i < margins.names.size() ? margins.names[i] : "loop",
-                    {{"gain margin", "dB", decibels(loop.gain_margin)},
-                     {"phase margin", "deg", degrees(loop.phase_margin)},
-                     {"delay margin", "s", loop.delay_margin},
-                     {"disk gain margin", "dB", decibels(loop.disk.gain_high)},
-                     {"Ms", "", loop.Ms}}});
-  }
-  return rows;
-}
 
 FlownFlight fly_one(const DesignOutcome& outcome, const MissionRequest& request, std::uint64_t seed,
                     bool keep_log) {
@@ -49,10 +31,11 @@ FlownFlight fly_one(const DesignOutcome& outcome, const MissionRequest& request,
       cascade ? Controller(cascade_controller(*design.cascade, outcome.cascade->cascade.gains))
               : Controller(feedback_controller(*outcome.gains, kUsualPeriod));
   try {
-    PlannedFlight plan = plan_flight(
-        arguments, design.vehicle, mission, controller,
+    const ChosenLaw law{
+        controller,
         fmt::format("{} of {}", cascade ? "cascaded PID" : "state feedback", design.name),
-        "design");
+        cascade ? std::optional(outcome.cascade->margins) : outcome.margins};
+    PlannedFlight plan = plan_flight(arguments, design.vehicle, mission, law, "design");
     plan.setup.log = keep_log;
     return fly_planned(std::move(plan));
   } catch (const UsageError& error) {
@@ -73,17 +56,6 @@ std::vector<FlownFlight> fly_missions(const DesignOutcome& outcome, std::uint64_
   for (const MissionRequest& request : outcome.design.missions)
     flights.push_back(fly_one(outcome, request, seed, keep_logs));
   return flights;
-}
-
-FlightReport mission_report(const DesignOutcome& outcome, const FlownFlight& flight,
-                            const std::string& command) {
-  FlightReport report = report_of(flight, command);
-  const bool cascade = std::holds_alternative<CascadeController>(flight.plan.setup.controller);
-  const MarginsReport* margins = cascade && outcome.cascade    ? &outcome.cascade->margins
-                                 : !cascade && outcome.margins ? &*outcome.margins
-                                                               : nullptr;
-  if (margins != nullptr) report.margins = margin_rows(*margins);
-  return report;
 }
 
 bool missions_passed(const DesignOutcome& outcome) {

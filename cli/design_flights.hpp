@@ -17,10 +17,6 @@ namespace quadtune::cli {
 [[nodiscard]] std::vector<FlownFlight> fly_missions(const DesignOutcome& outcome,
                                                     std::uint64_t seed, bool keep_logs);
 
-/// The page of a mission, with the design's gains and margins.
-[[nodiscard]] FlightReport mission_report(const DesignOutcome& outcome, const FlownFlight& flight,
-                                          const std::string& command);
-
 /// Whether every mission passed.
 [[nodiscard]] bool missions_passed(const DesignOutcome& outcome);
 

@@ -24,11 +24,6 @@ constexpr double kUsualPeriod = 0.005;
 /// nothing.
 constexpr double kDesignedBackCalculation = 2;
 
-struct ChosenLaw {
-  Controller controller;
-  std::string words;
-};
-
 /// What an option's word means, the option's mistake told as the command line's.
 template <class Function>
 auto word_of(const std::string& verb, const std::string& option, Function&& read) {
@@ -58,18 +53,22 @@ ChosenLaw cascade_of(const FlightArguments& arguments, const Vehicle& vehicle,
       throw InvalidInput(arguments.gains,
                          "has no [cascade], expected one because its gains shall "
                          "fly");
-    const CascadeGains gains =
-        design.cascade->specification
-            ? design_cascade(vehicle, *design.cascade->specification, arguments.gains).cascade.gains
-            : design.cascade->gains;
+    CascadeGains gains = design.cascade->gains;
+    if (design.cascade->specification) {
+      const CascadeReport report =
+          design_cascade(vehicle, *design.cascade->specification, arguments.gains);
+      gains = report.cascade.gains;
+      law.margins = report.margins;
+    }
     law.controller = cascade_controller(*design.cascade, gains);
     law.words = "cascaded PID of " + arguments.gains;
   } else {
     CascadeSpecification specification;
     specification.dt =
         vehicle.published_cascade ? vehicle.published_cascade->gains.dt : kUsualPeriod;
-    CascadeController controller{
-        design_cascade(vehicle, specification, vehicle.name).cascade.gains};
+    const CascadeReport report = design_cascade(vehicle, specification, vehicle.name);
+    law.margins = report.margins;
+    CascadeController controller{report.cascade.gains};
     controller.back_calculation = kDesignedBackCalculation;
     law.controller = controller;
     law.words = fmt::format("cascaded PID, designed as by `quadtune pid {}`", arguments.vehicle);
@@ -81,7 +80,8 @@ ChosenLaw feedback_of(const FlightArguments& arguments, const Vehicle& vehicle,
                       const std::string& verb) {
   if (arguments.gains == "designed")
     return {feedback_controller(standard_gains(vehicle, verb), kUsualPeriod),
-            "state feedback, LQR with weights by Bryson's rule"};
+            "state feedback, LQR with weights by Bryson's rule",
+            {}};
   if (arguments.gains == "published")
     throw UsageError(fmt::format("quadtune {}: --gains published is for cascaded-pid, expected "
                                  "designed or a file of gains",
@@ -92,7 +92,7 @@ ChosenLaw feedback_of(const FlightArguments& arguments, const Vehicle& vehicle,
     throw InvalidInput(arguments.gains,
                        fmt::format("the gains are for the vehicle '{}', expected '{}'",
                                    gains.vehicle, vehicle.name));
-  return {feedback_controller(gains, kUsualPeriod), "state feedback of " + arguments.gains};
+  return {feedback_controller(gains, kUsualPeriod), "state feedback of " + arguments.gains, {}};
 }
 
 ChosenLaw law_of(FlightArguments arguments, const Vehicle& vehicle, const std::string& verb) {
@@ -215,14 +215,14 @@ StateFeedbackController feedback_controller(const Gains& gains, double dt) {
 }
 
 PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehicle,
-                          const Mission& mission, const Controller& controller,
-                          const std::string& law, const std::string& verb) {
+                          const Mission& mission, const ChosenLaw& law, const std::string& verb) {
   PlannedFlight flight;
   FlightSetup& setup = flight.setup;
   setup.vehicle = vehicle;
   setup.mission = mission;
-  setup.controller = controller;
-  flight.law = law;
+  setup.controller = law.controller;
+  flight.law = law.words;
+  flight.margins = law.margins;
   if (auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
     if (!arguments.integrator.empty())
       cascade->method = word_of(verb, "--integrator", [&](const std::string& option) {
@@ -272,8 +272,7 @@ PlannedFlight plan_flight(const FlightArguments& arguments, const std::string& v
     throw UsageError(fmt::format("quadtune {}: expected a vehicle", verb), "V");
   const Vehicle vehicle = load_vehicle(arguments.vehicle);
   const Mission mission = load_mission(arguments.mission);
-  const ChosenLaw law = law_of(arguments, vehicle, verb);
-  return plan_flight(arguments, vehicle, mission, law.controller, law.words, verb);
+  return plan_flight(arguments, vehicle, mission, law_of(arguments, vehicle, verb), verb);
 }
 
 }  // namespace quadtune::cli

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "margins_report.hpp"
 #include "quadtune/design.hpp"
 #include "quadtune/simulation/flight.hpp"
 
@@ -42,14 +43,22 @@ struct FlightArguments {
 /// Adds V and all of these but --seed, which every verb has.
 void add_flight_options(CLI::App& app, FlightArguments& arguments);
 
+/// What steers, and what is known of it.
+struct ChosenLaw {
+  Controller controller;
+  std::string words;  ///< e.g. "cascaded PID, designed as by `quadtune pid mambo`"
+  std::optional<MarginsReport> margins = {};  ///< of its loops, where its design computed them
+};
+
 /// A setup, and in words what was chosen for it.
 struct PlannedFlight {
   FlightSetup setup;
-  std::string law;                 ///< e.g. "cascaded PID, designed as by `quadtune pid mambo`"
-  std::string estimator;           ///< e.g. "mambo"
-  std::string sensors;             ///< "real" or "ideal"
-  std::string wind;                ///< as it was asked for
-  std::vector<std::string> notes;  ///< what the user should know of a choice
+  std::string law;                       ///< ChosenLaw::words
+  std::optional<MarginsReport> margins;  ///< ChosenLaw::margins
+  std::string estimator;                 ///< e.g. "mambo"
+  std::string sensors;                   ///< "real" or "ideal"
+  std::string wind;                      ///< as it was asked for
+  std::vector<std::string> notes;        ///< what the user should know of a choice
 };
 
 /// @param verb  for messages
@@ -58,8 +67,8 @@ struct PlannedFlight {
 
 /// The same for a vehicle, a mission and a law in memory; their options are not looked at.
 [[nodiscard]] PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehicle,
-                                        const Mission& mission, const Controller& controller,
-                                        const std::string& law, const std::string& verb);
+                                        const Mission& mission, const ChosenLaw& law,
+                                        const std::string& verb);
 
 /// A cascade of a design file as it is flown.
 /// @param gains  designed where the file asks for them

@@ -130,6 +130,22 @@ ReportReplay replay_of(const Vehicle& vehicle) {
   return replay;
 }
 
+std::vector<MarginRow> margin_rows(const MarginsReport& margins) {
+  const auto decibels = [](double gain) { return 20 * std::log10(gain); };
+  const auto degrees = [](double angle) { return angle * 180 / std::numbers::pi; };
+  std::vector<MarginRow> rows;
+  for (std::size_t i = 0; i < margins.loops.size(); ++i) {
+    const LoopMargins& loop = margins.loops[i];
+    rows.push_back({i < margins.names.size() ? margins.names[i] : "loop",
+                    {{"gain margin", "dB", decibels(loop.gain_margin)},
+                     {"phase margin", "deg", degrees(loop.phase_margin)},
+                     {"delay margin", "s", loop.delay_margin},
+                     {"disk gain margin", "dB", decibels(loop.disk.gain_high)},
+                     {"Ms", "", loop.Ms}}});
+  }
+  return rows;
+}
+
 }  // namespace
 
 FlownFlight fly_planned(PlannedFlight plan) {
@@ -306,8 +322,7 @@ FlightReport report_of(const FlownFlight& flight, const std::string& command) {
   report.verdict = flight.passed ? ReportVerdict::pass : ReportVerdict::fail;
   report.reasons = reasons(flight);
   if (flight.passed)
-    report.reasons.push_back(
-        fmt::format("flown to the end, {} limits kept", flight.verdict.checks.size()));
+    report.reasons.push_back("flown to the end");
   for (std::size_t i = 0; i < kMetrics; ++i) {
     const auto metric = static_cast<Metric>(i);
     ReportMetric row;
@@ -331,6 +346,7 @@ FlightReport report_of(const FlownFlight& flight, const std::string& command) {
   report.plots = plots_of(flight);
   report.replay = replay_of(setup.vehicle);
   report.gains = gains_of(setup.controller);
+  if (flight.plan.margins) report.margins = margin_rows(*flight.plan.margins);
   report.command = command;
   report.version = std::string(kVersion);
   report.seed = fmt::format("{}", setup.seed);

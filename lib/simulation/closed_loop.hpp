@@ -871,6 +871,8 @@ template <int N, int R>
 FlightResult ClosedLoop<N, R>::result(int l) {
   FlightResult& result = results_[static_cast<std::size_t>(l)];
   result.metrics = metrics_.values(l);
+  // Samples are fence posts, of which there is one more than periods.
+  result.metrics.value[static_cast<std::size_t>(Metric::duration)] = result.end_time;
   if (lane(alive_, l)) keep_final(l);
   if (!recorders_.empty())
     result.log = recorders_[static_cast<std::size_t>(l)].table(result.events);

@@ -218,6 +218,33 @@ TEST(Compare, HasTheKeysOfItsContract) {
   EXPECT_EQ(json["a"]["steps"], 2000);
 }
 
+// The experiments of the model project, where nothing else is said.
+TEST(Compare, FliesThePublishedGainsWithIdealSensors) {
+  for (const char* what : {"integrators", "flow"}) {
+    const Json json = flown({"compare", what, "mambo", "--duration", "5"});
+    EXPECT_EQ(json["a"]["sensors"], "ideal") << what;
+    EXPECT_THAT(std::string(json["a"]["law"]), HasSubstr("published")) << what;
+  }
+  const Json json = flown({"compare", "flow", "mambo", "--duration", "5", "--sensors", "real",
+                           "--gains", "designed", "--estimator", "mambo"});
+  EXPECT_EQ(json["b"]["sensors"], "real");
+  EXPECT_THAT(std::string(json["b"]["law"]), HasSubstr("designed"));
+  EXPECT_EQ(json["b"]["estimator"], "mambo");
+  EXPECT_THAT(
+      std::string(flown({"compare", "integrators", "crazyflie", "--duration", "2"})["a"]["law"]),
+      HasSubstr("designed"));  // nothing is published
+}
+
+TEST(Compare, FilterChangesWhatIsBelievedOnly) {
+  const Json json =
+      flown({"compare", "filter", "mambo", "--mission", "lemniscate-carried", "--duration", "5"});
+  EXPECT_EQ(json["a"]["estimator"], "mambo");
+  EXPECT_EQ(json["b"]["estimator"], "mambo-raw");
+  EXPECT_EQ(json["difference"]["max"]["px"], 0);
+  EXPECT_GT(json["difference"]["max"]["believed_px"], 1e-4);
+  EXPECT_EQ(json["difference"]["max"]["believed_pz"], 0);
+}
+
 TEST(Compare, TheSameGainsDoNotDiffer) {
   const Json json = flown({"compare", "gains", "mambo", "designed", "designed", "--duration", "5"});
   for (const auto& [name, value] : json["difference"]["mean_squared"].items())
