@@ -220,7 +220,8 @@ void race(const char* vehicle, double goal_single) {
   print(ours<Pack<kPackLanes>, N>(fmt::format("quadtune, packs of {}", kPackLanes), flight, truth,
                                   40e6),
         single.seconds);
-  const std::string python = fmt::format("/usr/bin/python3 {}/flight_scipy.py < {{input}}", QUADTUNE_PEERS);
+  const std::string python =
+      fmt::format("/usr/bin/python3 {}/flight_scipy.py < {{input}}", QUADTUNE_PEERS);
   const std::string octave =
       fmt::format("octave-cli --norc --quiet {}/flight_octave.m {{input}}", QUADTUNE_PEERS);
   bool any = false;

@@ -321,8 +321,7 @@ FlightReport report_of(const FlownFlight& flight, const std::string& command) {
   report.title = fmt::format("{} flies {}", setup.vehicle.name, setup.mission.name);
   report.verdict = flight.passed ? ReportVerdict::pass : ReportVerdict::fail;
   report.reasons = reasons(flight);
-  if (flight.passed)
-    report.reasons.push_back("flown to the end");
+  if (flight.passed) report.reasons.push_back("flown to the end");
   for (std::size_t i = 0; i < kMetrics; ++i) {
     const auto metric = static_cast<Metric>(i);
     ReportMetric row;

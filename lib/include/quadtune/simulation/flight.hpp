@@ -115,8 +115,8 @@ struct FlightResult {
   LogTable log;  ///< a row each control period; empty unless asked for
 };
 
-/// Makes the Mambo's estimator right for the optical flow that flies: the sensor's scale undone, the
-/// body's own turning taken out of the image. Without optical flow it changes nothing.
+/// Makes the Mambo's estimator right for the optical flow that flies: the sensor's scale undone,
+/// the body's own turning taken out of the image. Without optical flow it changes nothing.
 void calibrate_flow(FlightSetup& setup);
 
 /// Checks that a setup can be flown.
