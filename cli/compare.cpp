@@ -40,6 +40,11 @@ std::array<FlightArguments, 2> both_flights(Options options) {
   }
   if (options.what == "flow") {
     expect_none(flight.flow, "--flow", "the simplified flow is compared with the full one");
+    if (!flight.vehicle.empty() && !load_vehicle(flight.vehicle).sensors.flow)
+      throw UsageError(fmt::format("quadtune compare: flow: '{}' has no optical flow sensor, "
+                                   "expected a vehicle with one",
+                                   flight.vehicle),
+                       "V");
     flight = as_the_model_project(flight);
     if (flight.estimator.empty()) flight.estimator = "mambo-original";
     std::array<FlightArguments, 2> two = {flight, flight};
@@ -111,7 +116,7 @@ Verb compare_verb() {
           std::array<FlownFlight, 2> flights;
           for (std::size_t i = 0; i < 2; ++i) {
             PlannedFlight plan = plan_flight(wanted[i], "compare");
-            plan.setup.log = true;
+            keep_log(plan, "compare");
             if (i == 0)
               for (const std::string& note : plan.notes) context.note("compare: note: " + note);
             flights[i] = fly_planned(std::move(plan));

@@ -7,14 +7,25 @@
 
 #include "program.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/text_file.hpp"
 
 namespace quadtune::cli {
 namespace {
 
 using internal::Json;
 
-FlownFlight fly_one(const DesignOutcome& outcome, const MissionRequest& request, std::uint64_t seed,
-                    bool keep_log) {
+/// A name that is no mission was written in the design.
+Mission mission_of(const MissionRequest& request) {
+  try {
+    return load_mission(request.mission);
+  } catch (const InvalidInput& error) {
+    if (error.where() == "mission") throw InvalidInput(request.where, error.what());
+    throw;
+  }
+}
+
+FlownFlight fly_one(const DesignOutcome& outcome, const MissionRequest& request,
+                    const Mission& mission, std::uint64_t seed, bool keep_log) {
   const Design& design = outcome.design;
   FlightArguments arguments;
   arguments.vehicle = design.vehicle.name;
@@ -23,7 +34,6 @@ FlownFlight fly_one(const DesignOutcome& outcome, const MissionRequest& request,
   arguments.flow = request.flow;
   arguments.wind = request.wind;
   arguments.seed = seed;
-  const Mission mission = load_mission(request.mission);
   const bool cascade = request.controller == "cascaded-pid";
   // Continuous gains are flown at the rate of the Mambo's program.
   constexpr double kUsualPeriod = 0.005;
@@ -34,7 +44,8 @@ FlownFlight fly_one(const DesignOutcome& outcome, const MissionRequest& request,
     const ChosenLaw law{
         controller,
         fmt::format("{} of {}", cascade ? "cascaded PID" : "state feedback", design.name),
-        cascade ? std::optional(outcome.cascade->margins) : outcome.margins};
+        cascade ? std::optional(outcome.cascade->margins) : outcome.margins,
+        cascade ? position_bandwidth(*outcome.cascade) : 0};
     PlannedFlight plan = plan_flight(arguments, design.vehicle, mission, law, "design");
     plan.setup.log = keep_log;
     return fly_planned(std::move(plan));
@@ -52,9 +63,20 @@ FlownFlight fly_one(const DesignOutcome& outcome, const MissionRequest& request,
 
 std::vector<FlownFlight> fly_missions(const DesignOutcome& outcome, std::uint64_t seed,
                                       bool keep_logs) {
+  // Each leaves a page of its name.
+  std::vector<Mission> missions;
+  for (const MissionRequest& request : outcome.design.missions) {
+    missions.push_back(mission_of(request));
+    for (std::size_t i = 0; i + 1 < missions.size(); ++i)
+      if (missions[i].name == missions.back().name)
+        throw InvalidInput(request.where,
+                           fmt::format("a second mission has the name '{}', expected another name "
+                                       "because each leaves a page of its name",
+                                       internal::printable(missions[i].name)));
+  }
   std::vector<FlownFlight> flights;
-  for (const MissionRequest& request : outcome.design.missions)
-    flights.push_back(fly_one(outcome, request, seed, keep_logs));
+  for (std::size_t i = 0; i < missions.size(); ++i)
+    flights.push_back(fly_one(outcome, outcome.design.missions[i], missions[i], seed, keep_logs));
   return flights;
 }
 

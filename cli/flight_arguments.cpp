@@ -4,15 +4,16 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 
-#include "cascade_report.hpp"
 #include "number_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "standard_lqr.hpp"
 
 namespace quadtune::cli {
@@ -53,12 +54,17 @@ ChosenLaw cascade_of(const FlightArguments& arguments, const Vehicle& vehicle,
       throw InvalidInput(arguments.gains,
                          "has no [cascade], expected one because its gains shall "
                          "fly");
+    if (design.vehicle.name != vehicle.name)
+      throw InvalidInput(arguments.gains,
+                         fmt::format("the design is for the vehicle '{}', expected '{}'",
+                                     design.vehicle.name, vehicle.name));
     CascadeGains gains = design.cascade->gains;
     if (design.cascade->specification) {
       const CascadeReport report =
           design_cascade(vehicle, *design.cascade->specification, arguments.gains);
       gains = report.cascade.gains;
       law.margins = report.margins;
+      law.position_bandwidth = position_bandwidth(report);
     }
     law.controller = cascade_controller(*design.cascade, gains);
     law.words = "cascaded PID of " + arguments.gains;
@@ -68,6 +74,7 @@ ChosenLaw cascade_of(const FlightArguments& arguments, const Vehicle& vehicle,
         vehicle.published_cascade ? vehicle.published_cascade->gains.dt : kUsualPeriod;
     const CascadeReport report = design_cascade(vehicle, specification, vehicle.name);
     law.margins = report.margins;
+    law.position_bandwidth = position_bandwidth(report);
     CascadeController controller{report.cascade.gains};
     controller.back_calculation = kDesignedBackCalculation;
     law.controller = controller;
@@ -86,6 +93,12 @@ ChosenLaw feedback_of(const FlightArguments& arguments, const Vehicle& vehicle,
     throw UsageError(fmt::format("quadtune {}: --gains published is for cascaded-pid, expected "
                                  "designed or a file of gains",
                                  verb),
+                     "--gains");
+  if (is_design(arguments.gains))
+    throw UsageError(fmt::format("quadtune {}: --gains is the design file '{}', expected a file of "
+                                 "gains or an export, because a design's state feedback is flown "
+                                 "from what `quadtune design FILE -o DIR` writes",
+                                 verb, arguments.gains),
                      "--gains");
   const Gains gains = read_gains(arguments.gains);
   if (!gains.vehicle.empty() && gains.vehicle != vehicle.name)
@@ -136,9 +149,14 @@ void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& f
   flight.estimator = name;
   // Variants of the Mambo's: without the calibration, without the filter.
   const bool original = name == "mambo-original", raw = name == "mambo-raw";
-  setup.estimator = word_of(verb, "--estimator", [&](const std::string& option) {
-    return estimator_kind(original || raw ? "mambo" : name, option);
-  });
+  static const std::vector<std::string> words = {"mambo", "mambo-original", "mambo-raw", "uquad",
+                                                 "truth"};
+  if (std::find(words.begin(), words.end(), name) == words.end())
+    throw UsageError(fmt::format("quadtune {}: --estimator: no estimator '{}', expected {}{}", verb,
+                                 internal::printable(name), fmt::join(words, ", "),
+                                 internal::did_you_mean(name, words)),
+                     "--estimator");
+  setup.estimator = estimator_kind(original || raw ? "mambo" : name, "--estimator");
   if (raw) setup.mambo_estimator.position = MamboPosition::flow_velocity;
   if (setup.estimator == EstimatorKind::truth) return;
   need(sensors.accelerometer.has_value(), "accelerometer");
@@ -154,7 +172,74 @@ void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& f
   }
 }
 
+/// The accelerometer of a multirotor shows its thrust, not the vertical: the filter of the attitude
+/// forgets a tilt that lasts, and a loop of position slower than that forgetting swings up.
+void slow_down_attitude_filter(const ChosenLaw& law, const FlightArguments& arguments,
+                               PlannedFlight& flight) {
+  constexpr double kLeastProduct = 0.5;  // of the loop's speed and the filter's time constant
+  FlightSetup& setup = flight.setup;
+  double& time_constant = setup.mambo_estimator.attitude_time_constant;
+  if (setup.estimator != EstimatorKind::mambo || arguments.estimator == "mambo-original" ||
+      !(law.position_bandwidth * time_constant < kLeastProduct && law.position_bandwidth > 0))
+    return;
+  time_constant = kLeastProduct / law.position_bandwidth;
+  flight.notes.push_back(fmt::format(
+      "the loops of x and y are as slow as {:.2g} rad/s: the attitude filter has a time "
+      "constant of {:.2g} s instead of 1 s",
+      law.position_bandwidth, time_constant));
+}
+
+/// Options that speak of an optical flow sensor need one.
+void require_flow_sensor(const FlightArguments& arguments, const FlightSetup& setup,
+                         const std::string& verb) {
+  const auto refuse = [&](const char* option, const std::string& why) {
+    throw UsageError(
+        fmt::format("quadtune {}: {} came, expected none because {}", verb, option, why), option);
+  };
+  const std::string none =
+      fmt::format("the vehicle '{}' has no optical flow sensor", setup.vehicle.name);
+  const bool has_sensor = setup.vehicle.sensors.flow.has_value();
+  if (!has_sensor && arguments.flow_rate) refuse("--flow-rate", none);
+  if (!has_sensor && arguments.flow == "simplified") refuse("--flow simplified", none);
+  if (arguments.flow_rate && setup.flow == FlowModel::off) refuse("--flow-rate", "the flow is off");
+}
+
+/// What validate() would refuse of numbers that the command line gave.
+void require_sane_times(const FlightSetup& setup, const std::string& verb) {
+  const auto refuse = [&](const char* option, double value, const std::string& expected) {
+    throw UsageError(
+        fmt::format("quadtune {}: {} is {}, expected {}", verb, option, number(value), expected),
+        option);
+  };
+  const auto* cascade = std::get_if<CascadeController>(&setup.controller);
+  const double dt =
+      cascade ? cascade->gains.dt : std::get<StateFeedbackController>(setup.controller).dt;
+  if (!(dt > 0)) return;
+  if (dt / setup.step > 1e6)
+    refuse("--step", setup.step,
+           fmt::format("at least a millionth of the control period, {} s", number(dt)));
+  if (setup.duration / dt > 1e8)
+    refuse("--duration", setup.duration, fmt::format("at most {} s", number(1e8 * dt)));
+  if (setup.flow_rate > 10000) refuse("--flow-rate", setup.flow_rate, "at most 10000 Hz");
+}
+
 }  // namespace
+
+void keep_log(PlannedFlight& plan, const std::string& verb) {
+  constexpr double kMostRows = 2e6;  // about 1.5 GB
+  FlightSetup& setup = plan.setup;
+  const auto* cascade = std::get_if<CascadeController>(&setup.controller);
+  const double dt =
+      cascade ? cascade->gains.dt : std::get<StateFeedbackController>(setup.controller).dt;
+  const double duration = setup.duration > 0 ? setup.duration : setup.mission.duration;
+  if (duration / dt > kMostRows)
+    throw UsageError(
+        fmt::format("quadtune {}: --duration is {} s, expected at most {} s where every control "
+                    "period is kept, because the record is held in memory",
+                    verb, number(duration), number(kMostRows * dt)),
+        "--duration");
+  setup.log = true;
+}
 
 void add_flight_options(CLI::App& app, FlightArguments& arguments) {
   app.add_option("--mission", arguments.mission,
@@ -208,6 +293,16 @@ CascadeController cascade_controller(const CascadeDesign& design, const CascadeG
   return controller;
 }
 
+double position_bandwidth(const CascadeReport& report) {
+  double slower = 0;
+  for (const CascadeAxisDesign& loop : report.cascade.loops) {
+    if (loop.axis != CascadeAxis::x && loop.axis != CascadeAxis::y) continue;
+    const double bandwidth = loop.design.evidence.bandwidth;
+    slower = slower > 0 ? std::min(slower, bandwidth) : bandwidth;
+  }
+  return slower;
+}
+
 StateFeedbackController feedback_controller(const Gains& gains, double dt) {
   StateFeedbackController controller{gains, gains.dt > 0 ? gains.dt : dt, {}};
   if (gains.convention == "uquad") controller.guards = uquad_integral_guards();
@@ -250,19 +345,32 @@ PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehic
   });
   setup.flow_rate = arguments.flow_rate.value_or(0);
   setup.duration = arguments.duration.value_or(0);
-  set_estimator(
-      arguments.estimator.empty() ? usual_estimator(vehicle.sensors) : arguments.estimator, setup,
-      flight, verb);
+  require_flow_sensor(arguments, setup, verb);
+  const std::string estimator =
+      arguments.estimator.empty() ? usual_estimator(vehicle.sensors) : arguments.estimator;
+  set_estimator(estimator, setup, flight, verb);
+  if (arguments.estimator.empty() && estimator == "truth")
+    flight.notes.push_back(fmt::format(
+        "the sensors of '{}' feed no estimator: the law has the true state", vehicle.name));
+  slow_down_attitude_filter(law, arguments, flight);
   setup.environment.dynamic = arguments.dynamic_environment;
   setup.environment.wind = word_of(verb, "--wind", [&](const std::string& option) {
     return wind_of_words(arguments.wind, option);
   });
   flight.wind = arguments.wind;
+  const Wind& wind = setup.environment.wind;
+  const bool windy = !wind.mean.isZero(0) || !wind.gust.velocity.isZero(0) || wind.turbulence > 0;
+  if (windy && vehicle.drag.cda.isZero(0) && vehicle.drag.linear.isZero(0))
+    flight.notes.push_back(
+        fmt::format("the file of '{}' has no drag_area_m2 and no drag_linear_N_s_per_m: the wind "
+                    "does not move it",
+                    vehicle.name));
   setup.integrator = word_of(verb, "--solver", [&](const std::string& option) {
     return integrator(arguments.solver, option);
   });
   setup.step = arguments.step.value_or(setup.step);
   setup.seed = arguments.seed;
+  require_sane_times(setup, verb);
   validate(setup);
   return flight;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cascade_report.hpp"
 #include "margins_report.hpp"
 #include "quadtune/design.hpp"
 #include "quadtune/simulation/flight.hpp"
@@ -48,6 +49,7 @@ struct ChosenLaw {
   Controller controller;
   std::string words;  ///< e.g. "cascaded PID, designed as by `quadtune pid mambo`"
   std::optional<MarginsReport> margins = {};  ///< of its loops, where its design computed them
+  double position_bandwidth = 0;  ///< of the slower loop of x and y [rad/s]; 0: not known
 };
 
 /// A setup, and in words what was chosen for it.
@@ -70,10 +72,17 @@ struct PlannedFlight {
                                         const Mission& mission, const ChosenLaw& law,
                                         const std::string& verb);
 
+/// Has every control period of the flight kept.
+/// @throws UsageError  for a flight whose record would not fit into memory
+void keep_log(PlannedFlight& plan, const std::string& verb);
+
 /// A cascade of a design file as it is flown.
 /// @param gains  designed where the file asks for them
 [[nodiscard]] CascadeController cascade_controller(const CascadeDesign& design,
                                                    const CascadeGains& gains);
+
+/// Of the slower loop of x and y [rad/s]; 0 where there is none.
+[[nodiscard]] double position_bandwidth(const CascadeReport& report);
 
 /// A state feedback as it is flown: with the guards of the uquad's program in its convention.
 /// @param dt  control period [s]; that of the gains where they have one

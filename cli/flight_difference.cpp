@@ -36,6 +36,7 @@ Json flight_json(const std::string& name, const FlownFlight& flight) {
 }
 
 std::string figure(double value) {
+  if (std::isinf(value)) return "never";
   return std::isnan(value) ? "none" : fmt::format("{:.4g}", value);
 }
 

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "print.hpp"
+#include "program.hpp"
 #include "quadtune/version.hpp"
 
 namespace quadtune::cli {
@@ -152,7 +153,7 @@ FlownFlight fly_planned(PlannedFlight plan) {
   FlownFlight flight;
   flight.plan = std::move(plan);
   const auto begin = std::chrono::steady_clock::now();
-  flight.result = fly(flight.plan.setup);
+  flight.result = fly(flight.plan.setup, interrupted);
   flight.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   Mission judged = flight.plan.setup.mission;
   if (flight.plan.setup.duration > 0) judged.duration = flight.plan.setup.duration;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <memory>
 #include <ostream>
 
@@ -12,6 +13,23 @@
 #include "quadtune/logs/flight_log.hpp"
 
 namespace quadtune::cli {
+namespace {
+
+/// Two outputs into one file would leave the second.
+void refuse_one_file(const std::vector<std::pair<std::string, std::string>>& outputs) {
+  const auto path = [](const std::string& file) {
+    return std::filesystem::absolute(file).lexically_normal();
+  };
+  for (std::size_t i = 0; i < outputs.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (!outputs[i].second.empty() && !outputs[j].second.empty() &&
+          path(outputs[i].second) == path(outputs[j].second))
+        throw UsageError(fmt::format("quadtune fly: {} and {} are both '{}', expected two files",
+                                     outputs[j].first, outputs[i].first, outputs[i].second),
+                         outputs[i].first);
+}
+
+}  // namespace
 
 Verb fly_verb() {
   struct Options {
@@ -41,9 +59,11 @@ Verb fly_verb() {
                                              "ends in .csv or .mat",
                                              options->log),
                                  "--log");
+              refuse_one_file(
+                  {{"--log", options->log}, {"--report", options->report}, {"-o", context.file}});
               options->flight.seed = context.seed;
               PlannedFlight plan = plan_flight(options->flight, "fly");
-              plan.setup.log = !options->log.empty() || !options->report.empty();
+              if (!options->log.empty() || !options->report.empty()) keep_log(plan, "fly");
               for (const std::string& note : plan.notes) context.note("fly: note: " + note);
               const FlownFlight flight = fly_planned(std::move(plan));
               if (!options->log.empty()) {

@@ -43,6 +43,8 @@ std::vector<OptionText> option_texts(const Verb& verb) {
     texts.push_back({"-o FILE", "write the output to a file, whole or not at all"});
   texts.push_back({"--json", "print one JSON object instead of the text"});
   texts.push_back({"--quiet", "no notes on the error stream"});
+  texts.push_back({"--seed N", "fixes everything random; 1"});
+  texts.push_back({"--threads N", "at most so many at once; one for each processor"});
   return texts;
 }
 

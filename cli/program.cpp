@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <istream>
 #include <new>
 #include <nlohmann/json.hpp>
@@ -103,9 +104,18 @@ void run_into_file(const Action& action, const std::string& file, Context& conte
   std::ostringstream text;
   Context into{context.in, text, context.err,     context.json, context.quiet,
                {},         file, context.threads, context.seed, context.command};
-  action(into);
-  context.written = into.written;
-  write_file(file, text.str());
+  // An answer that is no was printed as well.
+  const auto write = [&] {
+    context.written = into.written;
+    write_file(file, text.str());
+  };
+  try {
+    action(into);
+  } catch (const AnswerIsNo&) {
+    write();
+    throw;
+  }
+  write();
 }
 
 /// Standard input can be read once: the second reader would find it empty.
@@ -207,10 +217,22 @@ int fail(const Context& context, int status, const std::string& message, const s
 }  // namespace
 
 void write_file(const std::string& file, const std::string& bytes) {
-  const std::filesystem::path path = std::filesystem::absolute(file);
+  std::filesystem::path path = std::filesystem::absolute(file);
   std::error_code ignored;  // what cannot be looked at, write_files() names with its reason
-  if (std::filesystem::is_directory(path, ignored))
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::is_directory(status))
     throw FileError(file, "is a directory, expected the name of a file to write");
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    // A device or a pipe is written to, not replaced.
+    std::ofstream stream(path, std::ios::binary);
+    stream << bytes << std::flush;
+    if (!stream) throw FileError(file, "could not be written");
+    return;
+  }
+  // What a link points to is replaced, not the link.
+  if (std::filesystem::is_symlink(std::filesystem::symlink_status(path, ignored)) &&
+      std::filesystem::exists(status))
+    path = std::filesystem::canonical(path, ignored);
   write_files(path.parent_path(), {{path.filename().string(), bytes}}, {}, interrupted);
 }
 

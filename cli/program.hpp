@@ -95,7 +95,8 @@ struct Verb {
 int run(const std::vector<std::string>& args, std::istream& in, std::ostream& out,
         std::ostream& err);
 
-/// Writes one file whole or not at all; a missing directory is made.
+/// Writes one file whole or not at all; a missing directory is made. A link stays one, and a device
+/// or a pipe is written to as it is.
 /// @throws FileError, Interrupted  as write_files()
 void write_file(const std::string& file, const std::string& bytes);
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <utility>
@@ -56,6 +57,7 @@ Wind wind_of_words(const std::string& words, const std::string& where) {
       {"turbulence_height", &wind.turbulence_height}};
   std::vector<std::string> known;
   for (const auto& [name, target] : keys) known.push_back(name);
+  std::vector<const double*> given;
   std::size_t begin = 0;
   while (begin <= words.size()) {
     const std::size_t end = std::min(words.find(',', begin), words.size());
@@ -71,6 +73,9 @@ Wind wind_of_words(const std::string& words, const std::string& where) {
                              "north=3,gust_east=2,gust_at=5 with {}{}",
                              internal::printable(entry), fmt::join(known, ", "),
                              internal::did_you_mean(key, known)));
+    if (std::find(given.begin(), given.end(), target) != given.end())
+      throw InvalidInput(where, fmt::format("'{}' came twice, expected it once", key));
+    given.push_back(target);
     *target = number_of(trimmed(entry.substr(equals + 1)), key, where);
     begin = end + 1;
   }

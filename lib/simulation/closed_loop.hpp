@@ -775,6 +775,9 @@ void ClosedLoop<N, R>::watch(double t) {
     const Mask<N> empty = charge_.voltage < P(battery_->cutoff_voltage);
     if (any(both(empty, alive_)))
       end_flight(empty, t, FlightEnd::safety_exit, "battery", "the voltage fell below its cut-off");
+    const Mask<N> spent = charge_.charge >= P(battery_->capacity);
+    if (any(both(spent, alive_)))
+      end_flight(spent, t, FlightEnd::safety_exit, "battery", "its charge is spent");
   }
   const Mask<N> lost = negated(estimate_.finite);
   if (common_.estimator != EstimatorKind::truth && any(both(lost, alive_)))

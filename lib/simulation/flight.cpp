@@ -231,9 +231,9 @@ void validate(const FlightSetup& setup) {
   }
 }
 
-FlightResult fly(const FlightSetup& setup) {
+FlightResult fly(const FlightSetup& setup, const std::function<bool()>& interrupted) {
   validate(setup);
-  return std::move(fly_lanes<1>({&setup}, {})[0]);
+  return std::move(fly_lanes<1>({&setup}, interrupted)[0]);
 }
 
 std::vector<FlightResult> fly_all(std::span<const FlightSetup> setups, std::size_t threads,

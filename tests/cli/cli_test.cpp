@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The program as a user runs it: results, JSON keys, help.
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -167,6 +171,40 @@ TEST(Output, GoesIntoAFileWholeOrNotAtAll) {
 }
 
 // The converged row of docs/uquad-gains.md, through the program.
+TEST(Output, GoesIntoAFileAlsoWhereTheAnswerIsNo) {
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "f.txt").string();
+  EXPECT_EQ(run_program({"fly", "uquad", "--duration", "3", "-o", file}).status, 1);
+  EXPECT_THAT(folder.read("f.txt"), HasSubstr("verdict: fail"));
+}
+
+TEST(Output, LeavesDevicesAndLinksWhatTheyAre) {
+  const TemporaryDirectory folder;
+  const std::vector<std::string> command = {"discretize", "--num",  "1",    "--den", "1,1",
+                                            "--method",   "tustin", "--dt", "0.1",   "-o"};
+  const auto into = [&](const std::string& file) {
+    std::vector<std::string> args = command;
+    args.push_back(file);
+    return run_program(args).status;
+  };
+  // A pipe stands for devices: whoever runs this as root should keep his.
+  const std::string pipe = (folder.path() / "pipe").string();
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDWR | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  EXPECT_EQ(into(pipe), 0);
+  std::array<char, 1000> text{};
+  EXPECT_GT(::read(reader, text.data(), text.size() - 1), 0);
+  EXPECT_THAT(text.data(), HasSubstr("num"));
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  ::close(reader);
+  const std::filesystem::path target = folder.write("target.txt", "old");
+  std::filesystem::create_symlink(target, folder.path() / "link.txt");
+  EXPECT_EQ(into((folder.path() / "link.txt").string()), 0);
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "link.txt"));
+  EXPECT_THAT(folder.read("target.txt"), HasSubstr("num"));
+}
+
 TEST(Lqr, OfTheUquadMatchesTheConvergedRow) {
   const internal::Json json =
       json_of({"lqr", "uquad", "--convention", "uquad", "--Q", "1,1,1,1e3,1e3,1e3,1,1,1,1,1,1",

@@ -218,6 +218,13 @@ TEST(Compare, HasTheKeysOfItsContract) {
   EXPECT_EQ(json["a"]["steps"], 2000);
 }
 
+TEST(Fly, SaysWhatDoesNothing) {
+  const ProgramResult windy = run_program({"fly", "mambo", "--wind", "severe", "--duration", "3"});
+  EXPECT_THAT(windy.err, HasSubstr("no drag_area_m2"));
+  EXPECT_THAT(run_program({"fly", "mambo", "--duration", "3"}).err,
+              ::testing::Not(HasSubstr("drag")));
+}
+
 // The experiments of the model project, where nothing else is said.
 TEST(Compare, FliesThePublishedGainsWithIdealSensors) {
   for (const char* what : {"integrators", "flow"}) {

@@ -321,6 +321,10 @@ TEST(FlyAll, DoesNotDependOnTheThreads) {
     EXPECT_STREQ(first_difference(one[i], three[i]), "");
 }
 
+TEST(Fly, StopsWhenAsked) {
+  EXPECT_THROW((void)fly(hover(5), [] { return true; }), Interrupted);
+}
+
 TEST(FlyAll, StopsWhenAsked) {
   const std::vector<FlightSetup> setups(2, hover(5));
   EXPECT_THROW((void)fly_all(setups, 1, [] { return true; }), Interrupted);
@@ -404,6 +408,14 @@ INSTANTIATE_TEST_SUITE_P(
                battery.empty_voltage = 3;
                battery.cutoff_voltage = 3.4;
                battery.resistance = 0.05;
+               s.vehicle.battery = battery;
+             }},
+        Exit{"Charge", "battery", "its charge is spent",
+             [](FlightSetup& s) {
+               Battery battery;
+               battery.capacity = 5;
+               battery.full_voltage = battery.rated_voltage = 4.2;
+               battery.empty_voltage = 4;
                s.vehicle.battery = battery;
              }},
         Exit{"FlowLost", "flow-lost", "no optical flow came",

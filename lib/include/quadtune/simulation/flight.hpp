@@ -124,8 +124,10 @@ void calibrate_flow(FlightSetup& setup);
 void validate(const FlightSetup& setup);
 
 /// One flight.
+/// @param interrupted  asked now and then; true ends the flight with Interrupted
 /// @throws InvalidInput  as validate()
-[[nodiscard]] FlightResult fly(const FlightSetup& setup);
+[[nodiscard]] FlightResult fly(const FlightSetup& setup,
+                               const std::function<bool()>& interrupted = {});
 
 /// Many flights, several at once in one processor's vectors where they differ in numbers only. Each
 /// result has the bytes that fly() gives.
