@@ -100,7 +100,7 @@ void FlightRecorder::column(const std::string& name, const std::string& unit) {
 
 void FlightRecorder::columns(const std::string& group,
                              const std::vector<std::pair<std::string, std::string>>& names) {
-  for (const auto& [name, unit] : names) column(group + "." + name, unit);
+  for (const auto& [name, unit] : names) column(fmt::format("{}.{}", group, name), unit);
 }
 
 LogTable FlightRecorder::table(const std::vector<LogEvent>& events) {

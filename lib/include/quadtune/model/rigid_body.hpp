@@ -115,7 +115,7 @@ template <class P, class Speeds>
   RotorLoads<T> loads;
   for (Eigen::Index i = 0; i < speeds.size(); ++i) {
     const BasicRotor<P>& rotor = body.rotors[static_cast<std::size_t>(i)];
-    const T w = speeds(i);
+    const T& w = speeds(i);
     add_rotor(rotor, T(rotor_thrust(rotor, w, body.density_ratio)),
               T(rotor_torque(rotor, w, body.density_ratio)), w, loads);
   }

@@ -52,7 +52,7 @@ template <class T>
   // ∂R/∂roll exchanges the second and third column of R, ∂R/∂yaw turns p by a quarter about z.
   A.position_attitude.col(0) = R.col(2) * v.y() - R.col(1) * v.z();
   const T along = cp * v.x() + sp * (sr * v.y() + cr * v.z());  // of p', level and ahead
-  const T p_ahead = p.z();                                      // ∂along/∂pitch
+  const T& p_ahead = p.z();                                     // ∂along/∂pitch
   A.position_attitude.col(1) << cy * p_ahead, sy * p_ahead, -along;
   A.position_attitude.col(2) << -p.y(), p.x(), T(0);
 
