@@ -42,7 +42,7 @@ const std::vector<std::string> kAlways = {
     "--virtual-time-budget=4000",
 };
 
-constexpr auto kPatience = 120s;  // a loaded machine without a graphics processor is slow
+constexpr auto kPatience = 250s;  // a loaded machine without a graphics processor is slow
 
 /// The environment with another home, where the browser may leave what it likes.
 std::vector<std::string> environment(const std::string& home) {
