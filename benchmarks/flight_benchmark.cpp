@@ -19,9 +19,10 @@
 #include <string_view>
 #include <vector>
 
+#include "designed_mambo.hpp"
 #include "machine.hpp"
 #include "quadtune/simulation/flight.hpp"
-#include "quadtune/simulation/pack.hpp"
+#include "quadtune/simulation/packed_body.hpp"
 #include "quadtune/simulation/plant.hpp"
 #include "wall_time.hpp"
 
@@ -56,43 +57,17 @@ FreeFlight free_flight(const char* vehicle, bool lagging) {
   return flight;
 }
 
-template <class T>
-BasicRigidBody<T> in_every_lane(const RigidBody& body) {
-  BasicRigidBody<T> result;
-  result.mass = T(body.mass);
-  result.inverse_mass = T(body.inverse_mass);
-  result.gravity = T(body.gravity);
-  result.J = body.J.unaryExpr([](double x) { return T(x); });
-  result.J_inv = body.J_inv.unaryExpr([](double x) { return T(x); });
-  result.cda = body.cda.unaryExpr([](double x) { return T(x); });
-  result.linear_drag = body.linear_drag.unaryExpr([](double x) { return T(x); });
-  result.air_density = T(body.air_density);
-  result.density_ratio = T(body.density_ratio);
-  result.has_drag = body.has_drag;
-  result.principal_axes = body.principal_axes;
-  result.rotor_count = body.rotor_count;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(body.rotor_count); ++i) {
-    const BasicRotor<double>& from = body.rotors[i];
-    BasicRotor<T>& to = result.rotors[i];
-    to.position = from.position.unaryExpr([](double x) { return T(x); });
-    to.spin = T(from.spin);
-    to.thrust_a2 = T(from.thrust_a2);
-    to.thrust_a1 = T(from.thrust_a1);
-    to.torque_d2 = T(from.torque_d2);
-    to.torque_d1 = T(from.torque_d1);
-    to.inertia = T(from.inertia);
-    to.lag = T(from.lag);
-  }
-  return result;
-}
-
-/// The flight in all lanes of T, by the classical Runge-Kutta method. N as of Plant.
-template <class T, int N>
+/// The same flight in all lanes, by the classical Runge-Kutta method. N as of Plant.
+template <int Lanes, int N>
 class Flown {
  public:
+  using T = Pack<Lanes>;
+
   explicit Flown(const FreeFlight& flight) {
     const auto ground = ground_contact<T>(T(flight.body.mass), T(1), T(0.05));
-    plant_ = Plant<T, N>(in_every_lane<T>(flight.body), ground);
+    std::array<RigidBody, Lanes> bodies;
+    bodies.fill(flight.body);
+    plant_ = Plant<T, N>(packed_body<Lanes>(bodies), ground);
     for (int i = 0; i < start_.size(); ++i) start_(i) = T(flight.start(i));
     plant_.command(flight.speeds.unaryExpr([](double w) { return T(w); }), start_);
   }
@@ -126,16 +101,16 @@ struct Line {
   double goal = 0;  // steps a second; 0: none
 };
 
-template <class T, int N>
+template <int Lanes, int N>
 Line ours(const std::string& name, const FreeFlight& flight, const Eigen::VectorXd& truth,
           double goal) {
-  auto flown = std::make_unique<Flown<T, N>>(flight);
+  auto flown = std::make_unique<Flown<Lanes, N>>(flight);
   constexpr int kTimes = 20;
   const Wall wall = wall_of([&] {
     for (int i = 0; i < kTimes; ++i) flown->fly(kStep);
   });
-  return {name, wall.median / kTimes / kLanesOf<T>, kDuration / kStep,
-          difference(flown->end(), truth), goal};
+  return {name, wall.median / kTimes / Lanes, kDuration / kStep, difference(flown->end(), truth),
+          goal};
 }
 
 std::string json_of(const FreeFlight& flight, double max_step) {
@@ -211,14 +186,13 @@ template <int N>
 void race(const char* vehicle, double goal_single) {
   const FreeFlight flight = free_flight(vehicle, N != 0);
   const int states = 13 + N;
-  Flown<double, N> fine(flight);
+  Flown<1, N> fine(flight);
   fine.fly(kStep / 32);
   const Eigen::VectorXd truth = fine.end();
   print_header(fmt::format("equations of motion, {} states ({})", states, vehicle));
-  const Line single = ours<Pack<1>, N>("quadtune, one vehicle", flight, truth, goal_single);
+  const Line single = ours<1, N>("quadtune, one vehicle", flight, truth, goal_single);
   print(single, single.seconds);
-  print(ours<Pack<kPackLanes>, N>(fmt::format("quadtune, packs of {}", kPackLanes), flight, truth,
-                                  40e6),
+  print(ours<kPackLanes, N>(fmt::format("quadtune, packs of {}", kPackLanes), flight, truth, 40e6),
         single.seconds);
   const std::string python =
       fmt::format("/usr/bin/python3 {}/flight_scipy.py < {{input}}", QUADTUNE_PEERS);
@@ -239,33 +213,11 @@ void race(const char* vehicle, double goal_single) {
 
 // --- whole flights ---
 
-/// As `quadtune pid mambo` designs them.
-CascadeController designed() {
-  CascadeController controller;
-  controller.gains = load_vehicle("mambo").published_cascade->gains;
-  for (PidLoop& loop : controller.gains.loops) {
-    const auto set = [&](const char* name, double Kp, double Ki, double Kd) {
-      if (loop.name != name) return;
-      loop.Kp = Kp;
-      loop.Ki = Ki;
-      loop.Kd = Kd;
-    };
-    set("roll", 0.01078, 0.02777, -0.001508);
-    set("pitch", 0.01324, 0.03435, -0.001623);
-    set("yaw", 0.004025, 0.004904, -0.001079);
-    set("altitude", 0.8048, 0.5537, -0.3858);
-    set("y", 0.1834, 0.03979, -0.1684);
-    set("x", -0.2237, -0.05286, 0.1841);
-  }
-  controller.back_calculation = 2;
-  return controller;
-}
-
 FlightSetup mambo_hover() {
   FlightSetup setup;
   setup.vehicle = load_vehicle("mambo");
   setup.mission = load_mission("hover");
-  setup.controller = designed();
+  setup.controller = testing::designed_mambo_cascade();
   calibrate_flow(setup);
   return setup;
 }

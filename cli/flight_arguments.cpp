@@ -211,9 +211,7 @@ void require_sane_times(const FlightSetup& setup, const std::string& verb) {
         fmt::format("quadtune {}: {} is {}, expected {}", verb, option, number(value), expected),
         option);
   };
-  const auto* cascade = std::get_if<CascadeController>(&setup.controller);
-  const double dt =
-      cascade ? cascade->gains.dt : std::get<StateFeedbackController>(setup.controller).dt;
+  const double dt = control_period(setup);
   if (!(dt > 0)) return;
   if (dt / setup.step > 1e6)
     refuse("--step", setup.step,
@@ -228,10 +226,8 @@ void require_sane_times(const FlightSetup& setup, const std::string& verb) {
 void keep_log(PlannedFlight& plan, const std::string& verb) {
   constexpr double kMostRows = 2e6;  // about 1.5 GB
   FlightSetup& setup = plan.setup;
-  const auto* cascade = std::get_if<CascadeController>(&setup.controller);
-  const double dt =
-      cascade ? cascade->gains.dt : std::get<StateFeedbackController>(setup.controller).dt;
-  const double duration = setup.duration > 0 ? setup.duration : setup.mission.duration;
+  const double dt = control_period(setup);
+  const double duration = duration_of(setup);
   if (duration / dt > kMostRows)
     throw UsageError(
         fmt::format("quadtune {}: --duration is {} s, expected at most {} s where every control "

@@ -156,7 +156,7 @@ FlownFlight fly_planned(PlannedFlight plan) {
   flight.result = fly(flight.plan.setup, interrupted);
   flight.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   Mission judged = flight.plan.setup.mission;
-  if (flight.plan.setup.duration > 0) judged.duration = flight.plan.setup.duration;
+  judged.duration = duration_of(flight.plan.setup);
   flight.verdict = judge(judged, flight.result.metrics);
   flight.passed = flight.verdict.ok && flight.result.end == FlightEnd::completed;
   return flight;

@@ -10,12 +10,8 @@ namespace quadtune::internal {
 [[nodiscard]] inline const Vehicle& flown(const FlightSetup& setup) {
   return setup.flown ? *setup.flown : setup.vehicle;
 }
-/// The control period of a setup's law [s].
-[[nodiscard]] double control_period(const FlightSetup& setup);
 /// The sensors that a setup flies with: its vehicle's, made ideal or cut down as it says.
 [[nodiscard]] Sensors sensors_of(const FlightSetup& setup);
-/// How long a setup flies [s].
-[[nodiscard]] double duration_of(const FlightSetup& setup);
 
 /// One flight a lane; setups are of one structure, see same_structure().
 /// @tparam N  lanes;  @tparam R  rotors with lag, as Plant's N

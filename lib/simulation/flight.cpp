@@ -110,8 +110,6 @@ std::string to_string(FlightEnd end) {
   return "diverged";
 }
 
-namespace internal {
-
 double control_period(const FlightSetup& setup) {
   if (const auto* cascade = std::get_if<CascadeController>(&setup.controller))
     return cascade->gains.dt;
@@ -121,6 +119,8 @@ double control_period(const FlightSetup& setup) {
 double duration_of(const FlightSetup& setup) {
   return setup.duration > 0 ? setup.duration : setup.mission.duration;
 }
+
+namespace internal {
 
 Sensors sensors_of(const FlightSetup& setup) {
   Sensors sensors = flown(setup).sensors;
@@ -193,7 +193,7 @@ void calibrate_flow(FlightSetup& setup) {
 }
 
 void validate(const FlightSetup& setup) {
-  const double dt = internal::control_period(setup);
+  const double dt = control_period(setup);
   if (!(dt >= 1e-4 && dt <= 1))
     throw InvalidInput("flight",
                        fmt::format("the control period is {} s, expected 0.0001 to 1 s", dt));
@@ -201,7 +201,7 @@ void validate(const FlightSetup& setup) {
     throw InvalidInput("flight", fmt::format("the step is {} s, expected more than 0 and at least "
                                              "a millionth of the control period, {} s",
                                              setup.step, dt));
-  const double duration = internal::duration_of(setup);
+  const double duration = duration_of(setup);
   if (!(duration > 0 && duration / dt <= 1e8))
     throw InvalidInput("flight", fmt::format("the duration is {} s, expected more than 0 and at "
                                              "most 1e8 control periods",

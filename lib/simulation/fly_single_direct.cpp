@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "closed_loop.hpp"
+#include "closed_loop_flying.hpp"
+#include "closed_loop_making.hpp"
 
 namespace quadtune::internal {
 

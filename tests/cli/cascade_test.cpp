@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "designed_mambo.hpp"
 #include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
 #include "temporary_directory.hpp"
@@ -31,6 +32,18 @@ std::vector<std::string> loop_names(const Json& loops) {
   std::vector<std::string> names;
   for (const Json& loop : loops) names.push_back(loop["name"]);
   return names;
+}
+
+// What flights in other tests and benchmarks call designed is what the command designs.
+TEST(PidOfAVehicle, IsTheMamboThatOthersFly) {
+  const Json json = json_of({"pid", "mambo"});
+  for (const testing::DesignedLoop& flown : testing::kDesignedMambo)
+    for (const Json& loop : json["loops"]) {
+      if (loop["name"] != flown.name) continue;
+      EXPECT_NEAR(loop["Kp"], flown.Kp, 5e-4 * std::abs(flown.Kp)) << flown.name;
+      EXPECT_NEAR(loop["Ki"], flown.Ki, 5e-4 * std::abs(flown.Ki)) << flown.name;
+      EXPECT_NEAR(loop["Kd"], flown.Kd, 5e-4 * std::abs(flown.Kd)) << flown.name;
+    }
 }
 
 TEST(PidOfAVehicle, IsBetterThanWhatIsPublished) {

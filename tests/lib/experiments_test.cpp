@@ -6,9 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <optional>
 
+#include "designed_mambo.hpp"
 #include "golden.hpp"
 #include "quadtune/control/cascaded_pid.hpp"
 #include "quadtune/simulation/carried_motion.hpp"
@@ -17,6 +16,7 @@
 namespace quadtune {
 namespace {
 
+using testing::designed_mambo_cascade;
 using testing::matches_document;
 
 constexpr double kPeriod = 0.005;  // of control [s]
@@ -35,27 +35,6 @@ FlightSetup mambo(const char* mission, Estimator estimator) {
   if (estimator != Estimator::original) calibrate_flow(setup);
   if (estimator == Estimator::raw) setup.mambo_estimator.position = MamboPosition::flow_velocity;
   return setup;
-}
-
-// As `quadtune pid mambo` designs it, rounded.
-CascadeController designed() {
-  CascadeController controller{load_vehicle("mambo").published_cascade->gains};
-  for (PidLoop& loop : controller.gains.loops) {
-    const auto set = [&](const char* name, double Kp, double Ki, double Kd) {
-      if (loop.name != name) return;
-      loop.Kp = Kp;
-      loop.Ki = Ki;
-      loop.Kd = Kd;
-    };
-    set("roll", 0.01078, 0.02777, -0.001508);
-    set("pitch", 0.01324, 0.03435, -0.001623);
-    set("yaw", 0.004025, 0.004904, -0.001079);
-    set("altitude", 0.8048, 0.5537, -0.3858);
-    set("y", 0.1834, 0.03979, -0.1684);
-    set("x", -0.2237, -0.05286, 0.1841);
-  }
-  controller.back_calculation = 2;
-  return controller;
 }
 
 const std::vector<double>& column(const FlightResult& flight, const char* name) {
@@ -157,7 +136,7 @@ Methods fly_by_both(FlightSetup setup, double from) {
 }
 
 FlightSetup with_its_sensors(FlightSetup setup) {
-  setup.controller = designed();
+  setup.controller = designed_mambo_cascade();
   setup.real_sensors = true;
   calibrate_flow(setup);
   return setup;
@@ -216,7 +195,7 @@ TEST(Experiments, FullFlowNeedsTheTurningTakenOut) {
     FlightSetup original = mambo("hover", Estimator::original);
     FlightSetup calibrated = mambo("hover", Estimator::calibrated);
     original.real_sensors = sensors;
-    original.controller = calibrated.controller = designed();
+    original.controller = calibrated.controller = designed_mambo_cascade();
     if (sensors) calibrated = with_its_sensors(calibrated);
     EXPECT_EQ(fly(original).end, FlightEnd::safety_exit);
     EXPECT_EQ(fly(calibrated).end, FlightEnd::completed);
@@ -419,7 +398,7 @@ the origin.
     setup.flow = c.flow;
     setup.real_sensors = c.sensors;
     if (c.estimator == Estimator::calibrated) calibrate_flow(setup);
-    if (c.designed) setup.controller = designed();
+    if (c.designed) setup.controller = designed_mambo_cascade();
     const FlowFlight flown = fly_flow(setup);
     const bool completed = flown.flight.end == FlightEnd::completed;
     // With ideal sensors what tilts the vehicle is rounding.

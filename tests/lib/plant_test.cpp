@@ -5,7 +5,6 @@
 
 #include <Eigen/Geometry>
 #include <array>
-#include <cstring>
 #include <random>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include "quadtune/linearize/linearize.hpp"
 #include "quadtune/simulation/pack.hpp"
 #include "quadtune/simulation/pack_math.hpp"
+#include "quadtune/simulation/packed_body.hpp"
 #include "sample_vehicles.hpp"
 
 namespace quadtune {
@@ -216,48 +216,19 @@ TEST(Plant, AgreesWithItsLinearModelToSecondOrder) {
 // Several vehicles at once are each what they are alone, on the ground and in the air.
 TEST(Plant, EachLaneIsAVehicleOfItsOwn) {
   std::mt19937_64 random(5);
-  const Vehicle vehicle = random_vehicle(random, 4);
-  const RigidBody body(vehicle);
-  BasicRigidBody<Pack<4>> packed;
-  packed.rotor_count = 4;
-  packed.has_drag = body.has_drag;
-  packed.principal_axes = body.principal_axes;
-  packed.mass = body.mass;
-  packed.inverse_mass = body.inverse_mass;
-  packed.gravity = body.gravity;
-  packed.air_density = body.air_density;
-  packed.density_ratio = body.density_ratio;
-  for (int i = 0; i < 3; ++i) {
-    packed.cda(i) = body.cda(i);
-    packed.linear_drag(i) = body.linear_drag(i);
-    for (int j = 0; j < 3; ++j) {
-      packed.J(i, j) = body.J(i, j);
-      packed.J_inv(i, j) = body.J_inv(i, j);
-    }
-  }
-  for (std::size_t i = 0; i < 4; ++i) {
-    const BasicRotor<double>& r = body.rotors[i];
-    packed.rotors[i] = {Vector3<Pack<4>>(r.position.x(), r.position.y(), r.position.z()),
-                        r.spin,
-                        r.thrust_a2,
-                        r.thrust_a1,
-                        r.torque_d2,
-                        r.torque_d1,
-                        r.inertia,
-                        r.lag};
-  }
+  std::array<RigidBody, 4> bodies;
+  for (RigidBody& body : bodies) body = RigidBody(random_vehicle(random, 4));
+  const BasicRigidBody<Pack<4>> packed = packed_body<4>(bodies);
   using Alone = Plant<Pack<1>, 0>;
   using Together = Plant<Pack<4>, 0>;
-  BasicRigidBody<Pack<1>> one;
-  std::memcpy(static_cast<void*>(&one), &body, sizeof body);  // a Pack<1> is a double
-  const Alone alone_template(one, ground_contact(one.mass, one.J(0, 0), Pack<1>(0.2)));
   Together together(packed, ground_contact(packed.mass, packed.J(0, 0), Pack<4>(0.2)));
   Together::State x;
   std::array<Alone::State, 4> xs;
   std::array<Alone, 4> plants;
-  plants.fill(alone_template);
   RotorSpeeds<Pack<4>> speeds(4);
   for (std::size_t l = 0; l < 4; ++l) {
+    const BasicRigidBody<Pack<1>> one = packed_body<1>({bodies[l]});
+    plants[l] = Alone(one, ground_contact(one.mass, one.J(0, 0), Pack<1>(0.2)));
     Direct::State start = quaternion_state(random_state(random));
     start(2) = l < 2 ? -0.05 : -3;
     RotorSpeeds<Pack<1>> own(4);

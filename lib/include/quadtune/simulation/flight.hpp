@@ -93,6 +93,10 @@ struct FlightSetup {
   bool log = false;          ///< whether to keep FlightResult::log
 };
 
+/// The control period of a setup's law, and how long it flies [s].
+[[nodiscard]] double control_period(const FlightSetup& setup);
+[[nodiscard]] double duration_of(const FlightSetup& setup);
+
 /// How a flight ended.
 enum class FlightEnd {
   completed,    ///< the mission's time was flown

@@ -101,8 +101,10 @@ class Plant {
   [[nodiscard]] RotorSpeeds<T> rotor_speeds(const State& x) const {
     if constexpr (N == 0) {
       return speeds;
-    } else {
+    } else if constexpr (N == Eigen::Dynamic) {
       return x.segment(kRotorSpeeds, body_.rotor_count);
+    } else {
+      return x.template segment<N>(kRotorSpeeds);
     }
   }
 
