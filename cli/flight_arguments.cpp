@@ -168,7 +168,7 @@ void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& f
     need(sensors.barometer.has_value(), "barometer");
     need(sensors.magnetometer.has_value(), "magnetometer");
     setup.uquad_filter = uquad_filter_in_si<double>();
-    setup.uquad_filter.position = sensors.gps.has_value();
+    setup.uquad_filter.position = sensors.gps || sensors.vision;
   }
 }
 

@@ -86,6 +86,8 @@ std::vector<ReportPlot> plots_of(const FlownFlight& flight) {
       plot_of(log, "Optical flow", "rad/s", "flow", {"x", "y"}, SeriesStyle::measurement),
       plot_of(log, "Barometer", "Pa", "", {"barometer"}, SeriesStyle::measurement),
       plot_of(log, "Satellite position", "m", "gps", {"px", "py", "pz"}, SeriesStyle::measurement),
+      plot_of(log, "Position from images", "m", "vision", {"px", "py", "pz"},
+              SeriesStyle::measurement),
       plot_of(log, "Battery", "V", "battery", {"voltage"}, SeriesStyle::value),
       plot_of(log, "Wind", "m/s", "wind", {"north", "east", "down"}, SeriesStyle::value)};
   std::erase_if(plots, [](const ReportPlot& plot) { return plot.series.empty(); });

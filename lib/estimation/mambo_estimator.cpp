@@ -35,6 +35,8 @@ void validate_settings(const MamboEstimatorSettings<T>& settings, const std::str
   require_not_negative(settings.flow_least_height, "flow_least_height", " m", where);
   require_not_negative(settings.flow_timeout, "flow_timeout", " s", where);
   require_not_negative(settings.flow_disagreement, "flow_disagreement", " m/s", where);
+  require_variance(settings.position_Q, "position_Q", " m2", where);
+  require_positive(settings.vision_R, "vision_R", " m2", where);
 }
 
 }  // namespace

@@ -131,7 +131,8 @@ Sensors read_sensors(const TomlTable& table) {
                {"barometer"},
                {"sonar"},
                {"flow"},
-               {"gps"}});
+               {"gps"},
+               {"vision"}});
   Sensors sensors;
   if (const auto of = table.maybe_table("accelerometer"))
     sensors.accelerometer = read_three_axes(*of, "m_per_s2");
@@ -143,6 +144,7 @@ Sensors read_sensors(const TomlTable& table) {
   if (const auto of = table.maybe_table("sonar")) sensors.sonar = read_sonar(*of);
   if (const auto of = table.maybe_table("flow")) sensors.flow = read_flow(*of);
   if (const auto of = table.maybe_table("gps")) sensors.gps = read_gps(*of);
+  if (const auto of = table.maybe_table("vision")) sensors.vision = read_three_axes(*of, "m");
   return sensors;
 }
 

@@ -31,6 +31,7 @@ Sensors ideal(Sensors sensors) {
     make_ideal(sensors.gps->position);
     sensors.gps->velocity_noise.setZero();
   }
+  if (sensors.vision) make_ideal(*sensors.vision);
   return sensors;
 }
 

@@ -39,6 +39,7 @@ enum Stream : std::uint32_t {
   kGpsPositionStream = 24,
   kGpsVelocityStream = 28,
   kWindStream = 32,
+  kVisionStream = 48,
 };
 
 /// @tparam R  as Plant's N
@@ -108,7 +109,7 @@ class ClosedLoop {
   std::array<Atmosphere, N> atmospheres_;
 
   std::optional<SensorChannel<N, 3>> accelerometer_, gyroscope_, magnetometer_, gps_position_,
-      gps_velocity_;
+      gps_velocity_, vision_;
   std::optional<SensorChannel<N, 1>> barometer_, sonar_;
   std::optional<SensorChannel<N, 2>> flow_;
   std::array<Sensors, N> sensors_;

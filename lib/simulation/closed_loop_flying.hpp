@@ -163,6 +163,8 @@ void ClosedLoop<N, R>::sense(double now) {
     gps_position_->take(Vector3<P>(x.template segment<3>(kPosition)), source_);
     gps_velocity_->take(Vector3<P>(rotation(x) * x.template segment<3>(kBodyVelocity)), source_);
   }
+  while (vision_ && vision_->due(now))
+    vision_->take(Vector3<P>(truth(vision_->next()).template segment<3>(kPosition)), source_);
   if (accelerometer_) accelerometer_->deliver(now, dt_, frame_.specific_force);
   if (gyroscope_) gyroscope_->deliver(now, dt_, frame_.rates);
   if (magnetometer_) magnetometer_->deliver(now, dt_, frame_.magnetic_field);
@@ -171,6 +173,7 @@ void ClosedLoop<N, R>::sense(double now) {
   if (flow_) flow_->deliver(now, dt_, frame_.flow);
   if (gps_position_) gps_position_->deliver(now, dt_, frame_.gps_position);
   if (gps_velocity_) gps_velocity_->deliver(now, dt_, frame_.gps_velocity);
+  if (vision_) vision_->deliver(now, dt_, frame_.vision);
 }
 
 template <int N, int R>

@@ -109,6 +109,8 @@ void ClosedLoop<N, R>::make_sensors() {
                           }),
                           kGpsVelocityStream);
   }
+  if (first.vision)
+    vision_.emplace(faults([](const Sensors& s) { return *s.vision; }), kVisionStream);
 }
 
 template <int N, int R>

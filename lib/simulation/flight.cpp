@@ -133,7 +133,7 @@ Sensors sensors_of(const FlightSetup& setup) {
 bool same_structure(const FlightSetup& a, const FlightSetup& b) {
   const auto clock = [](const SensorFaults& f) { return std::pair(f.rate, f.delay); };
   const auto clocks = [&](const Sensors& s) {
-    std::vector<std::pair<double, double>> all(7, {0, 0});
+    std::vector<std::pair<double, double>> all(8, {0, 0});
     if (s.accelerometer) all[0] = clock(*s.accelerometer);
     if (s.gyroscope) all[1] = clock(*s.gyroscope);
     if (s.magnetometer) all[2] = clock(*s.magnetometer);
@@ -141,6 +141,7 @@ bool same_structure(const FlightSetup& a, const FlightSetup& b) {
     if (s.sonar) all[4] = clock(s.sonar->faults);
     if (s.flow) all[5] = clock(s.flow->faults);
     if (s.gps) all[6] = clock(s.gps->position);
+    if (s.vision) all[7] = clock(*s.vision);
     return all;
   };
   const auto law = [](const FlightSetup& s) {

@@ -10,15 +10,11 @@ namespace quadtune::internal {
 
 FlightRecorder::FlightRecorder(const FlightSetup& setup, const Sensors& sensors, int rotors,
                                std::size_t rows)
-    : has_{sensors.accelerometer.has_value(),
-           sensors.gyroscope.has_value(),
-           sensors.magnetometer.has_value(),
-           sensors.barometer.has_value(),
-           sensors.sonar.has_value(),
-           sensors.flow.has_value(),
-           sensors.gps.has_value(),
-           flown(setup).battery.has_value(),
-           WindModel<1>({setup.environment.wind}, 1, 0).windy()},
+    : has_{sensors.accelerometer.has_value(), sensors.gyroscope.has_value(),
+           sensors.magnetometer.has_value(),  sensors.barometer.has_value(),
+           sensors.sonar.has_value(),         sensors.flow.has_value(),
+           sensors.gps.has_value(),           sensors.vision.has_value(),
+           flown(setup).battery.has_value(),  WindModel<1>({setup.environment.wind}, 1, 0).windy()},
       rows_(rows) {
   table_.about = {{"vehicle", flown(setup).name},
                   {"mission", setup.mission.name},
@@ -89,6 +85,7 @@ FlightRecorder::FlightRecorder(const FlightSetup& setup, const Sensors& sensors,
   if (has_.gps)
     columns("gps",
             {{"px", "m"}, {"py", "m"}, {"pz", "m"}, {"vx", "m/s"}, {"vy", "m/s"}, {"vz", "m/s"}});
+  if (has_.vision) columns("vision", {{"px", "m"}, {"py", "m"}, {"pz", "m"}});
   if (has_.battery) columns("battery", {{"voltage", "V"}, {"current", "A"}, {"charge", "A s"}});
   if (has_.wind) columns("wind", {{"north", "m/s"}, {"east", "m/s"}, {"down", "m/s"}});
 }

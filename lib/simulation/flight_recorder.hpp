@@ -49,6 +49,7 @@ class FlightRecorder {
     put_vector(has_.flow, frame.flow, l);
     put_vector(has_.gps, frame.gps_position, l);
     put_vector(has_.gps, frame.gps_velocity, l);
+    put_vector(has_.vision, frame.vision, l);
     if (has_.battery)
       for (const P& value : {battery.voltage, battery.current, battery.charge}) put(lane(value, l));
     if (has_.wind)
@@ -60,7 +61,7 @@ class FlightRecorder {
 
  private:
   struct Parts {
-    bool accelerometer, gyroscope, magnetometer, barometer, sonar, flow, gps, battery, wind;
+    bool accelerometer, gyroscope, magnetometer, barometer, sonar, flow, gps, vision, battery, wind;
   };
 
   void column(const std::string& name, const std::string& unit);

@@ -57,6 +57,15 @@ FlightSetup hover(double duration) {
   return setup;
 }
 
+/// A camera over known marks: 5 images a second, each read in 0.2 s.
+SensorFaults images() {
+  SensorFaults faults;
+  faults.rate = 5;
+  faults.delay = 0.2;
+  faults.noise.setConstant(0.03);
+  return faults;
+}
+
 FlightSetup ideal_hover(double duration) {
   FlightSetup setup = hover(duration);
   setup.estimator = EstimatorKind::truth;
@@ -235,6 +244,7 @@ TEST(FlyAll, IsEachFlightAlone) {
       FlightSetup common = hover(3);
       common.vehicle.sensors.magnetometer = typical_sensors().magnetometer;
       common.vehicle.sensors.gps = typical_sensors().gps;
+      common.vehicle.sensors.vision = images();
       common.controller = controller;
       common.estimator = estimator;
       common.environment.magnetic_field = {20, 2, 43};
@@ -455,6 +465,34 @@ TEST(Fly, KnowsWhereItIsCarried) {
   setup.mambo_estimator.position = MamboPosition::flow_velocity;
   setup.flow = FlowModel::simplified;  // and the simplified sensor loses it
   EXPECT_GT(fly(setup).metrics[Metric::estimate_rms], 0.05);
+}
+
+// A minute of integrated optical flow drifts; images of known marks hold it in its place, and are
+// logged as they come.
+TEST(Fly, HoldsItsPlaceByImages) {
+  FlightSetup setup = hover(60);
+  setup.seed = 3;
+  const double drift = fly(setup).metrics[Metric::estimate_rms];
+  setup.vehicle.sensors.vision = images();
+  setup.log = true;
+  const FlightResult result = fly(setup);
+  EXPECT_EQ(result.end, FlightEnd::completed);
+  EXPECT_LT(result.metrics[Metric::estimate_rms], 0.5 * drift);
+  EXPECT_LT(result.metrics[Metric::estimate_rms], 0.03);
+  const auto column = [&](const std::string& name) {
+    const auto found = std::find_if(result.log.columns.begin(), result.log.columns.end(),
+                                    [&](const LogColumn& c) { return c.name == name; });
+    if (found == result.log.columns.end()) throw std::runtime_error("no column " + name);
+    return found->values;
+  };
+  const std::vector<double> seen = column("vision.px"), truth = column("x.px");
+  int come = 0;
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    if (std::isnan(seen[k])) continue;
+    EXPECT_NEAR(seen[k], truth[k - 40], 0.03 * 5) << k;  // of 0.2 s before
+    ++come;
+  }
+  EXPECT_EQ(come, 299);  // five a second from 0 on, the last two still on their way
 }
 
 // A battery's log is that of its equations: the voltage sags with the current and the charge.

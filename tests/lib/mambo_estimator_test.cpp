@@ -317,6 +317,50 @@ TEST(MamboEstimator, IntegratesWhatItIsAskedTo) {
   EXPECT_GT((filtered_sum - raw_sum).norm(), 1e-3);
 }
 
+// Its position is some metres off; images at 5 Hz, read in 0.2 s, tell it. A scalar filter of what
+// random walk and noise make has the steady variance P (P + q)/(P + q + R) = P before, q a
+// period's.
+TEST(MamboEstimator, BelievesImagesAsTheirVarianceSays) {
+  const Settings settings = exact_settings();
+  Vector12 x = at_height(1);
+  x.segment<3>(6) << 0.5, -0.2, 0;
+  Vector12 believed = x;
+  believed.head<2>() << 2, -3;
+  State state = mambo_estimator_start(settings, believed);
+  constexpr int kPeriods = 40;
+  const double walk = kPeriods * settings.position_Q;
+  double P = 0;
+  Estimate<double> estimate;
+  Vector2d error = believed.head<2>();
+  for (int k = 1; k <= 8000; ++k) {
+    const Vector2d truth = x.head<2>() + (k - 1) * 0.005 * x.segment<2>(6);
+    Frame frame = perfect(x);
+    frame.vision.age = 0.2;
+    frame.vision.value << truth - 0.2 * x.segment<2>(6), 77;  // its height is not looked at
+    frame.vision.fresh = k % kPeriods == 1 && k > 1;
+    estimate = step(settings, state, frame);
+    if (frame.vision.fresh) {
+      P += walk;
+      error *= 1 - P / (P + settings.vision_R);
+      P *= 1 - P / (P + settings.vision_R);
+    }
+    ASSERT_THAT(estimate.x.head<2>(), MatrixNear(Vector2d(truth + error), 1e-10)) << k;
+    ASSERT_EQ(estimate.x(2), -1);
+  }
+  EXPECT_LT(error.norm(), 1e-6);
+  EXPECT_NEAR(P * P + walk * P, walk * settings.vision_R, 1e-15);
+  // The flow's own sum is corrected too.
+  Settings raw = settings;
+  raw.position = MamboPosition::flow_velocity;
+  EXPECT_THAT(step(raw, state, perfect(x)).x.head<2>(),
+              MatrixNear(Vector2d(8000 * 0.005 * x.segment<2>(6)), 1e-6));
+  // What is not a number is not looked at.
+  Frame bad = perfect(x);
+  bad.vision = {Vector3d(kNaN, 0, 0), true, 0};
+  EXPECT_THAT(step(settings, state, bad).x.head<2>(),
+              MatrixNear(Vector2d(8001 * 0.005 * x.segment<2>(6)), 1e-6));
+}
+
 // Oliveira 2020, section 6.3: carried along a lemniscate of 60 cm at 60 cm height. There the mean
 // absolute error is 0.7 mm with the full flow; here the raw integral of perfect flow at 200 Hz.
 TEST(MamboEstimator, DrawsALemniscate) {
@@ -490,6 +534,7 @@ TEST(MamboEstimator, RefusesWhatCannotRun) {
           "force_band is 0, expected more than 0 because it divides");
   refused([](Settings& s) { s.calibration_time = kNaN; },
           "calibration_time is nan s, expected 0 or more and finite");
+  refused([](Settings& s) { s.vision_R = 0; }, "vision_R is 0 m2, expected a positive number");
   refused([](Settings& s) { s.altitude_R = 0; }, "altitude_R is 0 m2, expected a positive number");
   refused([](Settings& s) { s.velocity_Q = -1; },
           "velocity_Q is -1 m2/s2, expected 0 or more and finite because it is a variance");

@@ -86,11 +86,15 @@ rate_Hz = 5
 delay_s = 0.2
 noise_m = [1, 1, 2]
 velocity_noise_m_per_s = 0.1
+[sensors.vision]
+rate_Hz = 5
+delay_s = 0.1
+noise_m = 0.03
 )");
   EXPECT_TRUE(vehicle.sensors_known);
   const Sensors& s = vehicle.sensors;
   ASSERT_TRUE(s.accelerometer && s.gyroscope && s.magnetometer && s.barometer && s.sonar &&
-              s.flow && s.gps);
+              s.flow && s.gps && s.vision);
   EXPECT_EQ(s.accelerometer->rate, 250);
   EXPECT_EQ(s.accelerometer->delay, 0.004);
   EXPECT_THAT(s.accelerometer->scale, MatrixNear(Vector3d(1.01, 0.99, 1.02), 0));
@@ -120,6 +124,9 @@ velocity_noise_m_per_s = 0.1
   EXPECT_EQ(s.gps->position.rate, 5);
   EXPECT_THAT(s.gps->position.noise, MatrixNear(Vector3d(1, 1, 2), 0));
   EXPECT_THAT(s.gps->velocity_noise, MatrixNear(Vector3d(0.1, 0.1, 0.1), 0));
+  EXPECT_EQ(s.vision->delay, 0.1);
+  EXPECT_THAT(s.vision->noise, MatrixNear(Vector3d(0.03, 0.03, 0.03), 0));
+  EXPECT_TRUE(ideal(s).vision->noise.isZero(0));
 }
 
 TEST(SensorFile, HasTheSensorsThatItNamesAndNoOthers) {
@@ -127,7 +134,7 @@ TEST(SensorFile, HasTheSensorsThatItNamesAndNoOthers) {
   EXPECT_TRUE(none.sensors_known);
   EXPECT_FALSE(none.sensors.accelerometer || none.sensors.gyroscope || none.sensors.magnetometer ||
                none.sensors.barometer || none.sensors.sonar || none.sensors.flow ||
-               none.sensors.gps);
+               none.sensors.gps || none.sensors.vision);
   const Vehicle unsaid = with("");
   EXPECT_FALSE(unsaid.sensors_known);
   EXPECT_EQ(unsaid.sensors.accelerometer->rate, typical_sensors().accelerometer->rate);
@@ -185,7 +192,7 @@ std::vector<Key> keys() {
        {Table{"sensors.accelerometer", "m_per_s2", 3}, Table{"sensors.gyroscope", "rad_per_s", 3},
         Table{"sensors.magnetometer", "uT", 3}, Table{"sensors.barometer", "Pa", 1},
         Table{"sensors.sonar", "m", 1}, Table{"sensors.flow", "rad_per_s", 2},
-        Table{"sensors.gps", "m", 3}}) {
+        Table{"sensors.gps", "m", 3}, Table{"sensors.vision", "m", 3}}) {
     const auto unit = [&](const std::string& stem) {
       names.push_back(stem + "_" + table.unit);
       return names.back().c_str();
@@ -242,8 +249,8 @@ TEST(SensorFile, RefusesNumbersThatAreNone) {
 }
 
 TEST(SensorFile, RefusesKeysItDoesNotKnow) {
-  for (const char* sensor :
-       {"accelerometer", "gyroscope", "magnetometer", "barometer", "sonar", "flow", "gps"}) {
+  for (const char* sensor : {"accelerometer", "gyroscope", "magnetometer", "barometer", "sonar",
+                             "flow", "gps", "vision"}) {
     const std::string table = fmt::format("[sensors.{}]\n", sensor);
     expect_refusal(
         table + "scale = 1\n",
@@ -277,7 +284,7 @@ TEST(SensorFile, TheMambosAreThoseOfItsModel) {
   EXPECT_EQ(s.accelerometer->rate, 200);
   EXPECT_EQ(s.accelerometer->natural_frequency, 190);
   EXPECT_EQ(s.flow->faults.rate, 60);
-  EXPECT_FALSE(s.gps || s.magnetometer);
+  EXPECT_FALSE(s.gps || s.magnetometer || s.vision);
 }
 
 const std::string kBattery = R"([battery]

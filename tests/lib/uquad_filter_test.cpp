@@ -514,6 +514,33 @@ TEST(UquadFilter, OutlastsALossOfGps) {
   }
 }
 
+// Images at 5 Hz that take 0.2 s to be read, of a vehicle that flies on at half a metre a second.
+TEST(UquadFilter, BelievesImages) {
+  const RigidBody body(plus_quadrotor());
+  const Settings settings = uquad_filter_in_si<double>();
+  Vector12 x = Vector12::Zero();
+  x(2) = -3;
+  x(5) = 2;  // the heading: body and world differ
+  const Vector3d velocity(0.5, -0.3, 0);
+  x.segment<3>(6) = rotation_of_euler(0.0, 0.0, 2.0).transpose() * velocity;
+  State state = uquad_filter_start(settings, x);
+  Estimate<double> estimate;
+  Vector12 truth = x;
+  for (int k = 0; k < 3000; ++k) {
+    truth.head<3>() = x.head<3>() + k * 0.01 * velocity + Vector3d(4, -5, 0);
+    Frame frame = resting(truth);
+    forget_gps(frame);
+    frame.vision = {truth.head<3>() - 0.2 * velocity, k % 20 == 0, 0.2};
+    estimate = step(settings, state, frame, body, hover(), false);
+  }
+  EXPECT_THAT(estimate.x.head<3>(), MatrixNear(Vector3d(truth.head<3>()), 0.02));
+  EXPECT_THAT(estimate.x.segment<3>(6), MatrixNear(Vector3d(truth.segment<3>(6)), 0.02));
+  EXPECT_LT(state.gps_age, 0.3);
+  Frame bad = resting(truth);
+  bad.vision = {Vector3d(0, kNaN, 0), true, 0};
+  EXPECT_TRUE(step(settings, state, bad, body, hover(), false).finite);
+}
+
 TEST(UquadFilter, FindsOffsetsWhileItStands) {
   const RigidBody body(plus_quadrotor());
   Settings settings;
@@ -671,6 +698,7 @@ TEST(UquadFilter, LanesDoNotDependOnEachOtherAndFloatFollows) {
       f.magnetic_field.fresh = (k + l) % 3 != 0;
       f.gps_position.fresh = (k + 25 * l) % 100 == 10;
       f.gps_velocity.fresh = (k + 25 * l) % 100 == 11;
+      f.vision = {x.head<3>(), (k + 10 * l) % 20 == 5, 0};
       speed[l] = hover() * (1 + 0.01 * noise(random));
       set_lane(standing, l, k < 20 * l);
       put(frames.rates, l, f.rates);
@@ -678,6 +706,7 @@ TEST(UquadFilter, LanesDoNotDependOnEachOtherAndFloatFollows) {
       put(frames.magnetic_field, l, f.magnetic_field);
       put(frames.gps_position, l, f.gps_position);
       put(frames.gps_velocity, l, f.gps_velocity);
+      put(frames.vision, l, f.vision);
       set_lane(frames.pressure.value, l, f.pressure.value);
       set_lane(frames.pressure.fresh, l, f.pressure.fresh);
       for (int i = 0; i < 4; ++i) set_lane(speeds(i), l, speed[l](i));
@@ -690,6 +719,7 @@ TEST(UquadFilter, LanesDoNotDependOnEachOtherAndFloatFollows) {
       put(f.magnetic_field, 0, frame[l].magnetic_field);
       put(f.gps_position, 0, frame[l].gps_position);
       put(f.gps_velocity, 0, frame[l].gps_velocity);
+      put(f.vision, 0, frame[l].vision);
       f.pressure = {frame[l].pressure.value, frame[l].pressure.fresh, 0};
       RotorSpeeds<Pack<1>> s = speed[l].cast<Pack<1>>();
       const Estimate<Pack<1>> lonely = step(one, alone[l], f, body, s, Mask<1>(lane(standing, l)));
@@ -703,6 +733,7 @@ TEST(UquadFilter, LanesDoNotDependOnEachOtherAndFloatFollows) {
     copy(f.magnetic_field, frame[0].magnetic_field);
     copy(f.gps_position, frame[0].gps_position);
     copy(f.gps_velocity, frame[0].gps_velocity);
+    copy(f.vision, frame[0].vision);
     f.pressure = {static_cast<float>(frame[0].pressure.value), frame[0].pressure.fresh, 0};
     const Estimate<float> coarse =
         step(single, rough, f, body, RotorSpeeds<float>(speed[0].cast<float>()), false);
@@ -725,6 +756,7 @@ TEST(UquadFilter, CastKeepsEverySetting) {
   settings.R_height = 8;
   settings.R_gps_position = 9;
   settings.R_gps_velocity = 11;
+  settings.R_vision = 21;
   settings.gate = 12;
   settings.position = false;
   settings.biases = false;

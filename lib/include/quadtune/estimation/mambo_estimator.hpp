@@ -59,6 +59,8 @@ struct MamboEstimatorSettings {
   T flow_disagreement = T(1);  ///< Estimate::flow_disagrees above this distance [m/s]
 
   MamboPosition position = MamboPosition::filtered_velocity;
+  T position_Q = T(1e-5);  ///< of px and py, whose velocity errs for seconds, per period [m²]
+  T vision_R = T(0.0025);  ///< of a position from images, per axis [m²]
 
   friend bool operator==(const MamboEstimatorSettings&, const MamboEstimatorSettings&) = default;
 };
@@ -81,6 +83,7 @@ struct MamboEstimatorState {
   KalmanState<T, 2> velocity;                  ///< vx, vy of the world, likewise
   Eigen::Matrix<T, 2, 1> position = Eigen::Matrix<T, 2, 1>::Zero();  ///< ∫ filtered velocity [m]
   Eigen::Matrix<T, 2, 1> flow_position = Eigen::Matrix<T, 2, 1>::Zero();  ///< ∫ flow velocity [m]
+  T position_variance = T(0);  ///< of either, per axis [m²]
 
   T echo_height = T(0);      ///< of the last echo in range, believed or not [m]
   T unbelieved_time = T(0);  ///< since an echo was last believed [s]
@@ -141,7 +144,9 @@ template <class T>
 ///
 /// The filters correct with this period's measurement (tables 3.1 and 3.2, measurement and update),
 /// give their estimate, and predict the next period with this period's acceleration. The position
-/// is the sum of the velocities before, times dt. Inputs that are not finite count as not fresh.
+/// is the sum of the velocities before, times dt; a position from images, where there is a camera
+/// that gives it, corrects px and py, carried by the estimated velocity over the time that it took.
+/// Inputs that are not finite count as not fresh.
 template <class T>
 Estimate<T> step(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<T>& state,
                  const SensorFrame<T>& frame) {
@@ -241,6 +246,21 @@ Estimate<T> step(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<
   estimate.innovation_square += flow_update.innovation_square;
   estimate.innovation_freedom += select(flow_update.used, T(2), T(0));
 
+  // Horizontal position, carried over the time that the image took to be read.
+  const MaskOf<T> seen = both(frame.vision.fresh, entries_are_finite<T>(frame.vision.value));
+  if (any(seen)) {
+    const T& P = state.position_variance;
+    const T gain = select(seen, T(P / (P + settings.vision_R)), T(0));
+    const Vector2 fix = select_entries<T>(
+        seen, Vector2(frame.vision.value.template head<2>() + state.velocity.x * frame.vision.age),
+        state.position);
+    state.flow_position +=
+        select_entries<T>(seen, Vector2(fix - state.flow_position), Vector2(Vector2::Zero())) *
+        gain;
+    state.position += (fix - state.position) * gain;
+    state.position_variance -= gain * P;
+  }
+
   const Vector3<T> velocity = {state.velocity.x(0), state.velocity.x(1), vz};
   const bool raw = settings.position == MamboPosition::flow_velocity;
   estimate.x << (raw ? state.flow_position : state.position), z, angles,
@@ -249,6 +269,7 @@ Estimate<T> step(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<
 
   // Prediction for the next period.
   state.position += state.velocity.x * dt;
+  state.position_variance += settings.position_Q;
   state.flow_position +=
       select_entries<T>(flow_valid, Vector2(flow_velocity * dt), Vector2(Vector2::Zero()));
   KalmanModel<T, 2, 1> altitude;
@@ -292,7 +313,9 @@ template <class To, class From>
           To(from.flow_timeout),
           from.hold_flow,
           To(from.flow_disagreement),
-          from.position};
+          from.position,
+          To(from.position_Q),
+          To(from.vision_R)};
 }
 
 /// Whether step() may run with these: dt and gravity > 0, times and gates ≥ 0, covariances ≥ 0 with

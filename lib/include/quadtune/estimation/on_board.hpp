@@ -28,6 +28,7 @@ struct SensorFrame {
   Sample<Eigen::Matrix<T, 2, 1>, T> flow;  ///< mean image velocity over focal length [rad/s]
   Sample<Vector3<T>, T> gps_position;      ///< world [m]
   Sample<Vector3<T>, T> gps_velocity;      ///< world [m/s]
+  Sample<Vector3<T>, T> vision;            ///< position from images, world [m]
 };
 
 /// What the flight program believes: the 12 states of ned_convention().

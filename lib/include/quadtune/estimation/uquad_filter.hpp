@@ -55,10 +55,11 @@ struct UquadFilterSettings {
   T R_height = T(1000);       ///< barometer [m²]
   T R_gps_position = T(100);  ///< per axis [m²]
   T R_gps_velocity = T(100);  ///< per axis [m²/s²]
+  T R_vision = T(0.01);       ///< position from images, per axis [m²]
   T gate = no_gate<T>();      ///< largest e²/S that a scalar measurement is believed with
 
   /// false: the 8 states of the program without GPS. px and py stand as they are, u and v are 0,
-  /// all four without error; GPS is not looked at.
+  /// all four without error; GPS and vision are not looked at.
   bool position = true;
   bool biases = true;  ///< false: the accelerometer's biases are 0
 
@@ -75,8 +76,8 @@ struct UquadFilterSettings {
   T declination = T(0);   ///< of magnetic north, east positive [rad]
   /// [Pa] at z = 0; the mean while standing still takes its place, at the z given at the start.
   T reference_pressure = T(101325);
-  /// Time without GPS after which u and v are measured as 0 in every period, with still_variance
-  /// [s]: nothing else sees them, and their covariance would grow without bound.
+  /// Time without GPS and vision after which u and v are measured as 0 in every period, with
+  /// still_variance [s]: nothing else sees them, and their covariance would grow without bound.
   T gps_timeout = T(3);
   T still_variance = T(100);      ///< [m²/s²]; 100 at 100 Hz says 0 ± 1 m/s about once a second
   T standing_variance = T(0.01);  ///< of the velocity 0 while the vehicle stands [m²/s²]
@@ -101,6 +102,7 @@ template <class To, class From>
   to.R_height = To(from.R_height);
   to.R_gps_position = To(from.R_gps_position);
   to.R_gps_velocity = To(from.R_gps_velocity);
+  to.R_vision = To(from.R_vision);
   to.gate = To(from.gate);
   to.position = from.position;
   to.biases = from.biases;
@@ -149,7 +151,7 @@ struct UquadFilterState {
   T field_norm = T(0);                          ///< expected [µT]; 0: not known
   Tilt<T> tilt;                                 ///< newest of the accelerometer
   T force_excess = T(0);                        ///< newest | |f|/g - 1 |
-  T gps_age = T(0);                             ///< since GPS was last believed [s]
+  T gps_age = T(0);                             ///< since GPS or vision was last believed [s]
 
   std::int64_t periods = 0;                  ///< since the start
   Vector3<T> gyro_sum = Vector3<T>::Zero();  ///< while standing still
@@ -172,6 +174,7 @@ struct UquadMeasurement {
   T height = T(0);                               ///< above z = 0 [m]
   Vector3<T> gps_position = Vector3<T>::Zero();  ///< world [m]
   Vector3<T> gps_velocity = Vector3<T>::Zero();  ///< world [m/s]
+  Vector3<T> vision = Vector3<T>::Zero();        ///< world [m], brought to now
   T tilt_doubt = T(1);                           ///< factor of R_tilt
   T yaw_doubt = T(1);                            ///< factor of R_yaw
   MaskOf<T> tilt_fresh{};
@@ -181,6 +184,7 @@ struct UquadMeasurement {
   MaskOf<T> height_fresh{};
   MaskOf<T> gps_position_fresh{};
   MaskOf<T> gps_velocity_fresh{};
+  MaskOf<T> vision_fresh{};
 };
 
 /// Height above where the pressure is p0, of a standard troposphere [m].
@@ -264,7 +268,7 @@ void predict(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadStates
 /// Rows that depend on the state are linearized once for their group, which makes the group's
 /// result that of a correction by all three at once.
 /// @param seen  gathers height_used, innovation_square and innovation_freedom.
-/// @return  whether GPS was believed.
+/// @return  whether GPS or vision was believed.
 template <class T>
 MaskOf<T> correct(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadStates>& kalman,
                   const RigidBody& body, const RotorLoads<T>& loads,
@@ -314,6 +318,11 @@ MaskOf<T> correct(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadS
       believed = either(believed,
                         use(entry(kPosition + i), T(measurement.gps_position(i) - x(kPosition + i)),
                             settings.R_gps_position, measurement.gps_position_fresh));
+  if (settings.position && any(measurement.vision_fresh))
+    for (int i = 0; i < 3; ++i)
+      believed =
+          either(believed, use(entry(kPosition + i), T(measurement.vision(i) - x(kPosition + i)),
+                               settings.R_vision, measurement.vision_fresh));
   if (settings.position && any(measurement.gps_velocity_fresh)) {
     // R_WB v
     const UquadVector<T> x0 = x;
@@ -370,6 +379,13 @@ template <class T>
   m.rates = frame.rates.value - state.gyro_offset;
   m.gps_position = frame.gps_position.value;
   m.gps_velocity = frame.gps_velocity.value;
+  m.vision_fresh = fresh(frame.vision);
+  if (any(m.vision_fresh)) {
+    // Images take long to read: the vehicle has flown on since.
+    const UquadVector<T>& x = state.kalman.x;
+    const Matrix3<T> R_WB = rotation_of_euler(x(kAttitude), x(kAttitude + 1), x(kAttitude + 2));
+    m.vision = frame.vision.value + R_WB * x.template segment<3>(kVelocity) * frame.vision.age;
+  }
 
   const Vector3<T> f = m.force - state.kalman.x.template tail<3>();
   const Tilt<T> tilt = tilt_of_force(f);

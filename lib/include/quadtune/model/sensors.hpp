@@ -67,6 +67,8 @@ struct Sensors {
   std::optional<SonarSensor> sonar;
   std::optional<FlowSensor> flow;
   std::optional<GpsSensor> gps;
+  /// Position from a camera's images of marks whose places are known, world axes [m].
+  std::optional<SensorFaults> vision;
 };
 
 /// Sensors that say what is true, at the rates of `sensors`, at once.
