@@ -59,7 +59,7 @@ struct MamboEstimatorSettings {
   T flow_disagreement = T(1);  ///< Estimate::flow_disagrees above this distance [m/s]
 
   MamboPosition position = MamboPosition::filtered_velocity;
-  T position_Q = T(1e-5);  ///< of px and py, whose velocity errs for seconds, per period [m²]
+  T position_Q = T(1e-6);  ///< of px and py, whose velocity errs for seconds, per period [m²]
   T vision_R = T(0.0025);  ///< of a position from images, per axis [m²]
 
   friend bool operator==(const MamboEstimatorSettings&, const MamboEstimatorSettings&) = default;
