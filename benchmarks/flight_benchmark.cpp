@@ -263,9 +263,9 @@ void fly_whole(const std::string& name, const FlightSetup& setup, double goal) {
   for (std::size_t i = 0; i < setups.size(); ++i) setups[i].flight = static_cast<std::uint32_t>(i);
   std::vector<FlightResult> packed;
   const Wall pack = wall_of([&] { packed = fly_all(setups, 1); }, 5);
-  std::vector<FlightResult> alone;
+  std::vector<FlightResult> alone(setups.size());
   double flown = 0;
-  for (const FlightSetup& one : setups) alone.push_back(fly(one));
+  for (std::size_t i = 0; i < setups.size(); ++i) alone[i] = fly(setups[i]);
   for (const FlightResult& one : alone) flown += one.end_time;
   const double packed_rate = flown / pack.median;
   fmt::print(
@@ -295,15 +295,7 @@ void fly_threads() {
   fmt::print("\n");
 }
 
-}  // namespace
-}  // namespace quadtune::bench
-
-int main(int argc, char** argv) {
-  using namespace quadtune;
-  using namespace quadtune::bench;
-  // ./dev bench gives every program the options of Google Benchmark, which this one is not.
-  for (const std::string_view option : std::span(argv, static_cast<std::size_t>(argc)).subspan(1))
-    if (option.starts_with("--benchmark_filter=") && option.find("flight") == option.npos) return 0;
+void fly_everything() {
   fmt::print("{}", describe_machine());
   race<4>("crazyflie", 5e6);
   race<0>("mambo", 12e6);
@@ -314,4 +306,19 @@ int main(int argc, char** argv) {
   fly_whole("mambo hovers, its sensors and estimator", mambo_hover(), 3000);
   fly_whole("every sensor, turbulence, filter of 15 states", everything(), 0);
   fly_threads();
+}
+
+}  // namespace
+}  // namespace quadtune::bench
+
+int main(int argc, char** argv) {
+  // ./dev bench gives every program the options of Google Benchmark, which this one is not.
+  for (const std::string_view option : std::span(argv, static_cast<std::size_t>(argc)).subspan(1))
+    if (option.starts_with("--benchmark_filter=") && option.find("flight") == option.npos) return 0;
+  try {
+    quadtune::bench::fly_everything();
+  } catch (const std::exception& error) {
+    std::fputs(error.what(), stderr);
+    return 1;
+  }
 }

@@ -57,7 +57,7 @@ ReportPlot plot_of(const LogTable& log, const std::string& title, const std::str
   plot.title = title;
   plot.unit = unit;
   for (const std::string& name : names) {
-    const std::string column = group.empty() ? name : group + "." + name;
+    const std::string column = group.empty() ? name : fmt::format("{}.{}", group, name);
     if (log.find(column) != nullptr) plot.series.push_back({name, column, style});
   }
   return plot;

@@ -63,6 +63,7 @@ class Struct {
   explicit Struct(const std::vector<std::string>& fields, std::size_t rows = 1,
                   const char* name = nullptr) {
     std::vector<const char*> names;
+    names.reserve(fields.size());
     for (const std::string& field : fields) names.push_back(field.c_str());
     std::array<std::size_t, 2> size = {rows, 1};
     variable_ = made(Mat_VarCreateStruct(name, 2, size.data(), names.data(),

@@ -56,6 +56,7 @@ Wind wind_of_words(const std::string& words, const std::string& where) {
       {"turbulence", &wind.turbulence},
       {"turbulence_height", &wind.turbulence_height}};
   std::vector<std::string> known;
+  known.reserve(std::size(keys));
   for (const auto& [name, target] : keys) known.push_back(name);
   std::vector<const double*> given;
   std::size_t begin = 0;

@@ -146,8 +146,8 @@ void ClosedLoop<N, R>::make_law() {
           {&PidSettings<P>::integral_min, &PidSettings<double>::integral_min},
           {&PidSettings<P>::integral_max, &PidSettings<double>::integral_max},
           {&PidSettings<P>::back_calculation, &PidSettings<double>::back_calculation}};
-      for (const auto& [packed, plain] : numbers)
-        gather(loop.*packed, [&](const auto& s) { return s.loops[i].*plain; });
+      for (const auto& entry : numbers)
+        gather(loop.*entry.first, [&](const auto& s) { return s.loops[i].*entry.second; });
     }
     gather(cascade_settings_.attitude_limit, [](const auto& s) { return s.attitude_limit; });
     gather(cascade_settings_.weight, [](const auto& s) { return s.weight; });

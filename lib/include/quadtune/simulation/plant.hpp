@@ -183,7 +183,7 @@ class Plant {
       each_rotor([&](int i) __attribute__((always_inline)) {
         const RotorNumbers& rotor = rotors_[static_cast<std::size_t>(i)];
         const Vector3<T>& hub = body_.rotors[static_cast<std::size_t>(i)].position;
-        const T w = x(kRotorSpeeds + i);
+        const T& w = x(kRotorSpeeds + i);
         const T lift = (rotor.thrust_a2 * w + rotor.thrust_a1) * w;
         thrust += lift;
         roll -= hub.y() * lift;

@@ -148,7 +148,8 @@ void SensorChannel<N, Axes>::take(const Values& truth, const RandomSource<N>& so
     for (int i = 0; i < Axes; ++i) {
       const Mask<N> goes_on = y_(i) == y_(i);
       const P y0 = select(goes_on, y_(i), truth(i)), r0 = select(goes_on, rate_(i), P(0));
-      const P u0 = select(goes_on, before_(i), truth(i)), u1 = truth(i);
+      const P u0 = select(goes_on, before_(i), truth(i));
+      const P& u1 = truth(i);
       y(i) = response_[0] * y0 + response_[1] * r0 + response_[4] * u0 + response_[6] * u1;
       rate_(i) = response_[2] * y0 + response_[3] * r0 + response_[5] * u0 + response_[7] * u1;
       y_(i) = select(lost, none, y(i));
