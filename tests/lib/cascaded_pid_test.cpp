@@ -43,8 +43,8 @@ TEST(CascadedPid, IsTheLinearLawNearHover) {
        {PidMethod::forward_euler, PidMethod::backward_euler, PidMethod::tustin}) {
     const DiscreteLti linear = cascade_law(published(), method);
     const CascadedPidSettings<double> law = settings(method, kNoLimit, kNoLimit, 0);
-    std::vector<Eigen::VectorXd> motion;
-    for (int k = 0; k < 10; ++k) motion.push_back(draw(random, 16));
+    std::vector<Eigen::VectorXd> motion(10);
+    for (Eigen::VectorXd& point : motion) point = draw(random, 16);
     const auto difference = [&](double size) {
       CascadedPidState<double> state;
       Eigen::VectorXd integrals = Eigen::VectorXd::Zero(linear.A.rows());

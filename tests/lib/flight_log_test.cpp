@@ -274,7 +274,8 @@ TEST(LogMat, RefusesArraysThatLieTooDeep) {
   const std::string flags = tagged(6, std::string("\1\0\0\0\0\0\0\0", 8));  // of cells
   const std::string size = tagged(5, std::string("\1\0\0\0\1\0\0\0", 8));
   std::string nested;
-  for (int i = 0; i < 1000; ++i) nested = tagged(14, flags + size + tagged(1, "") + nested);
+  const std::string head = flags + size + tagged(1, "");
+  for (int i = 0; i < 1000; ++i) nested = tagged(14, std::string(head).append(nested));
   EXPECT_THAT(
       [&] {
         std::ignore = table_of_mat(bytes_of_mat(small_log()).substr(0, 128) + nested, "f.mat");
