@@ -34,9 +34,9 @@ double draw(std::mt19937_64& random, double low, double high) {
 // Both signs, sizes from 2^low to 2^high evenly in the exponent.
 std::vector<double> sizes(int low, int high, int count) {
   std::mt19937_64 random(1);
-  std::vector<double> all;
-  for (int i = 0; i < count; ++i)
-    all.push_back((i % 2 ? -1 : 1) * std::exp2(draw(random, low, high)));
+  std::vector<double> all(static_cast<std::size_t>(count));
+  double sign = -1;
+  for (double& size : all) size = (sign = -sign) * std::exp2(draw(random, low, high));
   return all;
 }
 
@@ -72,7 +72,8 @@ std::vector<double> angles() {
   std::vector<double> all = sizes(-40, 17, 20000);
   for (int k = -2000; k <= 2000; ++k)  // next to where they cross 0, where a reduction loses most
     for (const double off : {-1e-9, 0.0, 1e-9}) all.push_back(k * kPi / 2 + off);
-  for (double k = 3; k < 6e4; k *= 1.01) all.push_back(std::floor(k) * kPi / 2);
+  for (int i = 0; i < 1000; ++i)  // 3 to 6e4
+    all.push_back(std::floor(3 * std::pow(1.01, i)) * kPi / 2);
   return all;
 }
 
