@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The files of vehicles/ and missions/, compiled into the library by lib/embed_files.cmake, and
+/// The files of vehicles/, missions/ and filters/, compiled into the library by lib/embed_files.cmake, and
 /// how a word is told from a path.
 #pragma once
 
@@ -20,6 +20,7 @@ struct BuiltInFile {
 /// All of them, in the order of the documentation.
 [[nodiscard]] const std::vector<BuiltInFile>& built_in_vehicle_files();
 [[nodiscard]] const std::vector<BuiltInFile>& built_in_mission_files();
+[[nodiscard]] const std::vector<BuiltInFile>& built_in_filter_files();
 
 /// Whether a word that names nothing built in is meant as a file's path.
 [[nodiscard]] inline bool looks_like_path(const std::string& word) {

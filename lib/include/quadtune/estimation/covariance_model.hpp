@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A covariance matrix as a function of numbers that are to be found.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace quadtune {
+
+/// exp(θ) · shape: one variance, or one that several entries share.
+struct ScaledCovariance {
+  Eigen::MatrixXd shape;  ///< (n × n) symmetric, ≥ 0
+  int parameter = 0;      ///< θ, its logarithm
+};
+
+/// A full block by its factor: Σ = L Lᵀ, row i of L = exp(θ_i / 2) (a_i1, …, a_i,i-1, 1, 0, …). Any
+/// θ and a give a positive definite block, and each such block has one θ and a.
+struct FullCovariance {
+  std::vector<int> entries;  ///< rows and columns of the block
+  /// Of θ_1, a_21, θ_2, a_31, a_32, θ_3, …: n (n + 1) / 2 in a row.
+  int first_parameter = 0;
+};
+
+/// Σ(θ) = fixed + Σ scaled + Σ full.
+struct CovarianceModel {
+  Eigen::MatrixXd fixed;  ///< (n × n) symmetric, ≥ 0
+  std::vector<ScaledCovariance> scaled;
+  std::vector<FullCovariance> full;
+
+  [[nodiscard]] Eigen::Index size() const { return fixed.rows(); }
+};
+
+/// Entry (i, j) of the block of a FullCovariance.
+/// @param parameters  θ and a from its first parameter on.
+template <class T>
+[[nodiscard]] T full_entry(const T* parameters, int i, int j) {
+  using std::exp;
+  const auto row = [&](int k) { return parameters + k * (k + 1) / 2; };
+  const auto factor = [&](int k, int q) { return k == q ? T(1) : row(k)[q]; };
+  T sum = T(0);
+  for (int q = 0; q <= (i < j ? i : j); ++q) sum += factor(i, q) * factor(j, q);
+  return sum * T(exp(T(0.5) * (row(i)[i] + row(j)[j])));
+}
+
+/// The parameters of a positive definite block: the inverse of full_entry().
+/// @return  (n (n + 1) / 2), not finite where the block is not positive definite.
+[[nodiscard]] Eigen::VectorXd parameters_of_block(const Eigen::Ref<const Eigen::MatrixXd>& block);
+
+/// Σ(θ), into a matrix of the right size.
+/// @param parameters  all of the model that the covariance belongs to.
+template <class T, class Matrix>
+void fill_covariance(const CovarianceModel& model, const T* parameters, Matrix& result) {
+  using std::exp;
+  for (Eigen::Index j = 0; j < model.size(); ++j)
+    for (Eigen::Index i = 0; i < model.size(); ++i) result(i, j) = T(model.fixed(i, j));
+  for (const ScaledCovariance& term : model.scaled) {
+    const T variance = exp(parameters[term.parameter]);
+    for (Eigen::Index j = 0; j < model.size(); ++j)
+      for (Eigen::Index i = 0; i < model.size(); ++i)
+        if (term.shape(i, j) != 0) result(i, j) += variance * term.shape(i, j);
+  }
+  for (const FullCovariance& term : model.full)
+    for (std::size_t j = 0; j < term.entries.size(); ++j)
+      for (std::size_t i = 0; i < term.entries.size(); ++i)
+        result(term.entries[i], term.entries[j]) +=
+            full_entry(parameters + term.first_parameter, static_cast<int>(i), static_cast<int>(j));
+}
+
+/// Σ(θ) in plain numbers.
+[[nodiscard]] Eigen::MatrixXd covariance(const CovarianceModel& model,
+                                         const Eigen::Ref<const Eigen::VectorXd>& parameters);
+
+}  // namespace quadtune

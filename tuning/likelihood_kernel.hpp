@@ -1,0 +1,630 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The Kalman filter that sums up a likelihood, one template over the scalar (double, or a jet that
+/// carries derivatives with respect to θ) and the number of states.
+#pragma once
+
+#include <ceres/jet.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <type_traits>
+#include <vector>
+
+namespace quadtune::internal {
+
+/// Largest number of states of a model, and of outputs of all its sensors.
+inline constexpr int kMostStates = 24;
+inline constexpr int kMostOutputs = 64;
+
+template <class T>
+inline constexpr bool is_jet = !std::is_same_v<T, double>;
+
+inline double plain(double x) { return x; }
+template <int p>
+double plain(const ceres::Jet<double, p>& x) {
+  return x.a;
+}
+
+/// Σ log of positive numbers by products: a logarithm costs more than a filter of two states.
+template <class T>
+class LogSum {
+ public:
+  void add(const T& x) {
+    product_ *= plain(x);
+    if constexpr (is_jet<T>) slope_ += x.v / x.a;
+    if (!(product_ < 1e100 && product_ > 1e-100)) collect();
+  }
+  void add(const T& x, std::int64_t times) {
+    collect();
+    sum_ += std::log(plain(x)) * static_cast<double>(times);
+    if constexpr (is_jet<T>) slope_ += x.v / x.a * static_cast<double>(times);
+  }
+  [[nodiscard]] T value() {
+    collect();
+    if constexpr (is_jet<T>) {
+      T result(sum_);
+      result.v = slope_;
+      return result;
+    } else {
+      return sum_;
+    }
+  }
+
+ private:
+  struct Nothing {};
+  template <class U>
+  struct SlopeOf {
+    using type = Nothing;
+  };
+  template <int p>
+  struct SlopeOf<ceres::Jet<double, p>> {
+    using type = Eigen::Matrix<double, p, 1>;
+  };
+  static typename SlopeOf<T>::type zero() {
+    if constexpr (is_jet<T>)
+      return SlopeOf<T>::type::Zero();
+    else
+      return {};
+  }
+
+  void collect() {
+    sum_ += std::log(product_);
+    product_ = 1;
+  }
+
+  double product_ = 1;
+  double sum_ = 0;
+  typename SlopeOf<T>::type slope_ = zero();
+};
+
+/// A row of C: the entries that are not 0, and for few states all of them.
+template <class Row, int nx>
+struct MeasurementRow {
+  std::vector<int> column;
+  std::vector<Row> value;
+  Eigen::Matrix<Row, nx == -1 ? 0 : nx, 1> all;
+
+  /// f(column, entry) of each; a loop that is known when compiling where the states are few.
+  template <class Function>
+  void each(Function&& f) const {
+    if constexpr (nx == -1)
+      for (std::size_t q = 0; q < column.size(); ++q) f(column[q], value[q]);
+    else
+      for (int j = 0; j < nx; ++j) f(j, all(j));
+  }
+};
+
+/// From one instant to the next.
+template <class T, int nx>
+struct KernelTransition {
+  using Matrix =
+      Eigen::Matrix<double, nx, nx, 0, nx == -1 ? kMostStates : nx, nx == -1 ? kMostStates : nx>;
+  using MatrixT =
+      Eigen::Matrix<T, nx, nx, 0, nx == -1 ? kMostStates : nx, nx == -1 ? kMostStates : nx>;
+  Matrix F;
+  Eigen::Matrix<double, nx, Eigen::Dynamic> B;
+  MatrixT Q;
+};
+
+/// The model at one θ. Row is double, or T where an R is full and its rows are decorrelated.
+template <class T, class Row, int nx>
+struct KernelModel {
+  std::vector<KernelTransition<T, nx>> transitions;
+  std::vector<MeasurementRow<Row, nx>> C;  ///< ny
+  std::vector<T> R;                        ///< ny
+  Eigen::MatrixXd D;                       ///< (ny × nu), or empty
+  /// (ny × ny) unit lower triangular L of R = L diag Lᵀ: rows of C are L⁻¹ C. Empty where every R
+  /// is diagonal.
+  Eigen::Matrix<Row, Eigen::Dynamic, Eigen::Dynamic> L;
+  Eigen::VectorXd x0;
+  Eigen::MatrixXd P0;
+  Eigen::MatrixXd P0_diffuse;
+  int diffuse_rank = 0;
+};
+
+/// Instants that are alike: all outputs measured, one transition.
+struct KernelSegment {
+  Eigen::Index begin = 0, end = 0;
+  bool complete = false;  ///< false: anything may be missing, transitions differ
+};
+
+struct KernelRecord {
+  const double* y = nullptr;  ///< (ny × samples)
+  const double* u = nullptr;  ///< (nu × samples)
+  Eigen::Index samples = 0, ny = 0, nu = 0;
+  const std::uint32_t* transition = nullptr;  ///< from each sample to the next
+  const KernelSegment* segments = nullptr;
+  std::size_t segment_count = 0;
+};
+
+/// What is written down of a run, where it is asked for.
+struct KernelTrace {
+  Eigen::MatrixXd* innovation;
+  Eigen::MatrixXd* variance;
+  Eigen::MatrixXd* x;
+  Eigen::MatrixXd* x_variance;
+};
+
+/// Sums over records.
+template <class T>
+struct KernelSums {
+  LogSum<T> logs;
+  T squares = T(0);
+  std::int64_t used = 0, diffuse = 0;
+  Eigen::MatrixXd* information = nullptr;  ///< added to where it is asked for
+  /// Where it failed: sample and output; -1 where it did not.
+  Eigen::Index bad_sample = -1, bad_output = -1;
+};
+
+/// One run of the filter.
+template <class T, bool correlated, int nx>
+class LikelihoodKernel {
+ public:
+  static constexpr int kMost = nx == -1 ? kMostStates : nx;
+  using Row = std::conditional_t<correlated, T, double>;
+  using Vector = Eigen::Matrix<T, nx, 1, 0, kMost, 1>;
+  using Matrix = Eigen::Matrix<T, nx, nx, 0, kMost, kMost>;
+  using Plain = Eigen::Matrix<double, nx, nx, 0, kMost, kMost>;
+  using Model = KernelModel<T, Row, nx>;
+  using RowOfC = MeasurementRow<Row, nx>;
+
+  LikelihoodKernel(const Model& model, const KernelRecord& record, bool hold_steady_gains)
+      : model_(model), record_(record), hold_(hold_steady_gains), n_(model.x0.size()) {}
+
+  /// @return  false where an innovation has no positive variance; see sums.
+  bool run(KernelSums<T>& sums, const KernelTrace* trace) {
+    start();
+    const bool one_output = record_.ny == 1 && nx != -1 && !correlated && trace == nullptr;
+    for (std::size_t s = 0; s < record_.segment_count; ++s) {
+      const KernelSegment& segment = record_.segments[s];
+      Eigen::Index k = segment.begin;
+      const bool may_settle =
+          hold_ && segment.complete && trace == nullptr && segment.end - segment.begin > 2 * kEvery;
+      Settling settling;
+      while (k < segment.end) {
+        const Eigen::Index stop = std::min(k + kEvery, segment.end);
+        if (one_output && segment.complete && rank_ == 0)
+          k = few_steps(k, std::min(stop, record_.samples - 1), sums);
+        for (; k < stop; ++k) {
+          if (!correct(k, sums, trace)) return false;
+          if (trace != nullptr) write_down(k, *trace);
+          if (k + 1 < record_.samples) predict(k);
+        }
+        if (may_settle && k < segment.end && rank_ == 0 && settled(settling)) {
+          if (!hold_gains(k, segment.end, sums)) return false;
+          k = segment.end;
+        }
+      }
+    }
+    return true;
+  }
+
+ private:
+  [[nodiscard]] Eigen::Index n() const {
+    if constexpr (nx == -1)
+      return n_;
+    else
+      return nx;
+  }
+
+  static constexpr Eigen::Index kEvery = 16;  ///< steps between looks whether P has settled
+  /// Relative distance from the limit at which P counts as settled.
+  static constexpr double kSettled = 1e-13;
+  /// Share of R in S below which what is left of P along C is lost in rounding.
+  static constexpr double kLeastShare = 1e-4;
+
+  struct Settling {
+    Matrix before;
+    double change = -1;
+    bool known = false;
+  };
+
+  void start() {
+    x_.resize(n());
+    PC_.resize(n());
+    for (Eigen::Index i = 0; i < n(); ++i) x_(i) = T(model_.x0(i));
+    P_.resize(n(), n());
+    diffuse_P_.resize(n(), n());
+    for (Eigen::Index j = 0; j < n(); ++j)
+      for (Eigen::Index i = 0; i < n(); ++i) {
+        P_(i, j) = T(model_.P0(i, j));
+        diffuse_P_(i, j) = model_.P0_diffuse(i, j);
+      }
+    rank_ = model_.diffuse_rank;
+  }
+
+  /// Row i of the measurements of instant k, less what the inputs and, where R is full, the
+  /// outputs before it say.
+  T measured(Eigen::Index k, Eigen::Index i) {
+    const double* y = record_.y + k * record_.ny;
+    double value = y[i];
+    if (model_.D.size() > 0)
+      for (Eigen::Index j = 0; j < record_.nu; ++j)
+        value -= model_.D(i, j) * record_.u[k * record_.nu + j];
+    if constexpr (!correlated) {
+      return T(value);
+    } else {
+      T whitened = T(value);
+      for (Eigen::Index j = 0; j < i; ++j)
+        if (y[j] == y[j]) whitened -= model_.L(i, j) * whitened_[static_cast<std::size_t>(j)];
+      whitened_[static_cast<std::size_t>(i)] = whitened;
+      return whitened;
+    }
+  }
+
+  bool correct(Eigen::Index k, KernelSums<T>& sums, const KernelTrace* trace) {
+    const double* y = record_.y + k * record_.ny;
+    for (Eigen::Index i = 0; i < record_.ny; ++i) {
+      if (y[i] != y[i]) continue;
+      const RowOfC& c = model_.C[static_cast<std::size_t>(i)];
+      const T& R = model_.R[static_cast<std::size_t>(i)];
+      T e = measured(k, i);
+      c.each([&](int j, const Row& C) { e -= C * x_(j); });
+      if (rank_ > 0 && take_up(c, e, R, sums)) continue;
+      times_row(P_, c, PC_);
+      T S = R;
+      c.each([&](int j, const Row& C) { S += C * PC_(j); });
+      if (!(plain(S) > 0)) {
+        sums.bad_sample = k;
+        sums.bad_output = i;
+        return false;
+      }
+      const T inverse = T(1) / S;
+      sums.logs.add(S);
+      sums.squares += e * e * inverse;
+      ++sums.used;
+      if (sums.information != nullptr) inform(e, S, 1, sums);
+      if (trace != nullptr) {
+        (*trace->innovation)(i, k) = plain(e);
+        (*trace->variance)(i, k) = plain(S);
+      }
+      // Joseph's form in two rank-one steps.
+      const Vector K = PC_ * inverse;
+      x_ += K * e;
+      subtract_outer(K, PC_);
+      Vector rest = K * R;
+      c.each([&](int j, const Row& C) { rest -= P_.col(j) * C; });
+      for (Eigen::Index j = 0; j < n(); ++j) P_.col(j) += rest * K(j);
+    }
+    return true;
+  }
+
+  /// Correction by one output and prediction in one, with everything in registers: what does not
+  /// need the innovation's variance is worked out while that is on its way.
+  /// @return  the first instant that it did not do: `stop`, or one that needs Joseph's form to keep
+  ///          what is left of P.
+  Eigen::Index few_steps(Eigen::Index k, Eigen::Index stop, KernelSums<T>& sums) {
+    if (k >= stop) return k;
+    const RowOfC& c = model_.C[0];
+    const T R = model_.R[0];
+    const KernelTransition<T, nx>& step = model_.transitions[record_.transition[k]];
+    const Plain F = step.F;
+    const Matrix Q = step.Q;
+    Vector x = x_;
+    Matrix P = P_;
+    LogSum<T> logs = sums.logs;
+    T squares = T(0);
+    const Eigen::Index first = k;
+    for (; k < stop; ++k) {
+      Vector PC(n());
+      PC.setConstant(T(0));
+      c.each([&](int j, const Row& C) { PC += P.col(j) * C; });
+      T S = R;
+      c.each([&](int j, const Row& C) { S += C * PC(j); });
+      if (!(plain(R) > kLeastShare * plain(S))) break;
+      T e = measured(k, 0);
+      c.each([&](int j, const Row& C) { e -= C * x(j); });
+      const T inverse = T(1) / S;
+      logs.add(S);
+      squares += e * e * inverse;
+      if (sums.information != nullptr) inform(e, S, 1, sums);
+      const Vector g = multiply(F, PC);
+      x = multiply(F, x) + g * (e * inverse);
+      for (Eigen::Index j = 0; j < record_.nu; ++j)
+        for (Eigen::Index i = 0; i < n(); ++i) x(i) += step.B(i, j) * record_.u[k * record_.nu + j];
+      propagate(F, P);
+      for (Eigen::Index j = 0; j < n(); ++j)
+        for (Eigen::Index i = j; i < n(); ++i) {
+          P(i, j) += Q(i, j) - g(i) * (g(j) * inverse);
+          P(j, i) = P(i, j);
+        }
+    }
+    x_ = x;
+    P_ = P;
+    sums.logs = logs;
+    sums.squares += squares;
+    sums.used += k - first;
+    return k;
+  }
+
+  template <class V>
+  void times_row(const Matrix& P, const RowOfC& c, V& result) {
+    result.setConstant(typename V::Scalar(0));
+    c.each([&](int j, const Row& C) { result += P.col(j) * C; });
+  }
+
+  void subtract_outer(const Vector& a, const Vector& b) {
+    for (Eigen::Index j = 0; j < n(); ++j) P_.col(j) -= a * b(j);
+  }
+
+  /// A measurement that sees a state of which nothing is known yet (Koopman and Durbin 2000).
+  /// @return  false where it sees none: then it is an ordinary measurement.
+  bool take_up(const RowOfC& c, const T& e, const T& R, KernelSums<T>& sums) {
+    Eigen::Matrix<double, nx, 1, 0, kMost, 1> PC =
+        Eigen::Matrix<double, nx, 1, 0, kMost, 1>::Zero(n());
+    double F = 0, scale = 0;
+    for (std::size_t q = 0; q < c.column.size(); ++q)
+      PC += diffuse_P_.col(c.column[q]) * plain(c.value[q]);
+    for (std::size_t q = 0; q < c.column.size(); ++q) {
+      F += plain(c.value[q]) * PC(c.column[q]);
+      for (std::size_t r = 0; r < c.column.size(); ++r)
+        scale +=
+            std::abs(plain(c.value[q]) * plain(c.value[r]) * diffuse_P_(c.column[q], c.column[r]));
+    }
+    if (!(F > 1e-8 * scale)) return false;
+    Vector K(n());
+    T F_T = T(F);
+    if constexpr (!correlated) {
+      for (Eigen::Index i = 0; i < n(); ++i) K(i) = T(PC(i) / F);
+    } else {
+      // The rows depend on θ, and so does what they see.
+      Vector PC_T(n());
+      for (Eigen::Index i = 0; i < n(); ++i) {
+        PC_T(i) = T(0);
+        for (std::size_t q = 0; q < c.column.size(); ++q)
+          PC_T(i) += c.value[q] * diffuse_P_(i, c.column[q]);
+      }
+      F_T = T(0);
+      for (std::size_t q = 0; q < c.column.size(); ++q) F_T += c.value[q] * PC_T(c.column[q]);
+      K = PC_T / F_T;
+    }
+    sums.logs.add(F_T);
+    ++sums.diffuse;
+    x_ += K * e;
+    Matrix A(n(), n());  // I - K C
+    A.setIdentity();
+    for (std::size_t q = 0; q < c.column.size(); ++q) A.col(c.column[q]) -= K * T(c.value[q]);
+    const Matrix AP = A.lazyProduct(P_);
+    P_ = AP.lazyProduct(A.transpose());
+    P_ += K.lazyProduct(K.transpose()) * R;
+    diffuse_P_ -= PC * PC.transpose() / F;
+    if (--rank_ == 0) diffuse_P_.setZero();
+    return true;
+  }
+
+  void inform(const T& e, const T& S, double times, KernelSums<T>& sums) {
+    if constexpr (is_jet<T>) {
+      const auto s = (S.v / S.a).eval();
+      sums.information->noalias() += (0.5 * times) * s * s.transpose();
+      sums.information->noalias() += e.v * e.v.transpose() / S.a;
+    }
+  }
+
+  void predict(Eigen::Index k) {
+    const KernelTransition<T, nx>& step = model_.transitions[record_.transition[k]];
+    const Vector x = multiply(step.F, x_);
+    x_ = x;
+    for (Eigen::Index j = 0; j < record_.nu; ++j)
+      for (Eigen::Index i = 0; i < n(); ++i) x_(i) += step.B(i, j) * record_.u[k * record_.nu + j];
+    propagate(step.F, P_);
+    P_ += step.Q;
+    if (rank_ > 0) {
+      const Plain FP = step.F.lazyProduct(diffuse_P_);
+      diffuse_P_ = FP.lazyProduct(step.F.transpose());
+      diffuse_P_ = (0.5 * (diffuse_P_ + diffuse_P_.transpose())).eval();
+    }
+  }
+
+  Vector multiply(const Plain& F, const Vector& x) {
+    Vector result(n());
+    for (Eigen::Index i = 0; i < n(); ++i) {
+      T sum = F(i, 0) * x(0);
+      for (Eigen::Index j = 1; j < n(); ++j) sum += F(i, j) * x(j);
+      result(i) = sum;
+    }
+    return result;
+  }
+
+  /// P ← F P Fᵀ, symmetric to the bit.
+  void propagate(const Plain& F, Matrix& P) {
+    Matrix FP(n(), n());
+    for (Eigen::Index j = 0; j < n(); ++j) {
+      FP.col(j) = F.col(0).template cast<T>() * P(0, j);
+      for (Eigen::Index q = 1; q < n(); ++q) FP.col(j) += F.col(q).template cast<T>() * P(q, j);
+    }
+    for (Eigen::Index j = 0; j < n(); ++j) {
+      P.col(j) = FP.col(0) * T(F(j, 0));
+      for (Eigen::Index q = 1; q < n(); ++q) P.col(j) += FP.col(q) * T(F(j, q));
+    }
+    for (Eigen::Index j = 0; j < n(); ++j)
+      for (Eigen::Index i = 0; i < j; ++i) P(i, j) = P(j, i);
+  }
+
+  /// Greatest change of P since the last look, in correlations; of derivatives likewise.
+  double change_since(const Matrix& before) const {
+    double greatest = 0;
+    for (Eigen::Index j = 0; j < n(); ++j)
+      for (Eigen::Index i = j; i < n(); ++i) {
+        const double scale = std::sqrt(plain(P_(i, i)) * plain(P_(j, j)));
+        double change = std::abs(plain(P_(i, j)) - plain(before(i, j)));
+        if constexpr (is_jet<T>)
+          change = std::max(change, (P_(i, j).v - before(i, j).v).cwiseAbs().maxCoeff());
+        if (change > 0)
+          greatest = std::max(greatest, change / scale);  // not finite where scale is 0
+      }
+    return greatest;
+  }
+
+  /// Changes shrink by the same factor from look to look: what is still to come is their sum.
+  bool settled(Settling& settling) const {
+    bool is = false;
+    if (settling.known) {
+      const double change = change_since(settling.before);
+      const double factor = settling.change > 0 ? change / settling.change : 1;
+      is = change == 0 || change < 1e-16 ||
+           (factor < 0.999 && change * factor / (1 - factor) < kSettled);
+      settling.change = change;
+    }
+    settling.before = P_;
+    settling.known = true;
+    return is;
+  }
+
+  /// The rest of a segment with the gains of the present P: x⁺ = A x + K y + B u, e = W (y - C x).
+  bool hold_gains(Eigen::Index k, Eigen::Index end, KernelSums<T>& sums) {
+    const Eigen::Index m = record_.ny;
+    const KernelTransition<T, nx>& step = model_.transitions[record_.transition[k]];
+    // One by one at this P, as correct() does: the state after all is A x + K y, e_i is y_i less
+    // a row of the state and of the outputs before.
+    using Wide = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+    Matrix A(n(), n());
+    A.setIdentity();
+    Wide K = Wide::Constant(n(), m, T(0));
+    Wide state_part(m, n()), output_part = Wide::Constant(m, m, T(0));
+    std::vector<T> S(static_cast<std::size_t>(m));
+    const Matrix P = P_;
+    const std::int64_t count = end - k;
+    for (Eigen::Index i = 0; i < m; ++i) {
+      const RowOfC& c = model_.C[static_cast<std::size_t>(i)];
+      times_row(P_, c, PC_);
+      T variance = model_.R[static_cast<std::size_t>(i)];
+      c.each([&](int j, const Row& C) { variance += C * PC_(j); });
+      if (!(plain(variance) > 0)) {
+        sums.bad_sample = k;
+        sums.bad_output = i;
+        return false;
+      }
+      S[static_cast<std::size_t>(i)] = variance;
+      for (Eigen::Index j = 0; j < n(); ++j) {
+        T sum = T(0);
+        c.each([&](int q, const Row& C) { sum += C * A(q, j); });
+        state_part(i, j) = sum;
+      }
+      for (Eigen::Index j = 0; j < m; ++j) {
+        T sum = T(j == i ? 1 : 0);
+        c.each([&](int q, const Row& C) { sum -= C * K(q, j); });
+        output_part(i, j) = sum;
+      }
+      const Vector gain = PC_ / variance;
+      A -= gain.lazyProduct(state_part.row(i));
+      K += gain.lazyProduct(output_part.row(i));
+      subtract_outer(gain, PC_);
+      sums.logs.add(variance, count);
+    }
+    Matrix closed(n(), n());
+    Wide input(n(), m);
+    for (Eigen::Index i = 0; i < n(); ++i) {
+      for (Eigen::Index j = 0; j < n(); ++j) {
+        T sum = T(0);
+        for (Eigen::Index q = 0; q < n(); ++q) sum += step.F(i, q) * A(q, j);
+        closed(i, j) = sum;
+      }
+      for (Eigen::Index j = 0; j < m; ++j) {
+        T sum = T(0);
+        for (Eigen::Index q = 0; q < n(); ++q) sum += step.F(i, q) * K(q, j);
+        input(i, j) = sum;
+      }
+    }
+    P_ = P;
+    if (m == 1 && nx == 2 && !correlated)
+      two_states(k, end, step, closed, input, state_part, S[0], sums);
+    else
+      many_states(k, end, step, closed, input, state_part, output_part, S, sums);
+    sums.used += count * m;
+    if (sums.information != nullptr) {
+      for (const T& variance : S) inform(T(0), variance, static_cast<double>(count), sums);
+    }
+    return true;
+  }
+
+  template <class Wide>
+  void many_states(Eigen::Index k, Eigen::Index end, const KernelTransition<T, nx>& step,
+                   const Matrix& closed, const Wide& input, const Wide& state_part,
+                   const Wide& output_part, const std::vector<T>& S, KernelSums<T>& sums) {
+    const Eigen::Index m = record_.ny;
+    std::vector<T> squares(static_cast<std::size_t>(m), T(0)), y(static_cast<std::size_t>(m));
+    Vector x = x_, next(n());
+    for (; k < end; ++k) {
+      for (Eigen::Index i = 0; i < m; ++i) y[static_cast<std::size_t>(i)] = measured(k, i);
+      for (Eigen::Index i = 0; i < m; ++i) {
+        T e = output_part(i, 0) * y[0];
+        for (Eigen::Index j = 1; j <= i; ++j)
+          e += output_part(i, j) * y[static_cast<std::size_t>(j)];
+        for (Eigen::Index j = 0; j < n(); ++j) e -= state_part(i, j) * x(j);
+        squares[static_cast<std::size_t>(i)] += e * e;
+        if (sums.information != nullptr) inform(e, S[static_cast<std::size_t>(i)], 0, sums);
+      }
+      for (Eigen::Index i = 0; i < n(); ++i) {
+        T sum = T(0);
+        for (Eigen::Index j = 0; j < record_.nu; ++j)
+          sum += step.B(i, j) * record_.u[k * record_.nu + j];
+        for (Eigen::Index j = 0; j < m; ++j) sum += input(i, j) * y[static_cast<std::size_t>(j)];
+        for (Eigen::Index j = 0; j < n(); ++j) sum += closed(i, j) * x(j);
+        next(i) = sum;
+      }
+      x.swap(next);
+    }
+    x_ = x;
+    for (std::size_t i = 0; i < S.size(); ++i) sums.squares += squares[i] / S[i];
+  }
+
+  /// As many_states(), without a loop: two states and one output.
+  template <class Wide>
+  void two_states(Eigen::Index k, Eigen::Index end, const KernelTransition<T, nx>& step,
+                  const Matrix& closed, const Wide& input, const Wide& state_part, const T& S,
+                  KernelSums<T>& sums) {
+    const T a00 = closed(0, 0), a01 = closed(0, 1), a10 = closed(1, 0), a11 = closed(1, 1);
+    const T k0 = input(0, 0), k1 = input(1, 0);
+    const double c0 = plain(state_part(0, 0)), c1 = plain(state_part(0, 1));
+    T x0 = x_(0), x1 = x_(1), squares = T(0);
+    const bool one_input = record_.nu == 1 && model_.D.size() == 0;
+    const double b0 = one_input ? step.B(0, 0) : 0, b1 = one_input ? step.B(1, 0) : 0;
+    for (; k < end; ++k) {
+      double y = record_.y[k], u0 = 0, u1 = 0;
+      if (one_input) {
+        const double u = record_.u[k];
+        u0 = b0 * u;
+        u1 = b1 * u;
+      } else {
+        for (Eigen::Index j = 0; j < record_.nu; ++j) {
+          const double u = record_.u[k * record_.nu + j];
+          u0 += step.B(0, j) * u;
+          u1 += step.B(1, j) * u;
+          if (model_.D.size() > 0) y -= model_.D(0, j) * u;
+        }
+      }
+      const T e = y - (c0 * x0 + c1 * x1);
+      squares += e * e;
+      if (sums.information != nullptr) inform(e, S, 0, sums);
+      const T next0 = a00 * x0 + a01 * x1 + (k0 * y + u0);
+      x1 = a10 * x0 + a11 * x1 + (k1 * y + u1);
+      x0 = next0;
+    }
+    x_(0) = x0;
+    x_(1) = x1;
+    sums.squares += squares / S;
+  }
+
+  void write_down(Eigen::Index k, const KernelTrace& trace) {
+    for (Eigen::Index i = 0; i < n(); ++i) {
+      if (rank_ > 0) continue;
+      (*trace.x)(i, k) = plain(x_(i));
+      (*trace.x_variance)(i, k) = plain(P_(i, i));
+    }
+  }
+
+  const Model& model_;
+  const KernelRecord& record_;
+  bool hold_;
+  Eigen::Index n_;
+  Vector x_, PC_;
+  Matrix P_;
+  Plain diffuse_P_;
+  int rank_ = 0;
+  std::array<T, correlated ? kMostOutputs : 1> whitened_{};
+};
+
+}  // namespace quadtune::internal

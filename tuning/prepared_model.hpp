@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What of a model and its records does not depend on θ, worked out once.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "likelihood_kernel.hpp"
+#include "quadtune/estimation/filter_model.hpp"
+#include "quadtune/estimation/filter_record.hpp"
+
+namespace quadtune::internal {
+
+/// One step of time. The noise of a step is linear in Q: Q_d = fixed + Σ exp(θ) scaled + Σ Q_ij
+/// full_ij.
+struct PreparedTransition {
+  Eigen::MatrixXd F;                               ///< (nx × nx)
+  Eigen::MatrixXd B;                               ///< (nx × nu)
+  Eigen::MatrixXd fixed;                           ///< (nx × nx)
+  std::vector<Eigen::MatrixXd> scaled;             ///< one a term of Q.scaled
+  std::vector<std::vector<Eigen::MatrixXd>> full;  ///< of Q.full: (i, j), j ≤ i, row by row
+};
+
+struct PreparedRecord {
+  std::vector<std::uint32_t> transition;
+  std::vector<KernelSegment> segments;
+  KernelRecord view;  ///< points into the record and the vectors above
+};
+
+struct PreparedModel {
+  FilterModel model;
+  std::vector<FilterRecord> records;
+  std::vector<PreparedTransition> transitions;
+  std::vector<PreparedRecord> prepared;    ///< one a record
+  Eigen::MatrixXd C, D;                    ///< of all sensors; D empty where all are zero
+  std::vector<Eigen::Index> first_output;  ///< of each sensor
+  bool correlated = false;                 ///< whether an R is not diagonal
+
+  PreparedModel(FilterModel of, std::vector<FilterRecord> with);
+  PreparedModel(const PreparedModel&) = delete;
+  PreparedModel& operator=(const PreparedModel&) = delete;
+};
+
+/// The step of `model` over dt seconds.
+[[nodiscard]] PreparedTransition prepare_transition(const FilterModel& model, double dt);
+
+}  // namespace quadtune::internal
