@@ -22,6 +22,7 @@ constexpr std::uint32_t kInt32 = 5;
 constexpr std::uint32_t kUint32 = 6;
 constexpr std::uint32_t kMatrix = 14;
 constexpr std::uint32_t kCompressed = 15;
+constexpr std::size_t kMostDimensions = 16;
 constexpr int kDeepest = 32;  // far more than a log has, far less than the stack holds
 
 template <typename Number>
@@ -111,14 +112,23 @@ class Elements {
 
   // Each entry of what a log holds takes a byte or more.
   [[nodiscard]] std::int64_t entries_of(const Element& dimensions, std::size_t most) const {
-    if (dimensions.type != kInt32 || dimensions.data.size() != 2 * sizeof(std::int32_t))
-      refuse(offset(dimensions.data), "an array has other than two dimensions");
-    const auto rows = number_at<std::int32_t>(dimensions.data, 0);
-    const auto columns = number_at<std::int32_t>(dimensions.data, 4);
-    const std::int64_t entries = std::int64_t{rows} * columns;
-    if (rows < 0 || columns < 0 || entries > static_cast<std::int64_t>(most))
+    const std::size_t count = dimensions.data.size() / sizeof(std::int32_t);
+    if (dimensions.type != kInt32 || count < 2 || count > kMostDimensions ||
+        dimensions.data.size() % sizeof(std::int32_t) != 0)
       refuse(offset(dimensions.data),
-             fmt::format("an array claims {} x {} entries", rows, columns));
+             fmt::format("an array has other than 2 to {} dimensions", kMostDimensions));
+    std::int64_t entries = 1;
+    bool too_many = false;
+    std::string extents;
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto extent = number_at<std::int32_t>(dimensions.data, i * sizeof(std::int32_t));
+      extents += fmt::format("{}{}", i > 0 ? " x " : "", extent);
+      too_many = too_many || extent < 0 ||
+                 (extent > 0 && entries > static_cast<std::int64_t>(most) / extent);
+      if (!too_many) entries *= extent;
+    }
+    if (too_many)
+      refuse(offset(dimensions.data), fmt::format("an array claims {} entries", extents));
     return entries;
   }
 
@@ -138,11 +148,11 @@ class Elements {
 
 }  // namespace
 
-void require_mat_v5(const std::string& bytes, const std::string& origin) {
+void require_mat_header(std::string_view bytes, const std::string& origin) {
   constexpr std::string_view kHdf5 = "\x89HDF\r\n\x1a\n";
   constexpr std::size_t kHdf5Offset = 512;  // behind the header of a v7.3 file
   if (bytes.starts_with(kHdf5) ||
-      bytes.compare(std::min(kHdf5Offset, bytes.size()), kHdf5.size(), kHdf5) == 0)
+      bytes.substr(std::min(kHdf5Offset, bytes.size())).starts_with(kHdf5))
     throw InvalidInput(origin,
                        "is a MAT v7.3 file, which is HDF5, expected MAT v5: save it with -v6");
   if (bytes.size() < kHeaderSize)
@@ -157,6 +167,10 @@ void require_mat_v5(const std::string& bytes, const std::string& origin) {
                        "machine's");
   if (order != 0x4d49 || version != 0x0100)
     throw InvalidInput(origin, "is no MAT v5 file, expected one: its header says otherwise");
+}
+
+void require_mat_v5(const std::string& bytes, const std::string& origin) {
+  require_mat_header(bytes, origin);
   Elements(bytes, origin).check();
 }
 

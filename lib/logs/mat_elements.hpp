@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace quadtune::internal {
 
@@ -14,5 +15,9 @@ namespace quadtune::internal {
 /// @param origin  What messages call the file.
 /// @throws InvalidInput  with what is there instead.
 void require_mat_v5(const std::string& bytes, const std::string& origin);
+
+/// The part of it that the first 520 bytes tell: which kind of MAT file it is.
+/// @throws InvalidInput  as require_mat_v5().
+void require_mat_header(std::string_view bytes, const std::string& origin);
 
 }  // namespace quadtune::internal

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Named channels of a log, whole in memory.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "quadtune/logs/log_reader.hpp"
+
+namespace quadtune {
+
+/// One channel with its clock. Samples without a value (NaN) are left out.
+struct LogSeries {
+  std::string name;            ///< "group.channel"
+  std::string unit;            ///< "" where the log does not say
+  bool timed = true;           ///< false: `time` counts the rows, 0, 1, 2, …
+  std::vector<double> time;    ///< [s] after LogChannels::epoch_s
+  std::vector<double> values;  ///< as many
+};
+
+struct LogChannels {
+  std::vector<LogSeries> series;  ///< in the order of the names that were asked for
+  LogCondition condition;
+  std::int64_t epoch_s = 0;
+};
+
+/// Reads channels of a log in one pass; the memory is that of the channels asked for.
+/// @param names  "group.channel", or "channel" where only one group has it.
+/// @throws InvalidInput  for a name that the log does not have, with the nearest that it has, or
+///                       that stands in several groups; and as open_log().
+/// @throws FileError     as open_log().
+[[nodiscard]] LogChannels read_log_channels(const std::string& path,
+                                            const std::vector<std::string>& names,
+                                            const LogOptions& options = {});
+
+/// Refuses what no method can use, in one line that begins with `where`: no time, fewer than
+/// `least` samples (all NaN included), time that does not increase.
+/// @throws InvalidInput
+void require_usable(const LogSeries& series, const std::string& where, std::size_t least = 2);
+
+/// Refuses a unit that the log states and that is another than `unit`; "rad s^-1" is "rad/s".
+/// @throws InvalidInput
+void require_unit(const LogSeries& series, const std::string& unit, const std::string& where);
+
+}  // namespace quadtune

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/logs/log_channels.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "logs/log_titles.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
+
+namespace quadtune {
+namespace {
+
+using internal::printable;
+
+// A channel that somebody asked for.
+struct Wanted {
+  std::size_t channel;  // in its group
+  std::size_t series;   // in the result
+};
+
+class Collector {
+ public:
+  Collector(const std::vector<std::string>& names, std::string origin)
+      : names_(names), origin_(std::move(origin)), found_(names.size()) {
+    result_.series.resize(names.size());
+  }
+
+  void take_groups(const std::vector<LogGroup>& groups) {
+    for (; wanted_.size() < groups.size();) {
+      const LogGroup& group = groups[wanted_.size()];
+      std::vector<Wanted>& wanted = wanted_.emplace_back();
+      for (std::size_t k = 0; k < group.channels.size(); ++k)
+        for (std::size_t i = 0; i < names_.size(); ++i) match(group, k, i, wanted);
+    }
+  }
+
+  void take(const LogBlock& block, std::size_t columns) {
+    rows_.resize(wanted_.size());
+    for (const Wanted& wanted : wanted_[block.group]) {
+      LogSeries& series = result_.series[wanted.series];
+      for (std::size_t i = 0; i < block.rows(); ++i) {
+        const double value = block.values[i * columns + wanted.channel];
+        if (std::isnan(value)) continue;
+        series.time.push_back(series.timed ? block.time[i]
+                                           : static_cast<double>(rows_[block.group] + i));
+        series.values.push_back(value);
+      }
+    }
+    rows_[block.group] += block.rows();
+  }
+
+  LogChannels result(const std::vector<LogGroup>& groups) {
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      if (found_[i].empty()) refuse_unknown(names_[i], groups);
+      if (found_[i].size() > 1)
+        throw InvalidInput(origin_, fmt::format("'{}' stands for several channels, expected one of "
+                                                "{} and {}",
+                                                printable(names_[i]), printable(found_[i][0]),
+                                                printable(found_[i][1])));
+    }
+    return std::move(result_);
+  }
+
+ private:
+  // The full name wins over a short one that came before.
+  void match(const LogGroup& group, std::size_t channel, std::size_t i,
+             std::vector<Wanted>& wanted) {
+    const LogChannel& candidate = group.channels[channel];
+    const std::string full = full_name(group, candidate);
+    const bool is_full = full == names_[i];
+    if (!is_full && candidate.name != names_[i]) return;
+    if (!is_full && !found_[i].empty() && found_[i][0] == names_[i]) return;
+    if (is_full) found_[i].clear();
+    found_[i].push_back(full);
+    if (found_[i].size() > 1) return;
+    for (std::vector<Wanted>& others : wanted_)
+      std::erase_if(others, [&](const Wanted& other) { return other.series == i; });
+    result_.series[i] = {full, candidate.unit, group.timed, {}, {}};
+    wanted.push_back({channel, i});
+  }
+
+  [[noreturn]] void refuse_unknown(const std::string& name,
+                                   const std::vector<LogGroup>& groups) const {
+    constexpr std::size_t kListed = 12;
+    std::vector<std::string> known;
+    for (const LogGroup& group : groups)
+      for (const LogChannel& channel : group.channels) {
+        known.push_back(full_name(group, channel));
+        if (!group.name.empty()) known.push_back(channel.name);
+      }
+    std::string hint = internal::did_you_mean(name, known);
+    if (hint.empty() && known.size() <= kListed) {
+      hint = ", expected one of";
+      for (const std::string& one : known) hint += ' ' + printable(one);
+    }
+    throw InvalidInput(origin_, fmt::format("has no channel '{}'{}", printable(name),
+                                            hint.empty() ? "; 'quadtune log' lists them" : hint));
+  }
+
+  const std::vector<std::string>& names_;
+  std::string origin_;
+  std::vector<std::vector<std::string>> found_;  // full names, by the name asked for
+  std::vector<std::vector<Wanted>> wanted_;      // by group
+  std::vector<std::uint64_t> rows_;              // that came, by group
+  LogChannels result_;
+};
+
+}  // namespace
+
+LogChannels read_log_channels(const std::string& path, const std::vector<std::string>& names,
+                              const LogOptions& options) {
+  const std::unique_ptr<LogReader> reader = open_log(path, options);
+  Collector collector(names, path);
+  LogBlock block;
+  while (reader->next(block)) {
+    collector.take_groups(reader->groups());
+    collector.take(block, reader->groups()[block.group].channels.size());
+  }
+  collector.take_groups(reader->groups());
+  LogChannels result = collector.result(reader->groups());
+  result.condition = reader->condition();
+  result.epoch_s = reader->epoch_s();
+  return result;
+}
+
+void require_usable(const LogSeries& series, const std::string& where, std::size_t least) {
+  if (!series.timed)
+    throw InvalidInput(where, fmt::format("'{}' has no time, expected a time column or a rate",
+                                          printable(series.name)));
+  if (series.values.empty())
+    throw InvalidInput(where, fmt::format("'{}' holds no number at all, expected samples: every "
+                                          "row of it is empty or NaN",
+                                          printable(series.name)));
+  if (series.values.size() < least)
+    throw InvalidInput(where, fmt::format("'{}' has {} samples, expected {} or more",
+                                          printable(series.name), series.values.size(), least));
+  const auto step = std::adjacent_find(series.time.begin(), series.time.end(),
+                                       [](double a, double b) { return !(a < b); });
+  if (step != series.time.end())
+    throw InvalidInput(
+        where, fmt::format("the time of '{}' does not increase: sample {} is at {} s, the one "
+                           "before at {} s, expected each later than the one before",
+                           printable(series.name), step - series.time.begin() + 2, *(step + 1),
+                           *step));
+}
+
+void require_unit(const LogSeries& series, const std::string& unit, const std::string& where) {
+  if (series.unit.empty() || internal::common_unit(series.unit) == internal::common_unit(unit))
+    return;
+  throw InvalidInput(where, fmt::format("'{}' is in {}, expected {}", printable(series.name),
+                                        printable(series.unit), unit));
+}
+
+}  // namespace quadtune

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "logs/log_titles.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <utility>
+
+namespace quadtune::internal {
+namespace {
+
+using Pair = std::pair<std::string_view, std::string_view>;
+
+double ticks_of(std::string_view unit) {
+  if (unit == "s" || unit == "sec" || unit == "seconds") return 1;
+  if (unit == "ms") return 1e3;
+  if (unit == "us" || unit == "\xc2\xb5s" || unit == "\xce\xbcs") return 1e6;
+  if (unit == "ns") return 1e9;
+  return 0;
+}
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return result;
+}
+
+bool is_clock(std::string_view name) {
+  const std::string word = lower(name);
+  return word == "t" || word == "time" || word == "timestamp";
+}
+
+// Endings of the project's own keys. Single letters but m are names as well (v_N is north).
+constexpr std::array<Pair, 14> kEndings = {{{"_m_per_s2", "m/s^2"},
+                                            {"_m_per_s", "m/s"},
+                                            {"_rad_per_s", "rad/s"},
+                                            {"_deg_per_s", "deg/s"},
+                                            {"_m_s2", "m/s^2"},
+                                            {"_rad", "rad"},
+                                            {"_deg", "deg"},
+                                            {"_hPa", "hPa"},
+                                            {"_Pa", "Pa"},
+                                            {"_degC", "degC"},
+                                            {"_uT", "uT"},
+                                            {"_Hz", "Hz"},
+                                            {"_kg", "kg"},
+                                            {"_m", "m"}}};
+
+// The name and what stands in brackets at its end.
+Pair bracketed(std::string_view text) {
+  for (const Pair& brackets : {Pair{"[", "]"}, Pair{"(", ")"}}) {
+    const std::size_t open = text.rfind(brackets.first);
+    if (!text.ends_with(brackets.second) || open == std::string_view::npos || open == 0) continue;
+    return {trimmed(text.substr(0, open)), trimmed(text.substr(open + 1, text.size() - open - 2))};
+  }
+  return {text, ""};
+}
+
+// An index as in state[0] is part of the name.
+bool is_index(std::string_view text) {
+  return !text.empty() && text != "1" && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+    return std::isdigit(c) != 0 || c == ',';
+  });
+}
+
+}  // namespace
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r";
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+std::string common_unit(std::string_view unit) {
+  constexpr std::array<Pair, 12> kSpellings = {{{"rad s^-1", "rad/s"},
+                                                {"deg s^-1", "deg/s"},
+                                                {"m s^-1", "m/s"},
+                                                {"m s^-2", "m/s^2"},
+                                                {"m/s2", "m/s^2"},
+                                                {"m/s\xc2\xb2", "m/s^2"},
+                                                {"m/s/s", "m/s^2"},
+                                                {"rads", "rad/s"},
+                                                {"rad s-1", "rad/s"},
+                                                {"m s-1", "m/s"},
+                                                {"m s-2", "m/s^2"},
+                                                {"metres", "m"}}};
+  const std::string_view plain = trimmed(unit);
+  for (const auto& [spelling, common] : kSpellings)
+    if (plain == spelling) return std::string(common);
+  return std::string(plain);
+}
+
+LogTitle title_of(std::string_view text) {
+  text = trimmed(text);
+  auto [name, unit] = bracketed(text);
+  if (is_index(unit) && !is_clock(name)) return {std::string(text), "", 0, false};
+  LogTitle title{std::string(name), common_unit(unit), 0, false};
+  if (is_clock(name)) {
+    title.ticks = unit.empty() ? 1 : ticks_of(unit);
+    title.guessed = unit.empty() && lower(name) != "t";
+    return title;
+  }
+  if (!unit.empty()) return title;
+  const std::size_t bar = name.rfind('_');
+  if (bar != std::string_view::npos && is_clock(name.substr(0, bar))) {
+    title.ticks = ticks_of(name.substr(bar + 1));
+    if (title.ticks > 0) title.unit = name.substr(bar + 1);
+    return title;
+  }
+  for (const auto& [ending, meaning] : kEndings)
+    if (name.size() > ending.size() && name.ends_with(ending)) {
+      title.unit = meaning;
+      break;
+    }
+  return title;
+}
+
+}  // namespace quadtune::internal

@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "logs/mat_tables.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <optional>
+#include <string_view>
+
+#include "logs/log_titles.hpp"
+#include "logs/unicode.hpp"
+#include "quadtune/internal/text_file.hpp"
+
+namespace quadtune::internal {
+namespace {
+
+constexpr std::string_view kUnits = "units.";  // the struct of units in the project's own logs
+
+// A matrix of real numbers as rows of channels.
+struct Matrix {
+  const matvar_t* variable = nullptr;
+  std::size_t rows = 0;
+  std::size_t columns = 0;
+  bool rows_last = false;  // the rows are along the last dimension: neighbours are of one row
+};
+
+struct Leaf {
+  std::string name;
+  Matrix matrix;
+};
+
+std::size_t bytes_of(matio_classes kind) {
+  switch (kind) {
+    case MAT_C_DOUBLE:
+    case MAT_C_INT64:
+    case MAT_C_UINT64: return 8;
+    case MAT_C_SINGLE:
+    case MAT_C_INT32:
+    case MAT_C_UINT32: return 4;
+    case MAT_C_INT16:
+    case MAT_C_UINT16: return 2;
+    case MAT_C_INT8:
+    case MAT_C_UINT8: return 1;
+    default: return 0;
+  }
+}
+
+bool is_scalar_struct(const matvar_t* variable) {
+  if (variable == nullptr || variable->class_type != MAT_C_STRUCT || variable->rank != 2 ||
+      variable->dims == nullptr)
+    return false;
+  return variable->dims[0] == 1 && variable->dims[1] == 1;
+}
+
+// matio takes no pointers to constants where it only looks.
+matvar_t* mutable_of(const matvar_t* variable) { return const_cast<matvar_t*>(variable); }
+
+std::vector<std::string> fields_of(const matvar_t* variable) {
+  const unsigned count = Mat_VarGetNumberOfFields(mutable_of(variable));
+  char* const* const names = Mat_VarGetStructFieldnames(variable);
+  std::vector<std::string> fields;
+  for (unsigned i = 0; names != nullptr && i < count; ++i) fields.emplace_back(names[i]);
+  return fields;
+}
+
+const matvar_t* field_of(const matvar_t* variable, const char* name, std::size_t index = 0) {
+  return Mat_VarGetStructFieldByName(mutable_of(variable), name, index);
+}
+
+// Real numbers with all of their data.
+bool is_numeric(const matvar_t* variable) {
+  return variable != nullptr && bytes_of(variable->class_type) > 0 && variable->isComplex == 0 &&
+         variable->rank >= 2 && variable->dims != nullptr;
+}
+
+std::size_t entries_of(const matvar_t* variable) {
+  std::size_t entries = 1;
+  for (int i = 0; i < variable->rank; ++i) entries *= variable->dims[i];
+  return entries;
+}
+
+std::optional<Matrix> matrix_of(const matvar_t* variable) {
+  if (!is_numeric(variable) || variable->rank > 3) return std::nullopt;
+  const std::size_t entries = entries_of(variable);
+  if (entries == 0 || variable->data == nullptr ||
+      variable->nbytes != entries * bytes_of(variable->class_type))
+    return std::nullopt;
+  const std::size_t first = variable->dims[0];
+  if (variable->rank == 3)
+    return Matrix{variable, variable->dims[2], entries / variable->dims[2], true};
+  if (first == 1) return Matrix{variable, variable->dims[1], 1, true};
+  return Matrix{variable, first, entries / first, false};
+}
+
+template <typename Number>
+double number_at(const void* data, std::size_t index) {
+  Number value;
+  std::memcpy(&value, static_cast<const char*>(data) + index * sizeof value, sizeof value);
+  return static_cast<double>(value);
+}
+
+double entry(const matvar_t* variable, std::size_t index) {
+  switch (variable->class_type) {
+    case MAT_C_DOUBLE: return number_at<double>(variable->data, index);
+    case MAT_C_SINGLE: return number_at<float>(variable->data, index);
+    case MAT_C_INT64: return number_at<std::int64_t>(variable->data, index);
+    case MAT_C_UINT64: return number_at<std::uint64_t>(variable->data, index);
+    case MAT_C_INT32: return number_at<std::int32_t>(variable->data, index);
+    case MAT_C_UINT32: return number_at<std::uint32_t>(variable->data, index);
+    case MAT_C_INT16: return number_at<std::int16_t>(variable->data, index);
+    case MAT_C_UINT16: return number_at<std::uint16_t>(variable->data, index);
+    case MAT_C_INT8: return number_at<std::int8_t>(variable->data, index);
+    default: return number_at<std::uint8_t>(variable->data, index);
+  }
+}
+
+std::vector<double> column_of(const Matrix& matrix, std::size_t column) {
+  std::vector<double> values(matrix.rows);
+  for (std::size_t i = 0; i < matrix.rows; ++i)
+    values[i] = entry(matrix.variable, matrix.rows_last ? i * matrix.columns + column
+                                                        : column * matrix.rows + i);
+  return values;
+}
+
+// A text of letters that are ASCII; "" for anything else.
+std::string text_of(const matvar_t* variable) {
+  if (variable == nullptr || variable->class_type != MAT_C_CHAR || variable->data == nullptr ||
+      variable->rank != 2 || variable->dims == nullptr)
+    return "";
+  const std::size_t letters = entries_of(variable);
+  if (letters == 0 || letters > 1000 || variable->nbytes % letters != 0) return "";
+  const std::size_t width = variable->nbytes / letters;
+  const auto* const bytes = static_cast<const char*>(variable->data);
+  if (width == 2) {
+    std::u16string units(letters, u'\0');
+    std::memcpy(units.data(), bytes, variable->nbytes);
+    return utf8_of(units).value_or("");
+  }
+  return width == 1 ? std::string(bytes, letters) : "";
+}
+
+// Ticks a second of a vector called like a clock; 0 for none.
+double clock_ticks(const Leaf& leaf) {
+  if (leaf.matrix.columns != 1 || leaf.matrix.rows < 2) return 0;
+  const std::size_t dot = leaf.name.rfind('.');
+  const std::string name = dot == std::string::npos ? leaf.name : leaf.name.substr(dot + 1);
+  if (name == "tout" || name == "rt_tout") return 1;
+  return title_of(name).ticks;
+}
+
+std::vector<double> time_of(const Matrix& matrix, double ticks) {
+  std::vector<double> time = column_of(matrix, 0);
+  for (double& t : time) t /= ticks;
+  return time;
+}
+
+void add_columns(const std::string& name, const std::string& unit, const Matrix& matrix,
+                 MatTable& table) {
+  for (std::size_t i = 0; i < matrix.columns; ++i) {
+    table.group.channels.push_back(
+        {matrix.columns == 1 ? name : fmt::format("{}[{}]", name, i + 1), unit});
+    table.columns.push_back(column_of(matrix, i));
+  }
+}
+
+class Finder {
+ public:
+  explicit Finder(std::vector<std::string>& notes) : notes_(notes) {}
+
+  std::vector<MatTable> tables(const std::vector<MatVariable>& variables) {
+    for (const MatVariable& variable : variables)
+      if (!is_scalar_struct(variable.get()))
+        gather(variable.get(), variable->name == nullptr ? "" : variable->name, "");
+    make_tables("");
+    for (const MatVariable& variable : variables) {
+      if (!is_scalar_struct(variable.get())) continue;
+      const std::string name = variable->name == nullptr ? "" : variable->name;
+      if (is_simulink(variable.get()))
+        add_simulink(variable.get(), name);
+      else
+        gather_fields(variable.get(), "", name);
+      make_tables(name);
+    }
+    report_scalars();
+    return std::move(tables_);
+  }
+
+ private:
+  static bool is_simulink(const matvar_t* variable) {
+    const matvar_t* const signals = field_of(variable, "signals");
+    return is_numeric(field_of(variable, "time")) && signals != nullptr &&
+           signals->class_type == MAT_C_STRUCT && signals->rank == 2 && signals->dims != nullptr;
+  }
+
+  void gather_fields(const matvar_t* variable, const std::string& prefix, const std::string& scope) {
+    const bool own = prefix.empty() && text_of(field_of(variable, "format")) == kMatFormat;
+    for (const std::string& field : fields_of(variable)) {
+      if (own && (field == "about" || field == "about_keys" || field == "columns" ||
+                  field == "events" || field == "format_version"))
+        continue;
+      const matvar_t* const value = field_of(variable, field.c_str());
+      if (!is_scalar_struct(value))
+        gather(value, prefix + field, scope);
+      else if (is_simulink(value))
+        add_simulink(value, scope + '.' + prefix + field);
+      else
+        gather_fields(value, prefix + field + '.', scope);
+    }
+  }
+
+  // A variable or field that is no struct.
+  void gather(const matvar_t* value, const std::string& name, const std::string& scope) {
+    if (const std::string text = text_of(value); !text.empty()) {
+      if (name.starts_with(kUnits)) units_[name.substr(kUnits.size())] = text;
+      return;
+    }
+    const std::optional<Matrix> matrix = matrix_of(value);
+    const std::string full = scope.empty() ? name : scope + '.' + name;
+    if (!matrix)
+      note(full, what_is(value));
+    else if (matrix->rows * matrix->columns == 1)
+      scalars_.push_back(full);
+    else
+      leaves_.push_back({name, *matrix});
+  }
+
+  static std::string what_is(const matvar_t* value) {
+    if (value == nullptr) return "";
+    switch (value->class_type) {
+      case MAT_C_CHAR: return "";
+      case MAT_C_CELL: return "is a cell array";
+      case MAT_C_STRUCT: return "is an array of structs";
+      case MAT_C_SPARSE: return "is a sparse matrix";
+      case MAT_C_OBJECT:
+      case MAT_C_OPAQUE: return "is an object: save a timeseries as a struct";
+      default: break;
+    }
+    if (value->isComplex != 0) return "is complex";
+    if (is_numeric(value) && entries_of(value) == 0) return "";
+    return "is no vector or matrix of numbers";
+  }
+
+  void note(const std::string& name, const std::string& what) {
+    if (!what.empty()) notes_.push_back(fmt::format("'{}' {} and is passed over", printable(name), what));
+  }
+
+  // The clock of the gathered leaves, the one that lies least deep.
+  const Leaf* clock() const {
+    const Leaf* best = nullptr;
+    const auto depth = [](const Leaf& leaf) {
+      return std::count(leaf.name.begin(), leaf.name.end(), '.');
+    };
+    for (const Leaf& leaf : leaves_)
+      if (clock_ticks(leaf) > 0 && (best == nullptr || depth(leaf) < depth(*best))) best = &leaf;
+    return best;
+  }
+
+  // The gathered leaves as a group for each number of rows, in the order in which they come.
+  void make_tables(const std::string& scope) {
+    const Leaf* const own_clock = clock();
+    std::vector<std::size_t> lengths;
+    for (const Leaf& leaf : leaves_)
+      if (&leaf != own_clock &&
+          std::find(lengths.begin(), lengths.end(), leaf.matrix.rows) == lengths.end())
+        lengths.push_back(leaf.matrix.rows);
+    for (const std::size_t rows : lengths) {
+      MatTable table;
+      table.group.name = lengths.size() == 1 ? scope
+                         : scope.empty()     ? fmt::format("rows{}", rows)
+                                             : fmt::format("{}.rows{}", scope, rows);
+      for (const Leaf& leaf : leaves_) {
+        if (&leaf == own_clock || leaf.matrix.rows != rows) continue;
+        const auto unit = units_.find(leaf.name);
+        add_columns(leaf.name, unit == units_.end() ? title_of(leaf.name).unit : unit->second,
+                    leaf.matrix, table);
+      }
+      if (own_clock != nullptr && own_clock->matrix.rows == rows)
+        table.time = time_of(own_clock->matrix, clock_ticks(*own_clock));
+      else
+        take_file_clock(rows, table);
+      finish(std::move(table));
+    }
+    if (scope.empty() && own_clock != nullptr)
+      file_time_ = time_of(own_clock->matrix, clock_ticks(*own_clock));
+    leaves_.clear();
+    units_.clear();
+  }
+
+  void take_file_clock(std::size_t rows, MatTable& table) const {
+    if (file_time_.size() == rows) table.time = file_time_;
+  }
+
+  void add_simulink(const matvar_t* variable, const std::string& name) {
+    const std::optional<Matrix> clock = matrix_of(field_of(variable, "time"));
+    const matvar_t* const signals = field_of(variable, "signals");
+    const std::size_t count = entries_of(signals);
+    std::map<std::size_t, MatTable> by_rows;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string label = label_of(signals, i, count);
+      const std::optional<Matrix> values = matrix_of(field_of(signals, "values", i));
+      if (!values) {
+        note(name + '.' + label, "has no values that are numbers");
+        continue;
+      }
+      add_columns(label, "", *values, by_rows[values->rows]);
+    }
+    for (auto& [rows, table] : by_rows) {
+      table.group.name = by_rows.size() == 1 ? name : fmt::format("{}.rows{}", name, rows);
+      if (clock && clock->columns == 1 && clock->rows == rows)
+        table.time = column_of(*clock, 0);
+      else
+        take_file_clock(rows, table);
+      finish(std::move(table));
+    }
+  }
+
+  // What Simulink calls a signal, or else its place.
+  static std::string label_of(const matvar_t* signals, std::size_t i, std::size_t count) {
+    const std::string label = text_of(field_of(signals, "label", i));
+    if (!label.empty()) return label;
+    return count == 1 ? "values" : fmt::format("values_{}", i + 1);
+  }
+
+  void finish(MatTable table) {
+    table.group.timed = !table.time.empty();
+    std::map<std::string, int> seen;
+    for (LogChannel& channel : table.group.channels)
+      if (const int times = ++seen[channel.name]; times > 1)
+        channel.name += fmt::format("#{}", times);
+    tables_.push_back(std::move(table));
+  }
+
+  void report_scalars() {
+    if (scalars_.empty()) return;
+    constexpr std::size_t kNamed = 5;
+    std::string names;
+    for (std::size_t i = 0; i < std::min(scalars_.size(), kNamed); ++i)
+      names += (i > 0 ? ", " : "") + printable(scalars_[i]);
+    if (scalars_.size() > kNamed) names += fmt::format(" and {} more", scalars_.size() - kNamed);
+    notes_.push_back("single numbers are passed over: " + names);
+  }
+
+  std::vector<std::string>& notes_;
+  std::vector<MatTable> tables_;
+  std::vector<Leaf> leaves_;                   // of the scope that is gathered
+  std::map<std::string, std::string> units_;  // by the names of leaves
+  std::vector<std::string> scalars_;
+  std::vector<double> file_time_;
+};
+
+}  // namespace
+
+std::vector<MatTable> tables_of(const std::vector<MatVariable>& variables,
+                                std::vector<std::string>& notes) {
+  return Finder(notes).tables(variables);
+}
+
+}  // namespace quadtune::internal

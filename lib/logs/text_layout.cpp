@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "logs/text_layout.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <unordered_set>
+
+#include "logs/log_titles.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
+
+namespace quadtune::internal {
+namespace {
+
+bool is_number(std::string_view field) {
+  if (field.size() > 1 && field.starts_with('"') && field.ends_with('"'))
+    field = trimmed(field.substr(1, field.size() - 2));
+  if (field.starts_with('+')) field.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+  // 1e400 is a number, though none that a double holds.
+  return error != std::errc::invalid_argument && end == field.data() + field.size();
+}
+
+std::vector<std::string> split_at_blanks(std::string_view line) {
+  std::vector<std::string> fields;
+  bool open = false;  // within the brackets of a unit, as in "z [m s^-1]"
+  for (line = trimmed(line); !line.empty(); line = trimmed(line)) {
+    const std::size_t end = std::min(line.find_first_of(" \t"), line.size());
+    const std::string_view word = line.substr(0, end);
+    const bool bracket = word.starts_with('[') || word.starts_with('(');
+    if (!fields.empty() && (open || bracket))
+      fields.back().append(" ").append(word);
+    else
+      fields.emplace_back(word);
+    if (bracket || open) open = !word.ends_with(']') && !word.ends_with(')');
+    line.remove_prefix(end);
+  }
+  return fields;
+}
+
+// Chooses the columns one by one.
+class Chooser {
+ public:
+  Chooser(const std::vector<std::string>& names, std::size_t count, const LogOptions& options,
+          const std::string& where)
+      : options_(options), where_(where), named_(!names.empty()) {
+    for (std::size_t i = 0; i < count; ++i)
+      titles_.push_back(named_ ? title_of(i < names.size() ? names[i] : "")
+                               : LogTitle{fmt::format("c{}", i + 1), "", 0, false});
+    layout_.roles.resize(count);
+  }
+
+  TextLayout layout(TextSeparator separator) {
+    layout_.separator = separator;
+    choose_time();
+    if (options_.columns.empty())
+      add_others();
+    else
+      for (std::size_t i = 0; i < options_.columns.size(); ++i)
+        if (options_.columns[i].name.empty())
+          add_others();
+        else if (options_.columns[i].ticks == 0)
+          add_channel(columns_[i], options_.columns[i].name, options_.columns[i].unit);
+    return std::move(layout_);
+  }
+
+ private:
+  void choose_time() {
+    struct Part {
+      std::size_t column;
+      double ticks;
+    };
+    std::vector<Part> parts;
+    for (const LogColumnChoice& choice : options_.columns) {
+      columns_.push_back(choice.name.empty() ? 0 : find(choice));
+      if (!choice.name.empty()) chosen_.insert(columns_.back());
+      if (choice.ticks == 0) continue;
+      const LogTitle& title = titles_[columns_.back()];
+      parts.push_back({columns_.back(),
+                       choice.unit.empty() && title.ticks > 0 ? title.ticks : choice.ticks});
+    }
+    if (!parts.empty() && options_.rate_hz > 0)
+      throw InvalidInput(where_, "has a time column and a rate, expected one of them");
+    if (parts.empty() && options_.rate_hz == 0)
+      if (const std::optional<std::size_t> clock = clock_of_names())
+        parts.push_back({*clock, titles_[*clock].ticks});
+    // The largest unit first, as it has the digits that an epoch is taken from.
+    std::sort(parts.begin(), parts.end(),
+              [](const Part& a, const Part& b) { return a.ticks < b.ticks; });
+    for (const Part& part : parts) {
+      layout_.roles[part.column] = {TextRole::Kind::kTime, layout_.ticks.size()};
+      layout_.ticks.push_back(part.ticks);
+    }
+    if (parts.empty() && options_.rate_hz == 0)
+      layout_.notes.push_back(
+          "no column is known to be the time: name it with --columns, such as 't_s:1, *', or give "
+          "--rate");
+  }
+
+  std::optional<std::size_t> clock_of_names() {
+    for (std::size_t i = 0; i < titles_.size(); ++i) {
+      if (titles_[i].ticks == 0 || chosen_.contains(i)) continue;
+      if (titles_[i].guessed)
+        layout_.notes.push_back(fmt::format("'{0}' says no unit and is taken as seconds; if it is "
+                                            "in microseconds, say so: --columns 't_us:{0}, *'",
+                                            printable(titles_[i].name)));
+      return i;
+    }
+    return std::nullopt;
+  }
+
+  std::size_t find(const LogColumnChoice& choice) {
+    std::size_t number = 0;
+    const std::string& column = choice.column;
+    if (column.empty() && !named_) {
+      number = last_ + 1;
+    } else if (!column.empty() &&
+               std::all_of(column.begin(), column.end(), [](char c) { return c >= '0' && c <= '9'; })) {
+      std::from_chars(column.data(), column.data() + column.size(), number);
+    } else {
+      return find_name(column.empty() ? choice.name : column);
+    }
+    if (number < 1 || number > titles_.size())
+      throw InvalidInput(where_,
+                         fmt::format("has no column {} for '{}', expected 1 to {}",
+                                     column.empty() ? std::to_string(number) : printable(column),
+                                     printable(choice.name), titles_.size()));
+    last_ = number;
+    return number - 1;
+  }
+
+  std::size_t find_name(const std::string& name) const {
+    std::vector<std::string> known;
+    for (std::size_t i = 0; i < titles_.size(); ++i) {
+      if (named_ && titles_[i].name == name) return i;
+      if (named_) known.push_back(titles_[i].name);
+    }
+    throw InvalidInput(
+        where_, named_ ? fmt::format("has no column '{}'{}", printable(name),
+                                     did_you_mean(name, known))
+                       : fmt::format("has no line of names in which '{}' could stand, expected the "
+                                     "column's number",
+                                     printable(name)));
+  }
+
+  void add_others() {
+    for (std::size_t i = 0; i < titles_.size(); ++i)
+      if (!chosen_.contains(i) && layout_.roles[i].kind == TextRole::Kind::kPassedOver)
+        add_channel(i, titles_[i].name, titles_[i].unit);
+  }
+
+  void add_channel(std::size_t column, const std::string& name, const std::string& unit) {
+    if (layout_.roles[column].kind != TextRole::Kind::kPassedOver)
+      throw InvalidInput(where_, fmt::format("column {} is taken twice, expected once", column + 1));
+    std::string distinct = name.empty() ? fmt::format("c{}", column + 1) : name;
+    while (!taken_.insert(distinct).second) distinct += fmt::format("#{}", column + 1);
+    layout_.roles[column] = {TextRole::Kind::kChannel, layout_.channels.size()};
+    layout_.channels.push_back({distinct, unit.empty() ? titles_[column].unit : unit});
+  }
+
+  const LogOptions& options_;
+  const std::string& where_;
+  bool named_;
+  std::vector<LogTitle> titles_;
+  std::vector<std::size_t> columns_;  // one for each choice
+  std::unordered_set<std::size_t> chosen_;
+  std::unordered_set<std::string> taken_;
+  std::size_t last_ = 0;  // the number of the column that was chosen last
+  TextLayout layout_;
+};
+
+}  // namespace
+
+TextSeparator separator_of_numbers(std::string_view line) {
+  if (line.find(';') != std::string_view::npos) return TextSeparator::kSemicolon;
+  if (line.find(',') != std::string_view::npos) return TextSeparator::kComma;
+  return TextSeparator::kBlanks;
+}
+
+TextSeparator separator_of_names(std::string_view line) {
+  const TextSeparator separator = separator_of_numbers(line);
+  // Between tabs a name may hold blanks.
+  return separator == TextSeparator::kBlanks && line.find('\t') != std::string_view::npos
+             ? TextSeparator::kTab
+             : separator;
+}
+
+std::vector<std::string> split_names(std::string_view line, TextSeparator separator) {
+  if (separator == TextSeparator::kBlanks) return split_at_blanks(line);
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"')
+      quoted = !quoted;
+    else if (c == static_cast<char>(separator) && !quoted)
+      fields.emplace_back();
+    else
+      fields.back() += c;
+  }
+  if (fields.size() > 1 && trimmed(fields.back()).empty()) fields.pop_back();
+  return fields;
+}
+
+bool holds_numbers(std::string_view line, TextSeparator separator) {
+  const std::vector<std::string> fields = split_names(line, separator);
+  bool any = false;
+  for (const std::string& field : fields) {
+    const std::string_view word = trimmed(field);
+    if (!word.empty() && !is_number(word)) return false;
+    any = any || !word.empty();
+  }
+  return any;
+}
+
+TextLayout text_layout(const std::vector<std::string>& names, std::size_t count,
+                       TextSeparator separator, const LogOptions& options,
+                       const std::string& where) {
+  return Chooser(names, count, options, where).layout(separator);
+}
+
+}  // namespace quadtune::internal
