@@ -114,6 +114,7 @@ Verb margins_verb();
 Verb pid_verb();
 Verb fly_verb();
 Verb compare_verb();
+Verb log_verb();
 Verb export_verb();
 Verb verify_verb();
 Verb diff_verb();

@@ -40,8 +40,7 @@ bool ByteStream::fill() {
   // What is left moves to the front only when there is no room behind it.
   char* const front = buffer_.data();
   const std::size_t used =
-      ready_.empty() ? 0
-                     : static_cast<std::size_t>(ready_.data() + ready_.size() - front);
+      ready_.empty() ? 0 : static_cast<std::size_t>(ready_.data() + ready_.size() - front);
   std::size_t end = used;
   if (ready_.empty() || buffer_.size() - used < buffer_.size() / 4) {
     std::memmove(front, ready_.empty() ? front : ready_.data(), ready_.size());

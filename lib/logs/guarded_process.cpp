@@ -46,7 +46,6 @@ void confine(const ProcessLimits& limits) {
   if (kKeepsAddresses) limit(RLIMIT_AS, limits.memory);
   limit(RLIMIT_CPU, static_cast<rlim_t>(std::ceil(limits.time_s)));
   limit(RLIMIT_CORE, 0);
-  limit(RLIMIT_FSIZE, 0);
   const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
   if (nowhere >= 0) {
     ::dup2(nowhere, STDOUT_FILENO);

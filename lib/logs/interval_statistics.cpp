@@ -7,10 +7,10 @@
 namespace quadtune::internal {
 namespace {
 
-constexpr double kGap = 2.5;             // periods
+constexpr double kGap = 2.5;  // periods
 constexpr double kJumpPeriods = 100;
 constexpr double kJumpSeconds = 10;
-constexpr int kBinsPerOctave = 64;       // 2^(1/64) = 1.011
+constexpr int kBinsPerOctave = 64;
 
 // By the first bits of the number: cheaper than a logarithm, bins of 0.8 to 1.6 %.
 int bin_of(double interval) {

@@ -144,10 +144,10 @@ void require_usable(const LogSeries& series, const std::string& where, std::size
                                        [](double a, double b) { return !(a < b); });
   if (step != series.time.end())
     throw InvalidInput(
-        where, fmt::format("the time of '{}' does not increase: sample {} is at {} s, the one "
-                           "before at {} s, expected each later than the one before",
-                           printable(series.name), step - series.time.begin() + 2, *(step + 1),
-                           *step));
+        where,
+        fmt::format("the time of '{}' does not increase: sample {} is at {} s, the one "
+                    "before at {} s, expected each later than the one before",
+                    printable(series.name), step - series.time.begin() + 2, *(step + 1), *step));
 }
 
 void require_unit(const LogSeries& series, const std::string& unit, const std::string& where) {

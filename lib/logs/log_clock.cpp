@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Beyond it the whole seconds of two times could differ by more than an integer holds.
-constexpr double kFarthest = 1e15;  // [s]
+constexpr double kFarthest = 1e15;   // [s]
 constexpr double kLeastEpoch = 1e6;  // [s]: here a double still holds a tenth of a nanosecond
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -57,8 +57,7 @@ double LogClock::seconds(const LogTicks& ticks, double ticks_per_s) {
   const auto left = static_cast<double>(ticks.whole % per_s);
   if (!std::isfinite(ticks.rest) || std::abs(static_cast<double>(whole_s)) > kFarthest)
     return seconds((static_cast<double>(ticks.whole) + ticks.rest) / ticks_per_s);
-  if (!epoch_s_)
-    epoch_s_ = std::abs(static_cast<double>(whole_s)) >= kLeastEpoch ? whole_s : 0;
+  if (!epoch_s_) epoch_s_ = std::abs(static_cast<double>(whole_s)) >= kLeastEpoch ? whole_s : 0;
   return static_cast<double>(whole_s - *epoch_s_) + (left + ticks.rest) / ticks_per_s;
 }
 

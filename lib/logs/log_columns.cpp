@@ -44,9 +44,8 @@ std::vector<LogColumnChoice> parse_log_columns(const std::string& text, const st
       return other.name == choice.name && choice.ticks == other.ticks;
     });
     if (twice)
-      throw InvalidInput(where,
-                         fmt::format("'{}' stands twice, expected each name once",
-                                     choice.name.empty() ? "*" : printable(choice.name)));
+      throw InvalidInput(where, fmt::format("'{}' stands twice, expected each name once",
+                                            choice.name.empty() ? "*" : printable(choice.name)));
     choices.push_back(choice);
     if (comma == std::string_view::npos) return choices;
     rest.remove_prefix(comma + 1);

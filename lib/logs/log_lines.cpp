@@ -12,12 +12,11 @@ namespace quadtune::internal {
 
 std::string_view next_word(std::string_view& rest, char separator) {
   constexpr std::string_view kBlanks = " \t";
-  const std::size_t end = std::min(
-      separator == ' ' ? rest.find_first_of(kBlanks) : rest.find(separator), rest.size());
+  const std::size_t end =
+      std::min(separator == ' ' ? rest.find_first_of(kBlanks) : rest.find(separator), rest.size());
   const std::string_view word = rest.substr(0, end);
   rest.remove_prefix(std::min(end + 1, rest.size()));
-  if (separator == ' ')
-    rest.remove_prefix(std::min(rest.find_first_not_of(kBlanks), rest.size()));
+  if (separator == ' ') rest.remove_prefix(std::min(rest.find_first_not_of(kBlanks), rest.size()));
   return word;
 }
 
@@ -35,8 +34,9 @@ std::optional<std::string_view> LogLines::next(LogCondition& condition) {
   ++line_;
   if (line->end == ByteStream::LineEnd::kFeed) return line->text;
   condition.torn = line->end == ByteStream::LineEnd::kTorn
-                       ? where() + ": the line does not end, expected a line feed; it may be cut "
-                                   "short and is left out"
+                       ? where() +
+                             ": the line does not end, expected a line feed; it may be cut "
+                             "short and is left out"
                        : fmt::format("{}: the line is longer than {} bytes, expected a record",
                                      where(), ByteStream::kWindow);
   return std::nullopt;

@@ -24,14 +24,18 @@ struct Extreme {
   std::uint64_t longest = 0;
   std::uint64_t samples = 0;
 
-  void start(double x) { *this = {x, 1, 1, 1}; }
+  bool from_start = false;  // the run began with the log: at rest, not at a limit
+
+  void start(double x, bool first) { *this = {x, 1, first ? 0U : 1U, 1, first}; }
   void take(double x) {
     if (x != value) {
       run = 0;
+      from_start = false;
       return;
     }
     ++samples;
-    longest = std::max(longest, ++run);
+    ++run;
+    if (!from_start) longest = std::max(longest, run);
   }
 };
 
@@ -39,15 +43,15 @@ class ChannelStatistics {
  public:
   void take(double x) {
     if (samples_++ == 0) {
-      low_.start(x);
-      high_.start(x);
+      low_.start(x, true);
+      high_.start(x, true);
       mean_ = previous_ = x;
       return;
     }
     changes_ += x != previous_ ? 1 : 0;
     previous_ = x;
-    x < low_.value ? low_.start(x) : low_.take(x);
-    x > high_.value ? high_.start(x) : high_.take(x);
+    x < low_.value ? low_.start(x, false) : low_.take(x);
+    x > high_.value ? high_.start(x, false) : high_.take(x);
     // Welford: M += (x - old mean)(x - new mean)
     const double error = x - mean_;
     mean_ += error / static_cast<double>(samples_);
@@ -66,7 +70,8 @@ class ChannelStatistics {
     survey.std = std::sqrt(moment_ / static_cast<double>(samples_ - 1));
     survey.constant = changes_ == 0;
     const std::uint64_t run = std::max(low_.longest, high_.longest);
-    const auto others = static_cast<double>(samples_ - std::min(samples_, low_.samples + high_.samples));
+    const auto others =
+        static_cast<double>(samples_ - std::min(samples_, low_.samples + high_.samples));
     if (run >= kLeastRun && others > 0 && static_cast<double>(changes_) >= kLeastMoving * others)
       survey.saturated = run;
   }

@@ -12,6 +12,7 @@
 
 #include "logs/log_lines.hpp"
 #include "logs/mat_elements.hpp"
+#include "logs/mat_inner_names.hpp"
 #include "logs/mat_variable.hpp"
 #include "logs/memory_file.hpp"
 #include "quadtune/errors.hpp"
@@ -37,7 +38,8 @@ Tag tag_at(std::string_view bytes) {
   return tag;
 }
 
-// Inflates a whole stream; "" where it is damaged or larger than `most`. zlib compares its checksum.
+// Inflates a whole stream; "" where it is damaged or larger than `most`. zlib compares its
+// checksum.
 std::string inflated(const std::string& compressed, std::size_t most) {
   z_stream z{};
   if (inflateInit(&z) != Z_OK) return "";
@@ -122,15 +124,14 @@ class Decoder {
 
   // As a file of its own, so that matio sees nothing that was not checked.
   void read_variable(const std::string& element, std::uint64_t start) {
-    const std::string bytes = header_ + element;
     try {
-      require_mat_v5(bytes, at(start, "a variable"));
+      require_mat_v5(header_ + element, at(start, "a variable"));
     } catch (const InvalidInput& damage) {
       skip_record(content_.condition, damage.what());
       return;
     }
     const MemoryFile file;
-    file.write(bytes);
+    file.write(header_ + without_inner_names(element));
     const MatFile mat(Mat_Open(file.path().c_str(), MAT_ACC_RDONLY));
     MatVariable variable(mat ? Mat_VarReadNext(mat.get()) : nullptr);
     if (variable)

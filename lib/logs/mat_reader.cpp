@@ -28,12 +28,12 @@ constexpr std::uint64_t kLongest = std::uint64_t{1} << 28U;
 
 // Pieces: a letter, a length, so many bytes.
 enum Piece : char {
-  kGroup = 'G',      // timed, name, then name and unit of each channel
-  kRows = 'R',       // group, rows, their times, their values
-  kTorn = 'T',       // LogCondition
+  kGroup = 'G',  // timed, name, then name and unit of each channel
+  kRows = 'R',   // group, rows, their times, their values
+  kTorn = 'T',   // LogCondition
   kSkipped = 'S',
   kNote = 'N',
-  kError = 'E',      // InvalidInput
+  kError = 'E',  // InvalidInput
   kEnd = 'Z',
 };
 
@@ -66,7 +66,8 @@ class Writer {
 
 void send_rows(const MatTable& table, std::size_t group, Writer& writer) {
   const std::size_t columns = table.columns.size();
-  const std::size_t step = std::max<std::size_t>(1, kBlockValues / std::max<std::size_t>(1, columns));
+  const std::size_t step =
+      std::max<std::size_t>(1, kBlockValues / std::max<std::size_t>(1, columns));
   std::vector<double> numbers;
   for (std::size_t start = 0; start < table.rows(); start += step) {
     const std::size_t rows = std::min(step, table.rows() - start);
@@ -124,8 +125,10 @@ void decode_into(ByteStream& stream, std::size_t memory, int pipe) {
   } catch (const std::bad_alloc&) {
     fail(fmt::format("{}: needs more than {} MiB of memory to be read", stream.name(),
                      memory >> 20U));
-  } catch (const std::exception& error) {
+  } catch (const InvalidInput& error) {
     fail(error.what());
+  } catch (const std::exception& error) {
+    fail(fmt::format("{}: {}", stream.name(), error.what()));
   }
 }
 
@@ -190,15 +193,23 @@ class MatReader final : public LogReader {
       piece_ = next_piece();
       Content content(bytes_);
       switch (piece_) {
-        case kGroup: add_group(content); break;
-        case kNote: condition_.notes.push_back(content.text()); break;
-        case kTorn: condition_.torn = content.text(); break;
+        case kGroup:
+          read_group(content);
+          break;
+        case kNote:
+          condition_.notes.push_back(content.text());
+          break;
+        case kTorn:
+          condition_.torn = content.text();
+          break;
         case kSkipped:
           condition_.skipped += content.number();
           condition_.first_skipped = content.text();
           break;
-        case kError: throw InvalidInput("", content.text());
-        default: return;
+        case kError:
+          throw InvalidInput("", content.text());
+        default:
+          return;
       }
     }
   }
@@ -217,7 +228,7 @@ class MatReader final : public LogReader {
                                           process_.why_ended()));
   }
 
-  void add_group(Content& content) {
+  void read_group(Content& content) {
     LogGroup group;
     group.timed = content.number() != 0;
     group.name = content.text();
@@ -225,16 +236,16 @@ class MatReader final : public LogReader {
       std::string name = content.text();
       group.channels.push_back({std::move(name), content.text()});
     }
-    groups_.push_back(std::move(group));
+    add_group(std::move(group));
   }
 
   void read_rows(LogBlock& block) {
     Content content(bytes_);
     block.group = content.number();
     const std::uint64_t rows = content.number();
-    if (block.group >= groups_.size() || rows > kLongest / sizeof(double))
+    if (block.group >= groups().size() || rows > kLongest / sizeof(double))
       throw InvalidInput(name_, Content::kGarbled);
-    const LogGroup& group = groups_[block.group];
+    const LogGroup& group = groups()[block.group];
     const std::size_t columns = group.channels.size();
     block.time.resize(rows);
     content.copy(block.time.data(), rows * sizeof(double));

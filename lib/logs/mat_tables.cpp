@@ -36,15 +36,20 @@ std::size_t bytes_of(matio_classes kind) {
   switch (kind) {
     case MAT_C_DOUBLE:
     case MAT_C_INT64:
-    case MAT_C_UINT64: return 8;
+    case MAT_C_UINT64:
+      return 8;
     case MAT_C_SINGLE:
     case MAT_C_INT32:
-    case MAT_C_UINT32: return 4;
+    case MAT_C_UINT32:
+      return 4;
     case MAT_C_INT16:
-    case MAT_C_UINT16: return 2;
+    case MAT_C_UINT16:
+      return 2;
     case MAT_C_INT8:
-    case MAT_C_UINT8: return 1;
-    default: return 0;
+    case MAT_C_UINT8:
+      return 1;
+    default:
+      return 0;
   }
 }
 
@@ -104,24 +109,34 @@ double number_at(const void* data, std::size_t index) {
 
 double entry(const matvar_t* variable, std::size_t index) {
   switch (variable->class_type) {
-    case MAT_C_DOUBLE: return number_at<double>(variable->data, index);
-    case MAT_C_SINGLE: return number_at<float>(variable->data, index);
-    case MAT_C_INT64: return number_at<std::int64_t>(variable->data, index);
-    case MAT_C_UINT64: return number_at<std::uint64_t>(variable->data, index);
-    case MAT_C_INT32: return number_at<std::int32_t>(variable->data, index);
-    case MAT_C_UINT32: return number_at<std::uint32_t>(variable->data, index);
-    case MAT_C_INT16: return number_at<std::int16_t>(variable->data, index);
-    case MAT_C_UINT16: return number_at<std::uint16_t>(variable->data, index);
-    case MAT_C_INT8: return number_at<std::int8_t>(variable->data, index);
-    default: return number_at<std::uint8_t>(variable->data, index);
+    case MAT_C_DOUBLE:
+      return number_at<double>(variable->data, index);
+    case MAT_C_SINGLE:
+      return number_at<float>(variable->data, index);
+    case MAT_C_INT64:
+      return number_at<std::int64_t>(variable->data, index);
+    case MAT_C_UINT64:
+      return number_at<std::uint64_t>(variable->data, index);
+    case MAT_C_INT32:
+      return number_at<std::int32_t>(variable->data, index);
+    case MAT_C_UINT32:
+      return number_at<std::uint32_t>(variable->data, index);
+    case MAT_C_INT16:
+      return number_at<std::int16_t>(variable->data, index);
+    case MAT_C_UINT16:
+      return number_at<std::uint16_t>(variable->data, index);
+    case MAT_C_INT8:
+      return number_at<std::int8_t>(variable->data, index);
+    default:
+      return number_at<std::uint8_t>(variable->data, index);
   }
 }
 
 std::vector<double> column_of(const Matrix& matrix, std::size_t column) {
   std::vector<double> values(matrix.rows);
   for (std::size_t i = 0; i < matrix.rows; ++i)
-    values[i] = entry(matrix.variable, matrix.rows_last ? i * matrix.columns + column
-                                                        : column * matrix.rows + i);
+    values[i] = entry(matrix.variable,
+                      matrix.rows_last ? i * matrix.columns + column : column * matrix.rows + i);
   return values;
 }
 
@@ -182,7 +197,7 @@ class Finder {
         add_simulink(variable.get(), name);
       else
         gather_fields(variable.get(), "", name);
-      make_tables(name);
+      make_tables(is_own(variable.get()) ? "" : name);
     }
     report_scalars();
     return std::move(tables_);
@@ -195,8 +210,14 @@ class Finder {
            signals->class_type == MAT_C_STRUCT && signals->rank == 2 && signals->dims != nullptr;
   }
 
-  void gather_fields(const matvar_t* variable, const std::string& prefix, const std::string& scope) {
-    const bool own = prefix.empty() && text_of(field_of(variable, "format")) == kMatFormat;
+  // A flight log of the project itself, whose channels are called as in its CSV.
+  static bool is_own(const matvar_t* variable) {
+    return text_of(field_of(variable, "format")) == kMatFormat;
+  }
+
+  void gather_fields(const matvar_t* variable, const std::string& prefix,
+                     const std::string& scope) {
+    const bool own = prefix.empty() && is_own(variable);
     for (const std::string& field : fields_of(variable)) {
       if (own && (field == "about" || field == "about_keys" || field == "columns" ||
                   field == "events" || field == "format_version"))
@@ -230,13 +251,19 @@ class Finder {
   static std::string what_is(const matvar_t* value) {
     if (value == nullptr) return "";
     switch (value->class_type) {
-      case MAT_C_CHAR: return "";
-      case MAT_C_CELL: return "is a cell array";
-      case MAT_C_STRUCT: return "is an array of structs";
-      case MAT_C_SPARSE: return "is a sparse matrix";
+      case MAT_C_CHAR:
+        return "";
+      case MAT_C_CELL:
+        return "is a cell array";
+      case MAT_C_STRUCT:
+        return "is an array of structs";
+      case MAT_C_SPARSE:
+        return "is a sparse matrix";
       case MAT_C_OBJECT:
-      case MAT_C_OPAQUE: return "is an object: save a timeseries as a struct";
-      default: break;
+      case MAT_C_OPAQUE:
+        return "is an object: save a timeseries as a struct";
+      default:
+        break;
     }
     if (value->isComplex != 0) return "is complex";
     if (is_numeric(value) && entries_of(value) == 0) return "";
@@ -244,7 +271,8 @@ class Finder {
   }
 
   void note(const std::string& name, const std::string& what) {
-    if (!what.empty()) notes_.push_back(fmt::format("'{}' {} and is passed over", printable(name), what));
+    if (!what.empty())
+      notes_.push_back(fmt::format("'{}' {} and is passed over", printable(name), what));
   }
 
   // The clock of the gathered leaves, the one that lies least deep.
@@ -345,7 +373,7 @@ class Finder {
 
   std::vector<std::string>& notes_;
   std::vector<MatTable> tables_;
-  std::vector<Leaf> leaves_;                   // of the scope that is gathered
+  std::vector<Leaf> leaves_;                  // of the scope that is gathered
   std::map<std::string, std::string> units_;  // by the names of leaves
   std::vector<std::string> scalars_;
   std::vector<double> file_time_;

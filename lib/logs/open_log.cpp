@@ -10,8 +10,9 @@
 #include "logs/mat_reader.hpp"
 #include "logs/replay_reader.hpp"
 #include "logs/text_reader.hpp"
-#include "logs/uquad_reader.hpp"
 #include "logs/ulog_reader.hpp"
+#include "logs/unicode.hpp"
+#include "logs/uquad_reader.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -32,8 +33,8 @@ std::string format_of(std::string_view bytes) {
 void require_options(const LogOptions& options, const std::string& format,
                      const std::string& name) {
   if (!(options.rate_hz >= 0) || !std::isfinite(options.rate_hz))
-    throw InvalidInput(name, fmt::format("the rate is {} Hz, expected more than 0",
-                                         options.rate_hz));
+    throw InvalidInput(name,
+                       fmt::format("the rate is {} Hz, expected more than 0", options.rate_hz));
   const bool told = !options.columns.empty() || options.rate_hz > 0;
   if (told && format != "text")
     throw InvalidInput(name, fmt::format("is read as {}, which tells its columns and times itself, "
@@ -41,14 +42,32 @@ void require_options(const LogOptions& options, const std::string& format,
                                          format));
   constexpr std::int64_t kFarthest = 1'000'000'000'000'000;  // [s]
   if (options.epoch_s && (*options.epoch_s > kFarthest || *options.epoch_s < -kFarthest))
-    throw InvalidInput(name, fmt::format("the epoch is {} s, expected at most {} s",
-                                         *options.epoch_s, kFarthest));
+    throw InvalidInput(
+        name, fmt::format("the epoch is {} s, expected at most {} s", *options.epoch_s, kFarthest));
+}
+
+std::string cleaned(const std::string& text) {
+  constexpr std::size_t kLongest = 200;
+  std::string clean = text.substr(0, kLongest);
+  const bool utf8 = internal::utf16_of(clean).has_value();
+  for (char& c : clean) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f || (byte >= 0x80 && !utf8)) c = '?';
+  }
+  return clean;
 }
 
 }  // namespace
 
 std::string full_name(const LogGroup& group, const LogChannel& channel) {
   return group.name.empty() ? channel.name : group.name + '.' + channel.name;
+}
+
+void LogReader::add_group(LogGroup group) {
+  group.name = cleaned(group.name);
+  for (LogChannel& channel : group.channels)
+    channel = {cleaned(channel.name), cleaned(channel.unit)};
+  groups_.push_back(std::move(group));
 }
 
 const std::vector<LogFormat>& log_formats() {
@@ -84,9 +103,9 @@ std::unique_ptr<LogReader> open_log(ByteStream stream, const LogOptions& options
     known.push_back(one.name);
     names += (names.empty() ? "" : ", ") + one.name;
   }
-  throw InvalidInput("--format", fmt::format("no log format '{}', expected one of {}{}",
-                                             printable(format), names,
-                                             did_you_mean(format, known)));
+  throw InvalidInput(
+      "--format", fmt::format("no log format '{}', expected one of {}{}", printable(format), names,
+                              did_you_mean(format, known)));
 }
 
 }  // namespace internal

@@ -19,9 +19,9 @@
 namespace quadtune::internal {
 namespace {
 
-constexpr double kTicks = 1e6;             // microseconds
-constexpr std::size_t kMostGroups = 256;   // a replay has about ten sensors
-constexpr std::size_t kMostValues = 256;   // of a line
+constexpr double kTicks = 1e6;            // microseconds
+constexpr std::size_t kMostGroups = 256;  // a replay has about ten sensors
+constexpr std::size_t kMostValues = 256;  // of a line
 constexpr std::size_t kBlockValues = 4096;
 
 // What the estimator's simulated sensors write, in their order.
@@ -71,7 +71,7 @@ class ReplayReader final : public LogReader {
       if (waiting_.group != block.group) return true;
       take(block);
     }
-    if (block.time.empty() && condition_.skipped > 0 && groups_.empty())
+    if (block.time.empty() && condition_.skipped > 0 && groups().empty())
       throw InvalidInput("", condition_.first_skipped + "; no other line can be read either");
     return !block.time.empty();
   }
@@ -134,15 +134,15 @@ class ReplayReader final : public LogReader {
     const std::size_t count = waiting_.values.size();
     const auto found = by_name_.find(sensor);
     if (found == by_name_.end()) {
-      if (groups_.size() == kMostGroups) {
+      if (groups().size() == kMostGroups) {
         skip(fmt::format("'{}' is one sensor more than {}", sensor, kMostGroups));
         return std::nullopt;
       }
-      groups_.push_back(group(sensor, count));
-      by_name_.emplace(sensor, groups_.size() - 1);
-      return groups_.size() - 1;
+      add_group(group(sensor, count));
+      by_name_.emplace(sensor, groups().size() - 1);
+      return groups().size() - 1;
     }
-    const std::size_t expected = groups_[found->second].channels.size();
+    const std::size_t expected = groups()[found->second].channels.size();
     if (count == expected) return found->second;
     skip(fmt::format("{} has {} values, expected {} as before", sensor, count, expected));
     return std::nullopt;

@@ -52,6 +52,8 @@ class Chooser {
     for (std::size_t i = 0; i < count; ++i)
       titles_.push_back(named_ ? title_of(i < names.size() ? names[i] : "")
                                : LogTitle{fmt::format("c{}", i + 1), "", 0, false});
+    for (LogTitle& title : titles_)
+      if (title.unit == "1" && is_indexed(title.name, names)) title = {title.name + "[1]", "", 0, false};
     layout_.roles.resize(count);
   }
 
@@ -70,6 +72,14 @@ class Chooser {
   }
 
  private:
+  // Beside x[0] or x[2], x[1] is an entry too and not a count.
+  static bool is_indexed(const std::string& stem, const std::vector<std::string>& names) {
+    return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+      const std::string_view text = trimmed(name);
+      return text == stem + "[0]" || text == stem + "[2]";
+    });
+  }
+
   void choose_time() {
     struct Part {
       std::size_t column;
@@ -81,8 +91,8 @@ class Chooser {
       if (!choice.name.empty()) chosen_.insert(columns_.back());
       if (choice.ticks == 0) continue;
       const LogTitle& title = titles_[columns_.back()];
-      parts.push_back({columns_.back(),
-                       choice.unit.empty() && title.ticks > 0 ? title.ticks : choice.ticks});
+      parts.push_back(
+          {columns_.back(), choice.unit.empty() && title.ticks > 0 ? title.ticks : choice.ticks});
     }
     if (!parts.empty() && options_.rate_hz > 0)
       throw InvalidInput(where_, "has a time column and a rate, expected one of them");
@@ -106,9 +116,10 @@ class Chooser {
     for (std::size_t i = 0; i < titles_.size(); ++i) {
       if (titles_[i].ticks == 0 || chosen_.contains(i)) continue;
       if (titles_[i].guessed)
-        layout_.notes.push_back(fmt::format("'{0}' says no unit and is taken as seconds; if it is "
-                                            "in microseconds, say so: --columns 't_us:{0}, *'",
-                                            printable(titles_[i].name)));
+        layout_.notes.push_back(
+            fmt::format("'{0}' says no unit and is taken as seconds; if it is "
+                        "in microseconds, say so: --columns 't_us:{0}, *'",
+                        printable(titles_[i].name)));
       return i;
     }
     return std::nullopt;
@@ -119,8 +130,8 @@ class Chooser {
     const std::string& column = choice.column;
     if (column.empty() && !named_) {
       number = last_ + 1;
-    } else if (!column.empty() &&
-               std::all_of(column.begin(), column.end(), [](char c) { return c >= '0' && c <= '9'; })) {
+    } else if (!column.empty() && std::all_of(column.begin(), column.end(),
+                                              [](char c) { return c >= '0' && c <= '9'; })) {
       std::from_chars(column.data(), column.data() + column.size(), number);
     } else {
       return find_name(column.empty() ? choice.name : column);
@@ -141,11 +152,11 @@ class Chooser {
       if (named_) known.push_back(titles_[i].name);
     }
     throw InvalidInput(
-        where_, named_ ? fmt::format("has no column '{}'{}", printable(name),
-                                     did_you_mean(name, known))
-                       : fmt::format("has no line of names in which '{}' could stand, expected the "
-                                     "column's number",
-                                     printable(name)));
+        where_,
+        named_ ? fmt::format("has no column '{}'{}", printable(name), did_you_mean(name, known))
+               : fmt::format("has no line of names in which '{}' could stand, expected the "
+                             "column's number",
+                             printable(name)));
   }
 
   void add_others() {
@@ -156,7 +167,8 @@ class Chooser {
 
   void add_channel(std::size_t column, const std::string& name, const std::string& unit) {
     if (layout_.roles[column].kind != TextRole::Kind::kPassedOver)
-      throw InvalidInput(where_, fmt::format("column {} is taken twice, expected once", column + 1));
+      throw InvalidInput(where_,
+                         fmt::format("column {} is taken twice, expected once", column + 1));
     std::string distinct = name.empty() ? fmt::format("c{}", column + 1) : name;
     while (!taken_.insert(distinct).second) distinct += fmt::format("#{}", column + 1);
     layout_.roles[column] = {TextRole::Kind::kChannel, layout_.channels.size()};

@@ -23,7 +23,7 @@ struct TextLayout {
   TextSeparator separator = TextSeparator::kBlanks;
   std::vector<TextRole> roles;  ///< one a column of the file
   std::vector<LogChannel> channels;
-  std::vector<double> ticks;       ///< of the parts of the time, fewest a second first; may be empty
+  std::vector<double> ticks;  ///< of the parts of the time, fewest a second first; may be empty
   std::vector<std::string> notes;  ///< what was taken without being told
 };
 

@@ -22,8 +22,8 @@ namespace quadtune::internal {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kBlockValues = 8192;    // 64 KiB: stays in the cache
-constexpr std::size_t kMostColumns = 10000;   // more is no log
+constexpr std::size_t kBlockValues = 8192;   // 64 KiB: stays in the cache
+constexpr std::size_t kMostColumns = 10000;  // more is no log
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 constexpr std::string_view kOwnRows = "# rows,";
 
@@ -83,8 +83,7 @@ class Fields {
     return separator_ == TextSeparator::kBlanks ? is_blank(c) : c == static_cast<char>(separator_);
   }
   void skip_blanks() {
-    while (at_ != end_ && is_blank(*at_) &&
-           (*at_ == ' ' || separator_ != TextSeparator::kTab))
+    while (at_ != end_ && is_blank(*at_) && (*at_ == ' ' || separator_ != TextSeparator::kTab))
       ++at_;
   }
   // Blanks may stand between a number and a comma. What else follows makes it no number.
@@ -109,7 +108,7 @@ class TextReader final : public LogReader {
         clock_(options.epoch_s),
         rate_hz_(options.rate_hz) {
     read_head(options);
-    groups_.push_back({"", layout_.channels, !layout_.ticks.empty() || rate_hz_ > 0});
+    add_group({"", layout_.channels, !layout_.ticks.empty() || rate_hz_ > 0});
     condition_.notes = layout_.notes;
     ticks_.resize(layout_.ticks.size());
     bad_.resize(layout_.channels.size());
@@ -146,7 +145,8 @@ class TextReader final : public LogReader {
       std::string_view text = *line;
       if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
       if (text.find('\0') != std::string_view::npos)
-        throw InvalidInput(lines_.where(), "holds a zero byte, expected text; is it a binary file?");
+        throw InvalidInput(lines_.where(),
+                           "holds a zero byte, expected text; is it a binary file?");
       if (text.starts_with(kOwnRows)) read_row_count(text.substr(kOwnRows.size()));
       const std::string_view content = trimmed(text);
       if (content.empty()) continue;
@@ -161,9 +161,9 @@ class TextReader final : public LogReader {
       const bool names = !comment.empty() && !expected_rows_ && condition_.torn.empty();
       if (names) first = comment;  // and no rows
       if (!first)
-        throw InvalidInput(lines_.name(),
-                           condition_.torn.empty() ? "is empty, expected a log"
-                                                   : "has no whole line, expected a log");
+        throw InvalidInput(lines_.name(), condition_.torn.empty()
+                                              ? "is empty, expected a log"
+                                              : "has no whole line, expected a log");
     }
     const TextSeparator numbers = separator_of_numbers(*first);
     if (!holds_numbers(*first, numbers)) {
@@ -183,8 +183,8 @@ class TextReader final : public LogReader {
 
   void require_columns(std::size_t count) const {
     if (count > kMostColumns)
-      throw InvalidInput(lines_.where(), fmt::format("has {} columns, expected at most {}", count,
-                                              kMostColumns));
+      throw InvalidInput(lines_.where(),
+                         fmt::format("has {} columns, expected at most {}", count, kMostColumns));
   }
 
   void read_row_count(std::string_view text) {
@@ -205,16 +205,19 @@ class TextReader final : public LogReader {
     double* const values = block.values.data() + start;
     std::size_t count = 0;
     for (bool more = true; more; ++count) {
-      if (count < layout_.roles.size()) read_field(fields, layout_.roles[count], values);
-      else if (fields.at_end()) break;  // a separator at the end of the line
-      else fields.pass_over();
+      if (count < layout_.roles.size())
+        read_field(fields, layout_.roles[count], values);
+      else if (fields.at_end())
+        break;  // a separator at the end of the line
+      else
+        fields.pass_over();
       more = fields.next();
     }
     const double time = rate_hz_ > 0 ? index / rate_hz_ : time_of_row();
     if (count != layout_.roles.size())
       skip_record(condition_, fmt::format("{}: the row has {} fields, expected {}", lines_.where(),
                                           count, layout_.roles.size()));
-    else if (std::isnan(time) && groups_.front().timed)
+    else if (std::isnan(time) && groups().front().timed)
       skip_record(condition_, lines_.where() + ": the row has no time, expected a number");
     else {
       block.time.push_back(time);
@@ -257,8 +260,8 @@ class TextReader final : public LogReader {
     if (rows_ == 0 && condition_.skipped > 0)
       throw InvalidInput("", condition_.first_skipped + "; no other row can be read either");
     if (condition_.torn.empty() && expected_rows_ && *expected_rows_ != rows_ + condition_.skipped)
-      condition_.torn = fmt::format("{}: has {} rows, expected {} as its head says",
-                                    lines_.name(), rows_, *expected_rows_);
+      condition_.torn = fmt::format("{}: has {} rows, expected {} as its head says", lines_.name(),
+                                    rows_, *expected_rows_);
     for (std::size_t i = 0; i < bad_.size(); ++i)
       if (bad_[i].count > 0)
         condition_.notes.push_back(

@@ -64,17 +64,27 @@ Result value_of(const UlogLeaf& leaf, std::string_view record) {
     return static_cast<Result>(number_at<Number>(record, leaf.offset));
   };
   switch (leaf.type) {
-    case UlogType::kInt8: return as(std::int8_t{});
+    case UlogType::kInt8:
+      return as(std::int8_t{});
     case UlogType::kUint8:
-    case UlogType::kBool: return as(std::uint8_t{});
-    case UlogType::kInt16: return as(std::int16_t{});
-    case UlogType::kUint16: return as(std::uint16_t{});
-    case UlogType::kInt32: return as(std::int32_t{});
-    case UlogType::kUint32: return as(std::uint32_t{});
-    case UlogType::kInt64: return as(std::int64_t{});
-    case UlogType::kUint64: return as(std::uint64_t{});
-    case UlogType::kFloat: return as(float{});
-    case UlogType::kDouble: return as(double{});
+    case UlogType::kBool:
+      return as(std::uint8_t{});
+    case UlogType::kInt16:
+      return as(std::int16_t{});
+    case UlogType::kUint16:
+      return as(std::uint16_t{});
+    case UlogType::kInt32:
+      return as(std::int32_t{});
+    case UlogType::kUint32:
+      return as(std::uint32_t{});
+    case UlogType::kInt64:
+      return as(std::int64_t{});
+    case UlogType::kUint64:
+      return as(std::uint64_t{});
+    case UlogType::kFloat:
+      return as(float{});
+    case UlogType::kDouble:
+      return as(double{});
   }
   return Result{};
 }

@@ -12,8 +12,19 @@
 
 namespace quadtune::internal {
 
-enum class UlogType : char { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64,
-                             kFloat, kDouble, kBool };
+enum class UlogType : char {
+  kInt8,
+  kUint8,
+  kInt16,
+  kUint16,
+  kInt32,
+  kUint32,
+  kInt64,
+  kUint64,
+  kFloat,
+  kDouble,
+  kBool
+};
 
 /// One number within a record.
 struct UlogLeaf {

@@ -33,7 +33,7 @@ constexpr std::string_view kSync = "\x2f\x73\x13\x20\x25\x0c\xbb\x12"sv;
 constexpr std::size_t kMostChannels = 200000;
 constexpr std::size_t kMostGroups = 10000;
 constexpr std::size_t kBlockValues = 4096;
-constexpr double kTicks = 1e6;  // microseconds
+constexpr double kTicks = 1e6;           // microseconds
 constexpr std::size_t kTopicNumber = 2;  // [bytes] before a record
 constexpr std::uint64_t kLastTime = std::numeric_limits<std::int64_t>::max();  // [us]
 constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
@@ -170,11 +170,15 @@ class UlogReader final : public LogReader {
 
   void take(const Message& message) {
     switch (message.type) {
-      case 'B': take_flags(message.body); return;
+      case 'B':
+        take_flags(message.body);
+        return;
       case 'F':
         if (const std::string problem = formats_.add(message.body); !problem.empty()) skip(problem);
         return;
-      case 'A': subscribe(message.body); return;
+      case 'A':
+        subscribe(message.body);
+        return;
       case 'R':
         if (message.body.size() >= 2) topics_.erase(number_at<std::uint16_t>(message.body, 0));
         return;
@@ -183,7 +187,8 @@ class UlogReader final : public LogReader {
         if (message.body.size() >= 2)
           condition_.dropout_s += 1e-3 * number_at<std::uint16_t>(message.body, 0);
         return;
-      default: return;  // information, parameters, texts, marks
+      default:
+        return;  // information, parameters, texts, marks
     }
   }
 
@@ -202,8 +207,8 @@ class UlogReader final : public LogReader {
     for (std::size_t i = 0; i < 3; ++i) {
       const auto offset = number_at<std::uint64_t>(body, 2 * kFlags + 8 * i);
       if (offset == 0) break;
-      const std::uint64_t before = borders_.empty() ? stream_.offset() + kMessageHeader + body.size()
-                                                    : borders_.back() + 1;
+      const std::uint64_t before =
+          borders_.empty() ? stream_.offset() + kMessageHeader + body.size() : borders_.back() + 1;
       if (offset < before) {
         skip(fmt::format("appended data at {}, which is before their place", offset));
         break;
@@ -220,27 +225,27 @@ class UlogReader final : public LogReader {
     const auto instance = static_cast<unsigned char>(body[0]);
     const auto id = number_at<std::uint16_t>(body, 1);
     const std::string topic(body.substr(3));
-    Topic entry{groups_.size(), {}};
+    Topic entry{groups().size(), {}};
     if (const std::string problem = formats_.layout(topic, entry.layout); !problem.empty()) {
       skip(fmt::format("topic '{}': {}", printable(topic), problem));
       return;
     }
     const std::string name = instance == 0 ? topic : fmt::format("{}.{}", topic, instance);
-    const auto same = std::find_if(groups_.begin(), groups_.end(),
+    const auto same = std::find_if(groups().begin(), groups().end(),
                                    [&](const LogGroup& group) { return group.name == name; });
-    const auto place = static_cast<std::size_t>(same - groups_.begin());
-    if (same != groups_.end() && same->channels.size() != entry.layout.channels.size()) {
+    const auto place = static_cast<std::size_t>(same - groups().begin());
+    if (same != groups().end() && same->channels.size() != entry.layout.channels.size()) {
       skip(fmt::format("topic '{}' comes again with other fields", printable(name)));
       return;
     }
     entry.group = place;
-    if (same == groups_.end()) {
+    if (same == groups().end()) {
       channels_ += entry.layout.channels.size() + 1;
-      if (channels_ > kMostChannels || groups_.size() == kMostGroups)
+      if (channels_ > kMostChannels || groups().size() == kMostGroups)
         throw InvalidInput(stream_.name(),
                            fmt::format("has more than {} channels or {} topics, expected fewer",
                                        kMostChannels, kMostGroups));
-      groups_.push_back({name, entry.layout.channels, entry.layout.timed});
+      add_group({name, entry.layout.channels, entry.layout.timed});
     }
     topics_.insert_or_assign(id, std::move(entry));
   }

@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::size_t kReadings = 11;
 constexpr std::size_t kTemperature = 9;
-constexpr double kDegrees = 0.1;     // of a count of the temperature [degC]
-constexpr double kSeconds = 1e-6;    // of a tick of T_us
+constexpr double kDegrees = 0.1;   // of a count of the temperature [degC]
+constexpr double kSeconds = 1e-6;  // of a tick of T_us
 constexpr std::size_t kBlockRows = 512;
 
 const std::array<LogChannel, kReadings> kChannels = {{{"acc_x", "1"},
@@ -60,8 +60,10 @@ std::optional<Frame> frame_of(std::string_view line) {
 class FrameReader final : public LogReader {
  public:
   FrameReader(ByteStream stream, const LogOptions& options)
-      : LogReader("uquad-frames"), lines_(std::move(stream)), epoch_s_(options.epoch_s.value_or(0)) {
-    groups_.push_back({"", {kChannels.begin(), kChannels.end()}, true});
+      : LogReader("uquad-frames"),
+        lines_(std::move(stream)),
+        epoch_s_(options.epoch_s.value_or(0)) {
+    add_group({"", {kChannels.begin(), kChannels.end()}, true});
   }
 
   bool next(LogBlock& block) override {

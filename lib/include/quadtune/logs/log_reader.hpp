@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace quadtune {
@@ -38,9 +39,9 @@ struct LogBlock {
 
 /// What is wrong with a log. Complete only once the reader has come to the end.
 struct LogCondition {
-  std::string torn;           ///< where and why the file ends too early; "" where it does not
-  std::uint64_t skipped = 0;  ///< records that could not be read and were passed over
-  std::string first_skipped;  ///< where the first of them stands, and why; "" without
+  std::string torn;                ///< where and why the file ends too early; "" where it does not
+  std::uint64_t skipped = 0;       ///< records that could not be read and were passed over
+  std::string first_skipped;       ///< where the first of them stands, and why; "" without
   std::uint64_t dropouts = 0;      ///< times at which the logger itself lost records, as it says
   double dropout_s = 0;            ///< how long it lost them in all [s]
   std::vector<std::string> notes;  ///< what a user should know of how the file was taken
@@ -110,11 +111,14 @@ class LogReader {
  protected:
   explicit LogReader(std::string format) : format_(std::move(format)) {}
 
-  std::vector<LogGroup> groups_;
+  /// Adds a group; what no terminal and no JSON takes in its names and units becomes '?'.
+  void add_group(LogGroup group);
+
   LogCondition condition_;
 
  private:
   std::string format_;
+  std::vector<LogGroup> groups_;
 };
 
 /// Opens a log by LogOptions::format, or by what its first bytes look like.

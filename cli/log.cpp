@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune log: what is in a log, and what is odd about it.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <ostream>
+
+#include "log_arguments.hpp"
+#include "log_report.hpp"
+#include "print.hpp"
+#include "program.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/logs/log_survey.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+struct Options {
+  std::string file;
+  LogArguments log;
+};
+
+void run(const Options& options, Context& context) {
+  if (options.file.empty())
+    throw UsageError("quadtune log: FILE is missing, expected a log, or - for standard input",
+                     "FILE");
+  const std::unique_ptr<LogReader> reader = open_log(options.file, log_options(options.log, "log"));
+  const LogSurvey survey = survey_log(*reader);
+  if (context.json)
+    context.out << internal::readable(to_json(survey, options.file)) << "\n";
+  else
+    context.out << to_text(survey, options.file);
+  for (const std::string& warning : log_warnings(survey.condition))
+    context.note("log: warning: " + warning);
+}
+
+}  // namespace
+
+Verb log_verb() {
+  return {"log", "FILE [--format NAME] [--columns LIST] [--rate HZ]",
+          "what is in a log: channels, rates, gaps, and what is odd about them",
+          "quadtune log docs/examples/flight.csv", [](CLI::App& app) -> Action {
+            auto options = std::make_shared<Options>();
+            app.add_option("FILE", options->file, "a log; - is standard input");
+            add_log_options(app, options->log);
+            return [options](Context& context) { run(*options, context); };
+          }};
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "log_arguments.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "number_arguments.hpp"
+#include "program.hpp"
+#include "quadtune/internal/suggest.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+void require_format(const std::string& format, const std::string& verb) {
+  std::vector<std::string> known;
+  std::string names;
+  for (const LogFormat& one : log_formats()) {
+    known.push_back(one.name);
+    names += (names.empty() ? "" : ", ") + one.name;
+  }
+  if (std::find(known.begin(), known.end(), format) == known.end())
+    throw UsageError(fmt::format("quadtune {}: --format is '{}', expected one of {}{}", verb,
+                                 format, names, internal::did_you_mean(format, known)),
+                     "--format");
+}
+
+}  // namespace
+
+void add_log_options(CLI::App& app, LogArguments& arguments) {
+  app.add_option("--format", arguments.format,
+                 "text, replay, ulog, mat, uquad-frames or uquad-log; found by the content")
+      ->type_name("NAME");
+  app.add_option("--columns", arguments.columns,
+                 "of a text, such as 't_s:1, t_us:2, height[m]:19'; * takes all others")
+      ->type_name("LIST");
+  add_positive(app, "--rate", arguments.rate_hz, "of a text without time, rows a second")
+      ->type_name("HZ");
+}
+
+LogOptions log_options(const LogArguments& arguments, const std::string& verb) {
+  LogOptions options;
+  if (!arguments.format.empty()) require_format(arguments.format, verb);
+  options.format = arguments.format;
+  if (!arguments.columns.empty())
+    options.columns = parse_log_columns(arguments.columns, "quadtune " + verb + ": --columns");
+  options.rate_hz = arguments.rate_hz.value_or(0);
+  return options;
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What a survey of a log looks like, to people and to scripts.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "quadtune/internal/json.hpp"
+#include "quadtune/logs/log_survey.hpp"
+
+namespace quadtune::cli {
+
+/// Keys as docs/cli.md says; what is not known is null.
+[[nodiscard]] internal::Json to_json(const LogSurvey& survey, const std::string& file);
+[[nodiscard]] std::string to_text(const LogSurvey& survey, const std::string& file);
+
+/// One line for each thing that is wrong with the file itself.
+[[nodiscard]] std::vector<std::string> log_warnings(const LogCondition& condition);
+
+}  // namespace quadtune::cli
