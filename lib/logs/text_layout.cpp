@@ -16,9 +16,9 @@
 namespace quadtune::internal {
 namespace {
 
+// "nan" and "inf" may be names.
 bool is_number(std::string_view field) {
-  if (field.size() > 1 && field.starts_with('"') && field.ends_with('"'))
-    field = trimmed(field.substr(1, field.size() - 2));
+  if (field.empty() || field.find_first_of("0123456789") == std::string_view::npos) return false;
   if (field.starts_with('+')) field.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
@@ -53,7 +53,8 @@ class Chooser {
       titles_.push_back(named_ ? title_of(i < names.size() ? names[i] : "")
                                : LogTitle{fmt::format("c{}", i + 1), "", 0, false});
     for (LogTitle& title : titles_)
-      if (title.unit == "1" && is_indexed(title.name, names)) title = {title.name + "[1]", "", 0, false};
+      if (title.unit == "1" && is_indexed(title.name, names))
+        title = {title.name + "[1]", "", 0, false};
     layout_.roles.resize(count);
   }
 
@@ -196,10 +197,12 @@ TextSeparator separator_of_numbers(std::string_view line) {
 
 TextSeparator separator_of_names(std::string_view line) {
   const TextSeparator separator = separator_of_numbers(line);
-  // Between tabs a name may hold blanks.
-  return separator == TextSeparator::kBlanks && line.find('\t') != std::string_view::npos
-             ? TextSeparator::kTab
-             : separator;
+  // Between tabs alone a name may hold blanks.
+  const auto holds = [&](std::string_view part) {
+    return line.find(part) != std::string_view::npos;
+  };
+  const bool tabs = holds("\t") && !holds("\t ") && !holds(" \t") && !holds("\t\t");
+  return separator == TextSeparator::kBlanks && tabs ? TextSeparator::kTab : separator;
 }
 
 std::vector<std::string> split_names(std::string_view line, TextSeparator separator) {
@@ -218,15 +221,10 @@ std::vector<std::string> split_names(std::string_view line, TextSeparator separa
   return fields;
 }
 
-bool holds_numbers(std::string_view line, TextSeparator separator) {
+bool holds_a_number(std::string_view line, TextSeparator separator) {
   const std::vector<std::string> fields = split_names(line, separator);
-  bool any = false;
-  for (const std::string& field : fields) {
-    const std::string_view word = trimmed(field);
-    if (!word.empty() && !is_number(word)) return false;
-    any = any || !word.empty();
-  }
-  return any;
+  return std::any_of(fields.begin(), fields.end(),
+                     [](const std::string& field) { return is_number(trimmed(field)); });
 }
 
 TextLayout text_layout(const std::vector<std::string>& names, std::size_t count,

@@ -34,8 +34,8 @@ struct TextLayout {
 /// The fields of a line of names, without quotes around them.
 [[nodiscard]] std::vector<std::string> split_names(std::string_view line, TextSeparator separator);
 
-/// Whether each field is a number or empty, and one of them a number.
-[[nodiscard]] bool holds_numbers(std::string_view line, TextSeparator separator);
+/// Whether one of the fields is a number: then the line is no line of names.
+[[nodiscard]] bool holds_a_number(std::string_view line, TextSeparator separator);
 
 /// @param names   Of the columns; empty for a text without a line of names.
 /// @param count   How many columns there are.

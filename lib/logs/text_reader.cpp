@@ -166,7 +166,7 @@ class TextReader final : public LogReader {
                                               : "has no whole line, expected a log");
     }
     const TextSeparator numbers = separator_of_numbers(*first);
-    if (!holds_numbers(*first, numbers)) {
+    if (!holds_a_number(*first, numbers)) {
       const TextSeparator separator = separator_of_names(*first);
       const std::vector<std::string> names = split_names(*first, separator);
       require_columns(names.size());
@@ -176,7 +176,7 @@ class TextReader final : public LogReader {
     const std::size_t count = split_names(*first, numbers).size();
     require_columns(count);
     std::vector<std::string> names = split_names(comment, numbers);
-    if (names.size() != count || holds_numbers(comment, numbers)) names.clear();
+    if (names.size() != count || holds_a_number(comment, numbers)) names.clear();
     layout_ = text_layout(names, count, numbers, options, lines_.name());
     first_row_ = std::move(first);
   }

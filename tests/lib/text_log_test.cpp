@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Logs that are text: CSV, blanks, columns by number, the project's own, the uquad's, replays.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/logs/flight_log.hpp"
+#include "read_logs.hpp"
+#include "sample_logs.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::DoubleEq;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::NanSensitiveDoubleEq;
+using testing::read_bytes;
+using ::testing::ThrowsMessage;
+using testing::WholeGroup;
+using testing::WholeLog;
+using testing::with_columns;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+TEST(TextLog, TakesNamesUnitsAndTimeFromTheHeader) {
+  const WholeLog log =
+      read_bytes("t[s],z [m],w_x [rad s^-1],a(m/s2),height_m,n\n0,1,2,3,4,5\n0.5,-1,2e3,.5,+4,\n");
+  EXPECT_EQ(log.format, "text");
+  const WholeGroup& table = log.group("");
+  EXPECT_THAT(table.names(), ElementsAre("z", "w_x", "a", "height_m", "n"));
+  EXPECT_THAT(table.units(), ElementsAre("m", "rad/s", "m/s^2", "m", ""));
+  EXPECT_THAT(table.time, ElementsAre(0, 0.5));
+  EXPECT_THAT(table.rows[0], ElementsAre(1, 2, 3, 4, 5));
+  EXPECT_THAT(table.rows[1], ElementsAre(-1, 2000, 0.5, 4, NanSensitiveDoubleEq(kNaN)));
+  EXPECT_TRUE(log.condition.whole());
+  EXPECT_THAT(log.condition.notes, IsEmpty());
+}
+
+// Nanoseconds since 1970 differ by less than a double of seconds holds.
+TEST(TextLog, KeepsNanosecondsSince1970) {
+  const WholeLog log =
+      read_bytes("#timestamp [ns],x\n1403715273262142976,1\n1403715273267142912,2\n");
+  EXPECT_EQ(log.epoch_s, 1403715273);
+  EXPECT_THAT(log.group("").time, ElementsAre(DoubleEq(0.262142976), DoubleEq(0.267142912)));
+  const WholeLog decimal = read_bytes("t,x\n1403715273.262142976,1\n1403715273.267142912,2\n");
+  EXPECT_THAT(decimal.group("").time, ElementsAre(DoubleEq(0.262142976), DoubleEq(0.267142912)));
+  LogOptions earlier;  // so that two files share a clock
+  earlier.epoch_s = 1403715270;
+  EXPECT_THAT(read_bytes("#timestamp [ns],x\n1403715273262142976,1\n", earlier).group("").time,
+              ElementsAre(DoubleEq(3.262142976)));
+}
+
+TEST(TextLog, FindsTheSeparator) {
+  for (const char* text :
+       {"t;x;y\n1;2;3\n", "t\tx\ty\n1\t2\t3\n", "t x y\n1 2 3\n", "  t   x \t y\n 1\t 2  3 \n",
+        "t, x, y\n1, 2 ,3\n", "t,x,y,\n1,2,3,\n", "\xef\xbb\xbft,x,y\r\n1,2,3\r\n",
+        "# a comment\n% t x y\n1 2 3\n", "\"t\",\"x\",\"y\"\n1,2,3\n"}) {
+    const WholeLog log = read_bytes(text);
+    EXPECT_THAT(log.group("").names(), ElementsAre("x", "y")) << text;
+    ASSERT_EQ(log.group("").rows.size(), 1U) << text;
+    EXPECT_THAT(log.group("").rows[0], ElementsAre(2, 3)) << text;
+    EXPECT_THAT(log.group("").time, ElementsAre(1)) << text;
+  }
+}
+
+TEST(TextLog, AnIndexIsNoUnit) {
+  EXPECT_THAT(read_bytes("t,q[0],q[1],n[1]\n0,1,2,3\n").group("").names(),
+              ElementsAre("q[0]", "q[1]", "n"));
+}
+
+TEST(TextLog, WithoutNamesAndTimeSaysSo) {
+  const WholeLog log = read_bytes("1 2\n3 4\n");
+  EXPECT_THAT(log.group("").names(), ElementsAre("c1", "c2"));
+  EXPECT_FALSE(log.group("").group.timed);
+  EXPECT_THAT(log.condition.notes, ElementsAre(HasSubstr("--columns")));
+}
+
+TEST(TextLog, TakesColumnsByNumberAndAddsPartsOfTheTime) {
+  const std::string text = "0001 999999 7 1.5 x\n0002 000001 7 -2 y\n";
+  const WholeLog log = read_bytes(text, with_columns("t_us:2, t_s:1, height[m]:4"));
+  EXPECT_THAT(log.group("").time, ElementsAre(DoubleEq(1.999999), DoubleEq(2.000001)));
+  EXPECT_THAT(log.group("").column("height"), ElementsAre(1.5, -2));
+  EXPECT_THAT(log.group("").units(), ElementsAre("m"));
+  const WholeLog next = read_bytes("1 2 3\n", with_columns("a:2, b[rad]", 10));
+  EXPECT_THAT(next.group("").rows[0], ElementsAre(2, 3));
+  const WholeLog rest = read_bytes("stamp,b,c\n1500,2,3\n", with_columns("t_ms:stamp, *"));
+  EXPECT_THAT(rest.group("").names(), ElementsAre("b", "c"));
+  EXPECT_THAT(rest.group("").time, ElementsAre(1.5));
+}
+
+TEST(TextLog, ARateCountsRowsAlsoThoseThatAreBroken) {
+  const WholeLog log = read_bytes("a,b\n1,2\n1\n5,6\n", with_columns("a,b", 4));
+  EXPECT_THAT(log.group("").time, ElementsAre(0, 0.5));
+  EXPECT_EQ(log.condition.skipped, 1U);
+  EXPECT_EQ(log.condition.first_skipped, "f.log:3: the row has 1 fields, expected 2");
+}
+
+TEST(TextLog, RefusesColumnsThatAreNotThere) {
+  const auto refused = [](const std::string& columns, const std::string& text, double rate = 0) {
+    return [=] { (void)read_bytes(text, with_columns(columns, rate)); };
+  };
+  EXPECT_THAT(refused("hight[m]", "t,height\n1,2\n"),
+              ThrowsMessage<InvalidInput>("f.log: has no column 'hight'; did you mean 'height'?"));
+  EXPECT_THAT(refused("a:3", "1 2\n"),
+              ThrowsMessage<InvalidInput>("f.log: has no column 3 for 'a', expected 1 to 2"));
+  EXPECT_THAT(refused("a:x", "1 2\n"), ThrowsMessage<InvalidInput>(HasSubstr("no line of names")));
+  EXPECT_THAT(refused("a:1,b:1", "1 2\n"), ThrowsMessage<InvalidInput>(HasSubstr("taken twice")));
+  EXPECT_THAT(refused("t_s:1,b:2", "1 2\n", 5), ThrowsMessage<InvalidInput>(HasSubstr("a rate")));
+  for (const char* text : {"", ",", "a:", ":1", "a,,b"})
+    EXPECT_THAT([=] { (void)parse_log_columns(text, "--columns"); },
+                ThrowsMessage<InvalidInput>(HasSubstr("is no column")))
+        << text;
+  EXPECT_THAT([] { (void)parse_log_columns("a:1,a:2", "--columns"); },
+              ThrowsMessage<InvalidInput>(HasSubstr("'a' stands twice")));
+}
+
+TEST(TextLog, RowsWithoutTimeAndFieldsWithoutNumberAreCounted) {
+  const WholeLog log = read_bytes("t,mode,x\n0,MANUAL,1\n,AUTO,2\n2,3,1e999\n");
+  EXPECT_THAT(log.group("").time, ElementsAre(0, 2));
+  EXPECT_TRUE(std::isnan(log.group("").rows[0][0]));
+  EXPECT_EQ(log.group("").rows[1][0], 3);
+  EXPECT_EQ(log.condition.first_skipped, "f.log:3: the row has no time, expected a number");
+  EXPECT_THAT(log.condition.notes, ElementsAre(HasSubstr("'mode'"), HasSubstr("'x'")));
+}
+
+TEST(TextLog, RefusesWhatIsNoLog) {
+  EXPECT_THAT([] { (void)read_bytes(""); }, ThrowsMessage<InvalidInput>(HasSubstr("is empty")));
+  EXPECT_THAT([] { (void)read_bytes("1 2"); },
+              ThrowsMessage<InvalidInput>(HasSubstr("no whole line")));
+  EXPECT_THAT([] { (void)read_bytes(std::string("a\0b\n", 4)); },
+              ThrowsMessage<InvalidInput>(HasSubstr("zero byte")));
+  EXPECT_THAT([] { (void)read_bytes("t,x\n1\n2\n"); },
+              ThrowsMessage<InvalidInput>(HasSubstr("no other row")));
+  EXPECT_THAT([] { (void)open_log("/nowhere/f.csv"); },
+              ThrowsMessage<FileError>(HasSubstr("No such file")));
+  LogOptions options;
+  options.format = "ulgo";
+  EXPECT_THAT([&] { (void)read_bytes("1\n", options); },
+              ThrowsMessage<InvalidInput>(HasSubstr("expected one of text, replay, ulog")));
+  options.format = "replay";
+  options.rate_hz = 3;
+  EXPECT_THAT([&] { (void)read_bytes("1\n", options); },
+              ThrowsMessage<InvalidInput>(HasSubstr("they belong to text")));
+}
+
+TEST(TextLog, AHeadAloneIsALogWithoutRows) {
+  const WholeLog log = read_bytes("t,x[m]\n");
+  EXPECT_THAT(log.group("").names(), ElementsAre("x"));
+  EXPECT_TRUE(log.condition.whole());
+}
+
+TEST(TextLog, AcceptsALineThatIsTooLongAsTheEnd) {
+  const WholeLog log = read_bytes("t,x\n1,2\n" + std::string(3, '9'));
+  EXPECT_EQ(log.group("").rows.size(), 1U);
+  EXPECT_THAT(log.condition.torn, HasSubstr("f.log:3: the line does not end"));
+}
+
+TEST(TextLog, ReadsTheProjectsOwnFlightLogs) {
+  const std::string csv = csv_of(testing::small_log());
+  const WholeLog log = read_bytes(csv);
+  EXPECT_THAT(log.group("").names(), ElementsAre("x.px", "gps.px"));
+  EXPECT_THAT(log.group("").units(), ElementsAre("m", "m"));
+  EXPECT_THAT(log.group("").time, ElementsAre(0, 0.005));
+  EXPECT_TRUE(log.condition.whole());
+  const WholeLog short_one = read_bytes(csv.substr(0, csv.rfind("0.005")));
+  EXPECT_THAT(short_one.condition.torn, HasSubstr("has 1 rows, expected 2 as its head says"));
+}
+
+TEST(UquadLog, FramesAddUpTheirTimes) {
+  const std::string frame = "\t1\t2\t3\t4\t5\t6\t7\t8\t9\t288\t100947\tZ\n";
+  const WholeLog log =
+      read_bytes("A\t23408" + frame + "A\t23404" + frame + "A\tx" + frame + "A\t10" + frame);
+  EXPECT_EQ(log.format, "uquad-frames");
+  EXPECT_THAT(log.group("").time, ElementsAre(0, DoubleEq(0.023404), DoubleEq(0.023414)));
+  EXPECT_THAT(log.group("").rows[0],
+              ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9, DoubleEq(28.8), 100947));
+  EXPECT_EQ(log.condition.skipped, 1U);
+}
+
+TEST(UquadLog, OfTheMainProgramHasTwoTimesBefore) {
+  LogOptions options;
+  options.format = "uquad-log";
+  const std::string readings = "1 2 3 4 5 6 7 8 9 288 100947\n";
+  const WholeLog plain = read_bytes("5 250000 " + readings, options);
+  EXPECT_THAT(plain.group("").time, ElementsAre(5.25));
+  EXPECT_THAT(plain.group("").column("pressure"), ElementsAre(100947));
+  const WholeLog with_period = read_bytes("5 250000 10000 " + readings, options);
+  EXPECT_THAT(with_period.group("").column("acc_x"), ElementsAre(1));
+  EXPECT_THAT(with_period.group("").column("T_us"), ElementsAre(10000));
+  EXPECT_THAT([&] { (void)read_bytes("1 2 3\n", options); },
+              ThrowsMessage<InvalidInput>(HasSubstr("has 3 columns, expected 13 or 14")));
+}
+
+TEST(ReplayLog, MakesAGroupOfEachSensorInTheOrderOfTheFile) {
+  const WholeLog log = read_bytes(
+      "4000,baro,487.5\r\n4000,imu,1,2,3,4,5,6\r\n8000,imu,1,2,3,4,5,7\r\n8000,baro,488\r\n"
+      "9000,odd,1,2\r\n9000,odd,1\r\nx,imu,1\r\n");
+  EXPECT_EQ(log.format, "replay");
+  EXPECT_THAT(log.order, ElementsAre(0, 1, 0, 2));
+  EXPECT_THAT(log.group("baro").time, ElementsAre(0.004, 0.008));
+  EXPECT_THAT(log.group("baro").units(), ElementsAre("m"));
+  EXPECT_THAT(log.group("imu").column("gyro_z"), ElementsAre(6, 7));
+  EXPECT_THAT(log.group("odd").names(), ElementsAre("v[1]", "v[2]"));
+  EXPECT_EQ(log.condition.skipped, 2U);
+  EXPECT_EQ(log.condition.first_skipped, "f.log:6: odd has 1 values, expected 2 as before");
+}
+
+}  // namespace
+}  // namespace quadtune
