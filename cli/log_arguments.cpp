@@ -44,7 +44,7 @@ LogOptions log_options(const LogArguments& arguments, const std::string& verb) {
   if (!arguments.format.empty()) require_format(arguments.format, verb);
   options.format = arguments.format;
   if (!arguments.columns.empty())
-    options.columns = parse_log_columns(arguments.columns, "quadtune " + verb + ": --columns");
+    options.columns = parse_log_columns(arguments.columns, "--columns");
   options.rate_hz = arguments.rate_hz.value_or(0);
   return options;
 }

@@ -88,6 +88,7 @@ std::unique_ptr<LogReader> open_log(const std::string& path, const LogOptions& o
 namespace internal {
 
 std::unique_ptr<LogReader> open_log(ByteStream stream, const LogOptions& options) {
+  if (stream.peek(1).empty()) throw InvalidInput(stream.name(), "is empty, expected a log");
   const std::string format =
       options.format.empty() ? format_of(stream.peek(kLooked)) : options.format;
   require_options(options, format, stream.name());
