@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fuzz_log.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  quadtune::fuzz::read(data, size, "uquad-frames");
+  quadtune::fuzz::read(data, size, "uquad-log");
+  return 0;
+}
