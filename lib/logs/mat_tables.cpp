@@ -226,9 +226,9 @@ class Finder {
       if (!is_scalar_struct(value))
         gather(value, prefix + field, scope);
       else if (is_simulink(value))
-        add_simulink(value, scope + '.' + prefix + field);
+        add_simulink(value, fmt::format("{}.{}{}", scope, prefix, field));
       else
-        gather_fields(value, prefix + field + '.', scope);
+        gather_fields(value, fmt::format("{}{}.", prefix, field), scope);
     }
   }
 
@@ -330,7 +330,7 @@ class Finder {
       const std::string label = label_of(signals, i, count);
       const std::optional<Matrix> values = matrix_of(field_of(signals, "values", i));
       if (!values) {
-        note(name + '.' + label, "has no values that are numbers");
+        note(fmt::format("{}.{}", name, label), "has no values that are numbers");
         continue;
       }
       add_columns(label, "", *values, by_rows[values->rows]);
@@ -347,7 +347,7 @@ class Finder {
 
   // What Simulink calls a signal, or else its place.
   static std::string label_of(const matvar_t* signals, std::size_t i, std::size_t count) {
-    const std::string label = text_of(field_of(signals, "label", i));
+    std::string label = text_of(field_of(signals, "label", i));
     if (!label.empty()) return label;
     return count == 1 ? "values" : fmt::format("values_{}", i + 1);
   }

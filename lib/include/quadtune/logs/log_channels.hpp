@@ -2,6 +2,8 @@
 /// Named channels of a log, whole in memory.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 

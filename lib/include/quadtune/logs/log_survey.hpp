@@ -2,6 +2,7 @@
 /// What is in a log and what is odd about it, in one pass and in memory that does not grow with it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string>
