@@ -14,6 +14,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <utility>
 
 #include "quadtune/errors.hpp"
 
@@ -92,7 +93,7 @@ GuardedProcess::GuardedProcess(const ProcessLimits& limits,
 }
 
 GuardedProcess::~GuardedProcess() {
-  ::close(pipe_);
+  if (pipe_ >= 0) ::close(pipe_);
   if (child_ < 0) return;
   ::kill(child_, SIGKILL);
   while (::waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
@@ -125,6 +126,8 @@ bool GuardedProcess::read(void* bytes, std::size_t size) {
 
 std::string GuardedProcess::why_ended() {
   if (silent_) return fmt::format("took longer than {} s", 2 * limits_.time_s);
+  // A child that still writes ends by that.
+  ::close(std::exchange(pipe_, -1));
   int status = 0;
   while (::waitpid(child_, &status, 0) < 0)
     if (errno != EINTR) return "ended";

@@ -17,6 +17,7 @@
 namespace quadtune::internal {
 namespace {
 
+constexpr std::size_t kMostColumns = 10000;    // of a matrix that is a log
 constexpr std::string_view kUnits = "units.";  // the struct of units in the project's own logs
 
 // A matrix of real numbers as rows of channels.
@@ -242,6 +243,9 @@ class Finder {
     const std::string full = scope.empty() ? name : scope + '.' + name;
     if (!matrix)
       note(full, what_is(value));
+    else if (matrix->columns > kMostColumns)
+      note(full,
+           fmt::format("has {} columns, expected at most {},", matrix->columns, kMostColumns));
     else if (matrix->rows * matrix->columns == 1)
       scalars_.push_back(full);
     else
@@ -329,8 +333,9 @@ class Finder {
     for (std::size_t i = 0; i < count; ++i) {
       const std::string label = label_of(signals, i, count);
       const std::optional<Matrix> values = matrix_of(field_of(signals, "values", i));
-      if (!values) {
-        note(fmt::format("{}.{}", name, label), "has no values that are numbers");
+      if (!values || values->columns > kMostColumns) {
+        note(fmt::format("{}.{}", name, label),
+             "has no values that are numbers, or too many a row,");
         continue;
       }
       add_columns(label, "", *values, by_rows[values->rows]);

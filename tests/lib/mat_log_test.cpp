@@ -81,6 +81,14 @@ TEST(MatLog, TellsWhatWasTorn) {
             "f.log: the file ends within a variable at offset " + std::to_string(first));
 }
 
+TEST(MatLog, AWideMatrixIsNoLog) {
+  MatWriter mat(true);
+  mat.matrix("wide", {2, 10001}, std::vector<double>(20002)).matrix("z", {2, 1}, {3, 4});
+  const WholeLog log = read_bytes(mat.bytes());
+  EXPECT_THAT(log.group("").names(), ElementsAre("z"));
+  EXPECT_THAT(log.condition.notes, ElementsAre(HasSubstr("'wide' has 10001 columns")));
+}
+
 // The checksum of a compressed variable is compared, so that no damaged number comes through.
 TEST(MatLog, DamagedVariablesArePassedOver) {
   MatWriter mat(true);
@@ -130,6 +138,13 @@ TEST(GuardedProcess, TellsHowItEnded) {
   });
   EXPECT_FALSE(crash.read(&byte, 1));
   EXPECT_EQ(crash.why_ended(), "was ended by signal 11");
+
+  GuardedProcess talks_on({std::size_t{4} << 30U, 10}, [](int pipe) {
+    while (internal::write_fully(pipe, "x", 1)) {
+    }
+  });
+  EXPECT_TRUE(talks_on.read(&byte, 1));
+  EXPECT_EQ(talks_on.why_ended(), "ended with status 0");
 
   GuardedProcess busy({std::size_t{4} << 30U, 1}, [](int) {
     volatile bool forever = true;
