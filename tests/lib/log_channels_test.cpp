@@ -48,6 +48,21 @@ TEST_F(LogChannelsTest, AreFoundByShortAndFullNames) {
   EXPECT_EQ(channels.series[1].time.size(), 10U);
 }
 
+// Channel "b.x" of topic a is also the full name of channel x of topic b.
+TEST_F(LogChannelsTest, AFullNameWinsOverAShortOne) {
+  for (const bool full_first : {false, true}) {
+    testing::UlogWriter log;
+    log.format("v:float x;").format("a:uint64_t timestamp;v b;");
+    log.format("b:uint64_t timestamp;float x;");
+    log.subscribe(0, 0, full_first ? "b" : "a").subscribe(0, 1, full_first ? "a" : "b");
+    log.data(0, testing::packed(std::uint64_t{1}, full_first ? 2.0F : 1.0F));
+    log.data(1, testing::packed(std::uint64_t{2}, full_first ? 1.0F : 2.0F));
+    const LogChannels channels = read_log_channels(file(log.bytes()), {"b.x", "a.b.x"});
+    EXPECT_THAT(channels.series[0].values, ElementsAre(2));
+    EXPECT_THAT(channels.series[1].values, ElementsAre(1));
+  }
+}
+
 TEST_F(LogChannelsTest, UnknownNamesComeWithTheNearest) {
   const std::string path = file(testing::sample_ulog().bytes());
   EXPECT_THAT([&] { (void)read_log_channels(path, {"status.armd"}); },

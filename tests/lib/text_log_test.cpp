@@ -54,6 +54,18 @@ TEST(TextLog, KeepsNanosecondsSince1970) {
               ElementsAre(DoubleEq(3.262142976)));
 }
 
+TEST(TextLog, TimesMayBeNegativeFractionsOrPowers) {
+  EXPECT_THAT(read_bytes("t,x\n-0.5,1\n-1.25,2\n-.5,3\n+2,4\n5e-1,5\n2.,6\n").group("").time,
+              ElementsAre(-0.5, -1.25, -0.5, 2, 0.5, 2));
+}
+
+// The seconds have the digits that the epoch is taken from, wherever they stand.
+TEST(TextLog, PartsOfTheTimeKeepTheEpoch) {
+  const WholeLog log = read_bytes("250000 1403715273 7\n", with_columns("t_us:1, t_s:2, x:3"));
+  EXPECT_EQ(log.epoch_s, 1403715273);
+  EXPECT_THAT(log.group("").time, ElementsAre(0.25));
+}
+
 TEST(TextLog, FindsTheSeparator) {
   for (const char* text :
        {"t;x;y\n1;2;3\n", "t\tx\ty\n1\t2\t3\n", "t x y\n1 2 3\n", "  t   x \t y\n 1\t 2  3 \n",
