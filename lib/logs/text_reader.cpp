@@ -201,6 +201,7 @@ class TextReader final : public LogReader {
     if (fields.at_end()) return;
     const double index = static_cast<double>(index_++);
     const std::size_t start = block.values.size();
+    bad_in_row_.clear();
     block.values.resize(start + columns, kNaN);
     double* const values = block.values.data() + start;
     std::size_t count = 0;
@@ -221,6 +222,7 @@ class TextReader final : public LogReader {
       skip_record(condition_, lines_.where() + ": the row has no time, expected a number");
     else {
       block.time.push_back(time);
+      if (!bad_in_row_.empty()) note_bad_fields();
       return;
     }
     block.values.resize(start);
@@ -238,7 +240,7 @@ class TextReader final : public LogReader {
         if (fields.empty()) return;
         bool bad = false;
         values[role.index] = fields.number(bad);
-        if (bad) note_bad(role.index);
+        if (bad) bad_in_row_.push_back(role.index);
     }
   }
 
@@ -250,8 +252,10 @@ class TextReader final : public LogReader {
     return time;
   }
 
-  void note_bad(std::size_t channel) {
-    if (bad_[channel].count++ == 0) bad_[channel].where = lines_.where();
+  // Fields of a row that is delivered.
+  void note_bad_fields() {
+    for (const std::size_t channel : bad_in_row_)
+      if (bad_[channel].count++ == 0) bad_[channel].where = lines_.where();
   }
 
   void finish() {
@@ -259,6 +263,12 @@ class TextReader final : public LogReader {
     finished_ = true;
     if (rows_ == 0 && condition_.skipped > 0)
       throw InvalidInput("", condition_.first_skipped + "; no other row can be read either");
+    const bool words_alone =
+        !bad_.empty() && std::all_of(bad_.begin(), bad_.end(), [&](const BadFields& fields) {
+          return fields.count == rows_;
+        });
+    if (rows_ > 0 && words_alone && !groups().front().timed)
+      throw InvalidInput(lines_.name(), "holds no number and no time, expected a log");
     if (condition_.torn.empty() && expected_rows_ && *expected_rows_ != rows_ + condition_.skipped)
       condition_.torn = fmt::format("{}: has {} rows, expected {} as its head says", lines_.name(),
                                     rows_, *expected_rows_);
@@ -283,8 +293,9 @@ class TextReader final : public LogReader {
   std::optional<std::uint64_t> expected_rows_;
   std::vector<LogTicks> ticks_;  // of the row that is read
   std::vector<BadFields> bad_;   // by channel
-  std::uint64_t index_ = 0;      // of the row that is read next
-  std::uint64_t rows_ = 0;       // delivered
+  std::vector<std::size_t> bad_in_row_;
+  std::uint64_t index_ = 0;  // of the row that is read next
+  std::uint64_t rows_ = 0;   // delivered
   bool finished_ = false;
 };
 

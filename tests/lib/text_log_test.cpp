@@ -136,7 +136,8 @@ TEST(TextLog, RowsWithoutTimeAndFieldsWithoutNumberAreCounted) {
   EXPECT_TRUE(std::isnan(log.group("").rows[0][0]));
   EXPECT_EQ(log.group("").rows[1][0], 3);
   EXPECT_EQ(log.condition.first_skipped, "f.log:3: the row has no time, expected a number");
-  EXPECT_THAT(log.condition.notes, ElementsAre(HasSubstr("'mode'"), HasSubstr("'x'")));
+  EXPECT_THAT(log.condition.notes,
+              ElementsAre(HasSubstr("1 of 2 fields of 'mode'"), HasSubstr("1 of 2 fields of 'x'")));
 }
 
 TEST(TextLog, RefusesWhatIsNoLog) {
@@ -147,6 +148,8 @@ TEST(TextLog, RefusesWhatIsNoLog) {
               ThrowsMessage<InvalidInput>(HasSubstr("zero byte")));
   EXPECT_THAT([] { (void)read_bytes("t,x\n1\n2\n"); },
               ThrowsMessage<InvalidInput>(HasSubstr("no other row")));
+  EXPECT_THAT([] { (void)read_bytes("{\n  one: two,\n  three: four,\n}\n"); },
+              ThrowsMessage<InvalidInput>("f.log: holds no number and no time, expected a log"));
   EXPECT_THAT([] { (void)open_log("/nowhere/f.csv"); },
               ThrowsMessage<FileError>(HasSubstr("No such file")));
   LogOptions options;
