@@ -2,6 +2,8 @@
 /// Small logs of each format, made here, to be cut and damaged; also the seeds of the fuzz targets.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -35,10 +37,10 @@ inline std::vector<LogSample> log_samples() {
   std::string program;
   std::string replay;
   for (int k = 0; k < 6; ++k) {
-    const std::string n = std::to_string(10000 + 7 * k);
-    frames += "A\t" + n + "\t1\t0\t208\t-30\t-27\t-4\t124\t-33\t151\t288\t100947\tZ\n";
-    program += "5 " + n + "0 " + readings;
-    replay += n + ",imu,1.5,-2e-3,3,4,5," + std::to_string(k) + "\r\n" + n + ",baro,487.6\r\n";
+    const int n = 10000 + 7 * k;
+    frames += fmt::format("A\t{}\t1\t0\t208\t-30\t-27\t-4\t124\t-33\t151\t288\t100947\tZ\n", n);
+    program += fmt::format("5 {}0 {}", n, readings);
+    replay += fmt::format("{0},imu,1.5,-2e-3,3,4,5,{1}\r\n{0},baro,487.6\r\n", n, k);
   }
   std::vector<LogSample> samples = {
       text_sample("csv", "text",
