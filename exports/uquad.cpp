@@ -5,13 +5,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 
 #include "export_text.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/matrix_checks.hpp"
+#include "uquad_numbers.hpp"
 
 namespace quadtune {
 namespace {
@@ -54,31 +54,6 @@ std::string all_in_words() {
   std::vector<std::string> words;
   for (const UquadFileSet& set : uquad_file_sets()) words.push_back(in_words(set));
   return fmt::format("{}", fmt::join(words, ", "));
-}
-
-double parse_number(const std::string& word, const std::string& where) {
-  if (word.find(',') != std::string::npos)
-    throw InvalidInput(where, fmt::format("'{}' has a comma, expected a decimal point, because the "
-                                          "flight program stops reading at a comma",
-                                          internal::printable(word)));
-  const std::size_t plus = word.front() == '+' && word.compare(0, 2, "+-") != 0 ? 1 : 0;
-  double number = 0;
-  const char* end = word.data() + word.size();
-  const auto [stopped, error] = std::from_chars(word.data() + plus, end, number);
-  if (error != std::errc() || stopped != end || !std::isfinite(number))
-    throw InvalidInput(
-        where, fmt::format("'{}' came, expected a finite number", internal::printable(word)));
-  return number;
-}
-
-std::vector<double> parse_line(const std::string& line, const std::string& where) {
-  std::vector<double> numbers;
-  for (std::size_t i = line.find_first_not_of(" \t\r"); i != std::string::npos;) {
-    const std::size_t end = std::min(line.find_first_of(" \t\r", i), line.size());
-    numbers.push_back(parse_number(line.substr(i, end - i), where));
-    i = line.find_first_not_of(" \t\r", end);
-  }
-  return numbers;
 }
 
 const UquadFileSet& set_of_path(const std::filesystem::path& path) {
@@ -216,7 +191,8 @@ Eigen::MatrixXd parse_uquad_matrix(const std::string& text, Eigen::Index rows, E
   for (std::size_t start = 0; start < text.size();) {
     const std::size_t end = std::min(text.find('\n', start), text.size());
     const std::string where = fmt::format("{}:{}", origin, ++number);
-    const std::vector<double> line = parse_line(text.substr(start, end - start), where);
+    const std::vector<double> line =
+        exports::numbers_of_line(text.substr(start, end - start), where);
     start = end + 1;
     if (line.empty()) continue;
     if (static_cast<Eigen::Index>(line.size()) != cols)
