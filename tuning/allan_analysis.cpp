@@ -22,10 +22,11 @@ using Vector = Eigen::VectorXd;
 
 constexpr double kFloorOfBias = 0.664;  // √(2 ln 2/π), IEEE 952, C.1.3
 constexpr std::size_t kLeastMeans = 5;  // independent means behind a point of the fit
-constexpr double kModelError = 0.01;    // of a variance: what real noises differ from power laws
+// Of a variance: what real noises may differ from power laws. The least that will do is taken.
+constexpr std::array<double, 3> kModelErrors = {0.01, 0.03, 0.1};
 constexpr double kWorthATerm = 6.635;   // what a noise must take off chi-squared: 99 %
 constexpr double kMisfit = 0.999;       // quantile of chi-squared beyond which a fit is refused
-constexpr double kMisfitOfSome = 0.95;  // likewise where the octaves were searched for
+constexpr double kMisfitOfSome = 0.95;  // likewise of all that is tried after that
 constexpr double kLowQuantile = 0.025, kHighQuantile = 0.975;
 constexpr double kOneSided = 1.6449;  // standard deviations of a 95 % bound
 
@@ -134,16 +135,16 @@ Fit best_choice(const Octaves& octaves, Index from, const Matrix& covariance) {
   return best;
 }
 
-Matrix with_model_error(Matrix C, const Octaves& octaves, Index from) {
+Matrix with_model_error(Matrix C, const Octaves& octaves, Index from, double error) {
   for (Index i = 0; i < C.rows(); ++i) {
     const double sigma = octaves.points[static_cast<std::size_t>(from + i)].deviation;
-    C(i, i) += std::pow(kModelError * sigma * sigma, 2);
+    C(i, i) += std::pow(error * sigma * sigma, 2);
   }
   return C;
 }
 
 /// White noise of each point's own size: the weights to begin with.
-Matrix first_covariance(const Octaves& octaves, Index from, std::size_t samples) {
+Matrix first_covariance(const Octaves& octaves, Index from, std::size_t samples, double error) {
   const Index rows = octaves.size() - from;
   Matrix C = Matrix::Zero(rows, rows);
   for (Index i = 0; i < rows; ++i) {
@@ -151,7 +152,7 @@ Matrix first_covariance(const Octaves& octaves, Index from, std::size_t samples)
     C(i, i) = std::pow(point.deviation, 4) * 2 * static_cast<double>(point.m) /
               static_cast<double>(samples);
   }
-  return with_model_error(C, octaves, from);
+  return with_model_error(C, octaves, from, error);
 }
 
 Matrix covariance_from(const Octaves& octaves, Index from, const NoiseVariances& noises) {
@@ -160,12 +161,13 @@ Matrix covariance_from(const Octaves& octaves, Index from, const NoiseVariances&
 }
 
 /// Which noises there are: the weights follow the fit until it stays.
-Fit choose_noises(const Octaves& octaves, Index from, std::size_t samples) {
-  Fit fit = best_choice(octaves, from, first_covariance(octaves, from, samples));
+Fit choose_noises(const Octaves& octaves, Index from, std::size_t samples, double error) {
+  Fit fit = best_choice(octaves, from, first_covariance(octaves, from, samples, error));
   constexpr int kMostRounds = 8;
   for (int round = 0; round < kMostRounds && std::isfinite(fit.chi_squared); ++round) {
     const Fit next = best_choice(
-        octaves, from, with_model_error(covariance_from(octaves, from, fit.noises), octaves, from));
+        octaves, from,
+        with_model_error(covariance_from(octaves, from, fit.noises), octaves, from, error));
     if (!std::isfinite(next.chi_squared)) break;
     const bool same = next.in == fit.in;
     fit = next;
@@ -179,24 +181,49 @@ bool acceptable(const Fit& fit, double probability = kMisfit) {
          fit.chi_squared <= chi_squared_quantile(std::max(fit.degrees, 1), probability);
 }
 
+double model_variance(const NoiseVariances& noises, double tau) {
+  const NoiseVariances unit = allan_variance_of_noises(tau);
+  double sum = 0;
+  for (std::size_t k = 0; k < kAllanNoises; ++k) sum += noises[k] * unit[k];
+  return sum;
+}
+
+/// Whether white noise makes the curve in the first octaves of a fit: what a low-pass filter has
+/// shaped before can be left out then, and then alone.
+bool begins_white(const Octaves& octaves, Index from, const Fit& fit) {
+  constexpr Index kLeast = 3;
+  const auto white = static_cast<std::size_t>(AllanNoise::white);
+  for (Index i = from; i < from + kLeast; ++i) {
+    const double tau = octaves.points[static_cast<std::size_t>(i)].tau;
+    if (fit.noises[white] / tau < 0.5 * model_variance(fit.noises, tau)) return false;
+  }
+  return true;
+}
+
 /// The fit of the most octaves that the noises describe; filters shape the first few of many
 /// sensors. Without one the fit of all.
 struct Described {
   Fit fit;
   Index from = 0;
   bool explained = false;
+  double model_error = 0;
 };
 
 Described describe(const Octaves& octaves, std::size_t samples) {
   constexpr Index kLeastPoints = 4;
-  const Fit all = choose_noises(octaves, 0, samples);
-  if (acceptable(all)) return {all, 0, true};
-  for (Index from = 1; octaves.size() - from >= kLeastPoints && from <= octaves.size() / 2;
-       ++from) {
-    const Fit fit = choose_noises(octaves, from, samples);
-    if (acceptable(fit, kMisfitOfSome)) return {fit, from, true};
+  Fit all;
+  for (const double error : kModelErrors) {
+    all = choose_noises(octaves, 0, samples, error);
+    if (acceptable(all, error == kModelErrors.front() ? kMisfit : kMisfitOfSome))
+      return {all, 0, true, error};
+    const Index last = std::min(octaves.size() - kLeastPoints, octaves.size() / 2);
+    for (Index from = 1; from <= last; ++from) {
+      const Fit fit = choose_noises(octaves, from, samples, error);
+      if (acceptable(fit, kMisfitOfSome) && begins_white(octaves, from, fit))
+        return {fit, from, true, error};
+    }
   }
-  return {all, 0, false};
+  return {all, 0, false, kModelErrors.back()};
 }
 
 /// Values and errors without the allowance for the model, which is not an error of the record.
@@ -214,13 +241,6 @@ void sharpen(const Octaves& octaves, Described& described) {
   // The noises are no exact power laws: what they miss widens the intervals [Birge32].
   const double ratio = std::sqrt(fit.chi_squared / fit.degrees);
   for (double& error : fit.errors) error *= ratio;
-}
-
-double model_variance(const NoiseVariances& noises, double tau) {
-  const NoiseVariances unit = allan_variance_of_noises(tau);
-  double sum = 0;
-  for (std::size_t k = 0; k < kAllanNoises; ++k) sum += noises[k] * unit[k];
-  return sum;
 }
 
 /// The least coefficient that this record could not miss: 95 %.
@@ -248,9 +268,14 @@ AllanReading read(const Octaves& octaves, const Described& described, AllanNoise
     reading.tau_to = tau;
     reading.seen = true;
   }
+  if (!described.explained) {
+    reading = {};
+    reading.reason = "the curve is not the sum of noises, so none can be read off it";
+    return reading;
+  }
   if (!reading.seen) {
     reading.reason = absence;
-    if (described.explained) reading.at_most = bound(octaves, described, term);
+    reading.at_most = bound(octaves, described, term);
     return reading;
   }
   const double variance = fit.noises[term];
@@ -259,7 +284,6 @@ AllanReading read(const Octaves& octaves, const Described& described, AllanNoise
   const std::array<double, 2> ends = interval(variance, edf);
   reading.low = ends[0];
   reading.high = ends[1];
-  if (!described.explained) reading.reason = "the noises do not describe the whole curve";
   return reading;
 }
 
@@ -295,8 +319,13 @@ AllanReading read_floor(const Octaves& octaves, const Described& described, std:
   const auto walk = static_cast<std::size_t>(AllanNoise::rate_random_walk);
   const double falling = noises[0] * unit[0] + noises[1] * unit[1];
   AllanReading reading;
+  if (least == octaves.points.begin()) {
+    reading.reason = "the curve rises from the first tau on, so it has no floor";
+    return reading;
+  }
   reading.tau_from = reading.tau_to = least->tau;
   if (falling > 0.8 * model_variance(noises, least->tau)) {
+    reading.tau_from = reading.tau_to = 0;
     reading.reason = fmt::format(
         "too short: the curve still falls at {:.4g} s, the longest tau that can be told",
         std::prev(end)->tau);
@@ -336,6 +365,7 @@ AllanAnalysis analyse_allan(const Eigen::Ref<const Vector>& rate, double dt,
     throw InvalidInput("allan", "no noise fits the curve, expected a finite one");
   AllanAnalysis result;
   result.explained = described.explained;
+  result.model_error = described.model_error;
   result.chi_squared = described.fit.chi_squared;
   result.degrees = described.fit.degrees;
   sharpen(octaves, described);

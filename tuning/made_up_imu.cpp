@@ -167,4 +167,21 @@ MadeUpImu make_up_imu(const MadeUpImuOptions& options) {
   return result;
 }
 
+MadeUpGyroscope make_up_gyroscope(std::uint64_t seed) {
+  constexpr double kLength = 1800, kBias = 0.01;  // [s], [rad/s]
+  constexpr std::uint32_t kRecord = 8;            // a stream of its own
+  MadeUpGyroscope result;
+  RandomSource<1> source;
+  source.seed = seed;
+  const double dt = 1 / result.sample_rate;
+  result.rate.resize(static_cast<Eigen::Index>(kLength * result.sample_rate));
+  double walk = kBias;
+  for (Eigen::Index i = 0; i < result.rate.size(); ++i) {
+    const auto two = random_normal(source, kRecord, static_cast<std::uint64_t>(i));
+    result.rate(i) = walk + result.noise_density / std::sqrt(dt) * lane(two.first, 0);
+    walk += result.random_walk * std::sqrt(dt) * lane(two.second, 0);
+  }
+  return result;
+}
+
 }  // namespace quadtune

@@ -4,11 +4,16 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <fstream>
+#include <functional>
 #include <limits>
 #include <map>
+#include <numbers>
+#include <sstream>
 
 #include "quadtune/errors.hpp"
 #include "sensor_noise.hpp"
+#include "shared_data.hpp"
 
 namespace quadtune {
 namespace {
@@ -271,12 +276,53 @@ TEST(AllanAnalysis, PassesOverWhatAFilterShapes) {
 }
 
 // A tone is none of the noises: the curve has its hump, and that is said.
-TEST(AllanAnalysis, SaysThatATonIsNoNoise) {
+TEST(AllanAnalysis, SaysThatAToneIsNoNoise) {
   std::mt19937_64 random(23);
   Eigen::VectorXd rate = white_record(65536, 0.01, 0.001, random);
   for (Eigen::Index i = 0; i < rate.size(); ++i)
-    rate(i) += 0.05 * std::sin(2 * M_PI * 0.2 * 0.01 * static_cast<double>(i));
-  EXPECT_FALSE(analyse_allan(rate, 0.01).explained);
+    rate(i) += 0.05 * std::sin(2 * std::numbers::pi * 0.2 * 0.01 * static_cast<double>(i));
+  const AllanAnalysis a = analyse_allan(rate, 0.01);
+  EXPECT_FALSE(a.explained);
+  EXPECT_FALSE(a.noise_density.seen || a.random_walk.seen || a.quantization.seen);
+  EXPECT_THAT(a.random_walk.reason, HasSubstr("the curve is not the sum of noises"));
+}
+
+// A record that only wanders has no floor.
+TEST(AllanAnalysis, SaysThatARandomWalkHasNoFloor) {
+  std::mt19937_64 random(29);
+  const AllanAnalysis a = analyse_allan(walk_record(4096, 0.1, 0.3, random), 0.1);
+  EXPECT_TRUE(a.random_walk.seen);
+  EXPECT_FALSE(a.bias_instability.seen);
+  EXPECT_THAT(a.bias_instability.reason, HasSubstr("rises from the first tau on"));
+}
+
+// The motors-off barometer is white to 1.6 s and known to half a metre; a flying gyroscope is not.
+TEST(AllanAnalysis, OfRealLogsTellsStillFromMoving) {
+  QUADTUNE_REQUIRE_DATA(data);
+  std::ifstream still(data / "uquad2" / "log_test_IMU_3.txt");
+  std::vector<double> height;
+  for (std::string line; std::getline(still, line);) {
+    std::istringstream words(line);
+    double value = 0;
+    for (int i = 0; i < 19; ++i) words >> value;
+    height.push_back(value);
+  }
+  ASSERT_EQ(height.size(), 4529U);
+  const AllanAnalysis baro =
+      analyse_allan(Eigen::VectorXd::Map(height.data(), std::ssize(height)), 0.05);
+  EXPECT_TRUE(baro.explained);
+  ASSERT_TRUE(baro.noise_density.seen);
+  EXPECT_NEAR(baro.noise_density.value / std::sqrt(0.05), 0.51, 0.03);  // m a sample
+
+  std::ifstream moving(data / "euroc" / "V1_01_easy_imu0.csv");
+  std::vector<double> rate;
+  std::string line;
+  std::getline(moving, line);
+  while (std::getline(moving, line)) rate.push_back(std::stod(line.substr(line.find(',') + 1)));
+  const AllanAnalysis gyro =
+      analyse_allan(Eigen::VectorXd::Map(rate.data(), std::ssize(rate)), 0.005);
+  EXPECT_FALSE(gyro.explained);
+  EXPECT_FALSE(gyro.noise_density.seen || gyro.random_walk.seen || gyro.bias_instability.seen);
 }
 
 }  // namespace

@@ -98,6 +98,7 @@ struct AllanAnalysis {
   int degrees = 0;                               ///< of freedom of chi_squared
   double fitted_from = 0;  ///< the least tau of the fit [s]; what is below is shaped by filters
   bool explained = false;  ///< whether the four noises describe the curve
+  double model_error = 0;  ///< relative error of a variance that was allowed them: 0.01, 0.03, 0.1
 };
 
 /// Least samples of analyse_allan().

@@ -43,4 +43,15 @@ struct MadeUpImu {
 /// @throws InvalidInput  for options out of range.
 [[nodiscard]] MadeUpImu make_up_imu(const MadeUpImuOptions& options = {});
 
+/// A record of a still gyroscope.
+struct MadeUpGyroscope {
+  Eigen::VectorXd rate;         ///< [rad/s]
+  double sample_rate = 100;     ///< [Hz]
+  double noise_density = 1e-4;  ///< [rad/s/√Hz]
+  double random_walk = 2e-5;    ///< [rad/s²/√Hz]
+};
+
+/// Half an hour of white noise and a random walk on a constant bias.
+[[nodiscard]] MadeUpGyroscope make_up_gyroscope(std::uint64_t seed = 1);
+
 }  // namespace quadtune

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune allan: the noises of a still sensor.
+#include "quadtune/tuning/allan.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <ostream>
+
+#include "allan_figure.hpp"
+#include "allan_units.hpp"
+#include "log_columns.hpp"
+#include "number_arguments.hpp"
+#include "plot_argument.hpp"
+#include "print.hpp"
+#include "program.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/tuning/made_up_imu.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+using internal::Json;
+
+struct Options {
+  std::string log, column, unit;
+  std::string taus = "octaves";
+  LogTime time;
+  std::optional<double> rate;
+  bool simulate = false;
+  PlotArgument plot;
+};
+
+[[noreturn]] void refuse(const char* option, const std::string& why) {
+  throw UsageError(fmt::format("quadtune allan: {}", why), option);
+}
+
+AllanTaus taus_of(const std::string& name) {
+  if (name == "octaves") return AllanTaus::octaves;
+  if (name == "decades") return AllanTaus::decades;
+  if (name == "all") return AllanTaus::all;
+  refuse("--taus", fmt::format("--taus is '{}', expected octaves, decades or all{}", name,
+                               internal::did_you_mean(name, {"octaves", "decades", "all"})));
+}
+
+AllanRecord made_up(const Options& options, const Context& context) {
+  if (!options.log.empty() || !options.column.empty() || options.rate ||
+      !options.time.column.empty())
+    refuse("--simulate",
+           "--simulate came with a log or its options, expected it alone, because it "
+           "makes the record up");
+  MadeUpGyroscope made = make_up_gyroscope(context.seed);
+  return {fmt::format("made up with seed {}", context.seed), "wz",
+          options.unit.empty() ? "rad/s" : options.unit, std::move(made.rate),
+          1 / made.sample_rate};
+}
+
+AllanRecord read(const Options& options, Context& context) {
+  if (options.simulate) return made_up(options, context);
+  if (options.log.empty()) refuse("--log", "--log is missing, expected the log of a still sensor");
+  if (options.column.empty())
+    refuse("--column", "--column is missing, expected the name or number of a column");
+  LogTime time = options.time;
+  time.rate = options.rate.value_or(0);
+  const LogColumns log(options.log, context.in);
+  LogColumnValues values = log.column(options.column, "--column");
+  const double dt = even_period(log, read_time(log, time, values.values.size(), "allan"));
+  const std::string unit = !options.unit.empty() ? options.unit : values.unit;
+  return {log.file(), values.name, unit, std::move(values.values), dt};
+}
+
+Json reading_json(const AllanReading& reading, const std::string& unit) {
+  Json json = {{"seen", reading.seen}, {"unit", unit}};
+  if (reading.seen) {
+    json["value"] = reading.value;
+    json["low"] = reading.low;
+    json["high"] = reading.high;
+    json["tau_from"] = reading.tau_from;
+    json["tau_to"] = reading.tau_to;
+  } else {
+    json["at_most"] = reading.at_most > 0 ? Json(reading.at_most) : Json(nullptr);
+  }
+  json["reason"] = reading.reason;
+  return json;
+}
+
+Json to_json(const AllanRecord& record, const AllanAnalysis& analysis) {
+  Json json = {{"log", record.log},
+               {"column", record.column},
+               {"unit", record.unit},
+               {"samples", record.rate.size()},
+               {"dt", record.dt}};
+  for (const char* key : {"tau", "adev", "low", "high", "edf", "model"}) json[key] = Json::array();
+  for (const AllanCurvePoint& at : analysis.curve) {
+    json["tau"].push_back(at.point.tau);
+    json["adev"].push_back(at.point.deviation);
+    json["low"].push_back(at.low);
+    json["high"].push_back(at.high);
+    json["edf"].push_back(at.edf);
+    json["model"].push_back(at.model);
+  }
+  for (const AllanLine& line : allan_lines(analysis, record.unit))
+    json[line.key] = reading_json(line.reading, line.unit);
+  json["fit"] = {{"explained", analysis.explained},
+                 {"model_error", analysis.model_error},
+                 {"from_tau", analysis.fitted_from},
+                 {"chi_squared", analysis.chi_squared},
+                 {"degrees", analysis.degrees}};
+  return json;
+}
+
+std::string curve_table(const AllanAnalysis& analysis) {
+  std::string text = fmt::format("{:>11}{:>13}{:>26}{:>12}{:>13}", "tau [s]", "deviation",
+                                 "95 % interval", "degrees", "fit");
+  for (const AllanCurvePoint& at : analysis.curve)
+    text += fmt::format("\n{:>11.5g}{:>13.4e}{:>26}{:>12.4g}{:>13.4e}", at.point.tau,
+                        at.point.deviation, fmt::format("{:.4e} to {:.4e}", at.low, at.high),
+                        at.edf, at.model);
+  return text;
+}
+
+std::string span(double from, double to) {
+  return from == to ? fmt::format("at tau = {:.4g} s", from)
+                    : fmt::format("from tau = {:.4g} to {:.4g} s", from, to);
+}
+
+std::string line_text(const AllanLine& line) {
+  const AllanReading& r = line.reading;
+  if (!r.seen) {
+    std::string text = "not seen in this record: " + r.reason;
+    if (r.at_most > 0)
+      text +=
+          fmt::format("\nat most {:.4g} {}{}, 95 %", r.at_most, line.unit,
+                      line.other_unit.empty()
+                          ? ""
+                          : fmt::format(" = {:.4g} {}", r.at_most * line.factor, line.other_unit));
+    return text;
+  }
+  std::string text = fmt::format("{:.4g} {}  ({:.4g} to {:.4g}), {}", r.value, line.unit, r.low,
+                                 r.high, span(r.tau_from, r.tau_to));
+  if (!line.other_unit.empty())
+    text += fmt::format("\n{:.4g} {}  ({:.4g} to {:.4g})", r.value * line.factor, line.other_unit,
+                        r.low * line.factor, r.high * line.factor);
+  if (!r.reason.empty()) text += "\n" + r.reason;
+  return text;
+}
+
+std::string fit_text(const AllanAnalysis& analysis) {
+  const std::string numbers = fmt::format(
+      "chi-squared {:.1f} of {} degrees of freedom from {:.4g} s on, {:.0f} % of a variance "
+      "allowed",
+      analysis.chi_squared, analysis.degrees, analysis.fitted_from, 100 * analysis.model_error);
+  if (!analysis.explained)
+    return numbers +
+           "\nthe curve is not the sum of these noises: the sensor moved, or a tone or a filter "
+           "shapes it";
+  const bool all = analysis.fitted_from <= analysis.curve.front().point.tau;
+  return numbers + (all ? "" : "\nbelow that a filter shapes the curve");
+}
+
+void print(const AllanRecord& record, const AllanAnalysis& analysis, Context& context) {
+  if (context.json) {
+    context.out << internal::readable(to_json(record, analysis)) << "\n";
+    return;
+  }
+  const auto samples = static_cast<double>(record.rate.size());
+  context.out << section("log", fmt::format("{}: {}{}, {} samples at {:.6g} Hz, {:.6g} s",
+                                            record.log, record.column,
+                                            record.unit.empty() ? "" : " [" + record.unit + "]",
+                                            record.rate.size(), 1 / record.dt, samples * record.dt))
+              << section("curve", "overlapping Allan deviation" +
+                                      (record.unit.empty() ? "" : " [" + record.unit + "]") + "\n" +
+                                      curve_table(analysis));
+  for (const AllanLine& line : allan_lines(analysis, record.unit))
+    context.out << line.title << "\n" << section("", line_text(line));
+  context.out << section("fit", fit_text(analysis));
+}
+
+}  // namespace
+
+Verb allan_verb() {
+  return {"allan", "--log FILE --column NAME|N (--rate HZ | --time COLUMN) [--unit U]",
+          "read a still sensor's noises off its Allan deviation",
+          "quadtune allan --simulate --taus decades", [](CLI::App& app) -> Action {
+            auto options = std::make_shared<Options>();
+            app.add_option("--log", options->log, "text log of a still sensor, one row a line")
+                ->type_name("FILE");
+            app.add_option("--column", options->column, "its column, by name or number from 1")
+                ->type_name("NAME|N");
+            add_positive(app, "--rate", options->rate, "samples a second [Hz]")->type_name("HZ");
+            app.add_option("--time", options->time.column, "column of times instead of a rate")
+                ->type_name("COLUMN");
+            app.add_option("--time-unit", options->time.unit,
+                           "s, ms, us or ns; the header's, else s")
+                ->type_name("U");
+            app.add_option("--unit", options->unit,
+                           "of the column, e.g. rad/s, deg/s, m/s^2; the header's")
+                ->type_name("U");
+            app.add_option("--taus", options->taus, "octaves (default), decades or all")
+                ->type_name("WHICH");
+            app.add_flag("--simulate", options->simulate,
+                         "a made-up gyroscope of 1e-4 rad/s/sqrt(Hz) and 2e-5 rad/s^2/sqrt(Hz) "
+                         "instead of a log");
+            add_plot_option(app, options->plot);
+            return [options](Context& context) {
+              require_picture(options->plot, "allan");
+              const AllanTaus taus = taus_of(options->taus);
+              const AllanRecord record = read(*options, context);
+              const auto samples = static_cast<std::size_t>(record.rate.size());
+              const AllanAnalysis analysis =
+                  analyse_allan(record.rate, record.dt, allan_factors(samples, taus));
+              draw(
+                  options->plot, [&] { return allan_figure(record, analysis); }, context);
+              print(record, analysis, context);
+            };
+          }};
+}
+
+}  // namespace quadtune::cli

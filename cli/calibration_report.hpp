@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+/// How a calibration of inertial sensors looks, as text and as JSON.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "quadtune/tuning/imu_calibration.hpp"
+#include "quadtune/tuning/made_up_imu.hpp"
+
+namespace quadtune::cli {
+
+struct Context;
+
+/// What was calibrated, and what came out.
+struct CalibrationReport {
+  const std::vector<ImuLog>& logs;
+  const ImuCalibrationOptions& options;
+  const ImuCalibration& found;
+  const MadeUpImu* truth;   ///< of a made-up log; nullptr of a real one
+  const std::string& file;  ///< that was written; empty for none
+};
+
+void print_calibration(const CalibrationReport& report, Context& context);
+
+}  // namespace quadtune::cli

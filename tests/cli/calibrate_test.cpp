@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune calibrate imu and quadtune allan: what they read, tell, write and refuse.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "matrix_near.hpp"
+#include "quadtune/exports/imu_calibration_file.hpp"
+#include "quadtune/tuning/made_up_imu.hpp"
+#include "run_program.hpp"
+#include "shared_data.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+using Json = nlohmann::json;
+using ::testing::HasSubstr;
+using testing::MatrixRelativelyNear;
+using ::testing::Not;
+using testing::ProgramResult;
+using testing::run_program;
+using testing::TemporaryDirectory;
+
+Json json_of(std::vector<std::string> args) {
+  args.push_back("--json");
+  const ProgramResult result = run_program(args);
+  EXPECT_EQ(result.status, 0) << result.err;
+  return Json::parse(result.out);
+}
+
+/// The log as CSV with a header.
+std::string csv(const ImuLog& log, bool magnetometer = true) {
+  std::string text = "t[s],ax[1],ay[1],az[1],gx[1],gy[1],gz[1],";
+  text += magnetometer ? "mx,my,mz,temperature [degC]\n" : "temperature [degC]\n";
+  for (Eigen::Index i = 0; i < log.t.size(); ++i) {
+    text += fmt::format("{}", log.t(i));
+    for (int k = 0; k < 3; ++k) text += fmt::format(",{}", log.accelerometer(k, i));
+    for (int k = 0; k < 3; ++k) text += fmt::format(",{}", log.gyroscope(k, i));
+    for (int k = 0; k < 3 && magnetometer; ++k) text += fmt::format(",{}", log.magnetometer(k, i));
+    text += fmt::format(",{}\n", log.temperature(i));
+  }
+  return text;
+}
+
+Eigen::Matrix3d matrix(const Json& json) {
+  Eigen::Matrix3d M;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) M(i, j) = json[std::size_t(i)][std::size_t(j)];
+  return M;
+}
+
+TEST(CalibrateVerb, WritesTheFileThatTheFlightProgramReads) {
+  const TemporaryDirectory folder;
+  const MadeUpImu made = make_up_imu({.seed = 3, .warming = 8});
+  const std::string log = folder.write("log.csv", csv(made.log)).string();
+  const std::string file = (folder.path() / "imu_calib.txt").string();
+  const Json json = json_of({"calibrate", "imu", "--log", log, "-o", file});
+  for (const char* sensor : {"accelerometer", "gyroscope", "magnetometer"}) {
+    for (const char* key : {"T", "K", "b", "M", "M_error", "b_error"})
+      EXPECT_TRUE(json[sensor].contains(key)) << sensor << key;
+    EXPECT_LT(double(json["residual"]["after"][sensor]),
+              double(json["residual"]["before"][sensor]));
+  }
+  EXPECT_EQ(json["poses"], 36);
+  EXPECT_TRUE(json["still"][0]["start_up_offset"]["still"]);
+  EXPECT_EQ(json["file"], file);
+  const ImuCalibrationFile read = read_imu_calibration(file);
+  EXPECT_EQ(read.accelerometer.M, matrix(json["accelerometer"]["M"]));
+  EXPECT_THAT(read.accelerometer.M, MatrixRelativelyNear(made.accelerometer.M, 2e-3));
+  EXPECT_THAT(read.gyroscope.M, MatrixRelativelyNear(made.gyroscope.M, 2e-3));
+  EXPECT_THAT(read.magnetometer.M, MatrixRelativelyNear(made.magnetometer.M, 2e-3));
+  EXPECT_NEAR(read.accelerometer_z_coefficient, -0.6, 0.1);
+  EXPECT_NEAR(read.gyroscope_coefficient(1), 1.4, 0.05);
+  EXPECT_EQ(read.gyroscope_constant.norm(), 0);
+  EXPECT_NEAR(read.gyroscope_t0, 25, 0.5);
+}
+
+// Columns by number, a rate for the times, no header, the log on standard input.
+TEST(CalibrateVerb, TakesColumnsByNumber) {
+  const TemporaryDirectory folder;
+  const std::string text = csv(make_up_imu({.seed = 3}).log);
+  std::string rows = text.substr(text.find('\n') + 1);
+  std::replace(rows.begin(), rows.end(), ',', '\t');
+  const ProgramResult result =
+      run_program({"calibrate", "imu", "--log", "-", "--rate", "100", "--accelerometer", "2,3,4",
+                   "--gyroscope", "5,6,7", "--magnetometer", "none"},
+                  rows);
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("standard input: 16350 samples over 163.5 s, 36 still poses"));
+  EXPECT_THAT(result.out, HasSubstr("rms of 35 turns"));
+  EXPECT_THAT(result.out, Not(HasSubstr("magnetometer")));
+}
+
+// A sensor that the log does not have keeps the numbers of --base; without it nothing is written.
+TEST(CalibrateVerb, KeepsWhatTheLogDoesNotTell) {
+  const TemporaryDirectory folder;
+  const std::string log =
+      folder.write("log.csv", csv(make_up_imu({.seed = 5}).log, false)).string();
+  const std::string file = (folder.path() / "new.txt").string();
+  const ProgramResult refused = run_program({"calibrate", "imu", "--log", log, "-o", file});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("the logs have no magnetometer, expected --base FILE"));
+  EXPECT_FALSE(std::filesystem::exists(file));
+  ImuCalibrationFile before;
+  before.magnetometer.b = {1, 2, 3};
+  before.with_temperature = false;
+  const std::string base = folder.write("old.txt", imu_calibration_text(before)).string();
+  EXPECT_EQ(run_program({"calibrate", "imu", "--log", log, "-o", file, "--base", base}).status, 0);
+  const ImuCalibrationFile after = read_imu_calibration(file);
+  EXPECT_EQ(after.magnetometer.b, Eigen::Vector3d(1, 2, 3));
+  EXPECT_FALSE(after.with_temperature);
+  EXPECT_NE(after.gyroscope.M, before.gyroscope.M);
+}
+
+TEST(CalibrateVerb, RefusesPosesThatDoNotTell) {
+  const TemporaryDirectory folder;
+  const std::string log = folder.write("log.csv", csv(make_up_imu({.upright = true}).log)).string();
+  const std::string file = (folder.path() / "new.txt").string();
+  const ProgramResult result = run_program({"calibrate", "imu", "--log", log, "-o", file});
+  EXPECT_EQ(result.status, 4);
+  EXPECT_THAT(result.err, HasSubstr("accelerometer not observable: 36 poses do not tell scale"));
+  EXPECT_THAT(result.err, HasSubstr("missing poses: "));
+  EXPECT_THAT(result.err, HasSubstr("y down"));
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+TEST(CalibrateVerb, RefusesBadCommandLinesAndLogs) {
+  const TemporaryDirectory folder;
+  const auto refusal = [&](std::vector<std::string> args, int status) {
+    const ProgramResult result = run_program(args);
+    EXPECT_EQ(result.status, status) << result.err;
+    return result.err;
+  };
+  EXPECT_THAT(refusal({"calibrate", "imo", "--simulate"}, 2), HasSubstr("quadtune calibrate imu"));
+  EXPECT_THAT(refusal({"calibrate", "imu"}, 2), HasSubstr("--log is missing"));
+  EXPECT_THAT(refusal({"calibrate", "imu", "--simulate", "--log", "x"}, 2),
+              HasSubstr("expected one of them"));
+  EXPECT_THAT(refusal({"calibrate", "imu", "--log", "/nowhere/x"}, 5), HasSubstr("/nowhere/x"));
+  const std::string log = folder.write("l.csv", "t,ax,ay,az\n0,1,2,3\n1,1,2,x\n").string();
+  EXPECT_THAT(refusal({"calibrate", "imu", "--log", log}, 3),
+              HasSubstr(log + ":3: az is 'x', expected a finite number"));
+  EXPECT_THAT(refusal({"calibrate", "imu", "--log", log, "--accelerometer", "ax,ay"}, 2),
+              HasSubstr("--accelerometer lists 2 columns, expected 3"));
+  EXPECT_THAT(refusal({"calibrate", "imu", "--log", log, "--accelerometer", "ax,ay,azz"}, 2),
+              HasSubstr("no column 'azz'"));
+  const std::string back =
+      folder.write("b.csv", "t,ax,ay,az\n0,1,2,3\n1,1,2,3\n1,1,2,3\n").string();
+  EXPECT_THAT(refusal({"calibrate", "imu", "--log", back}, 3),
+              HasSubstr(back + ":4: t is 1 after 1, expected times that increase"));
+  EXPECT_THAT(refusal({"calibrate", "imu", "--log", back, "--rate", "100"}, 3),
+              HasSubstr("has 3 samples, expected at least 250, ten windows of 0.25 s"));
+}
+
+std::string record(int samples, const std::string& header = "") {
+  const MadeUpGyroscope made = make_up_gyroscope(2);
+  std::string text = header;
+  for (int i = 0; i < samples; ++i) text += fmt::format("{},{}\n", i * 10000000LL, made.rate(i));
+  return text;
+}
+
+TEST(AllanVerb, GivesTheKeysOfTheContract) {
+  const Json json = json_of({"allan", "--simulate"});
+  for (const char* key : {"tau", "adev", "low", "high", "edf"})
+    EXPECT_EQ(json[key].size(), json["tau"].size()) << key;
+  EXPECT_EQ(json["tau"][0], 0.01);
+  const Json& density = json["noise_density"];
+  EXPECT_TRUE(density["seen"]);
+  EXPECT_LT(double(density["low"]), 1e-4);
+  EXPECT_GT(double(density["high"]), 1e-4 * 0.98);
+  EXPECT_EQ(density["unit"], "rad/s/sqrt(Hz)");
+  EXPECT_EQ(json["random_walk"]["unit"], "rad/s^2/sqrt(Hz)");
+  EXPECT_NEAR(double(json["random_walk"]["value"]), 2e-5, 6e-6);
+  EXPECT_TRUE(json["bias_instability"]["seen"]);
+  EXPECT_FALSE(json["quantization"]["seen"]);
+  EXPECT_TRUE(json["fit"]["explained"]);
+  EXPECT_EQ(json_of({"allan", "--simulate", "--seed", "1"}), json);
+  EXPECT_NE(json_of({"allan", "--simulate", "--seed", "2"})["adev"], json["adev"]);
+}
+
+TEST(AllanVerb, SpellsOutUnits) {
+  const std::string out = run_program({"allan", "--simulate"}).out;
+  EXPECT_THAT(out, HasSubstr("noise density (angle random walk), slope -1/2, at tau = 1 s"));
+  EXPECT_THAT(out, HasSubstr("0.3444 deg/sqrt(h)"));  // 1.002e-4 · 180/π · 60
+  EXPECT_THAT(out, HasSubstr("deg/h/sqrt(h)"));
+  EXPECT_THAT(run_program({"allan", "--simulate", "--unit", "m/s^2"}).out,
+              HasSubstr("ug/sqrt(Hz)"));
+  EXPECT_THAT(run_program({"allan", "--simulate", "--unit", "mbar"}).out,
+              HasSubstr("mbar/sqrt(Hz)"));
+}
+
+// Names and units of the header, nanoseconds of an epoch, a comment for a header.
+TEST(AllanVerb, ReadsNamedColumns) {
+  const TemporaryDirectory folder;
+  for (const char* header : {"#timestamp [ns],wx [rad/s]\n", "timestamp[ns],wx[rad/s]\n",
+                             "# a comment\n# of two lines\n\ntimestamp [ns], wx [rad/s]\n"}) {
+    const std::string log = folder.write("l.csv", record(2000, header)).string();
+    const Json json = json_of({"allan", "--log", log, "--column", "wx", "--time", "timestamp"});
+    EXPECT_EQ(json["samples"], 2000);
+    EXPECT_EQ(json["unit"], "rad/s");
+    EXPECT_NEAR(double(json["dt"]), 0.01, 1e-15);
+    EXPECT_EQ(json_of({"allan", "--log", log, "--column", "2", "--rate", "100"})["adev"].size(),
+              json["adev"].size());
+  }
+}
+
+TEST(AllanVerb, SaysWhatTheRecordIsTooShortFor) {
+  const TemporaryDirectory folder;
+  const std::string log = folder.write("l.csv", record(2000)).string();
+  const ProgramResult result =
+      run_program({"allan", "--log", log, "--column", "2", "--rate", "100", "--unit", "rad/s"});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(result.out, HasSubstr("not seen in this record: too short: no slope of +1/2 up to "
+                                    "2.56 s"));
+  EXPECT_THAT(result.out, HasSubstr("at most "));
+}
+
+TEST(AllanVerb, RefusesGapsByTheirLine) {
+  const TemporaryDirectory folder;
+  std::string text = "t,w\n";
+  for (int i = 0; i < 200; ++i) text += fmt::format("{},{}\n", i < 150 ? i : i + 1, i % 7);
+  const std::string log = folder.write("l.csv", text).string();
+  const ProgramResult gap = run_program({"allan", "--log", log, "--column", "w", "--time", "t"});
+  EXPECT_EQ(gap.status, 3);
+  EXPECT_THAT(gap.err, HasSubstr(log + ":152: comes 2 s after the row before, expected 1 s"));
+  const std::string holes = folder.write("h.csv", "w\n1\n2\nnan\n4\n").string();
+  const ProgramResult hole = run_program({"allan", "--log", holes, "--column", "w", "--rate", "1"});
+  EXPECT_EQ(hole.status, 3);
+  EXPECT_THAT(hole.err, HasSubstr(holes + ":4: w is 'nan', expected a finite number"));
+  const std::string torn = folder.write("t.csv", "a b\n1 2\n1 2\n1\n").string();
+  EXPECT_THAT(run_program({"allan", "--log", torn, "--column", "b", "--rate", "1"}).err,
+              HasSubstr(torn + ":4: has 1 fields, expected at least 2 for b"));
+}
+
+TEST(AllanVerb, RefusesBadCommandLines) {
+  const TemporaryDirectory folder;
+  const std::string log = folder.write("l.csv", "wx,wy\n1,2\n").string();
+  const auto refusal = [&](std::vector<std::string> args) {
+    args.insert(args.begin(), "allan");
+    const ProgramResult result = run_program(args);
+    EXPECT_EQ(result.status, 2) << result.err;
+    return result.err;
+  };
+  EXPECT_THAT(refusal({}), HasSubstr("--log is missing"));
+  EXPECT_THAT(refusal({"--log", log}), HasSubstr("--column is missing"));
+  EXPECT_THAT(refusal({"--log", log, "--column", "wx"}),
+              HasSubstr("no sample rate came, expected one of --rate HZ and --time COLUMN"));
+  EXPECT_THAT(refusal({"--log", log, "--column", "wz", "--rate", "1"}),
+              HasSubstr("--column: no column 'wz' in " + log));
+  EXPECT_THAT(refusal({"--log", log, "--column", "wx", "--time", "wy", "--rate", "1"}),
+              HasSubstr("--rate and --time both came"));
+  EXPECT_THAT(refusal({"--log", log, "--column", "wx", "--time", "wy", "--time-unit", "h"}),
+              HasSubstr("the unit of time is 'h', expected --time-unit s, ms, us or ns"));
+  EXPECT_THAT(refusal({"--simulate", "--taus", "octave"}), HasSubstr("did you mean 'octaves'?"));
+  EXPECT_THAT(refusal({"--simulate", "--log", log}), HasSubstr("expected it alone"));
+  EXPECT_THAT(refusal({"--simulate", "--plot", "a.pdf"}), HasSubstr(".svg or .png"));
+  EXPECT_THAT(refusal({"--log", log, "--column", "wx", "--rate", "-3"}),
+              HasSubstr("expected a number of more than 0"));
+}
+
+TEST(AllanVerb, DrawsTheCurve) {
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "allan.svg").string();
+  ASSERT_EQ(run_program({"allan", "--simulate", "--plot", file}).status, 0);
+  const std::string picture = folder.read("allan.svg");
+  EXPECT_THAT(picture, HasSubstr("Allan deviation of wz"));
+  EXPECT_THAT(picture, HasSubstr("random walk"));
+  EXPECT_THAT(picture, HasSubstr("tau [s]"));
+}
+
+TEST(AllanVerb, OfRealLogs) {
+  QUADTUNE_REQUIRE_DATA(data);
+  const Json baro = json_of({"allan", "--log", (data / "uquad2" / "log_test_IMU_3.txt").string(),
+                             "--column", "19", "--rate", "20", "--unit", "m"});
+  EXPECT_NEAR(double(baro["noise_density"]["value"]), 0.114, 0.005);  // 0.51 m a sample
+  const ProgramResult moving =
+      run_program({"allan", "--log", (data / "euroc" / "V1_01_easy_imu0.csv").string(), "--column",
+                   "w_RS_S_x", "--time", "timestamp"});
+  EXPECT_EQ(moving.status, 0);
+  EXPECT_THAT(moving.out, HasSubstr("the curve is not the sum of these noises: the sensor moved"));
+}
+
+}  // namespace
+}  // namespace quadtune
