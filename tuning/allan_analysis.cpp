@@ -238,7 +238,7 @@ void sharpen(const Octaves& octaves, Described& described) {
     fit = next;
   }
   if (acceptable(fit) || fit.degrees < 1) return;
-  // The noises are no exact power laws: what they miss widens the intervals [Birge32].
+  // The noises are no exact power laws: what they miss widens the intervals [Birge 1932].
   const double ratio = std::sqrt(fit.chi_squared / fit.degrees);
   for (double& error : fit.errors) error *= ratio;
 }

@@ -12,7 +12,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr std::array<double, 3> kSecondDifference = {1, -2, 1};
 
 /// Generalized autocovariances of the phase at a lag t, each up to polynomials that second
-/// differences are blind to [Greenhall03, section 2]; that of quantization is a pulse at t = 0.
+/// differences are blind to [Greenhall and Riley 2003]; that of quantization is a pulse at t = 0.
 NoiseVariances phase_autocovariance(double t, double dt) {
   const double a = std::abs(t) * dt;
   return {0, -a / 2, t == 0 ? 0 : a * a * std::log(std::abs(t)) / (2 * kPi), a * a * a / 12};

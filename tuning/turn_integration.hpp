@@ -30,7 +30,7 @@ Eigen::Matrix<Scalar, 3, 1> rate_at(const TurnSamples& turn, const Scalar* G, co
 
 /// Takes a fixed vector's components before the turn to those after it. The attitude's equation
 /// q' = q ⊗ (0, w)/2 is integrated by the classical Runge-Kutta method with the rates in a straight
-/// line between samples [Tedaldi14, eq. 15 to 18].
+/// line between samples [Tedaldi, Pretto, Menegatti 2014].
 template <class Scalar>
 Eigen::Matrix<Scalar, 3, 3> rotation(const TurnSamples& turn, const Scalar* G, const Scalar* bias,
                                      const Scalar* drift) {

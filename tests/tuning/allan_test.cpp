@@ -37,7 +37,7 @@ struct Published {
   std::vector<double> deviations;
 };
 
-// The ten phases of NBS Monograph 140, annex 8.E, with the answers of NIST SP 1065, section 12.4.
+// The ten phases of NBS Monograph 140, annex 8.E, with the answers of NIST SP 1065, pages 107-108.
 TEST(AllanDeviation, MeetsThePublishedTenPoints) {
   Eigen::VectorXd phase(10);
   phase << 0.00000, 103.11111, 123.22222, 157.33333, 166.44444, 48.55555, -96.33333, -2.22222,
@@ -54,7 +54,7 @@ TEST(AllanDeviation, MeetsThePublishedTenPoints) {
   }
 }
 
-// The thousand points of NIST SP 1065, section 12.4: a stated generator, answers to 7 digits.
+// The thousand points of NIST SP 1065, pages 107-108: a stated generator, answers to 7 digits.
 TEST(AllanDeviation, MeetsThePublishedThousandPoints) {
   Eigen::VectorXd rate(1000);
   std::uint64_t n = 1234567890;
