@@ -62,12 +62,12 @@ TEST(SensorChannel, LimitsThenRounds) {
   faults.quantum = 0.5;
   const std::vector<std::pair<double, double>> pairs = {
       {0.2, 0}, {0.26, 0.5}, {-0.26, -0.5}, {0.25, 0}, {4.9, 5}, {7, 5}, {-1e9, -5}};
-  for (const auto& [truth, want] : pairs)
+  for (const auto& pair : pairs)
     run(
-        faults, 0.01, 0, [&](double) { return truth; },
+        faults, 0.01, 0, [&](double) { return pair.first; },
         [&](double, double value, bool fresh, double) {
           EXPECT_TRUE(fresh);
-          EXPECT_EQ(value, want) << truth;
+          EXPECT_EQ(value, pair.second) << pair.first;
         });
 }
 
