@@ -289,10 +289,10 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
 
 const std::vector<Verb>& verbs() {
   static const std::vector<Verb> all = {
-      design_verb(),     vehicle_verb(),   linearize_verb(), lqr_verb(),    kalman_verb(),
-      discretize_verb(), margins_verb(),   pid_verb(),       fly_verb(),    compare_verb(),
-      log_verb(),        calibrate_verb(), allan_verb(),     export_verb(), verify_verb(),
-      diff_verb(),       help_verb()};
+      design_verb(),     vehicle_verb(), linearize_verb(), lqr_verb(),   kalman_verb(),
+      discretize_verb(), margins_verb(), pid_verb(),       fly_verb(),   compare_verb(),
+      log_verb(),        tune_verb(),    calibrate_verb(), allan_verb(), export_verb(),
+      verify_verb(),     diff_verb(),    help_verb()};
   return all;
 }
 

@@ -115,6 +115,7 @@ Verb pid_verb();
 Verb fly_verb();
 Verb compare_verb();
 Verb log_verb();
+Verb tune_verb();
 Verb calibrate_verb();
 Verb allan_verb();
 Verb export_verb();

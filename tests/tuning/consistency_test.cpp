@@ -98,7 +98,7 @@ TEST(Consistency, NoticesWhatIsNotRawOrNotModelled) {
   const auto coloured = Contains(HasSubstr("sonar: height: innovations are not white"));
   EXPECT_THAT(reasons({.smoothing = 0.9}), coloured);
   EXPECT_THAT(reasons({.colour = 0.9}), coloured);
-  EXPECT_THAT(reasons({.vigour = 5, .delay = 2}), coloured);
+  EXPECT_THAT(reasons({.vigour = 20, .delay = 2}), coloured);
   EXPECT_THAT(reasons({.clock = 2}), coloured);
   EXPECT_THAT(reasons({.offset = 1}),
               Contains(HasSubstr("an offset that the model does not know")));

@@ -19,6 +19,14 @@ namespace quadtune {
 /// @param origin  What messages call it.
 [[nodiscard]] FilterModel parse_filter_model(const std::string& text, const std::string& origin);
 
+/// The text of a file that parse_filter_model() reads as this model, with its starts.
+/// @param comments  lines at its head, without '#'
+/// @throws InvalidInput  as validate(); for what a file cannot say: a part of a covariance that is
+/// no
+///                       identity, some diffuse states among others.
+[[nodiscard]] std::string text_of_filter_model(const FilterModel& model,
+                                               const std::vector<std::string>& comments = {});
+
 /// Name and description of each built-in model, in the order of the documentation.
 struct FilterModelTitle {
   std::string name, description;

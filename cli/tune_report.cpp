@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tune_report.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "print.hpp"
+#include "quadtune/estimation/filter_file.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+using Eigen::Index;
+using internal::Json;
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+std::string figure(double value, int digits = 4) {
+  return std::isfinite(value) ? fmt::format("{:.{}g}", value, digits) : "-";
+}
+
+Index samples_of(const TunedLog& log) {
+  Index count = 0;
+  for (const FilterRecord& record : log.records) count += record.samples();
+  return count;
+}
+
+double seconds_of(const TunedLog& log) {
+  double sum = 0;
+  for (const FilterRecord& record : log.records) sum += record.time.back() - record.time.front();
+  return sum;
+}
+
+Json checks_to_json(const Consistency& consistency, const std::string& name) {
+  Json checks = Json::array();
+  for (const ConsistencyCheck& c : consistency.checks) {
+    if (c.name != name) continue;
+    Json json;
+    json["output"] = c.output;
+    json["value"] = number_or_null(c.value);
+    json["low"] = number_or_null(c.low);
+    json["high"] = number_or_null(c.high);
+    json["p"] = number_or_null(c.p);
+    json["verdict"] = to_string(c.verdict);
+    checks.push_back(std::move(json));
+  }
+  return checks;
+}
+
+/// Columns under their titles, the first and the last to the left.
+std::string aligned(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths(rows.front().size(), 0);
+  for (const auto& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const bool left = i == 0 || i + 1 == row.size();
+      line += (i > 0 ? "  " : "") + (left ? fmt::format("{:<{}}", row[i], widths[i])
+                                          : fmt::format("{:>{}}", row[i], widths[i]));
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += (text.empty() ? "" : "\n") + line;
+  }
+  return text;
+}
+
+std::string parameter_table(const TuneReport& report) {
+  std::vector<std::vector<std::string>> rows = {
+      {"parameter", "before", "found", "from", "to", "unit"}};
+  for (std::size_t i = 0; i < report.tuning.fit.parameters.size(); ++i) {
+    const FittedParameter& p = report.tuning.fit.parameters[i];
+    std::string about = p.unit;
+    if (p.verdict != ParameterVerdict::seen)
+      about += fmt::format("{}({})", about.empty() ? "" : " ", to_string(p.verdict));
+    rows.push_back({p.name, figure(report.model.parameters[i].start), figure(p.value),
+                    figure(p.low), figure(p.high), about});
+  }
+  return aligned(rows);
+}
+
+std::string innovation_table(const NoiseTuning& tuning) {
+  std::vector<std::vector<std::string>> rows = {
+      {"output", "samples", "size before", "after", "mean", "corr.", "at lag", "kurtosis", ""}};
+  for (std::size_t i = 0; i < tuning.after.outputs.size(); ++i) {
+    const InnovationStatistics& s = tuning.after.outputs[i];
+    if (s.samples == 0) {
+      rows.push_back({s.output, "0", "-", "-", "-", "-", "-", "-", "not measured"});
+      continue;
+    }
+    Index worst = 0;
+    for (Index lag = 0; lag < s.autocorrelation.size(); ++lag)
+      if (std::abs(s.autocorrelation(lag)) > std::abs(s.autocorrelation(worst))) worst = lag;
+    rows.push_back(
+        {s.output, fmt::format("{}", s.samples),
+         i < tuning.before.outputs.size() ? figure(tuning.before.outputs[i].size, 3) : "-",
+         figure(s.size, 3), figure(s.mean, 2), figure(s.autocorrelation(worst), 2),
+         fmt::format("{}", worst + 1), figure(s.kurtosis, 2), ""});
+  }
+  return aligned(rows);
+}
+
+std::string held_out(const HoldOut& holdout) {
+  if (holdout.innovations == 0) return "nothing";
+  return fmt::format("{} innovations, log-likelihood of each {} before, {} after",
+                     holdout.innovations, figure(holdout.before, 5), figure(holdout.after, 5));
+}
+
+}  // namespace
+
+Json to_json(const TuneReport& report) {
+  const NoiseTuning& tuning = report.tuning;
+  const NoiseFit& fit = tuning.fit;
+  Json json;
+  json["model"] = report.model.name;
+  json["status"] = to_string(fit.status);
+  for (const TunedLog& log : report.logs)
+    json["logs"].push_back({{"file", log.path},
+                            {"sha256", log.sha256},
+                            {"samples", samples_of(log)},
+                            {"duration_s", seconds_of(log)},
+                            {"records", log.records.size()}});
+  json["Q"] = internal::matrix_to_json(covariance(report.model.Q, fit.theta), "Q");
+  for (const FilterSensor& sensor : report.model.sensors)
+    json["R"][sensor.name] = internal::matrix_to_json(covariance(sensor.R, fit.theta), "R");
+  for (const FittedParameter& p : fit.parameters) {
+    json["parameters"].push_back({{"name", p.name},
+                                  {"unit", p.unit},
+                                  {"value", number_or_null(p.value)},
+                                  {"low", number_or_null(p.low)},
+                                  {"high", number_or_null(p.high)},
+                                  {"verdict", to_string(p.verdict)}});
+    json["standard_errors"][p.name] = number_or_null(p.standard_error);
+    json["identifiable"].push_back(p.verdict == ParameterVerdict::seen ||
+                                   p.verdict == ParameterVerdict::at_zero);
+  }
+  json["unseen"] = fit.unseen;
+  json["log_likelihood"] = {{"before", number_or_null(fit.before.value)},
+                            {"after", number_or_null(fit.after.value)}};
+  json["evaluations"] = fit.evaluations;
+  json["nis"] = {{"before", checks_to_json(tuning.before, "size")},
+                 {"after", checks_to_json(tuning.after, "size")}};
+  json["whiteness"] = checks_to_json(tuning.after, "whiteness");
+  json["mean"] = checks_to_json(tuning.after, "mean");
+  json["normality"] = checks_to_json(tuning.after, "normality");
+  json["holdout"] = {{"innovations", tuning.holdout.innovations},
+                     {"before", number_or_null(tuning.holdout.before)},
+                     {"after", number_or_null(tuning.holdout.after)}};
+  json["gate"] = {{"verdict", to_string(tuning.verdict)}, {"reasons", tuning.reasons}};
+  return json;
+}
+
+std::string to_text(const TuneReport& report) {
+  const NoiseFit& fit = report.tuning.fit;
+  std::string logs;
+  for (const TunedLog& log : report.logs)
+    logs += fmt::format(
+        "{}{}: {} instants, {:.6g} s{}", logs.empty() ? "" : "\n", log.path, samples_of(log),
+        seconds_of(log),
+        log.records.size() > 1 ? fmt::format(", in {} stretches", log.records.size()) : "");
+  std::string text =
+      section("model", fmt::format("{}: {}", report.model.name, report.model.description)) +
+      section("logs", logs);
+  text +=
+      section("fit", fmt::format("{} after {} evaluations; {} of {} searches end there",
+                                 to_string(fit.status), fit.evaluations, fit.agreeing, fit.starts));
+  text += section("noise", parameter_table(report));
+  if (!fit.unseen.empty())
+    text += section("not seen", fmt::format("{}", fmt::join(fit.unseen, "\n")));
+  text += section("likelihood", fmt::format("log {} before, {} after", figure(fit.before.value, 8),
+                                            figure(fit.after.value, 8)));
+  text += section("innovations", innovation_table(report.tuning));
+  text += section("held out", held_out(report.tuning.holdout));
+  std::string verdict = to_string(report.tuning.verdict);
+  for (const std::string& reason : report.tuning.reasons) verdict += "\n" + reason;
+  return text + section("verdict", verdict);
+}
+
+std::string tuned_file(const TuneReport& report, const std::string& command) {
+  std::vector<std::string> comments = {fmt::format("By {}", command)};
+  for (const TunedLog& log : report.logs)
+    comments.push_back(fmt::format("log {} sha256 {}", log.path, log.sha256));
+  for (const FittedParameter& p : report.tuning.fit.parameters)
+    comments.push_back(fmt::format("{}: {} ({} to {}), {}", p.name, figure(p.value, 6),
+                                   figure(p.low, 6), figure(p.high, 6), to_string(p.verdict)));
+  comments.push_back(fmt::format("verdict: {}", to_string(report.tuning.verdict)));
+  for (const std::string& reason : report.tuning.reasons) comments.push_back("  " + reason);
+  return text_of_filter_model(with_noise(report.model, report.tuning.fit.theta), comments);
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What `quadtune tune kalman` found, as text, JSON and as a file.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "quadtune/estimation/filter_record.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/tuning/noise_tuning.hpp"
+
+namespace quadtune::cli {
+
+/// A log and what was taken of it.
+struct TunedLog {
+  std::string path;
+  std::string sha256;
+  std::vector<FilterRecord> records;
+};
+
+struct TuneReport {
+  const FilterModel& model;  ///< as it came, with the starts
+  const std::vector<TunedLog>& logs;
+  const NoiseTuning& tuning;
+};
+
+[[nodiscard]] internal::Json to_json(const TuneReport& report);
+[[nodiscard]] std::string to_text(const TuneReport& report);
+/// The tuned model as a file that says from what it came and how it was judged.
+[[nodiscard]] std::string tuned_file(const TuneReport& report, const std::string& command);
+
+}  // namespace quadtune::cli

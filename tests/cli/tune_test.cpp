@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune tune kalman.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "golden.hpp"
+#include "quadtune/estimation/filter_file.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/simulation/random.hpp"
+#include "run_program.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+using internal::Json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::ProgramResult;
+using testing::run_program;
+using testing::TemporaryDirectory;
+
+/// A vehicle that bobs at 50 Hz under a sonar of 25 Hz: density of the acceleration's noise
+/// 0.01 m²/s³, variance of the echoes 4e-4 m².
+std::string bobbing(int rows, double smoothing = 0) {
+  constexpr double dt = 0.02;
+  const RandomSource<1> source{2026, {0}};
+  std::string text = "t_s,az[m/s^2],height[m]\n";
+  double z = -1, vz = 0, kept = 1;
+  for (int k = 0; k < rows; ++k) {
+    const double t = k * dt;
+    const auto noise = random_normal(source, 0, static_cast<std::uint64_t>(k));
+    const double a = 2 * std::sin(3 * t) + std::sin(7 * t);
+    const double echo = -z + 0.02 * lane(noise.second, 0);
+    kept = smoothing * kept + (1 - smoothing) * echo;
+    text += fmt::format("{:.2f},{:.4f},", t, a + std::sqrt(0.01 / dt) * lane(noise.first, 0));
+    text += k % 2 == 0 ? fmt::format("{:.4f}\n", kept) : "\n";
+    z += vz * dt + 0.5 * a * dt * dt;
+    vz += a * dt;
+  }
+  return text;
+}
+
+const std::vector<std::string> kTune = {"tune", "kalman", "--model", "altitude", "--log"};
+
+ProgramResult tune(const std::string& file, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> args = kTune;
+  args.push_back(file);
+  args.insert(args.end(), more.begin(), more.end());
+  return run_program(args);
+}
+
+// The example of the documentation is what this makes.
+TEST(TuneVerb, ItsExampleIsMadeHere) {
+  EXPECT_TRUE(testing::matches_document("docs/examples/bobbing.csv", bobbing(2000)));
+}
+
+TEST(TuneVerb, FindsWhatMadeTheLog) {
+  const TemporaryDirectory folder;
+  const std::string file = folder.write("bobbing.csv", bobbing(6000)).string();
+  const std::string tuned = (folder.path() / "tuned.toml").string();
+  const ProgramResult result = tune(file, {"--json", "-o", tuned});
+  ASSERT_EQ(result.status, 0) << result.err << result.out;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["status"], "converged");
+  EXPECT_EQ(json["gate"]["verdict"], "pass");
+  const Json& Q = json["parameters"][0];
+  EXPECT_EQ(Q["name"], "Q.az");
+  EXPECT_LT(double(Q["low"]), 0.01);
+  EXPECT_GT(double(Q["high"]), 0.01);
+  EXPECT_NEAR(double(json["Q"][0][0]), double(Q["value"]), 1e-12);
+  EXPECT_NEAR(double(json["R"]["sonar"][0][0]), 4e-4, 5e-5);
+  EXPECT_LT(double(json["standard_errors"]["R.sonar"]), 0.1);
+  EXPECT_EQ(json["identifiable"], Json::parse("[true, true]"));
+  EXPECT_GT(double(json["log_likelihood"]["after"]), double(json["log_likelihood"]["before"]));
+  EXPECT_GT(double(json["holdout"]["after"]), double(json["holdout"]["before"]));
+  EXPECT_LT(double(json["nis"]["before"][0]["value"]), 0.5);
+  EXPECT_NEAR(double(json["nis"]["after"][0]["value"]), 1, 0.02);
+  EXPECT_EQ(json["whiteness"][0]["verdict"], "pass");
+  // The file is a model like any other, and where it came from stands in it.
+  const FilterModel model = load_filter_model(tuned);
+  EXPECT_NEAR(model.parameters[0].start, double(Q["value"]), 1e-12);
+  std::stringstream text;
+  text << std::ifstream(tuned).rdbuf();
+  EXPECT_THAT(text.str(), HasSubstr("# verdict: pass"));
+  EXPECT_THAT(text.str(), HasSubstr("sha256 " + std::string(json["logs"][0]["sha256"])));
+  const ProgramResult again =
+      run_program({"tune", "kalman", "--model", tuned, "--log", file, "--json", "--starts", "1"});
+  EXPECT_NEAR(double(Json::parse(again.out)["Q"][0][0]), double(Q["value"]),
+              1e-6 * double(Q["value"]));
+}
+
+// An on-board filter's output is not a measurement.
+TEST(TuneVerb, DoesNotBelieveAFilteredLog) {
+  const TemporaryDirectory folder;
+  const std::string file = folder.write("filtered.csv", bobbing(3000, 0.9)).string();
+  const std::string tuned = (folder.path() / "tuned.toml").string();
+  const ProgramResult result = tune(file, {"-o", tuned});
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.err, HasSubstr("tune: sonar: height: innovations are not white"));
+  EXPECT_THAT(result.out, HasSubstr("verdict     fail"));
+  EXPECT_FALSE(std::filesystem::exists(tuned));
+  const ProgramResult forced = tune(file, {"-o", tuned, "--force"});
+  EXPECT_EQ(forced.status, 1);
+  std::stringstream text;
+  text << std::ifstream(tuned).rdbuf();
+  EXPECT_THAT(text.str(), HasSubstr("# verdict: fail"));
+}
+
+TEST(TuneVerb, MapsFixesAndStarts) {
+  const TemporaryDirectory folder;
+  std::string renamed = bobbing(3000);
+  renamed.replace(0, renamed.find('\n'), "t_s,acc,range");
+  const std::string file = folder.write("renamed.csv", renamed).string();
+  const ProgramResult result = tune(file, {"--map", "az=acc", "--map", "height=range", "--fix",
+                                           "R.sonar", "--start", "R.sonar=0.0004", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["parameters"][1]["verdict"], "fixed");
+  EXPECT_NEAR(double(json["parameters"][1]["value"]), 0.0004, 1e-15);
+}
+
+TEST(TuneVerb, RefusesInOneLine) {
+  const TemporaryDirectory folder;
+  const std::string file = folder.write("b.csv", bobbing(300)).string();
+  const auto refused = [&](const std::vector<std::string>& args, int status,
+                           const std::string& message) {
+    const ProgramResult result = run_program(args);
+    EXPECT_EQ(result.status, status) << result.out;
+    EXPECT_EQ(result.out, "");
+    EXPECT_THAT(result.err, HasSubstr(message));
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  };
+  refused({"tune", "kalmn", "--model", "altitude", "--log", file}, 2,
+          "quadtune tune: 'kalmn' came, expected: quadtune tune kalman; did you mean 'kalman'?");
+  refused({"tune", "kalman", "--log", file}, 2, "--model is missing");
+  refused({"tune", "kalman", "--model", "altitude"}, 2, "--log is missing");
+  refused({"tune", "kalman", "--model", "attitud", "--log", file}, 3, "did you mean 'attitude'?");
+  refused({"tune", "kalman", "--model", "altitude", "--log", file, "--map", "height"}, 2,
+          "--map: 'height' came, expected NAME=CHANNEL");
+  refused({"tune", "kalman", "--model", "altitude", "--log", file, "--map", "az=az", "--map",
+           "height=heigth"},
+          3, "did you mean 'height'?");
+  refused({"tune", "kalman", "--model", "altitude", "--log", file, "--map", "height=height"}, 3,
+          "needs its input 'az'");
+  refused({"tune", "kalman", "--model", "altitude", "--log", file, "--fix", "R.sona"}, 2,
+          "--fix: no parameter 'R.sona', expected one of Q.az, R.sonar; did you mean 'R.sonar'?");
+  refused({"tune", "kalman", "--model", "altitude", "--log", file, "--start", "R.sonar=-1"}, 2,
+          "the start of 'R.sonar' is -1, expected a positive number");
+  refused({"tune", "kalman", "--model", "altitude", "--log", "no.csv"}, 5, "no.csv");
+  refused({"tune", "kalman", "--model", "altitude", "--log", file, "--holdout", "1"}, 2,
+          "--holdout is 1, expected 0 to 0.9");
+}
+
+TEST(TuneVerb, SaysWhenALogIsTooShort) {
+  const TemporaryDirectory folder;
+  const std::string file = folder.write("short.csv", bobbing(120)).string();
+  const ProgramResult result = tune(file);
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.out, HasSubstr("too short to tell"));
+}
+
+}  // namespace
+}  // namespace quadtune

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/estimation/record_of_log.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "matrix_near.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/estimation/filter_file.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsNan;
+using ::testing::StrEq;
+using ::testing::ThrowsMessage;
+
+LogSeries series(const std::string& name, const std::string& unit, std::vector<double> time,
+                 std::vector<double> values) {
+  return {name, unit, true, std::move(time), std::move(values)};
+}
+
+std::vector<double> row(const Eigen::MatrixXd& M, Eigen::Index i) {
+  std::vector<double> result;
+  for (Eigen::Index k = 0; k < M.cols(); ++k) result.push_back(M(i, k));
+  return result;
+}
+
+// A sonar at half the rate of the accelerometer, and a little late in its stamps.
+TEST(RecordOfLog, PutsClocksTogether) {
+  const FilterModel model = load_filter_model("altitude");
+  const auto records =
+      records_of_log(model,
+                     {{"az", series("imu.az", "m/s^2", {0, 0.1, 0.2, 0.3}, {1, 2, 3, 4})},
+                      {"height", series("sonar", "m", {0.1, 0.25}, {7, 8})}},
+                     "a.csv");
+  ASSERT_EQ(records.size(), 1u);
+  EXPECT_EQ(records[0].name, "a.csv");
+  ASSERT_EQ(records[0].time.size(), 5u);
+  EXPECT_NEAR(records[0].time[3], 0.25, 1e-12);
+  EXPECT_THAT(row(records[0].u, 0), ElementsAre(1, 2, 3, 3, 4));
+  EXPECT_THAT(row(records[0].y, 0), ElementsAre(IsNan(), 7, IsNan(), 8, IsNan()));
+}
+
+TEST(RecordOfLog, MovesLateSamplesToWhenTheyWereTaken) {
+  FilterModel model = load_filter_model("altitude");
+  model.sensors[0].delay = 0.1;
+  const auto records = records_of_log(model,
+                                      {{"az", series("az", "", {0, 0.1, 0.2}, {1, 2, 3})},
+                                       {"height", series("h", "", {0.1, 0.2, 0.3}, {7, 8, 9})}},
+                                      "a.csv");
+  EXPECT_THAT(row(records[0].y, 0), ElementsAre(7, 8, 9));
+}
+
+TEST(RecordOfLog, BeginsWithItsInputsAndEndsWhereTheyStayAway) {
+  const FilterModel model = load_filter_model("altitude");
+  std::vector<double> times, values;
+  for (int k = 0; k < 40; ++k) {
+    times.push_back(1 + 0.1 * k + (k < 20 ? 0 : 5));
+    values.push_back(k);
+  }
+  std::vector<double> heights_at, heights;
+  for (int k = 0; k < 12; ++k) {
+    heights_at.push_back(k);
+    heights.push_back(-k);
+  }
+  const auto records = records_of_log(
+      model,
+      {{"az", series("az", "", times, values)}, {"height", series("h", "", heights_at, heights)}},
+      "a.csv");
+  ASSERT_EQ(records.size(), 2u);
+  EXPECT_EQ(records[0].time.front(), 1);
+  EXPECT_NEAR(records[0].time.back(), 3, 1e-9);  // held from 2.9 on, not until 4
+  EXPECT_NEAR(records[1].time.front(), 8, 1e-9);
+  EXPECT_TRUE(records[0].u.allFinite() && records[1].u.allFinite());
+}
+
+TEST(RecordOfLog, CountsThePeriodsOfADiscreteModel) {
+  FilterModel model = load_filter_model("local-level");
+  model.dt = 0.1;
+  const auto records =
+      records_of_log(model, {{"y", series("y", "", {5, 5.1004, 5.2996, 5.4}, {1, 2, 3, 4})}}, "a");
+  ASSERT_EQ(records[0].time.size(), 4u);
+  EXPECT_NEAR(records[0].time[2], 5.3, 1e-12);
+  EXPECT_NO_THROW(validate(records[0], model, "a"));
+}
+
+TEST(RecordOfLog, SaysWhatIsMissingOrWrong) {
+  const FilterModel model = load_filter_model("altitude");
+  const LogSeries some = series("c", "", {0, 1}, {1, 2});
+  const auto refused = [&](const std::vector<ChannelUse>& uses, const std::string& message) {
+    EXPECT_THAT([&] { (void)records_of_log(model, uses, "a.csv"); },
+                ThrowsMessage<InvalidInput>(StrEq(message)));
+  };
+  refused({{"height", some}},
+          "a.csv: the model 'altitude' needs its input 'az', expected a channel for it");
+  refused({{"az", some}},
+          "a.csv: no measurement of the model 'altitude' came, expected one of height");
+  refused({{"az", some}, {"heigth", some}},
+          "a.csv: the model 'altitude' has no 'heigth', expected one of az, height; did you mean "
+          "'height'?");
+  refused({{"az", some}, {"az", some}}, "a.csv: 'az' came twice, expected it once");
+  refused({{"az", series("c", "", {0, 0.1}, {1, 2})}, {"height", series("h", "", {5, 6}, {1, 2})}},
+          "a.csv: no measurement falls into the time of all inputs, expected some that do");
+  FilterModel discrete = load_filter_model("local-level");
+  discrete.dt = 1;
+  EXPECT_THAT(
+      [&] {
+        (void)records_of_log(discrete, {{"y", series("y", "", {0, 1, 1.2}, {1, 2, 3})}}, "a.csv");
+      },
+      ThrowsMessage<InvalidInput>(StrEq(
+          "a.csv: two samples of 'y' at 1 s fall into one period of 1 s, expected one because "
+          "the model is discrete")));
+}
+
+}  // namespace
+}  // namespace quadtune
