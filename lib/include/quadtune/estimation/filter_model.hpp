@@ -28,7 +28,7 @@ struct NoiseParameter {
   bool logarithmic = true;
   double start = 1;    ///< the variance (> 0), or the entry, that a search begins with
   bool fixed = false;  ///< it stays there
-  std::optional<NoisePrior> prior;
+  std::optional<NoisePrior> prior = {};
 
   friend bool operator==(const NoiseParameter& a, const NoiseParameter& b) {
     return a.name == b.name;

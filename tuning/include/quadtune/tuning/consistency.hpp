@@ -35,7 +35,7 @@ struct ConsistencyCheck {
   double high = std::numeric_limits<double>::quiet_NaN();
   double p = std::numeric_limits<double>::quiet_NaN();  ///< of a value as far off, if consistent
   CheckVerdict verdict = CheckVerdict::pass;
-  std::string reason;  ///< one line; empty where it passes
+  std::string reason = {};  ///< one line; empty where it passes
 };
 
 /// Statistics of one output's standardized innovations z = e/√S.

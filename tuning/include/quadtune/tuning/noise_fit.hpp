@@ -20,7 +20,7 @@ struct NoiseFitOptions {
   int max_iterations = 200;  ///< of each search, > 0
   double confidence = 0.95;  ///< of the intervals, 0 … 1
   bool profile = false;      ///< intervals by the profile of the likelihood, not by its curvature
-  std::function<bool()> interrupted;  ///< asked between searches; may be empty
+  std::function<bool()> interrupted = {};  ///< asked between searches; may be empty
 };
 
 enum class ParameterVerdict {
