@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The files of vehicles/, missions/ and filters/, compiled into the library by lib/embed_files.cmake, and
-/// how a word is told from a path.
+/// The files of vehicles/, missions/ and filters/, compiled into the library by
+/// lib/embed_files.cmake, and how a word is told from a path.
 #pragma once
 
 #include <filesystem>
