@@ -70,6 +70,7 @@ FilterModel model_of(const Options& options) {
 std::vector<std::pair<std::string, std::string>> mapping(const Options& options,
                                                          const FilterModel& model) {
   std::vector<std::pair<std::string, std::string>> map;
+  map.reserve(options.maps.size());
   for (const std::string& text : options.maps) map.push_back(named_word(text, "--map", "CHANNEL"));
   if (!map.empty()) return map;
   for (const Signal& input : model.inputs) map.push_back({input.name, input.name});
@@ -81,6 +82,7 @@ std::vector<std::pair<std::string, std::string>> mapping(const Options& options,
 TunedLog read_log(const std::string& path, const FilterModel& model, const Options& options,
                   const std::vector<std::pair<std::string, std::string>>& map, Context& context) {
   std::vector<std::string> channels;
+  channels.reserve(map.size());
   for (const auto& [signal, channel] : map) channels.push_back(channel);
   const LogChannels log = read_log_channels(path, channels, log_options(options.log, "tune"));
   if (!log.condition.whole())
@@ -88,6 +90,7 @@ TunedLog read_log(const std::string& path, const FilterModel& model, const Optio
         fmt::format("tune: warning: {} is not whole: {}", path,
                     log.condition.torn.empty() ? log.condition.first_skipped : log.condition.torn));
   std::vector<ChannelUse> uses;
+  uses.reserve(map.size());
   for (std::size_t i = 0; i < map.size(); ++i) uses.push_back({map[i].first, log.series[i]});
   return {path, sha256(internal::read_text_file(path, kLogLimit)),
           records_of_log(model, uses, path)};
