@@ -132,7 +132,7 @@ class TermReader {
     const auto count = static_cast<Index>(chosen.size());
     if (!table.is_list("variance"))
       return VectorXd::Constant(count, table.number("variance", Range::positive()));
-    const VectorXd values = table.vector("variance", Range::positive());
+    VectorXd values = table.vector("variance", Range::positive());
     if (values.size() != count)
       throw InvalidInput(table.where("variance"),
                          fmt::format("variance in {} has {} entries, expected {} or one number",
@@ -220,7 +220,7 @@ void read_initial(const TomlTable& table, FilterModel& model) {
   table.allow({{"x"}, {"variance"}});
   const auto nx = static_cast<Index>(model.states.size());
   const auto sized = [&](const std::string& key, const Range& range) {
-    const VectorXd values = table.vector(key, range);
+    VectorXd values = table.vector(key, range);
     if (values.size() != nx)
       throw InvalidInput(table.where(key), fmt::format("{} in {} has {} entries, expected {}", key,
                                                        table.title(), values.size(), nx));
