@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "likelihood_evaluator.hpp"
+#include "likelihood_kernel.hpp"
 
 namespace quadtune::internal {
 
@@ -56,7 +57,6 @@ class Evaluator final : public LikelihoodEvaluator {
       }
     R_.resize(ny, ny);
     if constexpr (correlated) kernel_model_.L.resize(ny, ny);
-    Q_.resize(model.Q.size(), model.Q.size());
     parameters_.resize(model.parameters.size());
     for (Eigen::Index i = 0; i < ny; ++i) {
       MeasurementRow<Row, nx>& row = kernel_model_.C[static_cast<std::size_t>(i)];
@@ -203,7 +203,7 @@ class Evaluator final : public LikelihoodEvaluator {
   const PreparedModel& prepared_;
   KernelModel<T, Row, nx> kernel_model_;
   std::vector<T> parameters_;
-  Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> Q_, R_;
+  Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> R_;
   Eigen::MatrixXd information_;
 };
 

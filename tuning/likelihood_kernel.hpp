@@ -3,8 +3,6 @@
 /// carries derivatives with respect to θ) and the number of states.
 #pragma once
 
-#include <ceres/jet.h>
-
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
@@ -13,151 +11,9 @@
 #include <type_traits>
 #include <vector>
 
+#include "kernel_model.hpp"
+
 namespace quadtune::internal {
-
-/// Largest number of states of a model, and of outputs of all its sensors.
-inline constexpr int kMostStates = 24;
-inline constexpr int kMostOutputs = 64;
-
-template <class T>
-inline constexpr bool is_jet = !std::is_same_v<T, double>;
-
-inline double plain(double x) { return x; }
-template <int p>
-double plain(const ceres::Jet<double, p>& x) {
-  return x.a;
-}
-
-/// Σ log of positive numbers by products: a logarithm costs more than a filter of two states.
-template <class T>
-class LogSum {
- public:
-  void add(const T& x) {
-    product_ *= plain(x);
-    if constexpr (is_jet<T>) slope_ += x.v / x.a;
-    if (!(product_ < 1e100 && product_ > 1e-100)) collect();
-  }
-  void add(const T& x, std::int64_t times) {
-    collect();
-    sum_ += std::log(plain(x)) * static_cast<double>(times);
-    if constexpr (is_jet<T>) slope_ += x.v / x.a * static_cast<double>(times);
-  }
-  [[nodiscard]] T value() {
-    collect();
-    if constexpr (is_jet<T>) {
-      T result(sum_);
-      result.v = slope_;
-      return result;
-    } else {
-      return sum_;
-    }
-  }
-
- private:
-  struct Nothing {};
-  template <class U>
-  struct SlopeOf {
-    using type = Nothing;
-  };
-  template <int p>
-  struct SlopeOf<ceres::Jet<double, p>> {
-    using type = Eigen::Matrix<double, p, 1>;
-  };
-  static typename SlopeOf<T>::type zero() {
-    if constexpr (is_jet<T>)
-      return SlopeOf<T>::type::Zero();
-    else
-      return {};
-  }
-
-  void collect() {
-    sum_ += std::log(product_);
-    product_ = 1;
-  }
-
-  double product_ = 1;
-  double sum_ = 0;
-  typename SlopeOf<T>::type slope_ = zero();
-};
-
-/// A row of C: the entries that are not 0, and for few states all of them.
-template <class Row, int nx>
-struct MeasurementRow {
-  std::vector<int> column;
-  std::vector<Row> value;
-  Eigen::Matrix<Row, nx == -1 ? 0 : nx, 1> all;
-
-  /// f(column, entry) of each; a loop that is known when compiling where the states are few.
-  template <class Function>
-  void each(Function&& f) const {
-    if constexpr (nx == -1)
-      for (std::size_t q = 0; q < column.size(); ++q) f(column[q], value[q]);
-    else
-      for (int j = 0; j < nx; ++j) f(j, all(j));
-  }
-};
-
-/// From one instant to the next.
-template <class T, int nx>
-struct KernelTransition {
-  using Matrix =
-      Eigen::Matrix<double, nx, nx, 0, nx == -1 ? kMostStates : nx, nx == -1 ? kMostStates : nx>;
-  using MatrixT =
-      Eigen::Matrix<T, nx, nx, 0, nx == -1 ? kMostStates : nx, nx == -1 ? kMostStates : nx>;
-  Matrix F;
-  Eigen::Matrix<double, nx, Eigen::Dynamic> B;
-  MatrixT Q;
-};
-
-/// The model at one θ. Row is double, or T where an R is full and its rows are decorrelated.
-template <class T, class Row, int nx>
-struct KernelModel {
-  std::vector<KernelTransition<T, nx>> transitions;
-  std::vector<MeasurementRow<Row, nx>> C;  ///< ny
-  std::vector<T> R;                        ///< ny
-  Eigen::MatrixXd D;                       ///< (ny × nu), or empty
-  /// (ny × ny) unit lower triangular L of R = L diag Lᵀ: rows of C are L⁻¹ C. Empty where every R
-  /// is diagonal.
-  Eigen::Matrix<Row, Eigen::Dynamic, Eigen::Dynamic> L;
-  Eigen::VectorXd x0;
-  Eigen::MatrixXd P0;
-  Eigen::MatrixXd P0_diffuse;
-  int diffuse_rank = 0;
-};
-
-/// Instants that are alike: all outputs measured, one transition.
-struct KernelSegment {
-  Eigen::Index begin = 0, end = 0;
-  bool complete = false;  ///< false: anything may be missing, transitions differ
-};
-
-struct KernelRecord {
-  const double* y = nullptr;  ///< (ny × samples)
-  const double* u = nullptr;  ///< (nu × samples)
-  Eigen::Index samples = 0, ny = 0, nu = 0;
-  const std::uint32_t* transition = nullptr;  ///< from each sample to the next
-  const KernelSegment* segments = nullptr;
-  std::size_t segment_count = 0;
-};
-
-/// What is written down of a run, where it is asked for.
-struct KernelTrace {
-  Eigen::MatrixXd* innovation;
-  Eigen::MatrixXd* variance;
-  Eigen::MatrixXd* x;
-  Eigen::MatrixXd* x_variance;
-};
-
-/// Sums over records.
-template <class T>
-struct KernelSums {
-  LogSum<T> logs;
-  T squares = T(0);
-  std::int64_t used = 0, diffuse = 0;
-  Eigen::MatrixXd* information = nullptr;  ///< added to where it is asked for
-  /// Where it failed: sample and output; -1 where it did not.
-  Eigen::Index bad_sample = -1, bad_output = -1;
-};
 
 /// One run of the filter.
 template <class T, bool correlated, int nx>

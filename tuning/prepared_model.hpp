@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "likelihood_kernel.hpp"
+#include "kernel_record.hpp"
 #include "quadtune/estimation/filter_model.hpp"
 #include "quadtune/estimation/filter_record.hpp"
 

@@ -50,8 +50,8 @@ struct FilterRun {
   std::string culprit;
 };
 
-/// A model with its logs, made once and evaluated for many θ. Evaluation does not allocate after
-/// the first time, and may run in several threads, each with a copy.
+/// A model with its logs, made once and evaluated for many θ: an evaluation allocates a few small
+/// matrices, whatever the length of the logs. Several threads need a copy each.
 class InnovationLikelihood {
  public:
   /// @throws InvalidInput  as validate() of the model and of each record.

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A record as the likelihood's kernel reads it, and what fits into the kernel.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+
+namespace quadtune::internal {
+
+/// Largest number of states of a model, and of outputs of all its sensors.
+inline constexpr int kMostStates = 24;
+inline constexpr int kMostOutputs = 64;
+
+/// Instants that are alike: all outputs measured, one transition.
+struct KernelSegment {
+  Eigen::Index begin = 0, end = 0;
+  bool complete = false;  ///< false: anything may be missing, transitions differ
+};
+
+struct KernelRecord {
+  const double* y = nullptr;  ///< (ny × samples)
+  const double* u = nullptr;  ///< (nu × samples)
+  Eigen::Index samples = 0, ny = 0, nu = 0;
+  const std::uint32_t* transition = nullptr;  ///< from each sample to the next
+  const KernelSegment* segments = nullptr;
+  std::size_t segment_count = 0;
+};
+
+}  // namespace quadtune::internal
