@@ -105,6 +105,9 @@ void run(const Options& options, Context& context) {
   if (options.logs.empty()) refuse("--log", "--log is missing, expected a log of the sensors");
   if (!(options.holdout >= 0 && options.holdout <= 0.9))
     refuse("--holdout", fmt::format("--holdout is {}, expected 0 to 0.9", options.holdout));
+  for (const std::string& path : options.logs)
+    if (path == "-")
+      refuse("--log", "--log is -, expected a file because it is read twice, once for its hash");
   const auto map = mapping(options, model);
   std::vector<TunedLog> logs;
   std::vector<FilterRecord> records;

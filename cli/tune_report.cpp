@@ -9,6 +9,7 @@
 
 #include "print.hpp"
 #include "quadtune/estimation/filter_file.hpp"
+#include "quadtune/internal/text_file.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -181,9 +182,9 @@ std::string to_text(const TuneReport& report) {
 }
 
 std::string tuned_file(const TuneReport& report, const std::string& command) {
-  std::vector<std::string> comments = {fmt::format("By {}", command)};
+  std::vector<std::string> comments = {"By " + internal::printable(command)};
   for (const TunedLog& log : report.logs)
-    comments.push_back(fmt::format("log {} sha256 {}", log.path, log.sha256));
+    comments.push_back(fmt::format("log {} sha256 {}", internal::printable(log.path), log.sha256));
   for (const FittedParameter& p : report.tuning.fit.parameters)
     comments.push_back(fmt::format("{}: {} ({} to {}), {}", p.name, figure(p.value, 6),
                                    figure(p.low, 6), figure(p.high, 6), to_string(p.verdict)));

@@ -14,6 +14,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/simulation/random.hpp"
 #include "run_program.hpp"
+#include "shared_data.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -141,6 +142,8 @@ TEST(TuneVerb, RefusesInOneLine) {
           "quadtune tune: 'kalmn' came, expected: quadtune tune kalman; did you mean 'kalman'?");
   refused({"tune", "kalman", "--log", file}, 2, "--model is missing");
   refused({"tune", "kalman", "--model", "altitude"}, 2, "--log is missing");
+  refused({"tune", "kalman", "--model", "altitude", "--log", "-"}, 2,
+          "--log is -, expected a file");
   refused({"tune", "kalman", "--model", "attitud", "--log", file}, 3, "did you mean 'attitude'?");
   refused({"tune", "kalman", "--model", "altitude", "--log", file, "--map", "height"}, 2,
           "--map: 'height' came, expected NAME=CHANNEL");
@@ -156,6 +159,40 @@ TEST(TuneVerb, RefusesInOneLine) {
   refused({"tune", "kalman", "--model", "altitude", "--log", "no.csv"}, 5, "no.csv");
   refused({"tune", "kalman", "--model", "altitude", "--log", file, "--holdout", "1"}, 2,
           "--holdout is 1, expected 0 to 0.9");
+}
+
+// A name cannot break out of the comment that it is written in.
+TEST(TuneVerb, WritesHostileNamesAsComments) {
+  const TemporaryDirectory folder;
+  const std::string file = folder.write("a\nname = 'b'.csv", bobbing(6000)).string();
+  const std::string tuned = (folder.path() / "tuned.toml").string();
+  ASSERT_EQ(tune(file, {"-o", tuned}).status, 0);
+  EXPECT_EQ(load_filter_model(tuned).name, "altitude");
+}
+
+// A barometer on a bench, motors off: R between 0.5² and 0.6² m², and white.
+TEST(TuneVerb, BelievesAStillBarometer) {
+  QUADTUNE_REQUIRE_DATA(data);
+  const ProgramResult result =
+      run_program({"tune", "kalman", "--model", "local-level", "--log",
+                   (data / "uquad2" / "log_test_IMU_3.txt").string(), "--columns",
+                   "t_s:17, t_us:18, height[m]:19", "--map", "y=height", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const Json json = Json::parse(result.out);
+  const double R = json["R"]["y"][0][0];
+  EXPECT_GT(R, 0.5 * 0.5);
+  EXPECT_LT(R, 0.6 * 0.6);
+  EXPECT_EQ(json["whiteness"][0]["verdict"], "pass");
+}
+
+// What the Mambo logs is what its estimator made.
+TEST(TuneVerb, RefusesTheMambosEstimates) {
+  QUADTUNE_REQUIRE_DATA(data);
+  const ProgramResult result =
+      run_program({"tune", "kalman", "--model", "constant-velocity", "--log",
+                   (data / "mambo" / "flight_A.csv").string(), "--map", "position=z"});
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.out, HasSubstr("position: position: innovations are not white"));
 }
 
 TEST(TuneVerb, SaysWhenALogIsTooShort) {
