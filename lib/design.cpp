@@ -11,6 +11,8 @@
 
 #include "cascade_reader.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/estimation/filter_file.hpp"
+#include "quadtune/estimation/tuned_noise.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
@@ -159,7 +161,24 @@ std::vector<Signal> read_signals(const TomlTable& table, const std::string& key)
   return signals;
 }
 
-KalmanDesign read_kalman(const TomlTable& table) {
+/// Q and R of a tuned model, whose file is found beside the design.
+void read_tuned(const TomlTable& table, const std::filesystem::path& folder, KalmanDesign& kalman) {
+  for (const char* key : {"Q", "R"})
+    if (table.has(key))
+      throw InvalidInput(table.where(key), fmt::format("{} stands beside tuned in {}, expected one "
+                                                       "of them, because tuned gives Q and R",
+                                                       key, table.title()));
+  kalman.tuned = table.text("tuned");
+  const std::string path = (folder / kalman.tuned).string();
+  kalman.tuned_text = internal::read_text_file(path, internal::kTomlLimit);
+  const FilterModel model = parse_filter_model(kalman.tuned_text, path);
+  kalman.tuned_verdict = model.verdict;
+  const NoisePerStep noise = noise_per_step(model, kalman.model, kalman.G, table.where("tuned"));
+  kalman.Q = noise.Q;
+  kalman.R = noise.R;
+}
+
+KalmanDesign read_kalman(const TomlTable& table, const std::filesystem::path& folder) {
   table.allow({{"name"},
                {"dt", "s"},
                {"states"},
@@ -171,7 +190,8 @@ KalmanDesign read_kalman(const TomlTable& table) {
                {"G"},
                {"Q"},
                {"R"},
-               {"N"}});
+               {"N"},
+               {"tuned"}});
   KalmanDesign kalman;
   kalman.name = table.word("name");
   DiscreteLti& model = kalman.model;
@@ -198,8 +218,12 @@ KalmanDesign read_kalman(const TomlTable& table) {
   kalman.G = table.matrix("G");
   const Eigen::Index nw = kalman.G.cols();
   require_shape(kalman.G, nx, nw, table.where("G"), dotted(table, "G"), states);
-  kalman.Q = read_weight(table, "Q", nw, "columns of G", Range::not_negative());
-  kalman.R = read_weight(table, "R", ny, measurements, Range::positive());
+  if (table.has("tuned")) {
+    read_tuned(table, folder, kalman);
+  } else {
+    kalman.Q = read_weight(table, "Q", nw, "columns of G", Range::not_negative());
+    kalman.R = read_weight(table, "R", ny, measurements, Range::positive());
+  }
   kalman.N = table.has("N") ? read_shaped(table, "N", nw, ny, "columns of G by measurements")
                             : Eigen::MatrixXd(Eigen::MatrixXd::Zero(nw, ny));
   return kalman;
@@ -412,7 +436,7 @@ Design parse_design(const std::string& text, const std::string& origin,
   if (const auto table = file.maybe_table("trim")) design.condition = read_trim(*table);
   if (const auto table = file.maybe_table("lqr")) design.lqr = read_lqr(*table, design.vehicle);
   for (const TomlTable& table : file.tables("kalman")) {
-    design.kalman.push_back(read_kalman(table));
+    design.kalman.push_back(read_kalman(table, folder));
     for (std::size_t i = 0; i + 1 < design.kalman.size(); ++i)
       if (design.kalman[i].name == design.kalman.back().name)
         throw InvalidInput(table.where("name"), fmt::format("filter '{}' stands twice, expected "

@@ -72,14 +72,13 @@ void require_text(std::string_view text, const std::string& origin, std::size_t 
         fmt::format("has a zero byte at offset {}, expected text; is it a binary file?", zero));
 }
 
-std::string printable(std::string_view text) {
-  constexpr std::size_t kLongest = 60;
+std::string printable(std::string_view text, std::size_t longest) {
   std::string clean;
-  for (const char c : text.substr(0, kLongest)) {
+  for (const char c : text.substr(0, longest)) {
     const auto byte = static_cast<unsigned char>(c);
     clean += byte < 0x20 || byte >= 0x7f ? '?' : c;
   }
-  return text.size() > kLongest ? clean + "..." : clean;
+  return text.size() > longest ? clean + "..." : clean;
 }
 
 }  // namespace quadtune::internal

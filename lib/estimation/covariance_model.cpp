@@ -24,4 +24,13 @@ Eigen::MatrixXd covariance(const CovarianceModel& model,
   return result;
 }
 
+bool is_diagonal(const CovarianceModel& model) {
+  const auto diagonal = [](const Eigen::MatrixXd& M) { return M.isDiagonal(0); };
+  for (const ScaledCovariance& term : model.scaled)
+    if (!diagonal(term.shape)) return false;
+  for (const FullCovariance& term : model.full)
+    if (term.entries.size() > 1) return false;
+  return diagonal(model.fixed);
+}
+
 }  // namespace quadtune

@@ -8,6 +8,8 @@
 #include <algorithm>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/estimation/inertial_filter.hpp"
+#include "quadtune/estimation/rigid_body_filter.hpp"
 #include "quadtune/internal/built_in.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -53,6 +55,16 @@ MatrixXd matrix_of(const TomlTable& table, const std::string& key, Index rows, I
   return result;
 }
 
+/// Keys that only some dynamics have.
+void refuse_keys(const TomlTable& file, const std::vector<const char*>& keys,
+                 const std::string& dynamics) {
+  for (const char* key : keys)
+    if (file.has(key))
+      throw InvalidInput(file.where(key), fmt::format("{} came, expected none because the dynamics "
+                                                      "are '{}'",
+                                                      key, dynamics));
+}
+
 /// One [[Q]] or [[sensors.R]] table: which entries, and what of them is to be found.
 class TermReader {
  public:
@@ -95,10 +107,12 @@ class TermReader {
   std::vector<int> chosen_entries(const TomlTable& table) const {
     std::vector<int> chosen;
     if (!table.has("entries")) {
+      chosen.reserve(entries_.size());
       for (std::size_t i = 0; i < entries_.size(); ++i) chosen.push_back(static_cast<int>(i));
       return chosen;
     }
     std::vector<std::string> known;
+    known.reserve(entries_.size());
     for (const Signal& entry : entries_) known.push_back(entry.name);
     for (const std::string& name : table.texts("entries")) {
       const auto found = std::find(known.begin(), known.end(), name);
@@ -114,6 +128,7 @@ class TermReader {
 
   [[nodiscard]] std::string name_of(const std::vector<int>& chosen) const {
     std::vector<std::string> names;
+    names.reserve(chosen.size());
     for (const int i : chosen) names.push_back(entries_[static_cast<std::size_t>(i)].name);
     return fmt::format("{}.{}", prefix_, fmt::join(names, "-"));
   }
@@ -202,15 +217,24 @@ class TermReader {
 };
 
 void read_sensor(const TomlTable& table, FilterModel& model) {
-  table.allow({{"name"}, {"outputs"}, {"C"}, {"D"}, {"delay", "s"}, {"R"}});
+  table.allow({{"name"}, {"outputs"}, {"C"}, {"D"}, {"delay", "s"}, {"student"}, {"gate"}, {"R"}});
   FilterSensor sensor;
-  sensor.name = table.word("name");
-  sensor.outputs = signals_of(table, "outputs");
-  const auto ny = static_cast<Index>(sensor.outputs.size());
-  sensor.C = matrix_of(table, "C", ny, static_cast<Index>(model.states.size()));
-  if (table.has("D")) sensor.D = matrix_of(table, "D", ny, static_cast<Index>(model.inputs.size()));
+  if (model.gravity) refuse_keys(table, {"D"}, "inertial");
+  if (model.vehicle.empty()) {
+    sensor.name = table.word("name");
+    sensor.outputs = signals_of(table, "outputs");
+    const auto ny = static_cast<Index>(sensor.outputs.size());
+    sensor.C = matrix_of(table, "C", ny, static_cast<Index>(model.states.size()));
+    if (table.has("D"))
+      sensor.D = matrix_of(table, "D", ny, static_cast<Index>(model.inputs.size()));
+    sensor.R.fixed = MatrixXd::Zero(ny, ny);
+  } else {
+    refuse_keys(table, {"outputs", "C", "D"}, "rigid-body");
+    sensor = rigid_body_sensor(table.word("name"), table.where("name"));
+  }
   sensor.delay = table.number_or("delay_s", 0, Range::not_negative());
-  sensor.R.fixed = MatrixXd::Zero(ny, ny);
+  sensor.student = table.number_or("student", 0, Range::not_negative());
+  if (table.has("gate")) sensor.gate = table.number("gate", Range::positive());
   TermReader reader(model, sensor.R, "R", sensor.outputs);
   for (const TomlTable& term : table.tables("R")) reader.read(term);
   model.sensors.push_back(sensor);
@@ -231,25 +255,28 @@ void read_initial(const TomlTable& table, FilterModel& model) {
   model.diffuse.assign(static_cast<std::size_t>(nx), false);
 }
 
-}  // namespace
+std::string dynamics_of(const TomlTable& file) {
+  const std::string dynamics = file.text_or("dynamics", "linear");
+  const std::vector<std::string> known = {"linear", "inertial", "rigid-body"};
+  if (std::find(known.begin(), known.end(), dynamics) == known.end())
+    throw InvalidInput(
+        file.where("dynamics"),
+        fmt::format("dynamics is '{}', expected '{}'{}", dynamics, fmt::join(known, "' or '"),
+                    internal::did_you_mean(dynamics, known)));
+  return dynamics;
+}
 
-FilterModel parse_filter_model(const std::string& text, const std::string& origin) {
-  const TomlTable file = TomlTable::parse(text, origin);
-  file.allow({{"name"},
-              {"description"},
-              {"period", "s"},
-              {"states"},
-              {"inputs"},
-              {"noises"},
-              {"A"},
-              {"B"},
-              {"G"},
-              {"Q"},
-              {"sensors"},
-              {"initial"}});
+FilterModel read_inertial(const TomlTable& file) {
+  const VectorXd gravity = file.vector("gravity_m_per_s2", Range::any());
+  if (gravity.size() != 3 || gravity.isZero(0))
+    throw InvalidInput(file.where("gravity_m_per_s2"),
+                       "gravity is not a vector, expected three numbers in world axes, as in "
+                       "[0, 0, -9.81] where z points up");
+  return inertial_model(gravity);
+}
+
+FilterModel read_linear(const TomlTable& file) {
   FilterModel model;
-  model.name = file.word("name");
-  model.description = file.text_or("description", "");
   model.dt = file.has("period_s") ? file.number("period_s", Range::positive()) : 0;
   model.states = signals_of(file, "states");
   model.inputs = signals_of(file, "inputs");
@@ -260,12 +287,54 @@ FilterModel parse_filter_model(const std::string& text, const std::string& origi
   model.B = matrix_of(file, "B", nx, static_cast<Index>(model.inputs.size()));
   model.G = matrix_of(file, "G", nx, nw);
   model.Q.fixed = MatrixXd::Zero(nw, nw);
-  TermReader reader(model, model.Q, "Q", model.noises);
-  for (const TomlTable& term : file.tables("Q")) reader.read(term);
-  for (const TomlTable& sensor : file.tables("sensors")) read_sensor(sensor, model);
   model.x0 = VectorXd::Zero(nx);
   model.P0 = MatrixXd::Zero(nx, nx);
   model.diffuse.assign(static_cast<std::size_t>(nx), true);
+  return model;
+}
+
+FilterModel read_dynamics(const TomlTable& file) {
+  const std::string dynamics = dynamics_of(file);
+  if (dynamics == "linear") {
+    refuse_keys(file, {"gravity_m_per_s2", "vehicle"}, dynamics);
+    return read_linear(file);
+  }
+  refuse_keys(file, {"period_s", "states", "inputs", "noises", "A", "B", "G"}, dynamics);
+  if (dynamics == "inertial") {
+    refuse_keys(file, {"vehicle"}, dynamics);
+    return read_inertial(file);
+  }
+  refuse_keys(file, {"gravity_m_per_s2"}, dynamics);
+  return rigid_body_model(file.text("vehicle"));
+}
+
+}  // namespace
+
+FilterModel parse_filter_model(const std::string& text, const std::string& origin) {
+  const TomlTable file = TomlTable::parse(text, origin);
+  file.allow({{"name"},
+              {"description"},
+              {"verdict"},
+              {"dynamics"},
+              {"gravity", "m_per_s2"},
+              {"vehicle"},
+              {"period", "s"},
+              {"states"},
+              {"inputs"},
+              {"noises"},
+              {"A"},
+              {"B"},
+              {"G"},
+              {"Q"},
+              {"sensors"},
+              {"initial"}});
+  FilterModel model = read_dynamics(file);
+  model.name = file.word("name");
+  model.description = file.text_or("description", "");
+  model.verdict = file.text_or("verdict", "");
+  TermReader reader(model, model.Q, "Q", model.noises);
+  for (const TomlTable& term : file.tables("Q")) reader.read(term);
+  for (const TomlTable& sensor : file.tables("sensors")) read_sensor(sensor, model);
   if (const auto initial = file.maybe_table("initial")) read_initial(*initial, model);
   validate(model, origin);
   return model;

@@ -77,6 +77,21 @@ void check_terms(const CovarianceModel& model, Index size, const std::string& na
   }
 }
 
+void check_robustness(const FilterSensor& sensor, const std::string& of, const std::string& where) {
+  if (sensor.student != 0 && !(sensor.student > 2 && sensor.student <= 1000))
+    throw InvalidInput(where, fmt::format("student of {} is {}, expected 0, or more than 2 and at "
+                                          "most 1000 degrees of freedom",
+                                          of, sensor.student));
+  if (sensor.student != 0 && !is_diagonal(sensor.R))
+    throw InvalidInput(where, fmt::format("student of {} is {}, expected 0 because its outputs' "
+                                          "noise is correlated",
+                                          of, sensor.student));
+  if (!(sensor.gate >= 4))
+    throw InvalidInput(where, fmt::format("the gate of {} is {}, expected at least 4, two standard "
+                                          "deviations, because what is refused is not learnt from",
+                                          of, sensor.gate));
+}
+
 void check_parameters(const FilterModel& model, const std::string& where) {
   std::set<std::string> seen;
   for (const NoiseParameter& p : model.parameters) {
@@ -180,6 +195,7 @@ void validate(const FilterModel& model, const std::string& where) {
                          fmt::format("R of {} is not positive definite at the start, expected "
                                      "every measurement to have some noise",
                                      of));
+    check_robustness(sensor, of, where);
     if (!(sensor.delay >= 0) || !std::isfinite(sensor.delay))
       throw InvalidInput(
           where, fmt::format("the delay of {} is {} s, expected 0 or more", of, sensor.delay));

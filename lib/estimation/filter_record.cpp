@@ -38,9 +38,71 @@ void check_times(const FilterRecord& record, const FilterModel& model, const std
   }
 }
 
+void check_linearized(const FilterRecord& record, const FilterModel& model,
+                      const std::string& where) {
+  if (record.linearized.empty()) {
+    if (!model.linear())
+      throw InvalidInput(where, fmt::format("'{}' is not linear, expected a record that a filter "
+                                            "linearized",
+                                            model.name));
+    return;
+  }
+  const auto nx = static_cast<Index>(model.states.size());
+  if (record.linearized.size() != record.time.size())
+    throw InvalidInput(where, fmt::format("{} linearized instants came, expected {}",
+                                          record.linearized.size(), record.time.size()));
+  if (!model.Q.fixed.isZero(0) || !model.Q.full.empty())
+    throw InvalidInput(where,
+                       "Q of a linearized model has a fixed or a full part, expected "
+                       "variances only");
+  for (const FilterSensor& sensor : model.sensors)
+    if (!model.linear() && sensor.D.size() > 0)
+      throw InvalidInput(where,
+                         fmt::format("sensor '{}' has a D, expected none because '{}' is not "
+                                     "linear",
+                                     sensor.name, model.name));
+  for (const FilterSensor& sensor : model.sensors)
+    if (!is_diagonal(sensor.R))
+      throw InvalidInput(where,
+                         fmt::format("R of {} is not diagonal, expected it because the model "
+                                     "is linearized",
+                                     sensor.name));
+  for (const LinearizedInstant& at : record.linearized) {
+    require_shape(at.C, model.outputs(), nx, where, "C of an instant", "one row an output");
+    require_shape(at.F, nx, nx, where, "F of an instant", "one row a state");
+    require_shape(at.offset, nx, 1, where, "the offset of an instant", "one entry a state");
+    require_finite(at.C, where, "C of an instant");
+    require_finite(at.F, where, "F of an instant");
+    require_finite(at.offset, where, "the offset of an instant");
+    if (at.noise.size() != model.Q.scaled.size())
+      throw InvalidInput(where, fmt::format("{} noises of an instant came, expected {}",
+                                            at.noise.size(), model.Q.scaled.size()));
+    for (const Eigen::MatrixXd& noise : at.noise) {
+      require_shape(noise, nx, nx, where, "a noise of an instant", "one row a state");
+      require_finite(noise, where, "a noise of an instant");
+    }
+  }
+}
+
+void check_start(const FilterRecord& record, const FilterModel& model, const std::string& where) {
+  if (!record.start) return;
+  const auto nx = static_cast<Index>(model.states.size());
+  require_shape(record.start->x, nx, 1, where, "the state at the start", "one entry a state");
+  require_finite(record.start->x, where, "the state at the start");
+  require_shape(record.start->P, nx, nx, where, "the covariance at the start", "one row a state");
+  require_finite(record.start->P, where, "the covariance at the start");
+}
+
 }  // namespace
 
 void validate(const FilterRecord& record, const FilterModel& model, const std::string& where) {
+  validate_samples(record, model, where);
+  check_linearized(record, model, where);
+  check_start(record, model, where);
+}
+
+void validate_samples(const FilterRecord& record, const FilterModel& model,
+                      const std::string& where) {
   const Index N = record.samples();
   if (N == 0) throw InvalidInput(where, "no samples came, expected at least one");
   require_shape(record.y, model.outputs(), N, where, "the measurements",
@@ -49,6 +111,9 @@ void validate(const FilterRecord& record, const FilterModel& model, const std::s
                 "one row an input, one column a sample");
   require_finite(record.u, where, "the inputs");
   check_times(record, model, where);
+  if (record.truth.size() > 0)
+    require_shape(record.truth, static_cast<Index>(model.states.size()), N, where, "the truth",
+                  "one row a state, one column a sample");
   for (Index k = 0; k < N; ++k) {
     Index first = 0;
     for (const FilterSensor& sensor : model.sensors) {

@@ -37,6 +37,7 @@ void put_matrix(std::string& text, const std::string& key, const MatrixXd& M) {
 void put_signals(std::string& text, const std::string& key, const std::vector<Signal>& signals) {
   if (signals.empty()) return;
   std::vector<std::string> words;
+  words.reserve(signals.size());
   for (const Signal& s : signals)
     words.push_back(quoted(s.unit.empty() ? s.name : fmt::format("{} [{}]", s.name, s.unit)));
   text += fmt::format("{} = [{}]\n", key, fmt::join(words, ", "));
@@ -52,6 +53,7 @@ class TermWriter {
   void write(const CovarianceModel& covariance) {
     if (!covariance.fixed.isZero(0)) {
       std::vector<int> all;
+      all.reserve(static_cast<std::size_t>(covariance.size()));
       for (int i = 0; i < static_cast<int>(covariance.size()); ++i) all.push_back(i);
       begin(all);
       text_ += "kind = \"fixed\"\n";
@@ -64,6 +66,7 @@ class TermWriter {
  private:
   void begin(const std::vector<int>& chosen) {
     std::vector<std::string> names;
+    names.reserve(chosen.size());
     for (const int i : chosen) names.push_back(quoted(entries_[static_cast<std::size_t>(i)].name));
     text_ += fmt::format("\n[[{}]]\nentries = [{}]\n", table_, fmt::join(names, ", "));
   }
@@ -115,6 +118,25 @@ class TermWriter {
   const std::vector<Signal>& entries_;
 };
 
+void put_dynamics(std::string& text, const FilterModel& model) {
+  if (model.gravity) {
+    text += fmt::format("dynamics = \"inertial\"\ngravity_m_per_s2 = {}\n",
+                        numbers(model.gravity->transpose()));
+    return;
+  }
+  if (!model.vehicle.empty()) {
+    text += fmt::format("dynamics = \"rigid-body\"\nvehicle = {}\n", quoted(model.vehicle));
+    return;
+  }
+  if (model.dt > 0) text += fmt::format("period_s = {}\n", model.dt);
+  put_signals(text, "states", model.states);
+  put_signals(text, "inputs", model.inputs);
+  put_signals(text, "noises", model.noises);
+  put_matrix(text, "A", model.A);
+  put_matrix(text, "B", model.B);
+  put_matrix(text, "G", model.G);
+}
+
 }  // namespace
 
 std::string text_of_filter_model(const FilterModel& model,
@@ -125,20 +147,19 @@ std::string text_of_filter_model(const FilterModel& model,
   text += fmt::format("name = {}\n", quoted(model.name));
   if (!model.description.empty())
     text += fmt::format("description = {}\n", quoted(model.description));
-  if (model.dt > 0) text += fmt::format("period_s = {}\n", model.dt);
-  put_signals(text, "states", model.states);
-  put_signals(text, "inputs", model.inputs);
-  put_signals(text, "noises", model.noises);
-  put_matrix(text, "A", model.A);
-  put_matrix(text, "B", model.B);
-  put_matrix(text, "G", model.G);
+  if (!model.verdict.empty()) text += fmt::format("verdict = {}\n", quoted(model.verdict));
+  put_dynamics(text, model);
   TermWriter(text, model, "Q", model.noises).write(model.Q);
   for (const FilterSensor& sensor : model.sensors) {
     text += fmt::format("\n[[sensors]]\nname = {}\n", quoted(sensor.name));
-    put_signals(text, "outputs", sensor.outputs);
-    put_matrix(text, "C", sensor.C);
-    put_matrix(text, "D", sensor.D);
+    if (model.vehicle.empty()) {
+      put_signals(text, "outputs", sensor.outputs);
+      put_matrix(text, "C", sensor.C);
+      put_matrix(text, "D", sensor.D);
+    }
     if (sensor.delay > 0) text += fmt::format("delay_s = {}\n", sensor.delay);
+    if (sensor.student > 0) text += fmt::format("student = {}\n", sensor.student);
+    if (std::isfinite(sensor.gate)) text += fmt::format("gate = {}\n", sensor.gate);
     TermWriter(text, model, "sensors.R", sensor.outputs).write(sensor.R);
   }
   bool any_diffuse = false, all_diffuse = true;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -22,12 +23,58 @@ constexpr double kSameInstant = 1e-7;
 /// An input that is away for so many of its typical periods is not held any longer.
 constexpr double kLongestHold = 10;
 
-/// One sample: of an output (index ≥ 0) or of an input (index < 0: -1 - i).
-struct Sample {
-  std::int64_t instant;
-  Index signal;
-  double value;
+/// What is left of one signal's samples, in the order of their times.
+struct Cursor {
+  const LogSeries* series = nullptr;  ///< null: none came
+  double delay = 0;
+  std::size_t next = 0;
 };
+
+/// Median time from sample to sample [s].
+double typical_period(const LogSeries& series) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < series.time.size(); ++i)
+    steps.push_back(series.time[i] - series.time[i - 1]);
+  if (steps.empty()) return std::numeric_limits<double>::infinity();
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+/// The series at t, NaN outside of it and in its gaps.
+double value_at(const LogSeries& series, double longest, double t) {
+  const auto after = std::lower_bound(series.time.begin(), series.time.end(), t - kSameInstant);
+  if (after == series.time.end()) return std::nan("");
+  const auto i = static_cast<std::size_t>(after - series.time.begin());
+  if (std::abs(series.time[i] - t) <= kSameInstant) return series.values[i];
+  if (i == 0 || series.time[i] - series.time[i - 1] > longest) return std::nan("");
+  const double share = (t - series.time[i - 1]) / (series.time[i] - series.time[i - 1]);
+  return series.values[i - 1] + share * (series.values[i] - series.values[i - 1]);
+}
+
+void add_truth(const FilterModel& model, const ChannelUse& truth, const std::string& name,
+               std::vector<FilterRecord>& records) {
+  std::vector<std::string> states;
+  for (const Signal& state : model.states) states.push_back(state.name);
+  const auto found = std::find(states.begin(), states.end(), truth.signal);
+  if (found == states.end())
+    throw InvalidInput(
+        name, fmt::format("the model '{}' has no state '{}', expected one of {}{}", model.name,
+                          internal::printable(truth.signal), fmt::join(states, ", "),
+                          internal::did_you_mean(truth.signal, states)));
+  const auto i = static_cast<Index>(found - states.begin());
+  const std::string& unit = model.states[static_cast<std::size_t>(i)].unit;
+  if (!unit.empty() && !truth.series.unit.empty()) require_unit(truth.series, unit, name);
+  require_usable(truth.series, name);
+  const double longest = kLongestHold * typical_period(truth.series);
+  for (FilterRecord& record : records) {
+    if (record.truth.size() == 0)
+      record.truth = Eigen::MatrixXd::Constant(model.A.rows(), record.samples(), std::nan(""));
+    for (Index k = 0; k < record.samples(); ++k)
+      record.truth(i, k) =
+          value_at(truth.series, longest, record.time[static_cast<std::size_t>(k)]);
+  }
+}
 
 class Builder {
  public:
@@ -100,33 +147,30 @@ class Builder {
   }
 
   void gather() {
-    double start = std::numeric_limits<double>::infinity();
+    start_ = std::numeric_limits<double>::infinity();
     for (const LogSeries* series : of_signal_)
-      if (series != nullptr) start = std::min(start, series->time.front());
-    start_ = start;
+      if (series != nullptr) start_ = std::min(start_, series->time.front());
     for (std::size_t k = 0; k < known_.size(); ++k) {
-      if (of_signal_[k] == nullptr) continue;
       const bool is_input = k < model_.inputs.size();
-      const Index index =
-          is_input ? -1 - static_cast<Index>(k) : static_cast<Index>(k - model_.inputs.size());
       const double delay = is_input ? 0 : sensor_of(k - model_.inputs.size()).first.delay;
-      for (std::size_t i = 0; i < of_signal_[k]->time.size(); ++i)
-        samples_.push_back({std::llround((of_signal_[k]->time[i] - delay - start) / unit_), index,
-                            of_signal_[k]->values[i]});
-      if (is_input) longest_hold_.push_back(kLongestHold * typical_period(*of_signal_[k]));
+      cursors_.push_back({of_signal_[k], delay});
+      if (is_input) longest_hold_.push_back(kLongestHold * typical_period(*of_signal_[k]) / unit_);
     }
-    std::stable_sort(samples_.begin(), samples_.end(),
-                     [](const Sample& a, const Sample& b) { return a.instant < b.instant; });
   }
 
-  [[nodiscard]] double typical_period(const LogSeries& series) const {
-    std::vector<double> steps;
-    for (std::size_t i = 1; i < series.time.size(); ++i)
-      steps.push_back(series.time[i] - series.time[i - 1]);
-    if (steps.empty()) return std::numeric_limits<double>::infinity();
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    return *middle / unit_;
+  [[nodiscard]] static bool is_left(const Cursor& cursor) {
+    return cursor.series != nullptr && cursor.next < cursor.series->time.size();
+  }
+  /// Of its next sample.
+  [[nodiscard]] std::int64_t instant(const Cursor& cursor) const {
+    return std::llround((cursor.series->time[cursor.next] - cursor.delay - start_) / unit_);
+  }
+  /// The next one of all; none where nothing is left.
+  [[nodiscard]] std::optional<std::int64_t> next_instant() const {
+    std::optional<std::int64_t> next;
+    for (const Cursor& cursor : cursors_)
+      if (is_left(cursor)) next = next ? std::min(*next, instant(cursor)) : instant(cursor);
+    return next;
   }
 
   /// Instant by instant, from where all inputs are known to where one stays away too long.
@@ -137,40 +181,45 @@ class Builder {
     std::vector<double> held(nu, 0);
     std::vector<std::int64_t> since(nu, std::numeric_limits<std::int64_t>::min());
     std::vector<double> times, y, u;
+    std::size_t most = 0;  // instants, as a rule
+    for (const LogSeries* series : of_signal_)
+      if (series != nullptr) most = std::max(most, series->time.size());
+    times.reserve(most);
+    y.reserve(most * static_cast<std::size_t>(ny));
+    u.reserve(most * nu);
     const auto finish = [&] {
       const auto N = static_cast<Index>(times.size());
       const bool measured =
           std::any_of(y.begin(), y.end(), [](double value) { return !std::isnan(value); });
       if (N >= 2 && measured)
-        records.push_back({name_, times, Eigen::Map<Eigen::MatrixXd>(y.data(), ny, N),
+        records.push_back({name_, std::move(times), Eigen::Map<Eigen::MatrixXd>(y.data(), ny, N),
                            Eigen::Map<Eigen::MatrixXd>(u.data(), static_cast<Index>(nu), N)});
-      times.clear();
-      y.clear();
-      u.clear();
+      times = y = u = {};  // their memory, too
     };
-    for (std::size_t i = 0; i < samples_.size();) {
-      const std::int64_t now = samples_[i].instant;
-      std::vector<double> row(static_cast<std::size_t>(ny), std::nan(""));
-      for (; i < samples_.size() && samples_[i].instant == now; ++i) {
-        const Sample& sample = samples_[i];
-        if (sample.signal < 0) {
-          const auto k = static_cast<std::size_t>(-1 - sample.signal);
-          if (since[k] != std::numeric_limits<std::int64_t>::min() &&
-              static_cast<double>(now - since[k]) > longest_hold_[k])
-            finish();
-          held[k] = sample.value;
-          since[k] = now;
-        } else {
-          double& slot = row[static_cast<std::size_t>(sample.signal)];
-          if (!std::isnan(slot) && model_.dt > 0)
-            throw InvalidInput(
-                name_, fmt::format("two samples of '{}' at {:.6g} s fall into one period of {} s, "
-                                   "expected one because the model is discrete",
-                                   known_[nu + static_cast<std::size_t>(sample.signal)],
-                                   start_ + static_cast<double>(now) * unit_, model_.dt));
-          slot = sample.value;
+    std::vector<double> row(static_cast<std::size_t>(ny));
+    for (auto next = next_instant(); next; next = next_instant()) {
+      const std::int64_t now = *next;
+      std::fill(row.begin(), row.end(), std::nan(""));
+      for (std::size_t k = 0; k < cursors_.size(); ++k)
+        for (; is_left(cursors_[k]) && instant(cursors_[k]) == now; ++cursors_[k].next) {
+          const double value = cursors_[k].series->values[cursors_[k].next];
+          if (k < nu) {
+            if (since[k] != std::numeric_limits<std::int64_t>::min() &&
+                static_cast<double>(now - since[k]) > longest_hold_[k])
+              finish();
+            held[k] = value;
+            since[k] = now;
+          } else {
+            double& slot = row[k - nu];
+            if (!std::isnan(slot) && model_.dt > 0)
+              throw InvalidInput(
+                  name_,
+                  fmt::format("two samples of '{}' at {:.6g} s fall into one period of {} s, "
+                              "expected one because the model is discrete",
+                              known_[k], start_ + static_cast<double>(now) * unit_, model_.dt));
+            slot = value;
+          }
         }
-      }
       bool known = true;
       for (std::size_t k = 0; k < nu; ++k)
         known = known && since[k] != std::numeric_limits<std::int64_t>::min() &&
@@ -194,7 +243,7 @@ class Builder {
   double start_ = 0;
   std::vector<std::string> known_;  ///< inputs, then outputs
   std::vector<const LogSeries*> of_signal_;
-  std::vector<Sample> samples_;
+  std::vector<Cursor> cursors_;       ///< as known_
   std::vector<double> longest_hold_;  ///< of each input, in units of instants
 };
 
@@ -202,8 +251,11 @@ class Builder {
 
 std::vector<FilterRecord> records_of_log(const FilterModel& model,
                                          const std::vector<ChannelUse>& uses,
-                                         const std::string& name) {
-  return Builder(model, uses, name).build();
+                                         const std::string& name,
+                                         const std::vector<ChannelUse>& truths) {
+  std::vector<FilterRecord> records = Builder(model, uses, name).build();
+  for (const ChannelUse& truth : truths) add_truth(model, truth, name, records);
+  return records;
 }
 
 }  // namespace quadtune

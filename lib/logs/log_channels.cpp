@@ -26,9 +26,12 @@ struct Wanted {
 
 class Collector {
  public:
-  Collector(const std::vector<std::string>& names, std::string origin)
-      : names_(names), origin_(std::move(origin)), found_(names.size()) {
-    result_.series.resize(names.size());
+  Collector(std::vector<std::string> names, std::size_t required, std::string origin)
+      : names_(std::move(names)),
+        required_(required),
+        origin_(std::move(origin)),
+        found_(names_.size()) {
+    result_.series.resize(names_.size());
   }
 
   void take_groups(const std::vector<LogGroup>& groups) {
@@ -57,7 +60,7 @@ class Collector {
 
   LogChannels result(const std::vector<LogGroup>& groups) {
     for (std::size_t i = 0; i < names_.size(); ++i) {
-      if (found_[i].empty()) refuse_unknown(names_[i], groups);
+      if (found_[i].empty() && i < required_) refuse_unknown(names_[i], groups);
       if (found_[i].size() > 1)
         throw InvalidInput(origin_, fmt::format("'{}' stands for several channels, expected one of "
                                                 "{} and {}",
@@ -68,13 +71,17 @@ class Collector {
   }
 
  private:
+  static bool is_number_of(const LogChannel& channel, const std::string& name) {
+    return channel.column > 0 && name == std::to_string(channel.column);
+  }
+
   // The full name wins over a short one that came before.
   void match(const LogGroup& group, std::size_t channel, std::size_t i,
              std::vector<Wanted>& wanted) {
     const LogChannel& candidate = group.channels[channel];
     const std::string full = full_name(group, candidate);
     const bool is_full = full == names_[i];
-    if (!is_full && candidate.name != names_[i]) return;
+    if (!is_full && candidate.name != names_[i] && !is_number_of(candidate, names_[i])) return;
     if (!is_full && !found_[i].empty() && found_[i][0] == names_[i]) return;
     if (is_full) found_[i].clear();
     found_[i].push_back(full);
@@ -103,7 +110,8 @@ class Collector {
                                             hint.empty() ? "; 'quadtune log' lists them" : hint));
   }
 
-  const std::vector<std::string>& names_;
+  std::vector<std::string> names_;
+  std::size_t required_;  // so many of the names the log must have
   std::string origin_;
   std::vector<std::vector<std::string>> found_;  // full names, by the name asked for
   std::vector<std::vector<Wanted>> wanted_;      // by group
@@ -114,9 +122,11 @@ class Collector {
 }  // namespace
 
 LogChannels read_log_channels(const std::string& path, const std::vector<std::string>& names,
-                              const LogOptions& options) {
+                              const LogOptions& options, const std::vector<std::string>& optional) {
   const std::unique_ptr<LogReader> reader = open_log(path, options);
-  Collector collector(names, path);
+  std::vector<std::string> all = names;
+  all.insert(all.end(), optional.begin(), optional.end());
+  Collector collector(std::move(all), names.size(), path);
   LogBlock block;
   while (reader->next(block)) {
     collector.take_groups(reader->groups());

@@ -11,14 +11,6 @@ namespace {
 
 using Pair = std::pair<std::string_view, std::string_view>;
 
-double ticks_of(std::string_view unit) {
-  if (unit == "s" || unit == "sec" || unit == "seconds") return 1;
-  if (unit == "ms") return 1e3;
-  if (unit == "us" || unit == "\xc2\xb5s" || unit == "\xce\xbcs") return 1e6;
-  if (unit == "ns") return 1e9;
-  return 0;
-}
-
 std::string lower(std::string_view text) {
   std::string result(text);
   std::transform(result.begin(), result.end(), result.begin(),
@@ -71,6 +63,14 @@ std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(kBlanks);
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+double ticks_of(std::string_view unit) {
+  if (unit == "s" || unit == "sec" || unit == "seconds") return 1;
+  if (unit == "ms") return 1e3;
+  if (unit == "us" || unit == "\xc2\xb5s" || unit == "\xce\xbcs") return 1e6;
+  if (unit == "ns") return 1e9;
+  return 0;
 }
 
 std::string common_unit(std::string_view unit) {

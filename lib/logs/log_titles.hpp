@@ -20,6 +20,9 @@ struct LogTitle {
 /// with a unit or the ending _s, _ms, _us or _ns.
 [[nodiscard]] LogTitle title_of(std::string_view text);
 
+/// So many of a unit of time are a second; 0 for what is none.
+[[nodiscard]] double ticks_of(std::string_view unit);
+
 /// "rad s^-1" and "rad/s" as "rad/s"; "m s^-2", "m/s²" as "m/s^2". Others stay as they are.
 [[nodiscard]] std::string common_unit(std::string_view unit);
 

@@ -66,7 +66,7 @@ std::string full_name(const LogGroup& group, const LogChannel& channel) {
 void LogReader::add_group(LogGroup group) {
   group.name = cleaned(group.name);
   for (LogChannel& channel : group.channels)
-    channel = {cleaned(channel.name), cleaned(channel.unit)};
+    channel = {cleaned(channel.name), cleaned(channel.unit), channel.column};
   groups_.push_back(std::move(group));
 }
 

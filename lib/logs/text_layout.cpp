@@ -92,8 +92,8 @@ class Chooser {
       if (!choice.name.empty()) chosen_.insert(columns_.back());
       if (choice.ticks == 0) continue;
       const LogTitle& title = titles_[columns_.back()];
-      parts.push_back(
-          {columns_.back(), choice.unit.empty() && title.ticks > 0 ? title.ticks : choice.ticks});
+      const double said = title.ticks > 0 ? title.ticks : ticks_of(title.unit);
+      parts.push_back({columns_.back(), choice.unit.empty() && said > 0 ? said : choice.ticks});
     }
     if (!parts.empty() && options_.rate_hz > 0)
       throw InvalidInput(where_, "has a time column and a rate, expected one of them");
@@ -173,7 +173,7 @@ class Chooser {
     std::string distinct = name.empty() ? fmt::format("c{}", column + 1) : name;
     while (!taken_.insert(distinct).second) distinct += fmt::format("#{}", column + 1);
     layout_.roles[column] = {TextRole::Kind::kChannel, layout_.channels.size()};
-    layout_.channels.push_back({distinct, unit.empty() ? titles_[column].unit : unit});
+    layout_.channels.push_back({distinct, unit.empty() ? titles_[column].unit : unit, column + 1});
   }
 
   const LogOptions& options_;

@@ -104,7 +104,7 @@ TEST(FilterFile, BuiltInModelsAreThoseOfTheSources) {
     EXPECT_FALSE(title.description.empty());
   }
   EXPECT_THAT(names, ElementsAre("local-level", "constant-velocity", "altitude", "velocity-xy",
-                                 "attitude"));
+                                 "attitude", "inertial", "uquad"));
   // Oliveira 2020, tables 3.1 and 3.2: 0.0005 and 0.09 a step of 5 ms.
   const FilterModel altitude = load_filter_model("altitude");
   EXPECT_NEAR(covariance(altitude.Q, start_of(altitude))(0, 0) * 0.005, 0.0005, 1e-15);
@@ -113,6 +113,15 @@ TEST(FilterFile, BuiltInModelsAreThoseOfTheSources) {
               MatrixNear(0.09 * MatrixXd::Identity(2, 2), 1e-14));
   EXPECT_THAT(covariance(velocity.sensors[0].R, start_of(velocity)),
               MatrixNear(5 * MatrixXd::Identity(2, 2), 1e-14));
+}
+
+TEST(FilterFile, RefusesWhatNonlinearFiltersDoNotLookAt) {
+  std::string text = text_of_filter_model(load_filter_model("inertial"));
+  const std::size_t at = text.find("[[sensors.R]]");
+  text.insert(at, "D = [[1, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0]]\n");
+  EXPECT_THAT([&] { (void)parse_filter_model(text, "m.toml"); },
+              ThrowsMessage<InvalidInput>(::testing::HasSubstr(
+                  "D came, expected none because the dynamics are 'inertial'")));
 }
 
 TEST(FilterFile, RefusesWhatItCannotRead) {
@@ -143,10 +152,11 @@ TEST(FilterFile, RefusesWhatItCannotRead) {
   refused("name = 'a'\nstates = ['x m]']\n",
           "m.toml:2: 'x m]' came, expected a name and, in brackets, its unit, as in 'vz [m/s]'");
   refused("name = 'a'\nstates = ['x']\nA = [[1, 2]]\n", "m.toml:3: A is 1x2, expected 1x1");
-  EXPECT_THAT([] { (void)load_filter_model("altitud"); },
-              ThrowsMessage<InvalidInput>(StrEq(
-                  "filter model: no model 'altitud', expected local-level, constant-velocity, "
-                  "altitude, velocity-xy, attitude or a file; did you mean 'altitude'?")));
+  EXPECT_THAT(
+      [] { (void)load_filter_model("altitud"); },
+      ThrowsMessage<InvalidInput>(StrEq(
+          "filter model: no model 'altitud', expected local-level, constant-velocity, "
+          "altitude, velocity-xy, attitude, inertial, uquad or a file; did you mean 'altitude'?")));
 }
 
 TEST(FilterFile, WritesWhatItReads) {

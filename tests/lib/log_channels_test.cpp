@@ -34,6 +34,25 @@ TEST_F(LogChannelsTest, AreReadByNameInTheOrderAskedFor) {
   EXPECT_THAT(channels.series[1].values, ElementsAre(1, 3));
 }
 
+TEST_F(LogChannelsTest, OfATextHaveNumbers) {
+  const std::string path = file("t,z[m],w\n0,1,\n1,,2\n2,3,4\n");
+  const LogChannels channels = read_log_channels(path, {"3", "2"});
+  EXPECT_EQ(channels.series[0].name, "w");
+  EXPECT_EQ(channels.series[1].name, "z");
+  EXPECT_THAT(channels.series[1].values, ElementsAre(1, 3));
+  EXPECT_THAT([&] { (void)read_log_channels(path, {"1"}); },
+              ThrowsMessage<InvalidInput>(HasSubstr("has no channel '1'")));  // the clock
+}
+
+TEST_F(LogChannelsTest, SomeMayBeAbsent) {
+  const std::string path = file("t,z,w\n0,1,5\n1,3,4\n");
+  const LogChannels channels = read_log_channels(path, {"w"}, {}, {"y", "z"});
+  ASSERT_EQ(channels.series.size(), 3U);
+  EXPECT_EQ(channels.series[1].name, "");
+  EXPECT_TRUE(channels.series[1].values.empty());
+  EXPECT_THAT(channels.series[2].values, ElementsAre(1, 3));
+}
+
 TEST_F(LogChannelsTest, WithoutTimeCountRows) {
   const LogChannels channels = read_log_channels(file("a,b\n1,\n,2\n3,4\n"), {"b"});
   EXPECT_FALSE(channels.series[0].timed);

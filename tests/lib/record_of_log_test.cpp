@@ -115,5 +115,35 @@ TEST(RecordOfLog, SaysWhatIsMissingOrWrong) {
           "the model is discrete")));
 }
 
+TEST(RecordOfLog, InterpolatesATruthButNotOverItsGaps) {
+  const FilterModel model = load_filter_model("constant-velocity");
+  std::vector<double> times, values;
+  for (int k = 0; k < 60; ++k) {
+    times.push_back(0.1 * k);
+    values.push_back(k);
+  }
+  const LogSeries truth =
+      series("v", "m/s", {0.05, 0.25, 0.45, 0.65, 5.05, 5.25}, {1, 3, 5, 7, 70, 72});
+  const auto records = records_of_log(model, {{"position", series("p", "m", times, values)}},
+                                      "a.csv", {{"velocity", truth}});
+  ASSERT_EQ(records.size(), 1);
+  const std::vector<double> known = row(records[0].truth, 1);
+  EXPECT_THAT(known[0], IsNan());
+  EXPECT_NEAR(known[1], 1.5, 1e-12);
+  EXPECT_NEAR(known[6], 6.5, 1e-12);
+  EXPECT_THAT(known[20], IsNan());
+  EXPECT_NEAR(known[52], 71.5, 1e-9);
+  EXPECT_THAT(known[53], IsNan());
+  EXPECT_THAT(row(records[0].truth, 0), ::testing::Each(IsNan()));
+  EXPECT_THAT(
+      [&] {
+        (void)records_of_log(model, {{"position", series("p", "m", times, values)}}, "a.csv",
+                             {{"speed", truth}});
+      },
+      ThrowsMessage<InvalidInput>(
+          StrEq("a.csv: the model 'constant-velocity' has no state 'speed', "
+                "expected one of position, velocity")));
+}
+
 }  // namespace
 }  // namespace quadtune

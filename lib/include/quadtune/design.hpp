@@ -50,6 +50,9 @@ struct KalmanDesign {
   Eigen::MatrixXd Q;  ///< (nw × nw) covariance of w per step
   Eigen::MatrixXd R;  ///< (ny × ny) covariance of v
   Eigen::MatrixXd N;  ///< (nw × ny) covariance of w and v; zero where the file has none
+  std::string tuned;  ///< the tuned model that Q and R come from, as named; empty for none
+  std::string tuned_text;     ///< its file's bytes, for the manifest's hash
+  std::string tuned_verdict;  ///< FilterModel::verdict
 };
 
 /// A PID cascade: its gains as written, or what is asked of them.

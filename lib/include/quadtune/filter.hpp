@@ -22,6 +22,8 @@ struct KalmanFilter {
   Eigen::MatrixXd L;  ///< (nx × ny) predictor gain: x[k+1|k] = A x[k|k-1] + L (y - C x[k|k-1])
   Eigen::MatrixXd P;  ///< (nx × nx) covariance before the measurement
   Eigen::MatrixXd Z;  ///< (nx × nx) covariance after the measurement
+  std::string noise_source =
+      {};  ///< where Q and R come from, e.g. a file; empty: they were written
 };
 
 }  // namespace quadtune

@@ -32,6 +32,9 @@ struct CovarianceModel {
   [[nodiscard]] Eigen::Index size() const { return fixed.rows(); }
 };
 
+/// Whether Σ(θ) is diagonal for every θ.
+[[nodiscard]] bool is_diagonal(const CovarianceModel& model);
+
 /// Entry (i, j) of the block of a FullCovariance.
 /// @param parameters  θ and a from its first parameter on.
 template <class T>

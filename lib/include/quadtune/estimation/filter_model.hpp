@@ -43,6 +43,11 @@ struct FilterSensor {
   Eigen::MatrixXd D;            ///< (ny × nu); empty means zero
   CovarianceModel R;            ///< (ny × ny), of a sample
   double delay = 0;             ///< a sample logged at t is of t - delay [s], ≥ 0
+  /// Degrees of freedom of Student's distribution, of scale R, where errors have long tails; > 2.
+  /// 0: they are normal. Needs a diagonal R.
+  double student = 0;
+  /// Largest e²/S, of scalars one by one, that a measurement is believed with; ≥ 4.
+  double gate = std::numeric_limits<double>::infinity();
 };
 
 /// x' = A x + B u + G w, w white of density Q [unit²/s]; or, where dt > 0, x[k+1] = A x[k] + B u[k]
@@ -64,8 +69,19 @@ struct FilterModel {
   Eigen::MatrixXd P0;         ///< (nx × nx) of its error, 0 in rows and columns of diffuse states
   std::vector<bool> diffuse;  ///< (nx) nothing is known of the state at the start
 
+  /// Of a model of inertial navigation, in world axes [m/s²]: its A, B and G are those of no
+  /// attitude in particular, and its records are linearized by a nonlinear_filter().
+  std::optional<Eigen::Vector3d> gravity = {};
+  /// Of a model of the rigid body, name or file of the vehicle: likewise.
+  std::string vehicle = {};
+
   std::vector<NoiseParameter> parameters;
 
+  /// Of the tuning that the starts come from: "pass", "fail" or "too short to tell"; empty for
+  /// none.
+  std::string verdict;
+
+  [[nodiscard]] bool linear() const { return !gravity && vehicle.empty(); }
   [[nodiscard]] Eigen::Index outputs() const;  ///< ny of all sensors
 };
 

@@ -13,7 +13,7 @@ namespace quadtune {
 
 /// Which of a log's channels is which input or output of a model.
 struct ChannelUse {
-  std::string signal;  ///< an input's or output's name, e.g. "height"
+  std::string signal;  ///< an input's, output's or, of a truth, a state's name, e.g. "height"
   LogSeries series;    ///< times increasing
 };
 
@@ -24,6 +24,8 @@ struct ChannelUse {
 ///
 /// @param uses  every input of the model, and one output at least; an output that is not among them
 ///              was not measured
+/// @param truths  what states truly were: between its samples a truth is interpolated, but not over
+///                more than ten of its typical periods
 /// @param name  of the record, for messages
 /// @return      at least one record
 /// @throws InvalidInput  "name: …" for a signal that is missing, unknown or given twice, a unit
@@ -32,6 +34,7 @@ struct ChannelUse {
 ///                       in one period of a discrete model, nothing in common.
 [[nodiscard]] std::vector<FilterRecord> records_of_log(const FilterModel& model,
                                                        const std::vector<ChannelUse>& uses,
-                                                       const std::string& name);
+                                                       const std::string& name,
+                                                       const std::vector<ChannelUse>& truths = {});
 
 }  // namespace quadtune

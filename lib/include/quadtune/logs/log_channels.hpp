@@ -27,13 +27,17 @@ struct LogChannels {
 };
 
 /// Reads channels of a log in one pass; the memory is that of the channels asked for.
-/// @param names  "group.channel", or "channel" where only one group has it.
+/// @param names  "group.channel", or "channel" where only one group has it; of a text also the
+///               number of a column, from 1.
+/// @param optional  further names that the log need not have: their series follow in this order,
+///               without name or samples where it does not
 /// @throws InvalidInput  for a name that the log does not have, with the nearest that it has, or
 ///                       that stands in several groups; and as open_log().
 /// @throws FileError     as open_log().
 [[nodiscard]] LogChannels read_log_channels(const std::string& path,
                                             const std::vector<std::string>& names,
-                                            const LogOptions& options = {});
+                                            const LogOptions& options = {},
+                                            const std::vector<std::string>& optional = {});
 
 /// Refuses what no method can use, in one line that begins with `where`: no time, fewer than
 /// `least` samples (all NaN included), time that does not increase.

@@ -22,7 +22,7 @@ namespace quadtune::internal {
 void require_text(std::string_view text, const std::string& origin, std::size_t limit);
 
 /// `text` fit for a one-line message: what is not printable ASCII becomes '?', and what is longer
-/// than 60 bytes is cut and ends in "...".
-[[nodiscard]] std::string printable(std::string_view text);
+/// than `longest` bytes is cut and ends in "...".
+[[nodiscard]] std::string printable(std::string_view text, std::size_t longest = 60);
 
 }  // namespace quadtune::internal

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/estimation/model_needs.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "logs/log_titles.hpp"
+#include "quadtune/estimation/filter_file.hpp"
+
+namespace quadtune {
+namespace {
+
+using internal::common_unit;
+
+/// More names than these help nobody.
+constexpr std::size_t kMostCandidates = 6;
+constexpr std::size_t kMostListed = 6;
+
+std::string name_in(const LogSurvey& log, const LogChannelSurvey& channel) {
+  return full_name(log.groups[channel.group].group, channel.channel);
+}
+
+/// What keeps a channel from being used at all; "" where nothing does.
+std::string fault_of(const LogChannelSurvey& channel, const LogSurvey& log) {
+  const LogTiming& timing = channel.timing;
+  if (!log.groups[channel.group].group.timed) return "has no time; --rate HZ gives a text one";
+  if (channel.samples < 2)
+    return channel.samples == 0 ? "never has a value" : "has one sample alone";
+  if (timing.duplicates + timing.backwards > 0)
+    return "has times that do not increase; --rate HZ gives a text others";
+  return "";
+}
+
+bool unit_agrees(const std::string& a, const std::string& b) {
+  return a.empty() || b.empty() || common_unit(a) == common_unit(b);
+}
+
+/// The channels of that name: the one whose full name it is, else all that are called so in their
+/// groups.
+std::vector<const LogChannelSurvey*> channels_named(const std::string& name, const LogSurvey& log) {
+  std::vector<const LogChannelSurvey*> found;
+  for (const LogChannelSurvey& channel : log.channels) {
+    if (name_in(log, channel) == name) return {&channel};
+    if (channel.channel.name == name) found.push_back(&channel);
+  }
+  return found;
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// Whether one of the names holds the other, or both begin with the same three letters. Single
+/// letters stand in too many names to say anything.
+bool alike(const std::string& signal, const std::string& channel) {
+  const std::string a = lower(signal), b = lower(channel);
+  if (a.size() < 2 || b.size() < 2) return a == b;
+  return a.find(b) != std::string::npos || b.find(a) != std::string::npos ||
+         (a.size() >= 3 && b.substr(0, 3) == a.substr(0, 3));
+}
+
+std::vector<std::string> candidates_for(const Signal& signal, const LogSurvey& log) {
+  std::vector<std::string> near, others;
+  for (const LogChannelSurvey& channel : log.channels) {
+    if (!fault_of(channel, log).empty() || channel.constant) continue;
+    const std::string& unit = channel.channel.unit;
+    const bool same_unit = !unit.empty() && common_unit(unit) == common_unit(signal.unit);
+    const bool like = alike(signal.name, channel.channel.name);
+    if (like && unit_agrees(signal.unit, unit))
+      near.push_back(name_in(log, channel));
+    else if (same_unit)
+      others.push_back(name_in(log, channel));
+  }
+  near.insert(near.end(), others.begin(), others.end());
+  if (near.size() > kMostCandidates) near.resize(kMostCandidates);
+  return near;
+}
+
+/// Fills in what feeds a signal, or what is missing.
+class Matcher {
+ public:
+  Matcher(const LogSurvey& log, ModelNeeds& needs) : log_(log), needs_(needs) {}
+
+  bool match(const Signal& signal, const std::string& sensor) {
+    const std::vector<const LogChannelSurvey*> found = channels_named(signal.name, log_);
+    MissingSignal missing{signal, sensor, "", {}};
+    if (found.size() > 1) {
+      for (const LogChannelSurvey* channel : found)
+        missing.candidates.push_back(name_in(log_, *channel));
+      missing.why = "stands in several tables";
+    } else if (found.size() == 1) {
+      missing.why = fault_of(*found[0], log_);
+      const std::string& unit = found[0]->channel.unit;
+      if (missing.why.empty() && !unit_agrees(signal.unit, unit))
+        missing.why = fmt::format("is in {}, expected {}", unit, signal.unit);
+      if (missing.why.empty()) {
+        needs_.uses.push_back({signal.name, name_in(log_, *found[0])});
+        return true;
+      }
+    }
+    if (missing.candidates.empty()) missing.candidates = candidates_for(signal, log_);
+    needs_.missing.push_back(std::move(missing));
+    return false;
+  }
+
+ private:
+  const LogSurvey& log_;
+  ModelNeeds& needs_;
+};
+
+std::string with_unit(const Signal& signal) {
+  return signal.unit.empty() ? signal.name : fmt::format("{} [{}]", signal.name, signal.unit);
+}
+
+/// "az [m/s2], height [m] (is in cm, expected m)", with its sensor where several lack something.
+std::string list_of(const ModelNeeds& needs) {
+  const std::string& last = needs.missing.back().sensor;
+  const bool several = std::any_of(
+      needs.missing.begin(), needs.missing.end(),
+      [&](const MissingSignal& one) { return !one.sensor.empty() && one.sensor != last; });
+  std::vector<std::string> items;
+  for (const MissingSignal& one : needs.missing) {
+    std::string item = with_unit(one.signal);
+    if (several && !one.sensor.empty()) item += " of " + one.sensor;
+    if (!one.why.empty()) item += fmt::format(" ({})", one.why);
+    items.push_back(std::move(item));
+  }
+  if (items.size() > kMostListed) {
+    const std::size_t more = items.size() - kMostListed;
+    items.resize(kMostListed);
+    items.push_back(fmt::format("{} more", more));
+  }
+  return fmt::format("{}", fmt::join(items, ", "));
+}
+
+}  // namespace
+
+ModelSignals signals_of(const FilterModel& model) {
+  ModelSignals signals{model.name, model.inputs, {}};
+  for (const FilterSensor& sensor : model.sensors)
+    signals.sensors.push_back({sensor.name, sensor.outputs});
+  return signals;
+}
+
+std::vector<ModelSignals> signals_of_built_in_models() {
+  std::vector<ModelSignals> result;
+  for (const FilterModelTitle& title : built_in_filter_models())
+    result.push_back(signals_of(load_filter_model(title.name)));
+  return result;
+}
+
+ModelNeeds needs_of_model(const ModelSignals& model, const LogSurvey& log) {
+  ModelNeeds needs;
+  needs.model = model.name;
+  Matcher matcher(log, needs);
+  bool inputs = true;
+  for (const Signal& input : model.inputs) inputs = matcher.match(input, "") && inputs;
+  bool measured = false;
+  for (const ModelSignals::Sensor& sensor : model.sensors) {
+    bool whole = true;
+    for (const Signal& output : sensor.outputs) whole = matcher.match(output, sensor.name) && whole;
+    measured = measured || whole;
+  }
+  needs.feeds = inputs && measured;
+  return needs;
+}
+
+std::string to_text(const ModelNeeds& needs) {
+  if (needs.feeds) {
+    std::vector<std::string> channels;
+    for (const auto& use : needs.uses) channels.push_back(use.second);
+    std::string text = fmt::format("{}: fed by {}", needs.model, fmt::join(channels, ", "));
+    return needs.missing.empty()
+               ? text
+               : text + "; --map the measurements that are there, without " + list_of(needs);
+  }
+  std::string text = fmt::format("{}: needs {}; --map {}=CHANNEL names {} called otherwise",
+                                 needs.model, list_of(needs), needs.missing.front().signal.name,
+                                 needs.missing.size() == 1 ? "it if it is" : "one that is");
+  for (std::size_t i = 0; i < std::min(needs.missing.size(), kMostListed); ++i) {
+    const MissingSignal& one = needs.missing[i];
+    if (!one.candidates.empty())
+      text += fmt::format("\n  {} may be {}", one.signal.name, fmt::join(one.candidates, ", "));
+  }
+  return text;
+}
+
+}  // namespace quadtune
