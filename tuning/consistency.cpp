@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "quadtune/errors.hpp"
@@ -18,13 +20,25 @@ using Eigen::VectorXd;
 /// Standardized innovations of one output, record by record.
 using Series = std::vector<std::vector<double>>;
 
-Series standardized(const std::vector<FilterRun>& runs, Index output) {
+/// The normal deviate that is as rare as a Student's.
+double normal_score(double t, double student) {
+  const boost::math::students_t tailed(student);
+  const double beyond = boost::math::cdf(boost::math::complement(tailed, std::abs(t)));
+  const double z = boost::math::quantile(
+      boost::math::complement(boost::math::normal(), std::max(beyond, 1e-300)));
+  return std::copysign(z, t);
+}
+
+/// @param student  degrees of freedom of the errors; 0: they are normal
+Series standardized(const std::vector<FilterRun>& runs, Index output, double student) {
   Series series;
   for (const FilterRun& run : runs) {
     std::vector<double>& z = series.emplace_back();
     for (Index k = 0; k < run.innovation.cols(); ++k)
       if (!std::isnan(run.innovation(output, k)))
         z.push_back(run.innovation(output, k) / std::sqrt(run.variance(output, k)));
+    if (student > 0)
+      for (double& value : z) value = normal_score(value, student);
   }
   return series;
 }
@@ -208,7 +222,7 @@ Consistency check_consistency(const FilterModel& model, const std::vector<Filter
   Index output = 0;
   for (const FilterSensor& sensor : model.sensors)
     for (const Signal& signal : sensor.outputs) {
-      const Series series = standardized(runs, output++);
+      const Series series = standardized(runs, output++, sensor.student);
       result.outputs.push_back(
           statistics_of(series, fmt::format("{}: {}", sensor.name, signal.name), options.lags));
       if (result.outputs.back().samples > 0) checker.check(result.outputs.back());
@@ -230,6 +244,69 @@ Consistency check_consistency(const FilterModel& model, const std::vector<Filter
   }
   if (result.checks.empty()) result.reasons.push_back("no innovations to look at");
   return result;
+}
+
+namespace {
+
+/// How many independent samples of z² so many correlated ones are worth: the sum of the squared
+/// autocorrelations up to where they are lost in noise.
+double independent_samples(const std::vector<double>& z) {
+  const auto n = static_cast<double>(z.size());
+  double mean = 0, variance = 0;
+  for (const double value : z) mean += value / n;
+  for (const double value : z) variance += (value - mean) * (value - mean) / n;
+  double sum = 1;
+  for (std::size_t lag = 1; lag < z.size() / 2; ++lag) {
+    double c = 0;
+    for (std::size_t k = lag; k < z.size(); ++k) c += (z[k] - mean) * (z[k - lag] - mean);
+    const double r = c / (n * variance);
+    if (!(r > 2 / std::sqrt(n))) break;
+    sum += 2 * r * r;
+  }
+  return n / sum;
+}
+
+}  // namespace
+
+std::vector<ConsistencyCheck> check_errors(const FilterModel& model,
+                                           const std::vector<FilterRecord>& records,
+                                           const std::vector<FilterRun>& runs,
+                                           const ConsistencyOptions& options) {
+  check_options(options);
+  std::vector<ConsistencyCheck> checks;
+  for (Index i = 0; i < model.A.rows(); ++i) {
+    double squares = 0, count = 0, independent = 0;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+      if (records[r].truth.size() == 0) continue;
+      std::vector<double> z;
+      for (Index k = 0; k < runs[r].x.cols(); ++k) {
+        const double value =
+            (runs[r].x(i, k) - records[r].truth(i, k)) / std::sqrt(runs[r].x_variance(i, k));
+        if (std::isfinite(value)) z.push_back(value);
+      }
+      for (const double value : z) squares += value * value;
+      count += static_cast<double>(z.size());
+      if (z.size() > 2) independent += independent_samples(z);
+    }
+    if (count == 0) continue;
+    ConsistencyCheck c{"error", model.states[static_cast<std::size_t>(i)].name, squares / count};
+    const double freedom = std::max(independent, 1.0), half = 0.5 * options.significance;
+    const boost::math::chi_squared chi(freedom);
+    c.low = boost::math::quantile(chi, half) / freedom;
+    c.high = boost::math::quantile(boost::math::complement(chi, half)) / freedom;
+    const double below = boost::math::cdf(chi, c.value * freedom);
+    c.p = 2 * std::min(below, 1 - below);
+    if ((c.value < c.low || c.value > c.high) &&
+        (c.value < options.least_size || c.value > options.most_size)) {
+      c.verdict = CheckVerdict::fail;
+      c.reason = fmt::format(
+          "{}: the squared error is {:.3g} times as large as its variance says, and {:.0f} "
+          "independent errors leave no doubt",
+          c.output, c.value, freedom);
+    }
+    checks.push_back(c);
+  }
+  return checks;
 }
 
 std::string to_string(CheckVerdict verdict) {

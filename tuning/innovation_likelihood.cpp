@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "dense_likelihood.hpp"
 #include "likelihood_evaluator.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/matrix_checks.hpp"
@@ -11,11 +14,14 @@ namespace quadtune {
 namespace {
 
 using Eigen::Index;
+using internal::DenseLikelihood;
 using internal::LikelihoodEvaluator;
 using internal::PreparedModel;
 
 std::unique_ptr<LikelihoodEvaluator> evaluator_of(const PreparedModel& prepared, int jets) {
-  if (!prepared.correlated) switch (prepared.model.A.rows()) {
+  const bool linear = std::all_of(prepared.records.begin(), prepared.records.end(),
+                                  [](const auto& record) { return record.linearized.empty(); });
+  if (!prepared.correlated && linear) switch (prepared.model.A.rows()) {
       case 1:
         return internal::make_evaluator<1>(prepared, jets);
       case 2:
@@ -35,6 +41,8 @@ std::unique_ptr<LikelihoodEvaluator> evaluator_of(const PreparedModel& prepared,
 struct InnovationLikelihood::Parts {
   std::shared_ptr<const PreparedModel> prepared;
   std::unique_ptr<LikelihoodEvaluator> value, slope;
+  /// What is faster: of few states the gradient by many parameters, of many states the value too.
+  std::unique_ptr<DenseLikelihood> dense_value, dense_gradient;
   int jets = 2;
   bool hold = true;
 
@@ -43,6 +51,9 @@ struct InnovationLikelihood::Parts {
     jets = prepared->correlated || p > 4 ? 16 : (p > 2 ? 4 : 2);
     value = evaluator_of(*prepared, 0);
     slope = evaluator_of(*prepared, jets);
+    const bool many_states = prepared->model.A.rows() > 4;
+    if (many_states) dense_value = internal::make_dense_likelihood(*prepared);
+    if (many_states || p > 4) dense_gradient = internal::make_dense_likelihood(*prepared);
   }
 };
 
@@ -85,7 +96,14 @@ Likelihood InnovationLikelihood::evaluate(const Eigen::Ref<const Eigen::VectorXd
   require_finite(theta, "likelihood", "theta");
   Likelihood result;
   if (order == LikelihoodOrder::value || p == 0) {
-    parts_->value->evaluate(theta, 0, false, parts_->hold, result);
+    if (parts_->dense_value)
+      parts_->dense_value->evaluate(theta, false, parts_->hold, result);
+    else
+      parts_->value->evaluate(theta, 0, false, parts_->hold, result);
+    return result;
+  }
+  if (order == LikelihoodOrder::gradient && parts_->dense_gradient) {
+    parts_->dense_gradient->evaluate(theta, true, parts_->hold, result);
     return result;
   }
   const bool information = order == LikelihoodOrder::information;

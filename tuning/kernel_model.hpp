@@ -55,6 +55,9 @@ struct KernelModel {
   Eigen::MatrixXd P0;
   Eigen::MatrixXd P0_diffuse;
   int diffuse_rank = 0;
+  std::vector<T> variances;     ///< exp(θ) of the terms of Q.scaled, for linearized records
+  std::vector<double> student;  ///< (ny) degrees of freedom; empty where all noise is normal
+  std::vector<double> gate;     ///< (ny) largest e²/S, looked at where a trace is kept
 };
 
 /// What is written down of a run, where it is asked for.
@@ -63,6 +66,7 @@ struct KernelTrace {
   Eigen::MatrixXd* variance;
   Eigen::MatrixXd* x;
   Eigen::MatrixXd* x_variance;
+  Eigen::Matrix<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic>* refused;
 };
 
 /// Sums over records.
@@ -71,6 +75,7 @@ struct KernelSums {
   LogSum<T> logs;
   T squares = T(0);
   std::int64_t used = 0, diffuse = 0;
+  double constants = 0;  ///< what Student's densities have besides logs and squares, twice
   Eigen::MatrixXd* information = nullptr;  ///< added to where it is asked for
   /// Where it failed: sample and output; -1 where it did not.
   Eigen::Index bad_sample = -1, bad_output = -1;

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "quadtune/estimation/filter_record.hpp"
+
 namespace quadtune::internal {
 
 /// Largest number of states of a model, and of outputs of all its sensors.
@@ -25,6 +27,8 @@ struct KernelRecord {
   const std::uint32_t* transition = nullptr;  ///< from each sample to the next
   const KernelSegment* segments = nullptr;
   std::size_t segment_count = 0;
+  const LinearizedInstant* linearized = nullptr;  ///< one a sample; null where the model is linear
+  const FilterStart* start = nullptr;             ///< null: the model's
 };
 
 }  // namespace quadtune::internal

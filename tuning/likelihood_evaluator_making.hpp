@@ -3,31 +3,14 @@
 /// states a source file.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <numbers>
 
 #include "likelihood_evaluator.hpp"
 #include "likelihood_kernel.hpp"
+#include "prepared_noise.hpp"
 
 namespace quadtune::internal {
-
-inline std::string place_of(const PreparedModel& prepared, std::size_t record, Eigen::Index sample,
-                            Eigen::Index output) {
-  Eigen::Index i = output;
-  std::string name;
-  for (const FilterSensor& sensor : prepared.model.sensors) {
-    if (i < sensor.C.rows()) {
-      name = sensor.outputs[static_cast<std::size_t>(i)].name;
-      break;
-    }
-    i -= sensor.C.rows();
-  }
-  const FilterRecord& of = prepared.records[record];
-  return fmt::format("{}: the variance of the innovation of {} at {} s is not positive", of.name,
-                     name, of.time[static_cast<std::size_t>(sample)]);
-}
 
 template <class T, bool correlated, int nx>
 class Evaluator final : public LikelihoodEvaluator {
@@ -55,6 +38,15 @@ class Evaluator final : public LikelihoodEvaluator {
         kernel_model_.P0_diffuse(i, i) = 1;
         ++kernel_model_.diffuse_rank;
       }
+    kernel_model_.variances.assign(model.Q.scaled.size(), T(0));
+    for (const FilterSensor& sensor : model.sensors)
+      for (Eigen::Index i = 0; i < sensor.C.rows(); ++i) {
+        kernel_model_.gate.push_back(sensor.gate);
+        kernel_model_.student.push_back(sensor.student);
+      }
+    if (std::all_of(kernel_model_.student.begin(), kernel_model_.student.end(),
+                    [](double freedom) { return freedom == 0; }))
+      kernel_model_.student.clear();
     R_.resize(ny, ny);
     if constexpr (correlated) kernel_model_.L.resize(ny, ny);
     parameters_.resize(model.parameters.size());
@@ -83,14 +75,14 @@ class Evaluator final : public LikelihoodEvaluator {
       Kernel kernel(kernel_model_, prepared_.prepared[r].view, hold_steady_gains);
       if (kernel.run(sums, nullptr)) continue;
       result.status = LikelihoodStatus::not_positive;
-      result.culprit = place_of(prepared_, r, sums.bad_sample, sums.bad_output);
+      result.culprit = not_positive(prepared_, r, sums.bad_sample, sums.bad_output);
       return;
     }
     result.innovations = sums.used;
     result.diffuse = sums.diffuse;
     const T twice = sums.logs.value() + sums.squares;
-    result.value =
-        -0.5 * (plain(twice) + static_cast<double>(sums.used) * std::log(2 * std::numbers::pi));
+    result.value = -0.5 * (plain(twice) + sums.constants +
+                           static_cast<double>(sums.used) * std::log(2 * std::numbers::pi));
     result.status =
         std::isfinite(result.value) ? LikelihoodStatus::computed : LikelihoodStatus::overflowed;
     if constexpr (is_jet<T>) {
@@ -113,13 +105,14 @@ class Evaluator final : public LikelihoodEvaluator {
     run.variance.setConstant(view.ny, view.samples, none);
     run.x.setConstant(prepared_.model.A.rows(), view.samples, none);
     run.x_variance.setConstant(prepared_.model.A.rows(), view.samples, none);
-    const KernelTrace into{&run.innovation, &run.variance, &run.x, &run.x_variance};
+    run.refused.setZero(view.ny, view.samples);
+    const KernelTrace into{&run.innovation, &run.variance, &run.x, &run.x_variance, &run.refused};
     KernelSums<T> sums;
     Kernel kernel(kernel_model_, view, false);
     run.status =
         kernel.run(sums, &into) ? LikelihoodStatus::computed : LikelihoodStatus::not_positive;
     if (run.status == LikelihoodStatus::not_positive)
-      run.culprit = place_of(prepared_, record, sums.bad_sample, sums.bad_output);
+      run.culprit = not_positive(prepared_, record, sums.bad_sample, sums.bad_output);
     else if (!std::isfinite(plain(sums.squares)))
       run.status = LikelihoodStatus::overflowed;
   }
@@ -134,29 +127,14 @@ class Evaluator final : public LikelihoodEvaluator {
       }
     }
     fill_measurements();
-    for (std::size_t i = 0; i < prepared_.transitions.size(); ++i)
-      fill_noise(prepared_.transitions[i], kernel_model_.transitions[i].Q);
-  }
-
-  void fill_noise(const PreparedTransition& from, typename KernelTransition<T, nx>::MatrixT& Q) {
     using std::exp;
-    const CovarianceModel& model = prepared_.model.Q;
-    const Eigen::Index n = Q.rows();
-    const auto add = [&](const Eigen::MatrixXd& shape, const T& factor) {
-      for (Eigen::Index j = 0; j < n; ++j)
-        for (Eigen::Index i = 0; i < n; ++i)
-          if (shape(i, j) != 0) Q(i, j) += factor * shape(i, j);
-    };
-    for (Eigen::Index j = 0; j < n; ++j)
-      for (Eigen::Index i = 0; i < n; ++i) Q(i, j) = T(from.fixed(i, j));
-    for (std::size_t t = 0; t < model.scaled.size(); ++t)
-      add(from.scaled[t], T(exp(parameters_[static_cast<std::size_t>(model.scaled[t].parameter)])));
-    for (std::size_t t = 0; t < model.full.size(); ++t) {
-      const T* parameters = parameters_.data() + model.full[t].first_parameter;
-      std::size_t entry = 0;
-      for (int i = 0; i < static_cast<int>(model.full[t].entries.size()); ++i)
-        for (int j = 0; j <= i; ++j) add(from.full[t][entry++], full_entry(parameters, i, j));
-    }
+    const CovarianceModel& Q = prepared_.model.Q;
+    for (std::size_t t = 0; t < Q.scaled.size(); ++t)
+      kernel_model_.variances[t] =
+          T(exp(parameters_[static_cast<std::size_t>(Q.scaled[t].parameter)]));
+    for (std::size_t i = 0; i < prepared_.transitions.size(); ++i)
+      fill_noise(prepared_.model.Q, prepared_.transitions[i], parameters_.data(),
+                 kernel_model_.transitions[i].Q);
   }
 
   void fill_measurements() {

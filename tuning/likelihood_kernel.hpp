@@ -33,12 +33,13 @@ class LikelihoodKernel {
   /// @return  false where an innovation has no positive variance; see sums.
   bool run(KernelSums<T>& sums, const KernelTrace* trace) {
     start();
-    const bool one_output = record_.ny == 1 && nx != -1 && !correlated && trace == nullptr;
+    const bool one_output =
+        record_.ny == 1 && nx != -1 && !correlated && trace == nullptr && model_.student.empty();
     for (std::size_t s = 0; s < record_.segment_count; ++s) {
       const KernelSegment& segment = record_.segments[s];
       Eigen::Index k = segment.begin;
-      const bool may_settle =
-          hold_ && segment.complete && trace == nullptr && segment.end - segment.begin > 2 * kEvery;
+      const bool may_settle = hold_ && segment.complete && trace == nullptr &&
+                              model_.student.empty() && segment.end - segment.begin > 2 * kEvery;
       Settling settling;
       while (k < segment.end) {
         const Eigen::Index stop = std::min(k + kEvery, segment.end);
@@ -90,6 +91,31 @@ class LikelihoodKernel {
         diffuse_P_(i, j) = model_.P0_diffuse(i, j);
       }
     rank_ = model_.diffuse_rank;
+    if (record_.start == nullptr) return;
+    rank_ = 0;
+    diffuse_P_.setZero();
+    for (Eigen::Index j = 0; j < n(); ++j) {
+      x_(j) = T(record_.start->x(j));
+      for (Eigen::Index i = 0; i < n(); ++i) P_(i, j) = T(record_.start->P(i, j));
+    }
+  }
+
+  /// Row i of C at instant k.
+  const RowOfC& row_of(Eigen::Index k, Eigen::Index i) {
+    if constexpr (nx == -1 && !correlated) {
+      if (record_.linearized != nullptr) {
+        row_.column.clear();
+        row_.value.clear();
+        const Eigen::MatrixXd& C = record_.linearized[k].C;
+        for (Eigen::Index j = 0; j < n(); ++j)
+          if (C(i, j) != 0) {
+            row_.column.push_back(static_cast<int>(j));
+            row_.value.push_back(C(i, j));
+          }
+        return row_;
+      }
+    }
+    return model_.C[static_cast<std::size_t>(i)];
   }
 
   /// Row i of the measurements of instant k, less what the inputs and, where R is full, the
@@ -115,8 +141,8 @@ class LikelihoodKernel {
     const double* y = record_.y + k * record_.ny;
     for (Eigen::Index i = 0; i < record_.ny; ++i) {
       if (y[i] != y[i]) continue;
-      const RowOfC& c = model_.C[static_cast<std::size_t>(i)];
-      const T& R = model_.R[static_cast<std::size_t>(i)];
+      const RowOfC& c = row_of(k, i);
+      T R = model_.R[static_cast<std::size_t>(i)];
       T e = measured(k, i);
       c.each([&](int j, const Row& C) { e -= C * x_(j); });
       if (rank_ > 0 && take_up(c, e, R, sums)) continue;
@@ -128,15 +154,22 @@ class LikelihoodKernel {
         sums.bad_output = i;
         return false;
       }
-      const T inverse = T(1) / S;
+      if (trace != nullptr) {
+        (*trace->variance)(i, k) = plain(S);
+        if (plain(e) * plain(e) > model_.gate[static_cast<std::size_t>(i)] * plain(S)) {
+          (*trace->refused)(i, k) = 1;
+          continue;
+        }
+        (*trace->innovation)(i, k) = plain(e);
+      }
       sums.logs.add(S);
-      sums.squares += e * e * inverse;
       ++sums.used;
       if (sums.information != nullptr) inform(e, S, 1, sums);
-      if (trace != nullptr) {
-        (*trace->innovation)(i, k) = plain(e);
-        (*trace->variance)(i, k) = plain(S);
-      }
+      if (model_.student.empty() || model_.student[static_cast<std::size_t>(i)] == 0)
+        sums.squares += e * e / S;
+      else
+        S += weigh(e, S, model_.student[static_cast<std::size_t>(i)], R, sums);
+      const T inverse = T(1) / S;
       // Joseph's form in two rank-one steps.
       const Vector K = PC_ * inverse;
       x_ += K * e;
@@ -146,6 +179,19 @@ class LikelihoodKernel {
       for (Eigen::Index j = 0; j < n(); ++j) P_.col(j) += rest * K(j);
     }
     return true;
+  }
+
+  /// Student's density of an innovation of scale S.
+  /// @param R  to be divided by the weight of the measurement.
+  /// @return   what that adds to S
+  T weigh(const T& e, const T& S, double freedom, T& R, KernelSums<T>& sums) {
+    using std::lgamma, std::log;
+    const T square = e * e / S;
+    sums.squares += (freedom + 1) * T(log(T(1) + square / freedom));
+    sums.constants += std::log(freedom / 2) + 2 * (lgamma(freedom / 2) - lgamma(freedom / 2 + 0.5));
+    const T before = R;
+    R *= (freedom + square) / (freedom + 1);
+    return R - before;
   }
 
   /// Correction by one output and prediction in one, with everything in registers: what does not
@@ -259,7 +305,25 @@ class LikelihoodKernel {
     }
   }
 
+  void predict_linearized(Eigen::Index k) {
+    const LinearizedInstant& step = record_.linearized[k];
+    const Plain F = step.F;
+    const Vector x = multiply(F, x_);
+    for (Eigen::Index i = 0; i < n(); ++i) x_(i) = x(i) + step.offset(i);
+    propagate(F, P_);
+    for (std::size_t t = 0; t < step.noise.size(); ++t)
+      for (Eigen::Index j = 0; j < n(); ++j)
+        for (Eigen::Index i = 0; i < n(); ++i)
+          if (step.noise[t](i, j) != 0) P_(i, j) += model_.variances[t] * step.noise[t](i, j);
+  }
+
   void predict(Eigen::Index k) {
+    if constexpr (nx == -1 && !correlated) {
+      if (record_.linearized != nullptr) {
+        predict_linearized(k);
+        return;
+      }
+    }
     const KernelTransition<T, nx>& step = model_.transitions[record_.transition[k]];
     const Vector x = multiply(step.F, x_);
     x_ = x;
@@ -438,6 +502,35 @@ class LikelihoodKernel {
     T x0 = x_(0), x1 = x_(1), squares = T(0);
     const bool one_input = record_.nu == 1 && model_.D.size() == 0;
     const double b0 = one_input ? step.B(0, 0) : 0, b1 = one_input ? step.B(1, 0) : 0;
+    SlopeOuter<T> outer;
+    if (one_input || record_.nu == 0) {
+      // Two samples at once: the state waits for its predecessor half as often.
+      const T aa00 = a00 * a00 + a01 * a10, aa01 = a00 * a01 + a01 * a11,
+              aa10 = a10 * a00 + a11 * a10, aa11 = a10 * a01 + a11 * a11;
+      const T ca0 = c0 * a00 + c1 * a10, ca1 = c0 * a01 + c1 * a11;
+      const T ak0 = a00 * k0 + a01 * k1, ak1 = a10 * k0 + a11 * k1, ck = c0 * k0 + c1 * k1;
+      const T ab0 = a00 * b0 + a01 * b1, ab1 = a10 * b0 + a11 * b1;
+      const double cb = c0 * b0 + c1 * b1;
+      T more = T(0);
+      for (; k + 1 < end; k += 2) {
+        const double y = record_.y[k], y_next = record_.y[k + 1];
+        const double u = one_input ? record_.u[k] : 0, u_next = one_input ? record_.u[k + 1] : 0;
+        const T e = y - (c0 * x0 + c1 * x1);
+        const T e_next = ((y_next - cb * u) - ck * y) - (ca0 * x0 + ca1 * x1);
+        add_square(e, squares);
+        add_square(e_next, more);
+        if (sums.information != nullptr) {
+          outer.add(e);
+          outer.add(e_next);
+        }
+        const T known0 = (ak0 * y + ab0 * u) + (k0 * y_next + b0 * u_next);
+        const T known1 = (ak1 * y + ab1 * u) + (k1 * y_next + b1 * u_next);
+        const T next0 = aa00 * x0 + (aa01 * x1 + known0);
+        x1 = aa11 * x1 + (aa10 * x0 + known1);
+        x0 = next0;
+      }
+      squares += more;
+    }
     for (; k < end; ++k) {
       double y = record_.y[k], u0 = 0, u1 = 0;
       if (one_input) {
@@ -453,8 +546,8 @@ class LikelihoodKernel {
         }
       }
       const T e = y - (c0 * x0 + c1 * x1);
-      squares += e * e;
-      if (sums.information != nullptr) inform(e, S, 0, sums);
+      add_square(e, squares);
+      if (sums.information != nullptr) outer.add(e);
       const T next0 = a00 * x0 + a01 * x1 + (k0 * y + u0);
       x1 = a10 * x0 + a11 * x1 + (k1 * y + u1);
       x0 = next0;
@@ -462,6 +555,17 @@ class LikelihoodKernel {
     x_(0) = x0;
     x_(1) = x1;
     sums.squares += squares / S;
+    if (sums.information != nullptr) outer.add_to(*sums.information, 1 / plain(S));
+  }
+
+  /// sum += e²
+  static void add_square(const T& e, T& sum) {
+    if constexpr (is_jet<T>) {
+      sum.a += e.a * e.a;
+      sum.v += (2 * e.a) * e.v;
+    } else {
+      sum += e * e;
+    }
   }
 
   void write_down(Eigen::Index k, const KernelTrace& trace) {
@@ -480,6 +584,7 @@ class LikelihoodKernel {
   Matrix P_;
   Plain diffuse_P_;
   int rank_ = 0;
+  RowOfC row_;
   std::array<T, correlated ? kMostOutputs : 1> whitened_{};
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Sums of logarithms of plain numbers and of jets, which carry derivatives.
+/// Sums over plain numbers and over jets, which carry derivatives: of logarithms, of slopes'
+/// products.
 #pragma once
 
 #include <ceres/jet.h>
@@ -70,6 +71,23 @@ class LogSum {
   double product_ = 1;
   double sum_ = 0;
   typename SlopeOf<T>::type slope_ = zero();
+};
+
+/// Σ e' e'ᵀ, e' the derivatives of a jet; of plain numbers nothing.
+template <class T>
+class SlopeOuter {
+ public:
+  void add(const T& /*e*/) {}
+  void add_to(Eigen::MatrixXd& /*sum*/, double /*factor*/) const {}
+};
+template <int p>
+class SlopeOuter<ceres::Jet<double, p>> {
+ public:
+  void add(const ceres::Jet<double, p>& e) { sum_ += e.v * e.v.transpose(); }
+  void add_to(Eigen::MatrixXd& sum, double factor) const { sum += factor * sum_; }
+
+ private:
+  Eigen::Matrix<double, p, p> sum_ = Eigen::Matrix<double, p, p>::Zero();
 };
 
 }  // namespace quadtune::internal

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "noise_description.hpp"
+
 namespace quadtune::internal {
 namespace {
 
@@ -25,21 +27,6 @@ constexpr double kLeastInformation = 0.1;
 constexpr double kLeastGain = 1e-4;
 /// What a stride must gain in log-likelihood.
 constexpr double kGain = 1e-3;
-
-VectorXd chosen(const VectorXd& all, const std::vector<int>& free) {
-  VectorXd result(static_cast<Index>(free.size()));
-  for (Index i = 0; i < result.size(); ++i) result(i) = all(free[static_cast<std::size_t>(i)]);
-  return result;
-}
-
-MatrixXd chosen(const MatrixXd& all, const std::vector<int>& free) {
-  const auto n = static_cast<Index>(free.size());
-  MatrixXd result(n, n);
-  for (Index i = 0; i < n; ++i)
-    for (Index j = 0; j < n; ++j)
-      result(i, j) = all(free[static_cast<std::size_t>(i)], free[static_cast<std::size_t>(j)]);
-  return result;
-}
 
 /// Coordinates in which the information is the identity, where it is not small.
 struct Whitening {

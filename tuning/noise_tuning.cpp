@@ -3,7 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <boost/math/distributions/normal.hpp>
 #include <cmath>
+#include <functional>
+#include <numbers>
 
 #include "quadtune/errors.hpp"
 
@@ -15,83 +19,406 @@ using Eigen::VectorXd;
 
 /// Least number of innovations that a stretch held out must have to say something.
 constexpr Index kLeastHeldOut = 30;
+/// Fits with a new path or new refusals each.
+constexpr int kMostRounds = 20;
+/// Change of θ, in standard errors or, of what is not seen, in logarithms, that ends them.
+constexpr double kSettled = 0.01;
+/// Tails of a gated sensor in the first fit: with these an outlier has little weight.
+constexpr double kLongTails = 4;
 
-/// A record up to the share, and the rest of it.
-void split(const FilterRecord& record, double holdout, std::vector<FilterRecord>& first,
-           std::vector<FilterRecord>& rest) {
-  const Index N = record.samples();
-  const auto cut = static_cast<Index>(std::ceil(static_cast<double>(N) * (1 - holdout)));
-  const auto part = [&](Index begin, Index count) {
-    FilterRecord result;
-    result.name = record.name;
-    result.time.assign(record.time.begin() + begin, record.time.begin() + begin + count);
-    result.y = record.y.middleCols(begin, count);
-    result.u = record.u.middleCols(begin, count);
-    return result;
-  };
-  first.push_back(part(0, cut));
-  if (N - cut > 1) rest.push_back(part(cut, N - cut));
+/// The records at a θ: what is refused is NaN, and what is nonlinear is linearized.
+using Records = std::function<LinearizedLogs(const VectorXd&)>;
+
+bool has_gate(const FilterModel& model) {
+  for (const FilterSensor& sensor : model.sensors)
+    if (std::isfinite(sensor.gate)) return true;
+  return false;
 }
 
-Consistency consistency_of(const InnovationLikelihood& likelihood, const VectorXd& theta,
-                           const ConsistencyOptions& options) {
-  std::vector<FilterRun> runs;
-  for (std::size_t r = 0; r < likelihood.records().size(); ++r) {
-    runs.push_back(likelihood.run(r, theta));
-    if (runs.back().status != LikelihoodStatus::computed) {
-      Consistency none;
-      none.verdict = CheckVerdict::fail;
-      none.reasons = {runs.back().culprit.empty() ? "innovations leave the range of a double"
-                                                  : runs.back().culprit};
-      return none;
+Index first_held_out(const FilterRecord& record, double holdout) {
+  return static_cast<Index>(std::ceil(static_cast<double>(record.samples()) * (1 - holdout)));
+}
+
+/// The record up to where it is held out.
+FilterRecord beginning(const FilterRecord& record, double holdout) {
+  const Index count = first_held_out(record, holdout);
+  FilterRecord result;
+  result.name = record.name;
+  result.time.assign(record.time.begin(), record.time.begin() + count);
+  result.y = record.y.leftCols(count);
+  result.u = record.u.leftCols(count);
+  result.start = record.start;
+  if (record.truth.size() > 0) result.truth = record.truth.leftCols(count);
+  if (!record.linearized.empty())
+    result.linearized.assign(record.linearized.begin(), record.linearized.begin() + count);
+  return result;
+}
+
+/// Takes out what the gates refused; of a sensor whose noise is correlated, the whole sample.
+void take_out(const FilterModel& model, const FilterRun& run, FilterRecord& record) {
+  for (Index k = 0; k < record.samples(); ++k) {
+    Index first = 0;
+    for (const FilterSensor& sensor : model.sensors) {
+      const auto refused = run.refused.col(k).segment(first, sensor.C.rows());
+      auto y = record.y.col(k).segment(first, sensor.C.rows());
+      const bool all = !sensor.R.full.empty() && refused.any();
+      for (Index i = 0; i < y.size(); ++i)
+        if (all || refused(i) != 0) y(i) = std::nan("");
+      first += sensor.C.rows();
     }
   }
-  return check_consistency(likelihood.model(), runs, options);
 }
 
-HoldOut compare_held_out(const FilterModel& model, const std::vector<FilterRecord>& rest,
-                         const VectorXd& before, const VectorXd& after) {
-  HoldOut result;
-  if (rest.empty()) {
-    result.reason = "nothing is held out";
+/// Records of a linear model without what its gates refuse.
+Records gated(const FilterModel& model, const std::vector<FilterRecord>& records) {
+  if (!has_gate(model)) return [&records](const VectorXd&) { return LinearizedLogs{records, ""}; };
+  return [likelihood = InnovationLikelihood(model, records)](const VectorXd& theta) {
+    LinearizedLogs result{likelihood.records(), ""};
+    for (std::size_t r = 0; r < result.records.size(); ++r) {
+      const FilterRun run = likelihood.run(r, theta);
+      if (run.status == LikelihoodStatus::computed)
+        take_out(likelihood.model(), run, result.records[r]);
+    }
     return result;
-  }
-  const InnovationLikelihood likelihood(model, rest);
-  const Likelihood old = likelihood.evaluate(before), fresh = likelihood.evaluate(after);
-  result.innovations = fresh.innovations;
-  const auto n = static_cast<double>(fresh.innovations);
-  result.before = old.value / n;
-  result.after = fresh.value / n;
-  if (fresh.innovations < kLeastHeldOut) {
-    result.reason = fmt::format("{} innovations held out, too few to tell", fresh.innovations);
-  } else if (!fresh.computed() || (old.computed() && fresh.value < old.value)) {
-    result.verdict = CheckVerdict::fail;
-    result.reason = fmt::format(
-        "the stretch held out is less likely than before: {:.4g} an innovation instead of {:.4g}",
-        result.after, result.before);
-  } else {
-    result.verdict = CheckVerdict::pass;
+  };
+}
+
+Index refused_since(const std::vector<FilterRecord>& before,
+                    const std::vector<FilterRecord>& after) {
+  Index changes = 0;
+  for (std::size_t r = 0; r < before.size(); ++r)
+    changes += (before[r].y.array().isNaN() != after[r].y.array().isNaN()).count();
+  return changes;
+}
+
+std::vector<RefusedCount> count_refused(const FilterModel& model,
+                                        const std::vector<FilterRecord>& all,
+                                        const std::vector<FilterRecord>& believed) {
+  std::vector<RefusedCount> result;
+  Index i = 0;
+  for (const FilterSensor& sensor : model.sensors)
+    for (const Signal& signal : sensor.outputs) {
+      if (std::isfinite(sensor.gate)) {
+        RefusedCount count{fmt::format("{}: {}", sensor.name, signal.name)};
+        for (std::size_t r = 0; r < all.size(); ++r) {
+          const Index measured = (!all[r].y.row(i).array().isNaN()).count();
+          count.measured += measured;
+          count.refused += measured - (!believed[r].y.row(i).array().isNaN()).count();
+        }
+        result.push_back(count);
+      }
+      ++i;
+    }
+  return result;
+}
+
+/// θ of a fit that outliers do not spoil, because gated sensors' errors have long tails in it.
+VectorXd first_guess(const FilterModel& model, const std::vector<FilterRecord>& records,
+                     const NoiseTuningOptions& options) {
+  FilterModel tailed = model;
+  for (FilterSensor& sensor : tailed.sensors)
+    if (std::isfinite(sensor.gate) && sensor.student == 0 && is_diagonal(sensor.R))
+      sensor.student = kLongTails;
+  const InnovationLikelihood likelihood(tailed, fitted_parts(records, options.holdout));
+  const NoiseFit fit = fit_noise(likelihood, options.fit);
+  return fit.status == NoiseFitStatus::not_computed ? start_of(model) : fit.theta;
+}
+
+/// All runs, or the first one that has no value.
+struct Runs {
+  std::vector<FilterRun> runs;
+  std::string culprit;
+};
+
+Runs run_all(const InnovationLikelihood& likelihood, const VectorXd& theta) {
+  Runs result;
+  for (std::size_t r = 0; r < likelihood.records().size(); ++r) {
+    result.runs.push_back(likelihood.run(r, theta));
+    FilterRun& run = result.runs.back();
+    run.refused.resize(0, 0);
+    if (likelihood.records()[r].truth.size() == 0) {  // nobody looks at the states
+      run.x.resize(0, 0);
+      run.x_variance.resize(0, 0);
+    }
+    if (run.status == LikelihoodStatus::computed) continue;
+    result.culprit = run.culprit.empty() ? "innovations leave the range of a double" : run.culprit;
+    break;
   }
   return result;
 }
 
-void judge(NoiseTuning& tuning, bool has_holdout) {
-  const NoiseFit& fit = tuning.fit;
-  const auto worsen = [&](CheckVerdict to, const std::string& reason) {
-    tuning.reasons.push_back(reason);
-    if (tuning.verdict != CheckVerdict::fail) tuning.verdict = to;
-  };
-  tuning.verdict = CheckVerdict::pass;
-  if (!fit.converged())
-    worsen(CheckVerdict::fail, fmt::format("the fit is {}{}", to_string(fit.status),
-                                           fit.culprit.empty() ? "" : ": " + fit.culprit));
-  for (const std::string& direction : fit.unseen) worsen(CheckVerdict::fail, direction);
-  for (const std::string& reason : tuning.after.reasons) worsen(tuning.after.verdict, reason);
-  if (has_holdout && tuning.holdout.verdict != CheckVerdict::pass)
-    worsen(tuning.holdout.verdict, tuning.holdout.reason);
+/// The first part of each run, or what comes after it.
+std::vector<FilterRun> part_of(const std::vector<FilterRun>& runs,
+                               const std::vector<FilterRecord>& records, double holdout,
+                               bool held_out) {
+  std::vector<FilterRun> result;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    const Index cut = first_held_out(records[r], holdout), all = records[r].samples();
+    const Index from = held_out ? cut : 0, count = held_out ? all - cut : cut;
+    FilterRun& part = result.emplace_back();
+    part.status = runs[r].status;
+    part.innovation = runs[r].innovation.middleCols(from, count);
+    part.variance = runs[r].variance.middleCols(from, count);
+    if (runs[r].x.size() == 0) continue;
+    part.x = runs[r].x.middleCols(from, count);
+    part.x_variance = runs[r].x_variance.middleCols(from, count);
+  }
+  return result;
 }
 
+double log_density(double e, double S, double student) {
+  if (student == 0) return -0.5 * (std::log(2 * std::numbers::pi * S) + e * e / S);
+  return std::lgamma(0.5 * (student + 1)) - std::lgamma(0.5 * student) -
+         0.5 * std::log(std::numbers::pi * student * S) -
+         0.5 * (student + 1) * std::log1p(e * e / (student * S));
+}
+
+/// Log-densities of the innovations that both runs compared, and whether one is larger.
+struct Comparison {
+  Index count = 0;
+  double before = 0, after = 0;  ///< means
+  double deviation = 0;          ///< of the mean of their differences
+};
+
+Comparison compare_densities(const FilterModel& model, const std::vector<FilterRun>& before,
+                             const std::vector<FilterRun>& after) {
+  Comparison result;
+  double squares = 0;
+  for (std::size_t r = 0; r < after.size(); ++r) {
+    Index i = 0;
+    for (const FilterSensor& sensor : model.sensors)
+      for (Index row = 0; row < sensor.C.rows(); ++row, ++i)
+        for (Index k = 0; k < after[r].innovation.cols(); ++k) {
+          const double e0 = before[r].innovation(i, k), e1 = after[r].innovation(i, k);
+          if (std::isnan(e0) || std::isnan(e1)) continue;
+          const double l0 = log_density(e0, before[r].variance(i, k), sensor.student);
+          const double l1 = log_density(e1, after[r].variance(i, k), sensor.student);
+          ++result.count;
+          result.before += l0;
+          result.after += l1;
+          squares += (l1 - l0) * (l1 - l0);
+        }
+  }
+  const auto n = static_cast<double>(result.count);
+  result.before /= n;
+  result.after /= n;
+  const double mean = result.after - result.before;
+  result.deviation = std::sqrt(std::max(squares / n - mean * mean, 0.0) / n);
+  return result;
+}
+
+/// How records depend on θ.
+enum class Kind { constant, gated, linearized };
+
+class Tuner {
+ public:
+  Tuner(const FilterModel& model, Records records, const NoiseTuningOptions& options)
+      : model_(model), records_(std::move(records)), options_(options) {
+    require(options.holdout >= 0 && options.holdout <= 0.9, "holdout", options.holdout, "0 to 0.9");
+    require(options.most_refused >= 0 && options.most_refused < 1, "most_refused",
+            options.most_refused, "0 or more and less than 1");
+  }
+
+  /// @param all    the measurements before any gate
+  /// @param kind   how the records depend on θ
+  /// @param first  θ of the first records
+  NoiseTuning run(const std::vector<FilterRecord>& all, Kind kind, const VectorXd& first) {
+    LinearizedLogs logs = records_(first);
+    if (logs.culprit.empty()) fit(logs, kind != Kind::constant);
+    if (!logs.culprit.empty()) {
+      tuning_.fit.status = NoiseFitStatus::not_computed;
+      tuning_.fit.culprit = logs.culprit;
+    }
+    if (tuning_.fit.status != NoiseFitStatus::not_computed) {
+      const VectorXd start = start_of(model_);
+      tuning_.refused = count_refused(model_, all, logs.records);
+      const auto look = [&](const LinearizedLogs& at_start) {
+        compare(logs, at_start, start);
+        if (!options_.keep_records) return;
+        tuning_.records_before = at_start.records;
+        tuning_.records_after = logs.records;
+      };
+      if (kind == Kind::linearized)
+        look(records_(start));
+      else
+        look(logs);
+    }
+    judge();
+    return tuning_;
+  }
+
+ private:
+  static void require(bool holds, const char* name, double value, const char* expected) {
+    if (!holds)
+      throw InvalidInput("tuning", fmt::format("{} is {}, expected {}", name, value, expected));
+  }
+
+  void fit_once(const InnovationLikelihood& likelihood, const NoiseFitOptions& options) {
+    if (options_.method == NoiseMethod::likelihood) {
+      tuning_.fit = fit_noise(likelihood, options);
+      return;
+    }
+    tuning_.autocovariances =
+        fit_autocovariances(likelihood.model(), likelihood.records(),
+                            {.confidence = options.confidence, .profile = options.profile});
+    tuning_.fit = as_noise_fit(*tuning_.autocovariances, likelihood);
+  }
+
+  /// Fits until neither the path nor the refusals change.
+  void fit(LinearizedLogs& logs, bool changing) {
+    NoiseFitOptions options = options_.fit;
+    options.bounds = !changing;  // those of the last fit are enough
+    options.profile = options_.fit.profile && !changing;
+    FilterModel model = model_;
+    for (tuning_.rounds = 1;; ++tuning_.rounds) {
+      const InnovationLikelihood likelihood(model, fitted_parts(logs.records, options_.holdout));
+      fit_once(likelihood, options);
+      tuning_.fit.before = likelihood.evaluate(start_of(model_));
+      if (!changing || tuning_.fit.status == NoiseFitStatus::not_computed ||
+          tuning_.fit.status == NoiseFitStatus::interrupted)
+        return;
+      LinearizedLogs next = records_(tuning_.fit.theta);
+      const bool settled = next.culprit.empty() && refused_since(logs.records, next.records) == 0 &&
+                           change(start_of(model)) < kSettled;
+      logs = std::move(next);
+      if (!logs.culprit.empty()) return;
+      if (settled) {
+        finish(logs, with_noise(model_, tuning_.fit.theta));
+        return;
+      }
+      if (tuning_.rounds == kMostRounds) {
+        tuning_.fit.status = NoiseFitStatus::not_converged;
+        tuning_.fit.culprit = fmt::format(
+            "the filter's path and what its gates refuse still change after {} fits", kMostRounds);
+        return;
+      }
+      model = with_noise(model_, tuning_.fit.theta);
+      options.starts = 1;
+    }
+  }
+
+  /// The settled fit once more, with all that is wanted of it.
+  void finish(const LinearizedLogs& logs, const FilterModel& model) {
+    const InnovationLikelihood likelihood(model, fitted_parts(logs.records, options_.holdout));
+    NoiseFitOptions options = options_.fit;
+    options.starts = 1;
+    const int evaluations = tuning_.fit.evaluations;
+    fit_once(likelihood, options);
+    tuning_.fit.evaluations += evaluations;
+    tuning_.fit.before = likelihood.evaluate(start_of(model_));
+  }
+
+  /// Greatest change of a free parameter from `before`, in its standard errors.
+  [[nodiscard]] double change(const VectorXd& before) const {
+    double greatest = 0;
+    for (Index i = 0; i < before.size(); ++i) {
+      const FittedParameter& p = tuning_.fit.parameters[static_cast<std::size_t>(i)];
+      if (p.verdict != ParameterVerdict::seen) continue;
+      greatest = std::max(greatest, std::abs(tuning_.fit.theta(i) - before(i)) / p.standard_error);
+    }
+    return greatest;
+  }
+
+  void compare(const LinearizedLogs& logs, const LinearizedLogs& at_start, const VectorXd& start) {
+    const std::vector<FilterRecord>& records = logs.records;
+    // Without gates: what is left is looked at whole.
+    FilterModel open = model_;
+    for (FilterSensor& sensor : open.sensors) sensor.gate = std::numeric_limits<double>::infinity();
+    const Runs new_runs = run_all(InnovationLikelihood(open, records), tuning_.fit.theta);
+    const Runs old_runs = at_start.culprit.empty()
+                              ? run_all(InnovationLikelihood(open, at_start.records), start)
+                              : Runs{{}, at_start.culprit};
+    tuning_.before = consistency_of(old_runs, records);
+    tuning_.after = consistency_of(new_runs, records);
+    if (options_.holdout > 0) hold_out(old_runs, new_runs, records);
+  }
+
+  [[nodiscard]] Consistency consistency_of(const Runs& runs,
+                                           const std::vector<FilterRecord>& records) const {
+    if (runs.culprit.empty()) {
+      const std::vector<FilterRun> first = part_of(runs.runs, records, options_.holdout, false);
+      Consistency result = check_consistency(model_, first, options_.consistency);
+      for (const ConsistencyCheck& c : check_errors(model_, records, first, options_.consistency)) {
+        result.checks.push_back(c);
+        if (c.verdict != CheckVerdict::fail) continue;
+        result.verdict = CheckVerdict::fail;
+        result.reasons.push_back(c.reason);
+      }
+      return result;
+    }
+    Consistency none;
+    none.verdict = CheckVerdict::fail;
+    none.reasons = {runs.culprit};
+    return none;
+  }
+
+  void hold_out(const Runs& old_runs, const Runs& new_runs,
+                const std::vector<FilterRecord>& records) {
+    HoldOut& result = tuning_.holdout;
+    if (!new_runs.culprit.empty()) {
+      result.verdict = CheckVerdict::fail;
+      result.reason = new_runs.culprit;
+      return;
+    }
+    const bool both = old_runs.culprit.empty();
+    const std::vector<FilterRun> fresh = part_of(new_runs.runs, records, options_.holdout, true);
+    const Comparison compared = compare_densities(
+        model_, both ? part_of(old_runs.runs, records, options_.holdout, true) : fresh, fresh);
+    result.innovations = compared.count;
+    result.after = compared.after;
+    if (both) result.before = compared.before;
+    const double z = boost::math::quantile(
+        boost::math::complement(boost::math::normal(), options_.consistency.significance));
+    if (compared.count < kLeastHeldOut) {
+      result.reason = fmt::format("{} innovations held out, too few to tell", compared.count);
+    } else if (!std::isfinite(result.after) ||
+               (both && result.after < result.before - z * compared.deviation)) {
+      result.verdict = CheckVerdict::fail;
+      result.reason = fmt::format(
+          "the stretch held out is less likely than before: {:.4g} an innovation instead of {:.4g}",
+          result.after, result.before);
+    } else {
+      result.verdict = CheckVerdict::pass;
+    }
+  }
+
+  void judge() {
+    const NoiseFit& fit = tuning_.fit;
+    const auto worsen = [&](CheckVerdict to, const std::string& reason) {
+      tuning_.reasons.push_back(reason);
+      if (tuning_.verdict != CheckVerdict::fail) tuning_.verdict = to;
+    };
+    tuning_.verdict = CheckVerdict::pass;
+    if (!fit.converged())
+      worsen(CheckVerdict::fail, fmt::format("the fit is {}{}", to_string(fit.status),
+                                             fit.culprit.empty() ? "" : ": " + fit.culprit));
+    if (fit.status == NoiseFitStatus::not_computed) return;
+    for (const std::string& direction : fit.unseen) worsen(CheckVerdict::fail, direction);
+    for (const RefusedCount& count : tuning_.refused)
+      if (static_cast<double>(count.refused) >
+          options_.most_refused * static_cast<double>(count.measured))
+        worsen(CheckVerdict::fail,
+               fmt::format("{}: the gate refuses {} of {} measurements, more than outliers are",
+                           count.output, count.refused, count.measured));
+    for (const std::string& reason : tuning_.after.reasons) worsen(tuning_.after.verdict, reason);
+    if (options_.holdout > 0 && tuning_.holdout.verdict != CheckVerdict::pass)
+      worsen(tuning_.holdout.verdict, tuning_.holdout.reason);
+  }
+
+  const FilterModel& model_;
+  Records records_;
+  const NoiseTuningOptions& options_;
+  NoiseTuning tuning_;
+};
+
 }  // namespace
+
+std::vector<FilterRecord> fitted_parts(const std::vector<FilterRecord>& records, double holdout) {
+  std::vector<FilterRecord> result;
+  result.reserve(records.size());
+  for (const FilterRecord& record : records) result.push_back(beginning(record, holdout));
+  return result;
+}
 
 FilterModel with_noise(FilterModel model, const Eigen::Ref<const VectorXd>& theta) {
   for (std::size_t i = 0; i < model.parameters.size(); ++i) {
@@ -103,23 +430,15 @@ FilterModel with_noise(FilterModel model, const Eigen::Ref<const VectorXd>& thet
 
 NoiseTuning tune_noise(const FilterModel& model, const std::vector<FilterRecord>& records,
                        const NoiseTuningOptions& options) {
-  if (!(options.holdout >= 0 && options.holdout <= 0.9))
-    throw InvalidInput("tuning", fmt::format("holdout is {}, expected 0 to 0.9", options.holdout));
-  std::vector<FilterRecord> first, rest;
-  for (const FilterRecord& record : records) split(record, options.holdout, first, rest);
-  NoiseTuning tuning;
-  const InnovationLikelihood likelihood(model, first);
-  tuning.fit = fit_noise(likelihood, options.fit);
-  if (tuning.fit.status == NoiseFitStatus::not_computed) {
-    judge(tuning, false);
-    return tuning;
-  }
-  const VectorXd start = start_of(model);
-  tuning.before = consistency_of(likelihood, start, options.consistency);
-  tuning.after = consistency_of(likelihood, tuning.fit.theta, options.consistency);
-  if (options.holdout > 0) tuning.holdout = compare_held_out(model, rest, start, tuning.fit.theta);
-  judge(tuning, options.holdout > 0);
-  return tuning;
+  Tuner tuner(model, gated(model, records), options);
+  if (!has_gate(model)) return tuner.run(records, Kind::constant, start_of(model));
+  return tuner.run(records, Kind::gated, first_guess(model, records, options));
+}
+
+NoiseTuning tune_noise(const NonlinearFilter& filter, const NoiseTuningOptions& options) {
+  Tuner tuner(
+      filter.model(), [&](const VectorXd& theta) { return filter.linearize(theta); }, options);
+  return tuner.run(filter.measurements(), Kind::linearized, start_of(filter.model()));
 }
 
 }  // namespace quadtune

@@ -26,15 +26,6 @@ MatrixXd accumulated(const MatrixXd& A, const MatrixXd& step, std::int64_t n) {
   return sum;
 }
 
-bool is_diagonal(const CovarianceModel& model) {
-  const auto diagonal = [](const MatrixXd& M) { return M.isDiagonal(0); };
-  for (const ScaledCovariance& term : model.scaled)
-    if (!diagonal(term.shape)) return false;
-  for (const FullCovariance& term : model.full)
-    if (term.entries.size() > 1) return false;
-  return diagonal(model.fixed);
-}
-
 std::vector<KernelSegment> segments_of(const FilterRecord& record,
                                        const std::vector<std::uint32_t>& transition) {
   std::vector<KernelSegment> segments;
@@ -55,6 +46,30 @@ std::vector<KernelSegment> segments_of(const FilterRecord& record,
 }
 
 }  // namespace
+
+std::string not_positive(const PreparedModel& prepared, std::size_t record, Index sample,
+                         Index output) {
+  Index i = output;
+  std::string name;
+  for (const FilterSensor& sensor : prepared.model.sensors) {
+    if (i < sensor.C.rows()) {
+      name = sensor.outputs[static_cast<std::size_t>(i)].name;
+      break;
+    }
+    i -= sensor.C.rows();
+  }
+  const FilterRecord& of = prepared.records[record];
+  return fmt::format("{}: the variance of the innovation of {} at {} s is not positive", of.name,
+                     name, of.time[static_cast<std::size_t>(sample)]);
+}
+
+std::int64_t step_key(const FilterModel& model, double dt) {
+  return std::llround(dt / (model.dt > 0 ? model.dt : kSameStep));
+}
+
+double step_of_key(const FilterModel& model, std::int64_t key) {
+  return static_cast<double>(key) * (model.dt > 0 ? model.dt : kSameStep);
+}
 
 PreparedTransition prepare_transition(const FilterModel& model, double dt) {
   PreparedTransition result;
@@ -113,23 +128,33 @@ PreparedModel::PreparedModel(FilterModel of, std::vector<FilterRecord> with)
 
   std::map<std::int64_t, std::uint32_t> known;
   const auto transition = [&](double dt) {
-    const std::int64_t key = std::llround(dt / (model.dt > 0 ? model.dt : kSameStep));
+    const std::int64_t key = step_key(model, dt);
     const auto [found, is_new] = known.try_emplace(key, static_cast<std::uint32_t>(known.size()));
-    if (is_new)
-      transitions.push_back(
-          prepare_transition(model, model.dt > 0 ? dt : static_cast<double>(key) * kSameStep));
+    if (is_new) transitions.push_back(prepare_transition(model, step_of_key(model, key)));
     return found->second;
   };
   prepared.resize(records.size());
   for (std::size_t r = 0; r < records.size(); ++r) {
     const FilterRecord& record = records[r];
     PreparedRecord& p = prepared[r];
-    for (std::size_t k = 0; k + 1 < record.time.size(); ++k)
-      p.transition.push_back(transition(record.time[k + 1] - record.time[k]));
+    p.transition.reserve(record.time.size());
+    if (record.linearized.empty())
+      for (std::size_t k = 0; k + 1 < record.time.size(); ++k)
+        p.transition.push_back(transition(record.time[k + 1] - record.time[k]));
+    else
+      p.segments = {{0, record.samples(), false}};
     p.transition.push_back(p.transition.empty() ? 0 : p.transition.back());
-    p.segments = segments_of(record, p.transition);
-    p.view = {record.y.data(), record.u.data(),     record.samples(),  ny,
-              model.B.cols(),  p.transition.data(), p.segments.data(), p.segments.size()};
+    if (p.segments.empty()) p.segments = segments_of(record, p.transition);
+    p.view = {record.y.data(),
+              record.u.data(),
+              record.samples(),
+              ny,
+              model.B.cols(),
+              p.transition.data(),
+              p.segments.data(),
+              p.segments.size(),
+              record.linearized.empty() ? nullptr : record.linearized.data(),
+              record.start ? &*record.start : nullptr};
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "kernel_record.hpp"
@@ -41,6 +42,14 @@ struct PreparedModel {
   PreparedModel(const PreparedModel&) = delete;
   PreparedModel& operator=(const PreparedModel&) = delete;
 };
+
+/// Where an innovation has no positive variance, in words.
+[[nodiscard]] std::string not_positive(const PreparedModel& prepared, std::size_t record,
+                                       Eigen::Index sample, Eigen::Index output);
+
+/// A number that is the same for steps that are alike, and their length.
+[[nodiscard]] std::int64_t step_key(const FilterModel& model, double dt);
+[[nodiscard]] double step_of_key(const FilterModel& model, std::int64_t key);
 
 /// The step of `model` over dt seconds.
 [[nodiscard]] PreparedTransition prepare_transition(const FilterModel& model, double dt);

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <optional>
 
@@ -49,11 +50,17 @@ class System {
         N_(record_.samples()) {
     for (const PreparedTransition& step : prepared.transitions)
       noises_.push_back(step_noise(step, prepared.model.Q, theta));
+    for (const LinearizedInstant& at : record_.linearized) {
+      MatrixXd& Q = noises_.emplace_back(MatrixXd::Zero(nx_, nx_));
+      for (std::size_t t = 0; t < at.noise.size(); ++t)
+        Q += std::exp(theta(prepared.model.Q.scaled[t].parameter)) * at.noise[t];
+    }
     for (std::size_t s = 0; s < prepared.model.sensors.size(); ++s) {
       const FilterSensor& sensor = prepared.model.sensors[s];
       R_.push_back(covariance(sensor.R, theta));
     }
-    for (Index i = 0; i < nx_; ++i)
+    x0_ = record_.start ? record_.start->x : prepared.model.x0;
+    for (Index i = 0; i < nx_ && !record_.start; ++i)
       if (prepared.model.diffuse[static_cast<std::size_t>(i)]) diffuse_.push_back(i);
   }
 
@@ -66,7 +73,7 @@ class System {
     std::optional<SparseLdl> ldl;
     MatrixXd columns, V;
     for (int round = 0; round <= kMostRounds; ++round) {
-      P0_ = prepared_.model.P0;
+      P0_ = record_.start ? record_.start->P : prepared_.model.P0;
       for (std::size_t d = 0; d < diffuse_.size(); ++d)
         P0_(diffuse_[d], diffuse_[d]) = width(static_cast<Index>(d));
       ldl.emplace(matrix());
@@ -95,12 +102,24 @@ class System {
 
   [[nodiscard]] Index multiplier(Index k) const { return 2 * nx_ * k; }
   [[nodiscard]] Index state(Index k) const { return 2 * nx_ * k + nx_; }
-  [[nodiscard]] const PreparedTransition& step(Index k) const {
-    return prepared_.transitions[prepared_.prepared[0].transition[static_cast<std::size_t>(k)]];
+  [[nodiscard]] bool linearized() const { return !record_.linearized.empty(); }
+  [[nodiscard]] const LinearizedInstant& instant(Index k) const {
+    return record_.linearized[static_cast<std::size_t>(k)];
+  }
+  [[nodiscard]] std::uint32_t transition(Index k) const {
+    return linearized() ? static_cast<std::uint32_t>(k)
+                        : prepared_.prepared[0].transition[static_cast<std::size_t>(k)];
+  }
+  /// From instant k to the next: x⁺ = F x + moved.
+  [[nodiscard]] const MatrixXd& F(Index k) const {
+    return linearized() ? instant(k).F : prepared_.transitions[transition(k)].F;
+  }
+  [[nodiscard]] VectorXd moved(Index k) const {
+    if (linearized()) return instant(k).offset;
+    return prepared_.transitions[transition(k)].B * record_.u.col(k);
   }
   [[nodiscard]] const MatrixXd& noise(Index k) const {
-    return k == 0 ? P0_
-                  : noises_[prepared_.prepared[0].transition[static_cast<std::size_t>(k - 1)]];
+    return k == 0 ? P0_ : noises_[transition(k - 1)];
   }
 
   /// Information of each instant's measurements: Cᵀ R⁻¹ C and Cᵀ R⁻¹ (y - D u).
@@ -126,7 +145,10 @@ class System {
       for (Index i = 0; i < sensor.C.rows(); ++i)
         if (!std::isnan(record_.y(prepared_.first_output[s] + i, k))) rows.push_back(i);
       if (rows.empty()) continue;
-      MatrixXd C = sensor.C(rows, Eigen::all);
+      const MatrixXd C = linearized()
+                             ? MatrixXd(instant(k).C.middleRows(prepared_.first_output[s],
+                                                                sensor.C.rows())(rows, Eigen::all))
+                             : MatrixXd(sensor.C(rows, Eigen::all));
       VectorXd y(static_cast<Index>(rows.size()));
       for (Index i = 0; i < y.size(); ++i)
         y(i) = record_.y(prepared_.first_output[s] + rows[static_cast<std::size_t>(i)], k);
@@ -147,7 +169,7 @@ class System {
       put(multiplier(k), multiplier(k), -noise(k));
       put(state(k), state(k), information_[static_cast<std::size_t>(k)]);
       for (Index i = 0; i < nx_; ++i) entries.emplace_back(state(k) + i, multiplier(k) + i, 1);
-      if (k + 1 < N_) put(multiplier(k + 1), state(k), -step(k).F);
+      if (k + 1 < N_) put(multiplier(k + 1), state(k), -F(k));
     }
     SparseMatrix<double> lower(2 * nx_ * N_, 2 * nx_ * N_);
     lower.setFromTriplets(entries.begin(), entries.end());
@@ -157,8 +179,7 @@ class System {
   [[nodiscard]] VectorXd right_side() const {
     VectorXd b(2 * nx_ * N_);
     for (Index k = 0; k < N_; ++k) {
-      b.segment(multiplier(k), nx_) =
-          k == 0 ? prepared_.model.x0 : VectorXd(step(k - 1).B * record_.u.col(k - 1));
+      b.segment(multiplier(k), nx_) = k == 0 ? x0_ : moved(k - 1);
       b.segment(state(k), nx_) = pull_.col(k);
     }
     return b;
@@ -225,7 +246,7 @@ class System {
       VectorXd off(width.size());
       for (Index d = 0; d < off.size(); ++d) {
         const Index i = diffuse_[static_cast<std::size_t>(d)];
-        off(d) = result.x(i, 0) - prepared_.model.x0(i);
+        off(d) = result.x(i, 0) - x0_(i);
       }
       const VectorXd shift = llt.solve(off);
       const MatrixXd L = llt.matrixL();
@@ -269,6 +290,7 @@ class System {
   Index nx_, N_;
   std::vector<MatrixXd> noises_, R_, information_;
   MatrixXd pull_, P0_;
+  VectorXd x0_;
   std::vector<Index> diffuse_;
   double log_R_ = 0;
   Index measured_ = 0;

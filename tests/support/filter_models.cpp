@@ -199,4 +199,22 @@ FilterRecord simulated(const FilterModel& model, const VectorXd& theta, int N, d
   return record;
 }
 
+FilterRecord linearized(const FilterModel& model, FilterRecord record) {
+  for (Eigen::Index k = 0; k < record.samples(); ++k) {
+    LinearizedInstant at;
+    at.C.resize(model.outputs(), model.A.rows());
+    Eigen::Index first = 0;
+    for (const FilterSensor& sensor : model.sensors) {
+      at.C.middleRows(first, sensor.C.rows()) = sensor.C;
+      first += sensor.C.rows();
+    }
+    at.F = model.A;
+    at.offset = model.B * record.u.col(k);
+    for (const ScaledCovariance& term : model.Q.scaled)
+      at.noise.push_back(model.G * term.shape * model.G.transpose());
+    record.linearized.push_back(at);
+  }
+  return record;
+}
+
 }  // namespace quadtune::testing

@@ -28,4 +28,8 @@ FilterModel random_model(std::mt19937_64& random, int nx, int nu, bool continuou
 FilterRecord simulated(const FilterModel& model, const Eigen::VectorXd& theta, int N, double dt,
                        std::mt19937_64& random, double missing = 0, double jitter = 0);
 
+/// The record of a discrete model whose samples are one period apart, as if the model had been
+/// linearized at each instant.
+FilterRecord linearized(const FilterModel& model, FilterRecord record);
+
 }  // namespace quadtune::testing

@@ -170,5 +170,43 @@ TEST(Consistency, RefusesWhatIsNotComputed) {
               ThrowsMessage<InvalidInput>(StrEq("consistency: lags is 0, expected at least 1")));
 }
 
+/// Errors of the states of a made-up height whose noise is taken for `times` as large.
+ConsistencyCheck error_of_speed(double times) {
+  std::mt19937_64 random(31);
+  FilterModel model = testing::discrete_altitude();
+  const Eigen::VectorXd theta = start_of(model);
+  // Whose states are known: what is measured, and a second sensor that tells the truth to a record
+  // that no filter sees.
+  FilterModel seen = model;
+  FilterSensor& speed = seen.sensors.emplace_back();
+  speed.name = "truth";
+  speed.outputs = {{"speed", "m/s"}};
+  speed.C = Eigen::MatrixXd{{0, 1}};
+  speed.R.fixed = Eigen::MatrixXd::Constant(1, 1, 1e-18);
+  FilterRecord record = testing::simulated(seen, theta, 20000, seen.dt, random);
+  record.truth = Eigen::MatrixXd::Constant(2, record.samples(), std::nan(""));
+  record.truth.row(1) = record.y.row(1);
+  record.y.conservativeResize(1, Eigen::NoChange);
+  const Eigen::VectorXd taken = theta.array() + std::log(times);
+  const std::vector<FilterRun> runs = {InnovationLikelihood(model, {record}).run(0, taken)};
+  const auto checks = check_errors(model, {record}, runs);
+  EXPECT_EQ(checks.size(), 1u);
+  return checks[0];
+}
+
+TEST(ErrorsOfStates, AreWhatTheirCovariancesSay) {
+  const ConsistencyCheck right = error_of_speed(1);
+  EXPECT_EQ(right.output, "vz");
+  EXPECT_EQ(right.verdict, CheckVerdict::pass);
+  EXPECT_LT(right.low, right.value);
+  EXPECT_GT(right.high, right.value);
+  // Errors last for the filter's time constant, so that the band is wide.
+  EXPECT_GT(right.high, 1.1);
+  const ConsistencyCheck small = error_of_speed(0.2);
+  EXPECT_EQ(small.verdict, CheckVerdict::fail);
+  EXPECT_NEAR(small.value, 5 * right.value, 0.2 * small.value);
+  EXPECT_THAT(small.reason, HasSubstr("vz: the squared error is"));
+}
+
 }  // namespace
 }  // namespace quadtune

@@ -342,5 +342,24 @@ TEST(InnovationLikelihood, NamesWhereItFails) {
   EXPECT_FALSE(tiny.computed());
 }
 
+TEST(InnovationLikelihood, SettlesAtThePublishedCovariancesOfTheMambo) {
+  // Oliveira 2020, tables 3.1 and 3.2, to the digits of an evaluation in 50.
+  std::mt19937_64 random(3);
+  const FilterModel altitude = testing::discrete_altitude();
+  const VectorXd theta = start_of(altitude);
+  const FilterRecord record = testing::simulated(altitude, theta, 3000, altitude.dt, random);
+  const FilterRun run = InnovationLikelihood(altitude, {record}).run(0, theta);
+  EXPECT_NEAR(run.x_variance(0, 2999), 0.0026241420641870283, 1e-15);
+  EXPECT_NEAR(run.x_variance(1, 2999), 0.037607692935054747, 1e-14);
+  EXPECT_NEAR(run.variance(0, 2999), 0.1 + 0.0026948589925818966, 1e-14);
+  const FilterModel level = testing::local_level();
+  const FilterRecord levels = testing::simulated(level, logs(0.09, 5), 500, 1, random);
+  const FilterRun settled = InnovationLikelihood(level, {levels}).run(0, logs(0.09, 5));
+  // P² - q P - q r = 0 before a measurement.
+  const double P = 0.5 * (0.09 + std::sqrt(0.09 * 0.09 + 4 * 0.09 * 5));
+  EXPECT_NEAR(settled.variance(0, 499), P + 5, 1e-12);
+  EXPECT_NEAR(settled.x_variance(0, 499), 0.627328044930449, 1e-12);
+}
+
 }  // namespace
 }  // namespace quadtune

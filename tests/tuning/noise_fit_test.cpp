@@ -213,6 +213,23 @@ TEST(NoiseFit, RefusesTooFewMeasurementsAndBadOptions) {
                   StrEq("fit: confidence is 1, expected more than 0 and less than 1")));
 }
 
+// One search more where autocovariances say something, and never a worse end.
+TEST(NoiseFit, AlsoStartsWhereAutocovariancesSay) {
+  std::mt19937_64 random(7);
+  FilterModel model = testing::discrete_altitude();
+  const FilterRecord uniform = testing::simulated(model, start_of(model), 3000, 0.005, random);
+  FilterRecord torn = uniform;
+  for (Index k = 0; k < torn.samples(); k += 7) torn.y(0, k) = std::nan("");
+  for (NoiseParameter& p : model.parameters) p.start *= 1e5;
+  const NoiseFit one = fit_noise(InnovationLikelihood(model, {uniform}), {.starts = 1});
+  const NoiseFit two = fit_noise(InnovationLikelihood(model, {uniform}), {.starts = 2});
+  EXPECT_EQ(one.starts, 1);
+  EXPECT_EQ(two.starts, 3);
+  EXPECT_EQ(two.agreeing, 3);
+  EXPECT_GE(two.after.value, one.after.value - 1e-6);
+  EXPECT_EQ(fit_noise(InnovationLikelihood(model, {torn}), {.starts = 2}).starts, 2);
+}
+
 TEST(NoiseFit, StopsWhenAsked) {
   const InnovationLikelihood likelihood(testing::local_level(), {testing::nile()});
   const NoiseFit fit = fit_noise(likelihood, {.starts = 50, .interrupted = [] { return true; }});

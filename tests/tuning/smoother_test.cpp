@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <random>
 
 #include "filter_models.hpp"
 #include "matrix_near.hpp"
@@ -133,6 +134,22 @@ TEST(Smoother, NamesAStateThatItCannotSee) {
   EXPECT_EQ(smoothed.status, SmootherStatus::singular);
   EXPECT_THAT(smoothed.culprit,
               StrEq("simulated: state 'vz' at 0 s is known exactly or never seen"));
+}
+
+TEST(Smoother, TakesAModelThatWasLinearizedAtEachInstant) {
+  std::mt19937_64 random(21);
+  FilterModel model = testing::random_model(random, 3, 2, false, false);
+  model.Q.fixed.setZero();
+  const VectorXd theta = start_of(model);
+  FilterRecord record = testing::simulated(model, theta, 40, model.dt, random);
+  record.start = FilterStart{VectorXd::Constant(3, 0.2), MatrixXd(2 * MatrixXd::Identity(3, 3))};
+  const SmoothedStates expected = smooth(model, theta, record);
+  const FilterRecord same = testing::linearized(model, record);
+  const SmoothedStates got = smooth(model, theta, same);
+  ASSERT_TRUE(expected.solved() && got.solved());
+  EXPECT_THAT(got.x, MatrixNear(expected.x, 1e-9));
+  EXPECT_THAT(got.P, MatrixNear(expected.P, 1e-9));
+  EXPECT_NEAR(got.log_likelihood, InnovationLikelihood(model, {same}).evaluate(theta).value, 1e-8);
 }
 
 }  // namespace

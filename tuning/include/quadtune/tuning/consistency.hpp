@@ -38,7 +38,8 @@ struct ConsistencyCheck {
   std::string reason = {};  ///< one line; empty where it passes
 };
 
-/// Statistics of one output's standardized innovations z = e/√S.
+/// Statistics of one output's standardized innovations z = e/√S; of a sensor with Student's
+/// distribution, the normal deviates that are as rare.
 struct InnovationStatistics {
   std::string output;                                          ///< "sonar: height"
   Eigen::Index samples = 0;                                    ///< compared
@@ -67,6 +68,15 @@ struct Consistency {
 [[nodiscard]] Consistency check_consistency(const FilterModel& model,
                                             const std::vector<FilterRun>& runs,
                                             const ConsistencyOptions& options = {});
+
+/// Whether the errors of the states are what their covariances say: of each state whose truth a
+/// record tells, the mean of (x - truth)²/P in the band of as many independent errors as there are,
+/// counted by their autocorrelation.
+/// @return  checks "error" of the states, none without truth
+[[nodiscard]] std::vector<ConsistencyCheck> check_errors(const FilterModel& model,
+                                                         const std::vector<FilterRecord>& records,
+                                                         const std::vector<FilterRun>& runs,
+                                                         const ConsistencyOptions& options = {});
 
 [[nodiscard]] std::string to_string(CheckVerdict verdict);
 

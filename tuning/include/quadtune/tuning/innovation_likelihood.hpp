@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <string>
@@ -23,7 +24,9 @@ enum class LikelihoodStatus {
 /// log p(y | θ) = -½ Σ (log 2π + log S + e²/S) over all scalar innovations e of variance S, taken
 /// one by one in the order of the model's outputs. A measurement that a diffuse state takes up adds
 /// -½ log F∞ only (Durbin and Koopman 2012, section 7.2.2, without the constant that the choice of
-/// units makes).
+/// units makes). Of a sensor with Student's distribution the density of e is that, of scale S, and
+/// the measurement corrects the state as one of variance R/w, w = (ν + 1) / (ν + e²/S). Gates are
+/// not looked at: what they refuse is to be taken out of the records first.
 struct Likelihood {
   LikelihoodStatus status = LikelihoodStatus::not_run;
   double value = std::numeric_limits<double>::quiet_NaN();
@@ -47,6 +50,8 @@ struct FilterRun {
   Eigen::MatrixXd variance;    ///< (ny × N) S
   Eigen::MatrixXd x;           ///< (nx × N) after the measurements; NaN while diffuse
   Eigen::MatrixXd x_variance;  ///< (nx × N) diagonal of P after the measurements
+  /// (ny × N) 1 where a sensor's gate refused a measurement; its innovation is NaN.
+  Eigen::Matrix<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic> refused;
   std::string culprit;
 };
 
@@ -69,7 +74,7 @@ class InnovationLikelihood {
   [[nodiscard]] Likelihood evaluate(const Eigen::Ref<const Eigen::VectorXd>& theta,
                                     LikelihoodOrder order = LikelihoodOrder::value) const;
 
-  /// The filter over one record.
+  /// The filter over one record, with the gates of its sensors.
   [[nodiscard]] FilterRun run(std::size_t record,
                               const Eigen::Ref<const Eigen::VectorXd>& theta) const;
 

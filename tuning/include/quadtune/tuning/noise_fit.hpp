@@ -14,12 +14,17 @@
 namespace quadtune {
 
 struct NoiseFitOptions {
-  int starts = 3;            ///< the model's own and others drawn about it, ≥ 1
+  /// The model's own and others drawn about it, ≥ 1; where more than one, also what
+  /// fit_autocovariances() finds, where it does.
+  int starts = 3;
   std::uint64_t seed = 1;    ///< of the draws
   double spread = 2;         ///< standard deviation of a drawn start's logarithms, > 0
   int max_iterations = 200;  ///< of each search, > 0
   double confidence = 0.95;  ///< of the intervals, 0 … 1
-  bool profile = false;      ///< intervals by the profile of the likelihood, not by its curvature
+  /// Whether variances at zero get their upper bound and intervals their profile, each of which
+  /// costs many searches; else bounds are NaN, and intervals those of the curvature.
+  bool bounds = true;
+  bool profile = false;  ///< intervals by the profile of the likelihood, not by its curvature
   std::function<bool()> interrupted = {};  ///< asked between searches; may be empty
 };
 

@@ -4,18 +4,34 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "quadtune/estimation/nonlinear_filter.hpp"
+#include "quadtune/tuning/autocovariance_fit.hpp"
 #include "quadtune/tuning/consistency.hpp"
 #include "quadtune/tuning/noise_fit.hpp"
 
 namespace quadtune {
 
+/// What a sensor's gate did not let in.
+struct RefusedCount {
+  std::string output;         ///< "sonar: height"
+  Eigen::Index refused = 0;   ///< measurements of e²/S beyond the gate
+  Eigen::Index measured = 0;  ///< all of them
+};
+
+enum class NoiseMethod { likelihood, autocovariances };
+
 struct NoiseTuningOptions {
-  NoiseFitOptions fit;
+  NoiseMethod method = NoiseMethod::likelihood;
+  NoiseFitOptions fit;  ///< of autocovariances only its confidence and profile count
   ConsistencyOptions consistency;
   double holdout = 0.2;  ///< share of each record, its end, that is kept from the fit; 0 … 0.9
+  /// Share of an output's measurements that a gate may refuse before they are no outliers any more.
+  double most_refused = 0.05;
+  bool keep_records = false;  ///< NoiseTuning::records_before and records_after
 };
 
 /// The same stretch by the covariances before and after.
@@ -23,26 +39,45 @@ struct HoldOut {
   Eigen::Index innovations = 0;  ///< that were compared; 0: there is no such stretch
   double before = std::numeric_limits<double>::quiet_NaN();  ///< log-likelihood an innovation
   double after = std::numeric_limits<double>::quiet_NaN();
+  /// Fails where after is less than before by more than chance does, innovation by innovation.
   CheckVerdict verdict = CheckVerdict::too_short;
   std::string reason;  ///< where it does not pass
 };
 
 struct NoiseTuning {
   NoiseFit fit;
-  Consistency before;  ///< with the covariances that the model started with
+  std::optional<AutocovarianceFit> autocovariances;  ///< that the fit is of, if it is
+  int rounds = 1;                     ///< fits made, each with its own path and its own refusals
+  std::vector<RefusedCount> refused;  ///< of the outputs whose sensor has a gate
+  Consistency before;                 ///< with the covariances that the model started with
   Consistency after;
   HoldOut holdout;
   /// Pass: the fit converged, every parameter is seen or zero or fixed, the innovations are
-  /// consistent, and the stretch held out is not less likely than before.
+  /// consistent, gates refuse few, and the stretch held out is not less likely than before.
   CheckVerdict verdict = CheckVerdict::too_short;
   std::vector<std::string> reasons;  ///< of a verdict that is not pass
+  /// Where asked for, the whole records as the filter took them with the covariances before and
+  /// after: linearized, and without what gates refused. Empty where it did not get through.
+  std::vector<FilterRecord> records_before, records_after;
 };
 
-/// @throws InvalidInput  as InnovationLikelihood, fit_noise() and check_consistency(); for a
-/// holdout
+/// The parts of records that a fit with this holdout sees: their beginnings.
+[[nodiscard]] std::vector<FilterRecord> fitted_parts(const std::vector<FilterRecord>& records,
+                                                     double holdout);
+
+/// Where a sensor has a gate, what it refuses is found with the covariances of a fit in which that
+/// sensor's errors have long tails, taken out, and the fit is repeated until the gate refuses the
+/// same. The stretch held out continues the filter's run.
+///
+/// @throws InvalidInput  as InnovationLikelihood, fit_noise() and check_consistency(); for options
 ///                       out of range.
 [[nodiscard]] NoiseTuning tune_noise(const FilterModel& model,
                                      const std::vector<FilterRecord>& records,
+                                     const NoiseTuningOptions& options = {});
+
+/// The same for a nonlinear filter, linearized anew along the path of each fit's covariances until
+/// they change no more. What is reported is of the extended filter itself.
+[[nodiscard]] NoiseTuning tune_noise(const NonlinearFilter& filter,
                                      const NoiseTuningOptions& options = {});
 
 /// The model with θ as its parameters' starts.

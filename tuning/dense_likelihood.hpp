@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The likelihood of many states, or with many parameters, behind one face whatever its size.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "prepared_model.hpp"
+#include "quadtune/tuning/innovation_likelihood.hpp"
+
+namespace quadtune::internal {
+
+class DenseLikelihood {
+ public:
+  virtual ~DenseLikelihood() = default;
+  /// Sums up all records; with the gradient where `slopes` asks for it.
+  virtual void evaluate(const Eigen::Ref<const Eigen::VectorXd>& theta, bool slopes,
+                        bool hold_steady_gains, Likelihood& result) = 0;
+};
+
+/// @return  null where it does not apply: outputs correlated, or errors with long tails
+[[nodiscard]] std::unique_ptr<DenseLikelihood> make_dense_likelihood(const PreparedModel& prepared);
+
+/// @tparam N  states, padded to a multiple of four
+template <int N>
+[[nodiscard]] std::unique_ptr<DenseLikelihood> make_dense_likelihood_of(
+    const PreparedModel& prepared);
+extern template std::unique_ptr<DenseLikelihood> make_dense_likelihood_of<4>(const PreparedModel&);
+extern template std::unique_ptr<DenseLikelihood> make_dense_likelihood_of<8>(const PreparedModel&);
+extern template std::unique_ptr<DenseLikelihood> make_dense_likelihood_of<12>(const PreparedModel&);
+extern template std::unique_ptr<DenseLikelihood> make_dense_likelihood_of<16>(const PreparedModel&);
+extern template std::unique_ptr<DenseLikelihood> make_dense_likelihood_of<24>(const PreparedModel&);
+
+}  // namespace quadtune::internal

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What the filter in dense_filter.hpp is given at one θ, what it sums up, and what it leaves for
+/// the way back.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "dense_algebra.hpp"
+#include "kernel_record.hpp"
+#include "log_sum.hpp"
+
+namespace quadtune::internal {
+
+/// A row of C: the entries that are not 0.
+struct SparseEntries {
+  std::vector<int> column;
+  std::vector<double> value;
+
+  void assign(const Eigen::Ref<const Eigen::RowVectorXd>& row) {
+    column.clear();
+    value.clear();
+    for (Eigen::Index j = 0; j < row.size(); ++j)
+      if (row(j) != 0) {
+        column.push_back(static_cast<int>(j));
+        value.push_back(row(j));
+      }
+  }
+};
+
+template <int N>
+struct DenseTransition {
+  Square<N> F, F_transposed, Q;
+  Eigen::MatrixXd B;  ///< (N × nu)
+};
+
+template <int N>
+struct DenseModel {
+  std::vector<DenseTransition<N>> transitions;
+  std::vector<SparseEntries> C;   ///< ny
+  std::vector<double> R;          ///< ny
+  std::vector<double> variances;  ///< exp(θ) of the terms of Q.scaled, for linearized records
+  Eigen::MatrixXd D;              ///< (ny × nu), or empty
+  Eigen::VectorXd x0;
+  Eigen::MatrixXd P0;
+  std::vector<bool> diffuse;
+};
+
+template <int N>
+struct DenseState {
+  Column<N> x;
+  Square<N> P, diffuse_P;
+  int rank = 0;
+};
+
+/// Sums over records, and derivatives of the log-likelihood by what the model has of θ.
+template <int N>
+struct DenseSums {
+  LogSum<double> logs;
+  double squares = 0;
+  std::int64_t used = 0, diffuse = 0;
+  Eigen::Index bad_sample = -1, bad_output = -1;
+
+  std::vector<double> by_R;          ///< ny
+  std::vector<Square<N>> by_Q;       ///< of each transition
+  std::vector<double> by_variances;  ///< of DenseModel::variances
+};
+
+/// Gains of a covariance that has settled, and what they make of a sample.
+template <int N>
+struct SteadyGains {
+  std::uint32_t transition = 0;
+  std::vector<Column<N>> gain;   ///< ny
+  std::vector<double> variance;  ///< ny
+  Eigen::VectorXd precision;     ///< 1/variance, padded with zeros to a multiple of 4
+  // Of a state and ny measurements: the next state less what inputs do, and the innovations.
+  Eigen::MatrixXd next, innovations;  ///< (N × N + ny), (padded × N + ny)
+  // On the way back, of r and ny innovations over their variances: r before, and the weights.
+  Eigen::MatrixXd before, weights;
+};
+
+/// A stretch of a record that is gone through in one go, each way.
+template <int N>
+struct DensePiece {
+  Eigen::Index begin = 0, end = 0;
+  int steady = -1;  ///< index of its gains; -1: they change
+  DenseState<N> start;
+  Eigen::VectorXd tape;  ///< what the way back needs; empty: it is made again
+};
+
+/// Kept from one run to the next, so that an evaluation allocates little.
+template <int N>
+struct DenseWorkspace {
+  std::vector<DensePiece<N>> pieces;
+  std::size_t piece_count = 0;
+  std::vector<SteadyGains<N>> steady;
+  Eigen::VectorXd scratch_tape;
+};
+
+}  // namespace quadtune::internal

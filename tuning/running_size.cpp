@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/tuning/running_size.hpp"
+
+#include <fmt/format.h>
+
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <vector>
+
+#include "quadtune/errors.hpp"
+
+namespace quadtune {
+
+using Eigen::Index;
+
+RunningSize running_size(const FilterRun& run, Index output, int window, double confidence) {
+  if (run.status != LikelihoodStatus::computed || output < 0 || output >= run.innovation.rows() ||
+      window < 1 || !(confidence > 0 && confidence < 1))
+    throw InvalidInput("running size",
+                       fmt::format("output {} of {}, a window of {} and a confidence of {} came, "
+                                   "expected a run that was computed, an output of it, 1 or more, "
+                                   "and between 0 and 1",
+                                   output, run.innovation.rows(), window, confidence));
+  const Index N = run.innovation.cols();
+  std::vector<Index> instants;
+  std::vector<double> sums = {0};
+  for (Index k = 0; k < N; ++k) {
+    const double e = run.innovation(output, k);
+    if (std::isnan(e)) continue;
+    instants.push_back(k);
+    sums.push_back(sums.back() + e * e / run.variance(output, k));
+  }
+  RunningSize result;
+  result.value.setConstant(N, std::nan(""));
+  const auto width = static_cast<std::size_t>(window);
+  for (std::size_t first = 0; first + width <= instants.size(); ++first)
+    result.value(instants[first + width / 2]) = (sums[first + width] - sums[first]) / window;
+  const boost::math::chi_squared distribution(window);
+  result.low = boost::math::quantile(distribution, 0.5 - 0.5 * confidence) / window;
+  result.high = boost::math::quantile(distribution, 0.5 + 0.5 * confidence) / window;
+  return result;
+}
+
+}  // namespace quadtune
