@@ -40,6 +40,35 @@ class Descriptor {
   int fd_;
 };
 
+class Sha256 {
+ public:
+  Sha256() : context_(EVP_MD_CTX_new()) {
+    require(context_ != nullptr && EVP_DigestInit_ex(context_, EVP_sha256(), nullptr) == 1);
+  }
+  ~Sha256() { EVP_MD_CTX_free(context_); }
+  Sha256(const Sha256&) = delete;
+  Sha256& operator=(const Sha256&) = delete;
+
+  void add(const char* bytes, std::size_t count) {
+    require(EVP_DigestUpdate(context_, bytes, count) == 1);
+  }
+  [[nodiscard]] std::string hex() {
+    unsigned char digest[EVP_MAX_MD_SIZE];
+    unsigned int size = 0;
+    require(EVP_DigestFinal_ex(context_, digest, &size) == 1);
+    std::string text;
+    for (unsigned int i = 0; i < size; ++i) text += fmt::format("{:02x}", digest[i]);
+    return text;
+  }
+
+ private:
+  static void require(bool done) {
+    if (!done) throw std::runtime_error("sha256: libcrypto refused");
+  }
+
+  EVP_MD_CTX* context_;
+};
+
 constexpr char kTemporaryEnd[] = ".quadtune-tmp";
 
 std::string temporary(const std::string& name) { return "." + name + kTemporaryEnd; }
@@ -244,13 +273,23 @@ void write_files(const fs::path& directory, const std::vector<FileContent>& file
 }
 
 std::string sha256(const std::string& bytes) {
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned int size = 0;
-  if (EVP_Digest(bytes.data(), bytes.size(), digest, &size, EVP_sha256(), nullptr) != 1)
-    throw std::runtime_error("sha256: libcrypto refused");
-  std::string hex;
-  for (unsigned int i = 0; i < size; ++i) hex += fmt::format("{:02x}", digest[i]);
-  return hex;
+  Sha256 hash;
+  hash.add(bytes.data(), bytes.size());
+  return hash.hex();
+}
+
+std::string sha256_of_file(const fs::path& path) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.get() < 0) fail(path, errno);
+  Sha256 hash;
+  std::vector<char> piece(std::size_t{1} << 20);
+  for (;;) {
+    const ssize_t count = ::read(file.get(), piece.data(), piece.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail(path, errno);
+    if (count == 0) return hash.hex();
+    hash.add(piece.data(), static_cast<std::size_t>(count));
+  }
 }
 
 }  // namespace quadtune

@@ -252,6 +252,8 @@ void add_filter(MFile& m, const KalmanFilter& filter) {
   m.comment("x[k+1] = A*x + B*u + G*w, y = C*x + H*w + v; cov(w) = Q, cov(v) = R, cov(w,v) = N.");
   m.comment("States " + names(filter.model.states) + "; inputs " + names(filter.model.inputs) +
             "; measurements " + names(filter.model.outputs) + ".");
+  if (!filter.noise_source.empty())
+    m.comment("Q and R were found in logs: " + filter.noise_source + ".");
   m.number(prefix + "Ts", filter.model.dt, "s");
   m.matrix(prefix + "A", filter.model.A);
   m.matrix(prefix + "B", filter.model.B);

@@ -208,5 +208,15 @@ TEST(Sha256, HashesThePublishedExample) {
   EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
+TEST(Sha256, OfAFileIsThatOfItsBytes) {
+  const TemporaryDirectory directory;
+  for (const std::size_t size : {0U, 3U, 1U << 20, (5U << 20) + 7U}) {
+    std::string bytes(size, '\0');
+    for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<char>(i * 7 + i / 251);
+    EXPECT_EQ(sha256_of_file(directory.write("file", bytes)), sha256(bytes)) << size;
+  }
+  EXPECT_THROW((void)sha256_of_file(directory.path() / "none"), FileError);
+}
+
 }  // namespace
 }  // namespace quadtune

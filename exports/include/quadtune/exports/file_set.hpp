@@ -37,4 +37,8 @@ void write_files(const std::filesystem::path& directory, const std::vector<FileC
 /// SHA-256 as 64 lowercase hexadecimal digits.
 [[nodiscard]] std::string sha256(const std::string& bytes);
 
+/// The same of a file, read piece by piece.
+/// @throws FileError  with the path and the system's reason.
+[[nodiscard]] std::string sha256_of_file(const std::filesystem::path& path);
+
 }  // namespace quadtune
