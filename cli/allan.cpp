@@ -13,7 +13,6 @@
 
 #include "allan_figure.hpp"
 #include "allan_units.hpp"
-#include "log_columns.hpp"
 #include "number_arguments.hpp"
 #include "plot_argument.hpp"
 #include "print.hpp"
@@ -21,6 +20,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/tuning/made_up_imu.hpp"
+#include "sensor_log.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -30,8 +30,7 @@ using internal::Json;
 struct Options {
   std::string log, column, unit;
   std::string taus = "octaves";
-  LogTime time;
-  std::optional<double> rate;
+  SensorLogArguments sensors;
   bool simulate = false;
   PlotArgument plot;
 };
@@ -49,8 +48,7 @@ AllanTaus taus_of(const std::string& name) {
 }
 
 AllanRecord made_up(const Options& options, const Context& context) {
-  if (!options.log.empty() || !options.column.empty() || options.rate ||
-      !options.time.column.empty())
+  if (!options.log.empty() || !options.column.empty() || options.sensors.given())
     refuse("--simulate",
            "--simulate came with a log or its options, expected it alone, because it "
            "makes the record up");
@@ -65,13 +63,12 @@ AllanRecord read(const Options& options, Context& context) {
   if (options.log.empty()) refuse("--log", "--log is missing, expected the log of a still sensor");
   if (options.column.empty())
     refuse("--column", "--column is missing, expected the name or number of a column");
-  LogTime time = options.time;
-  time.rate = options.rate.value_or(0);
-  const LogColumns log(options.log, context.in);
-  LogColumnValues values = log.column(options.column, "--column");
-  const double dt = even_period(log, read_time(log, time, values.values.size(), "allan"));
-  const std::string unit = !options.unit.empty() ? options.unit : values.unit;
-  return {log.file(), values.name, unit, std::move(values.values), dt};
+  const LogSeries series =
+      read_sensors(options.log, {options.column}, {}, options.sensors, "allan", context).front();
+  const std::string name = log_name(options.log);
+  const Eigen::Map<const Eigen::VectorXd> values(series.values.data(), std::ssize(series.values));
+  return {name, series.name, options.unit.empty() ? series.unit : options.unit, values,
+          even_period(series, name)};
 }
 
 Json reading_json(const AllanReading& reading, const std::string& unit) {
@@ -188,16 +185,13 @@ Verb allan_verb() {
           "read a still sensor's noises off its Allan deviation",
           "quadtune allan --simulate --taus decades", [](CLI::App& app) -> Action {
             auto options = std::make_shared<Options>();
-            app.add_option("--log", options->log, "text log of a still sensor, one row a line")
+            app.add_option("--log", options->log,
+                           "log of a still sensor, of any format that quadtune log reads")
                 ->type_name("FILE");
-            app.add_option("--column", options->column, "its column, by name or number from 1")
+            app.add_option("--column", options->column,
+                           "its channel, by name, or by number from 1 of a text")
                 ->type_name("NAME|N");
-            add_positive(app, "--rate", options->rate, "samples a second [Hz]")->type_name("HZ");
-            app.add_option("--time", options->time.column, "column of times instead of a rate")
-                ->type_name("COLUMN");
-            app.add_option("--time-unit", options->time.unit,
-                           "s, ms, us or ns; the header's, else s")
-                ->type_name("U");
+            add_sensor_log_options(app, options->sensors);
             app.add_option("--unit", options->unit,
                            "of the column, e.g. rad/s, deg/s, m/s^2; the header's")
                 ->type_name("U");

@@ -9,14 +9,15 @@
 #include <ostream>
 
 #include "calibration_report.hpp"
-#include "log_columns.hpp"
 #include "matrix_arguments.hpp"
 #include "number_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/imu_calibration_file.hpp"
 #include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/tuning/made_up_imu.hpp"
+#include "sensor_log.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -25,8 +26,8 @@ struct Options {
   std::string what;
   std::vector<std::string> logs;
   std::string accelerometer, gyroscope, magnetometer, temperature;
-  LogTime time;
-  std::optional<double> rate, temperature_scale, gravity, field;
+  SensorLogArguments sensors;
+  std::optional<double> temperature_scale, gravity, field;
   std::string base, file;
   bool simulate = false;
 };
@@ -37,50 +38,97 @@ constexpr const char* kNone = "none";
   throw UsageError(fmt::format("quadtune calibrate: {}", why), option);
 }
 
-/// Three columns: those of the option, else those of the usual names where the log has them.
-Eigen::Matrix3Xd read_sensor(const LogColumns& log, const std::string& given,
-                             const std::vector<std::string>& usual, const char* option) {
+/// Three names: those of the option, or the usual ones; none at all for "none".
+std::vector<std::string> axes(const std::string& given, const std::vector<std::string>& usual,
+                              const char* option) {
   if (given == kNone) return {};
-  std::vector<std::string> columns = word_list(given);
-  if (given.empty()) {
-    for (const std::string& name : usual)
-      if (!log.has(name)) return {};
-    columns = usual;
-  }
-  if (columns.size() != 3)
+  const std::vector<std::string> names = given.empty() ? usual : word_list(given);
+  if (names.size() != 3)
     refuse(option,
-           fmt::format("{} lists {} columns, expected 3 (x,y,z) or none", option, columns.size()));
-  Eigen::Matrix3Xd values;
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const Eigen::VectorXd axis = log.column(columns[static_cast<std::size_t>(i)], option).values;
-    values.resize(3, std::max(values.cols(), axis.size()));  // on the first axis alone it changes
-    values.row(i) = axis.transpose();
-  }
-  return values;
+           fmt::format("{} lists {} columns, expected 3 (x,y,z) or none", option, names.size()));
+  return names;
 }
 
+/// Asks a log for sensors, of which some need not be there.
+class SensorWishes {
+ public:
+  /// @param usual  names that nobody gave: the sensor is absent where the log does not have all
+  void add(const std::vector<std::string>& names, bool usual) {
+    wishes_.push_back({names, usual, {}, 0});
+    std::vector<std::string>& into = usual ? optional_ : required_;
+    wishes_.back().first = into.size();
+    into.insert(into.end(), names.begin(), names.end());
+  }
+
+  void read(const std::string& path, const Options& options, Context& context) {
+    series_ = read_sensors(path, required_, optional_, options.sensors, "calibrate", context);
+    std::vector<const LogSeries*> present;
+    for (Wish& wish : wishes_) {
+      const std::size_t first = wish.first + (wish.usual ? required_.size() : 0);
+      const auto begin = series_.begin() + static_cast<std::ptrdiff_t>(first);
+      const auto end = begin + std::ssize(wish.names);
+      if (std::any_of(begin, end, [](const LogSeries& one) { return one.name.empty(); })) continue;
+      for (auto it = begin; it != end; ++it) {
+        wish.rows.push_back(std::ssize(present));
+        present.push_back(&*it);
+      }
+    }
+    if (present.empty()) return;
+    joined_ = join(present, log_name(path));
+    const auto most = std::max_element(present.begin(), present.end(), [](auto* a, auto* b) {
+      return a->time.size() < b->time.size();
+    });
+    if (joined_.t.size() < std::ssize((*most)->time))
+      context.note(fmt::format(
+          "calibrate: warning: {} of {} samples of '{}' in {} lack one of another channel and are "
+          "left out",
+          std::ssize((*most)->time) - joined_.t.size(), (*most)->time.size(),
+          internal::printable((*most)->name), log_name(path)));
+  }
+
+  [[nodiscard]] const Eigen::VectorXd& t() const { return joined_.t; }
+  /// (0 × n) where it is absent.
+  [[nodiscard]] Eigen::MatrixXd values(std::size_t wish) const {
+    return joined_.values(wishes_[wish].rows, Eigen::all);
+  }
+  [[nodiscard]] bool has(std::size_t wish) const { return !wishes_[wish].rows.empty(); }
+
+ private:
+  struct Wish {
+    std::vector<std::string> names;
+    bool usual;
+    std::vector<Eigen::Index> rows;  ///< of the joined values
+    std::size_t first;               ///< among the required or the optional names
+  };
+  std::vector<Wish> wishes_;
+  std::vector<std::string> required_, optional_;
+  std::vector<LogSeries> series_;
+  JoinedSeries joined_;
+};
+
 ImuLog read_log(const std::string& path, const Options& options, Context& context) {
-  const LogColumns columns(path, context.in);
+  SensorWishes wishes;
+  wishes.add(axes(options.accelerometer, {"ax", "ay", "az"}, "--accelerometer"),
+             options.accelerometer.empty());
+  wishes.add(axes(options.gyroscope, {"gx", "gy", "gz"}, "--gyroscope"), options.gyroscope.empty());
+  wishes.add(axes(options.magnetometer, {"mx", "my", "mz"}, "--magnetometer"),
+             options.magnetometer.empty());
+  const std::string& temperature = options.temperature;
+  if (temperature != kNone)
+    wishes.add({temperature.empty() ? "temperature" : temperature}, temperature.empty());
+  wishes.read(path, options, context);
   ImuLog log;
-  log.name = columns.file();
-  log.accelerometer =
-      read_sensor(columns, options.accelerometer, {"ax", "ay", "az"}, "--accelerometer");
-  if (log.accelerometer.cols() == 0)
+  log.name = log_name(path);
+  if (!wishes.has(0))
     refuse("--accelerometer", fmt::format("{} has no columns ax, ay, az, expected --accelerometer "
                                           "X,Y,Z with names or numbers of columns",
-                                          columns.file()));
-  log.gyroscope = read_sensor(columns, options.gyroscope, {"gx", "gy", "gz"}, "--gyroscope");
-  log.magnetometer =
-      read_sensor(columns, options.magnetometer, {"mx", "my", "mz"}, "--magnetometer");
-  const bool usual = options.temperature.empty() && columns.has("temperature");
-  if (usual || (!options.temperature.empty() && options.temperature != kNone))
-    log.temperature =
-        columns.column(usual ? "temperature" : options.temperature, "--temperature").values *
-        options.temperature_scale.value_or(1);
-  LogTime time = options.time;
-  time.rate = options.rate.value_or(0);
-  if (time.column.empty() && time.rate == 0 && columns.has("t")) time.column = "t";
-  log.t = read_time(columns, time, log.accelerometer.cols(), "calibrate");
+                                          log.name));
+  log.t = wishes.t();
+  log.accelerometer = wishes.values(0);
+  if (wishes.has(1)) log.gyroscope = wishes.values(1);
+  if (wishes.has(2)) log.magnetometer = wishes.values(2);
+  if (temperature != kNone && wishes.has(3))
+    log.temperature = wishes.values(3).row(0).transpose() * options.temperature_scale.value_or(1);
   return log;
 }
 
@@ -168,13 +216,13 @@ Verb calibrate_verb() {
         auto options = std::make_shared<Options>();
         app.add_option("WHAT", options->what, "imu");
         app.add_option("--log", options->logs,
-                       "text log, one row a sample; several: repeat the option")
+                       "a log of any format that quadtune log reads; several: repeat the option")
             ->type_name("FILE")
             ->take_all()
             ->expected(1)
             ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
         app.add_option("--accelerometer", options->accelerometer,
-                       "its three columns, by name or number from 1; ax,ay,az")
+                       "its three channels, by name, or by number from 1 of a text; ax,ay,az")
             ->type_name("LIST");
         app.add_option("--gyroscope", options->gyroscope, "likewise; gx,gy,gz, or none")
             ->type_name("LIST");
@@ -185,11 +233,7 @@ Verb calibrate_verb() {
         add_positive(app, "--temperature-scale", options->temperature_scale,
                      "degrees Celsius a unit of that column, e.g. 0.1; 1")
             ->type_name("X");
-        add_positive(app, "--rate", options->rate, "samples a second [Hz]")->type_name("HZ");
-        app.add_option("--time", options->time.column, "column of times instead of a rate; t")
-            ->type_name("COLUMN");
-        app.add_option("--time-unit", options->time.unit, "s, ms, us or ns; the header's, else s")
-            ->type_name("U");
+        add_sensor_log_options(app, options->sensors);
         add_positive(app, "--gravity", options->gravity, "where the log was taken [m/s^2]; 9.80665")
             ->type_name("G");
         add_positive(app, "--field", options->field, "norm that the magnetometer is to have; 1")

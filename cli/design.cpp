@@ -71,11 +71,13 @@ Verb design_verb() {
         app.add_option("-o", options->directory, "directory to write; without it, only print")
             ->type_name("DIR");
         app.add_flag("--force", options->force,
-                     "write although a mission of the design was not flown well");
+                     "write although a mission of the design was not flown well, and take tuned "
+                     "covariances whatever their verdict");
         return [options](Context& context) {
           if (options->file.empty())
             throw UsageError("quadtune design: expected a design file", "FILE");
           DesignOutcome outcome = run_design(options->file);
+          require_tuned(outcome, options->force, context);
           outcome.flights = fly_missions(outcome, context.seed, !options->directory.empty());
           for (const std::string& note : outcome.model.notes) context.note("design: note: " + note);
           if (outcome.design.condition.yaw != 0 && outcome.gains)

@@ -24,6 +24,23 @@ Mission mission_of(const MissionRequest& request) {
   }
 }
 
+/// Tuned covariances in place of the simulated estimator's own, for its own period.
+void take_tuned_noise(const Design& design, FlightSetup& setup) {
+  MamboEstimatorSettings<double>& estimator = setup.mambo_estimator;
+  for (const KalmanDesign& filter : design.kalman) {
+    if (filter.tuned.empty()) continue;
+    const double periods = control_period(setup) / filter.model.dt;
+    if (filter.name == "altitude") {
+      estimator.altitude_Q = filter.Q(0, 0) * periods;
+      estimator.altitude_R = filter.R(0, 0);
+    } else if (filter.name == "velocity") {
+      // It has one variance for both axes.
+      estimator.velocity_Q = filter.Q.diagonal().mean() * periods;
+      estimator.velocity_R = filter.R.diagonal().mean();
+    }
+  }
+}
+
 FlownFlight fly_one(const DesignOutcome& outcome, const MissionRequest& request,
                     const Mission& mission, std::uint64_t seed, bool keep_log) {
   const Design& design = outcome.design;
@@ -48,6 +65,7 @@ FlownFlight fly_one(const DesignOutcome& outcome, const MissionRequest& request,
         cascade ? position_bandwidth(*outcome.cascade) : 0};
     PlannedFlight plan = plan_flight(arguments, design.vehicle, mission, law, "design");
     plan.setup.log = keep_log;
+    take_tuned_noise(design, plan.setup);
     return fly_planned(std::move(plan));
   } catch (const UsageError& error) {
     // The words came from the file, not from the command line.

@@ -11,6 +11,7 @@
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/verify.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/rotation.hpp"
 #include "quadtune/synthesis/lqr.hpp"
 
@@ -90,6 +91,10 @@ DesignedFilter solve_filter(const KalmanDesign& design, const std::string& where
   result.filter = {design.name,       design.model,     design.G,          design.Q,
                    design.R,          design.N,         result.evidence.M, result.evidence.L,
                    result.evidence.P, result.evidence.Z};
+  if (!design.tuned.empty())
+    result.filter.noise_source =
+        fmt::format("{}{}", design.tuned,
+                    design.tuned_verdict.empty() ? "" : ", verdict " + design.tuned_verdict);
   return result;
 }
 
@@ -175,6 +180,19 @@ DesignOutcome run_design(const std::string& path) {
   return outcome;
 }
 
+void require_tuned(const DesignOutcome& outcome, bool force, Context& context) {
+  for (const KalmanDesign& filter : outcome.design.kalman) {
+    if (filter.tuned_verdict.empty() || filter.tuned_verdict == "pass") continue;
+    const std::string what =
+        fmt::format("the verdict on {} of filter {} is '{}'", internal::printable(filter.tuned),
+                    filter.name, internal::printable(filter.tuned_verdict));
+    if (!force)
+      throw AnswerIsNo(fmt::format("{}: {}; quadtune design --force takes it all the same",
+                                   outcome.design.file.string(), what));
+    context.note("design: warning: " + what);
+  }
+}
+
 VerifyModel model_of(const Vehicle& vehicle, const Gains& gains) {
   LinearizeOptions options;
   options.convention = gains.convention;
@@ -220,6 +238,10 @@ ExportContent export_content(const DesignOutcome& outcome) {
                     {design.vehicle.file.empty() ? design.vehicle.name + ".toml"
                                                  : design.vehicle.file.filename().string(),
                      design.vehicle.text}};
+  for (const KalmanDesign& filter : design.kalman)
+    if (!filter.tuned.empty())
+      content.inputs.push_back(
+          {std::filesystem::path(filter.tuned).filename().string(), filter.tuned_text});
   return content;
 }
 

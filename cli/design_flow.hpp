@@ -22,6 +22,8 @@
 
 namespace quadtune::cli {
 
+struct Context;
+
 /// How far a gain is from the published one.
 struct PublishedDifference {
   double max_relative = 0;  ///< largest |difference| over its row's largest published entry
@@ -55,6 +57,10 @@ struct DesignOutcome {
 /// Trims, linearizes, solves.
 /// @throws NoSolution  with the culprit of the trim, the LQR problem or a filter.
 [[nodiscard]] DesignOutcome run_design(const std::string& path);
+
+/// Refuses covariances from a tuning whose verdict is another than pass, or with `force` notes it.
+/// @throws AnswerIsNo
+void require_tuned(const DesignOutcome& outcome, bool force, Context& context);
 
 /// The gains of a solved design with all that is needed to apply them.
 [[nodiscard]] Gains make_gains(const Vehicle& vehicle, const Linearization& model,

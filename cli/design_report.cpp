@@ -9,6 +9,7 @@
 #include "design_flights.hpp"
 #include "export_report.hpp"
 #include "print.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/mixer.hpp"
 #include "verify_report.hpp"
 
@@ -132,8 +133,9 @@ std::string published_text(const PublishedDifference& difference, const Publishe
 std::string filter_text(const DesignedFilter& designed) {
   const KalmanFilter& filter = designed.filter;
   return fmt::format(
-      "{}, {} ms, residual {:.2g}; filter gain M\n{}", filter.name, number(filter.model.dt * 1e3),
+      "{}, {} ms, residual {:.2g}{}; filter gain M\n{}", filter.name, number(filter.model.dt * 1e3),
       designed.evidence.residual,
+      filter.noise_source.empty() ? "" : ", noise of " + internal::printable(filter.noise_source),
       table(filter.M, signal_names(filter.model.states), signal_names(filter.model.outputs)));
 }
 

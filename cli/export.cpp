@@ -57,9 +57,15 @@ ExportContent read_content(const Options& options) {
 
 bool is_design(const std::string& path) { return path.ends_with(".toml"); }
 
-ExportContent make_content(const Options& options, ExportKind kind) {
-  ExportContent content = is_design(options.source) ? export_content(run_design(options.source))
-                                                    : read_content(options);
+ExportContent design_content(const std::string& path, Context& context) {
+  const DesignOutcome outcome = run_design(path);
+  require_tuned(outcome, false, context);
+  return export_content(outcome);
+}
+
+ExportContent make_content(const Options& options, ExportKind kind, Context& context) {
+  ExportContent content =
+      is_design(options.source) ? design_content(options.source, context) : read_content(options);
   if (content.gains && kind != ExportKind::json)
     content.gains = in_convention(
         *content.gains, convention(kind == ExportKind::uquad ? "uquad" : "mambo", "--to"));
@@ -108,7 +114,7 @@ Verb export_verb() {
                                                          : "-o");
               refuse_own_source(*options);
               const ExportKind kind = export_kind(options->to, "--to");
-              const ExportContent content = make_content(*options, kind);
+              const ExportContent content = make_content(*options, kind, context);
               require_stable(content);
               if (!is_design(options->source))
                 context.note(

@@ -512,7 +512,8 @@ std::string gnuplot_script(const Figure& figure, PictureFormat format) {
           "\nset border 15 lw 1.5 lc rgb '#404040'\nset tics nomirror out scale 0.5\n";
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
     const double left = width * static_cast<double>(i % columns);
-    const double upper = top - height * static_cast<double>(i / columns);
+    const std::size_t row = i / columns;
+    const double upper = top - height * static_cast<double>(row);
     const Layout layout = lay_out(figure.panels[i], {left, left + width, upper - height, upper},
                                   room_for_ticks[i % columns]);
     text += panel_script(figure.panels[i], layout, i, format, !figure.shared_legend);

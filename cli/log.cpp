@@ -12,6 +12,7 @@
 #include "log_report.hpp"
 #include "print.hpp"
 #include "program.hpp"
+#include "quadtune/estimation/model_needs.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/logs/log_survey.hpp"
 
@@ -29,10 +30,13 @@ void run(const Options& options, Context& context) {
                      "FILE");
   const std::unique_ptr<LogReader> reader = open_log(options.file, log_options(options.log, "log"));
   const LogSurvey survey = survey_log(*reader);
+  std::vector<ModelNeeds> models;
+  for (const ModelSignals& model : signals_of_built_in_models())
+    models.push_back(needs_of_model(model, survey));
   if (context.json)
-    context.out << internal::readable(to_json(survey, options.file)) << "\n";
+    context.out << internal::readable(to_json(survey, models, options.file)) << "\n";
   else
-    context.out << to_text(survey, options.file);
+    context.out << to_text(survey, models, options.file);
   for (const std::string& warning : log_warnings(survey.condition))
     context.note("log: warning: " + warning);
 }
@@ -41,7 +45,7 @@ void run(const Options& options, Context& context) {
 
 Verb log_verb() {
   return {"log", "FILE [--format NAME] [--columns LIST] [--rate HZ]",
-          "what is in a log: channels, rates, gaps, and what is odd about them",
+          "what is in a log, what is odd about it, and which filter models it feeds",
           "quadtune log docs/examples/flight.csv", [](CLI::App& app) -> Action {
             auto options = std::make_shared<Options>();
             app.add_option("FILE", options->file, "a log; - is standard input");

@@ -123,6 +123,21 @@ std::string channel_table(const LogSurvey& survey, std::size_t group) {
   return any ? table.text() : "no channels";
 }
 
+Json to_json(const ModelNeeds& needs) {
+  Json json = {{"name", needs.model},
+               {"feeds", needs.feeds},
+               {"uses", Json::object()},
+               {"missing", Json::array()}};
+  for (const auto& [signal, channel] : needs.uses) json["uses"][signal] = channel;
+  for (const MissingSignal& one : needs.missing)
+    json["missing"].push_back({{"name", one.signal.name},
+                               {"unit", one.signal.unit},
+                               {"sensor", one.sensor.empty() ? Json(nullptr) : Json(one.sensor)},
+                               {"why", one.why},
+                               {"candidates", one.candidates}});
+  return json;
+}
+
 std::string format_summary(const std::string& format) {
   for (const LogFormat& one : log_formats())
     if (one.name == format) return fmt::format("{}: {}", one.name, one.summary);
@@ -131,7 +146,8 @@ std::string format_summary(const std::string& format) {
 
 }  // namespace
 
-Json to_json(const LogSurvey& survey, const std::string& file) {
+Json to_json(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
+             const std::string& file) {
   Json json;
   json["file"] = file;
   json["format"] = survey.format;
@@ -170,10 +186,13 @@ Json to_json(const LogSurvey& survey, const std::string& file) {
     entry["saturated"] = one.saturated;
     json["channels"].push_back(std::move(entry));
   }
+  json["models"] = Json::array();
+  for (const ModelNeeds& needs : models) json["models"].push_back(to_json(needs));
   return json;
 }
 
-std::string to_text(const LogSurvey& survey, const std::string& file) {
+std::string to_text(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
+                    const std::string& file) {
   std::string text = section("log", file) + section("format", format_summary(survey.format));
   if (survey.duration_s > 0) {
     std::string time = fmt::format("{:.6g} s", survey.duration_s);
@@ -188,7 +207,9 @@ std::string to_text(const LogSurvey& survey, const std::string& file) {
                                      : section("group", group.group.name + ": " + line);
     text += section("", channel_table(survey, i));
   }
-  return text;
+  std::string lines;
+  for (const ModelNeeds& needs : models) lines += (lines.empty() ? "" : "\n") + to_text(needs);
+  return text + "\n" + section("models", lines);
 }
 
 std::vector<std::string> log_warnings(const LogCondition& condition) {

@@ -5,14 +5,18 @@
 #include <string>
 #include <vector>
 
+#include "quadtune/estimation/model_needs.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/logs/log_survey.hpp"
 
 namespace quadtune::cli {
 
 /// Keys as docs/cli.md says; what is not known is null.
-[[nodiscard]] internal::Json to_json(const LogSurvey& survey, const std::string& file);
-[[nodiscard]] std::string to_text(const LogSurvey& survey, const std::string& file);
+/// @param models  what each filter model finds in it
+[[nodiscard]] internal::Json to_json(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
+                                     const std::string& file);
+[[nodiscard]] std::string to_text(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
+                                  const std::string& file);
 
 /// One line for each thing that is wrong with the file itself.
 [[nodiscard]] std::vector<std::string> log_warnings(const LogCondition& condition);

@@ -496,7 +496,7 @@ Panel phase_panel(const std::vector<LoopCurves>& loops) {
                     .high = std::max(range.high, -90.0) + room,
                     .step = 45},
               .series = {}};
-  for (double turn = -180; turn > *panel.y.low; turn -= 360) level(panel, loops[0], turn);
+  for (int turn = -180; turn > *panel.y.low; turn -= 360) level(panel, loops[0], turn);
   for (const LoopCurves& curves : loops)
     panel.series.push_back({.x = curves.w, .y = curves.phase, .look = curves.look});
   const LoopCurves& of = worst(loops);

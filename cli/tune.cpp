@@ -5,9 +5,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <ostream>
+#include <set>
 
 #include "log_arguments.hpp"
 #include "number_arguments.hpp"
@@ -15,20 +17,22 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/estimation/record_of_log.hpp"
+#include "quadtune/estimation/rigid_body_filter.hpp"
 #include "quadtune/exports/file_set.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
-#include "quadtune/logs/flight_log.hpp"
 #include "tune_report.hpp"
+#include "tune_story.hpp"
 
 namespace quadtune::cli {
 namespace {
 
 struct Options {
-  std::string what, model, file;
-  std::vector<std::string> logs, maps, fixed, starts_at;
+  std::string what, model, file, report, method = "ml";
+  std::vector<std::string> logs, maps, truths, fixed, starts_at;
   LogArguments log;
   double holdout = 0.2;
+  double gate = 0, student = 0;
   std::uint64_t starts = 3;
   bool profile = false, force = false;
 };
@@ -37,13 +41,20 @@ struct Options {
   throw UsageError(fmt::format("quadtune tune: {}", why), option);
 }
 
+NoiseMethod noise_method(const std::string& name) {
+  if (name == "ml") return NoiseMethod::likelihood;
+  if (name == "als") return NoiseMethod::autocovariances;
+  refuse("--method",
+         fmt::format("--method: '{}' came, expected ml or als", internal::printable(name)));
+}
+
 /// NAME=WORD.
 std::pair<std::string, std::string> named_word(const std::string& text, const char* option,
-                                               const char* what) {
+                                               const char* name, const char* word) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-    refuse(option,
-           fmt::format("{}: '{}' came, expected NAME={}", option, internal::printable(text), what));
+    refuse(option, fmt::format("{}: '{}' came, expected {}={}", option, internal::printable(text),
+                               name, word));
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
@@ -54,7 +65,7 @@ FilterModel model_of(const Options& options) {
   for (const std::string& name : options.fixed)
     model.parameters[static_cast<std::size_t>(parameter_index(model, name, "--fix"))].fixed = true;
   for (const std::string& text : options.starts_at) {
-    const auto [name, word] = named_word(text, "--start", "NUMBER");
+    const auto [name, word] = named_word(text, "--start", "NAME", "NUMBER");
     double value = 0;
     if (!read_number(word, value))
       refuse("--start", fmt::format("--start: '{}' came for {}, expected a number",
@@ -62,38 +73,127 @@ FilterModel model_of(const Options& options) {
     model.parameters[static_cast<std::size_t>(parameter_index(model, name, "--start"))].start =
         value;
   }
-  validate(model, "--start");
+  for (FilterSensor& sensor : model.sensors) {
+    if (options.gate != 0) sensor.gate = options.gate;
+    if (options.student != 0) sensor.student = options.student;
+  }
+  validate(model, options.gate != 0 || options.student != 0 ? "--gate, --student" : "--start");
   return model;
 }
 
-/// Which channel feeds which input or output: as --map says, else the channel of the same name.
+/// Which channel feeds which input or output: as --map says. Of the others an input is fed by the
+/// channel of its name; so are the outputs, where --map names none of them.
 std::vector<std::pair<std::string, std::string>> mapping(const Options& options,
                                                          const FilterModel& model) {
   std::vector<std::pair<std::string, std::string>> map;
   map.reserve(options.maps.size());
-  for (const std::string& text : options.maps) map.push_back(named_word(text, "--map", "CHANNEL"));
-  if (!map.empty()) return map;
-  for (const Signal& input : model.inputs) map.push_back({input.name, input.name});
+  for (const std::string& text : options.maps)
+    map.push_back(named_word(text, "--map", "NAME", "CHANNEL"));
+  const auto mapped = [&map](const Signal& signal) {
+    return std::any_of(map.begin(), map.end(),
+                       [&](const auto& pair) { return pair.first == signal.name; });
+  };
+  std::vector<Signal> taken, outputs;
+  std::copy_if(model.inputs.begin(), model.inputs.end(), std::back_inserter(taken),
+               [&](const Signal& input) { return !mapped(input); });
   for (const FilterSensor& sensor : model.sensors)
-    for (const Signal& output : sensor.outputs) map.push_back({output.name, output.name});
+    outputs.insert(outputs.end(), sensor.outputs.begin(), sensor.outputs.end());
+  if (std::none_of(outputs.begin(), outputs.end(), mapped))
+    taken.insert(taken.end(), outputs.begin(), outputs.end());
+  for (const Signal& signal : taken) map.push_back({signal.name, signal.name});
   return map;
+}
+
+/// Entries of θ that a covariance depends on.
+std::set<int> parameters_of(const CovarianceModel& covariance) {
+  std::set<int> result;
+  for (const ScaledCovariance& term : covariance.scaled) result.insert(term.parameter);
+  for (const FullCovariance& term : covariance.full) {
+    const auto n = static_cast<int>(term.entries.size());
+    for (int i = 0; i < n * (n + 1) / 2; ++i) result.insert(term.first_parameter + i);
+  }
+  return result;
+}
+
+/// What no channel measures stays as it is, and that is said.
+void leave_unmeasured(FilterModel& model,
+                      const std::vector<std::pair<std::string, std::string>>& map,
+                      Context& context) {
+  const auto measured = [&](const FilterSensor& sensor) {
+    return std::any_of(sensor.outputs.begin(), sensor.outputs.end(), [&](const Signal& output) {
+      return std::any_of(map.begin(), map.end(),
+                         [&](const auto& use) { return use.first == output.name; });
+    });
+  };
+  std::set<int> known = parameters_of(model.Q);
+  for (const FilterSensor& sensor : model.sensors)
+    if (measured(sensor)) known.merge(parameters_of(sensor.R));
+  for (const FilterSensor& sensor : model.sensors)
+    for (const int i : parameters_of(sensor.R)) {
+      NoiseParameter& p = model.parameters[static_cast<std::size_t>(i)];
+      if (p.fixed || known.contains(i)) continue;
+      p.fixed = true;
+      context.note(
+          fmt::format("tune: {} stays as it is: no measurements of {}", p.name, sensor.name));
+    }
+}
+
+/// Where a channel is: "px", of the log itself, or "px@FILE", of another log of the same flight.
+struct Place {
+  std::string channel, file;
+};
+
+Place place_of(const std::string& word, const std::string& log) {
+  const std::size_t at = word.rfind('@');
+  if (at == std::string::npos || at == 0 || at + 1 == word.size()) return {word, log};
+  return {word.substr(0, at), word.substr(at + 1)};
+}
+
+/// Channels of one file, their times after `epoch_s` of the first file read.
+void read_file(const std::string& file, const std::vector<Place>& places,
+               const LogOptions& log_options, std::optional<std::int64_t>& epoch_s,
+               std::vector<ChannelUse>& uses, Context& context) {
+  std::vector<std::string> channels;
+  for (const Place& place : places)
+    if (place.file == file) channels.push_back(place.channel);
+  LogChannels log = read_log_channels(file, channels, log_options);
+  if (!log.condition.whole())
+    context.note(
+        fmt::format("tune: warning: {} is not whole: {}", file,
+                    log.condition.torn.empty() ? log.condition.first_skipped : log.condition.torn));
+  if (!epoch_s) epoch_s = log.epoch_s;
+  const auto offset = static_cast<double>(log.epoch_s - *epoch_s);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i].file != file) continue;
+    uses[i].series = std::move(log.series[next++]);
+    for (double& t : uses[i].series.time) t += offset;
+  }
 }
 
 TunedLog read_log(const std::string& path, const FilterModel& model, const Options& options,
                   const std::vector<std::pair<std::string, std::string>>& map, Context& context) {
-  std::vector<std::string> channels;
-  channels.reserve(map.size());
-  for (const auto& [signal, channel] : map) channels.push_back(channel);
-  const LogChannels log = read_log_channels(path, channels, log_options(options.log, "tune"));
-  if (!log.condition.whole())
-    context.note(
-        fmt::format("tune: warning: {} is not whole: {}", path,
-                    log.condition.torn.empty() ? log.condition.first_skipped : log.condition.torn));
+  std::vector<Place> places;
   std::vector<ChannelUse> uses;
-  uses.reserve(map.size());
-  for (std::size_t i = 0; i < map.size(); ++i) uses.push_back({map[i].first, log.series[i]});
-  return {path, sha256(internal::read_text_file(path, kLogLimit)),
-          records_of_log(model, uses, path)};
+  std::vector<std::string> files;
+  auto all = map;
+  for (const std::string& text : options.truths)
+    all.push_back(named_word(text, "--truth", "STATE", "CHANNEL"));
+  for (const auto& [signal, word] : all) {
+    places.push_back(place_of(word, path));
+    uses.push_back({signal, {}});
+    if (std::find(files.begin(), files.end(), places.back().file) == files.end())
+      files.push_back(places.back().file);
+  }
+  TunedLog result;
+  std::optional<std::int64_t> epoch_s;
+  for (const std::string& file : files) {
+    read_file(file, places, log_options(options.log, "tune"), epoch_s, uses, context);
+    result.files.push_back({file, sha256_of_file(file)});
+  }
+  const auto truths = uses.begin() + static_cast<std::ptrdiff_t>(map.size());
+  result.records = records_of_log(model, {uses.begin(), truths}, path, {truths, uses.end()});
+  return result;
 }
 
 void run(const Options& options, Context& context) {
@@ -101,7 +201,13 @@ void run(const Options& options, Context& context) {
     refuse("WHAT", fmt::format("'{}' came, expected: quadtune tune kalman{}",
                                internal::printable(options.what),
                                internal::did_you_mean(options.what, {"kalman"})));
-  const FilterModel model = model_of(options);
+  FilterModel model = model_of(options);
+  const NoiseMethod method = noise_method(options.method);
+  if (!options.report.empty() && !options.report.ends_with(".html"))
+    refuse("--report", fmt::format("--report is '{}', expected a name that ends in .html",
+                                   internal::printable(options.report)));
+  if (!options.report.empty() && options.report == options.file)
+    refuse("--report", "--report and -o are one file, expected two");
   if (options.logs.empty()) refuse("--log", "--log is missing, expected a log of the sensors");
   if (!(options.holdout >= 0 && options.holdout <= 0.9))
     refuse("--holdout", fmt::format("--holdout is {}, expected 0 to 0.9", options.holdout));
@@ -109,19 +215,26 @@ void run(const Options& options, Context& context) {
     if (path == "-")
       refuse("--log", "--log is -, expected a file because it is read twice, once for its hash");
   const auto map = mapping(options, model);
+  leave_unmeasured(model, map, context);
   std::vector<TunedLog> logs;
-  std::vector<FilterRecord> records;
-  for (const std::string& path : options.logs) {
+  for (const std::string& path : options.logs)
     logs.push_back(read_log(path, model, options, map, context));
-    records.insert(records.end(), logs.back().records.begin(), logs.back().records.end());
-  }
+  std::vector<FilterRecord> joined;
+  if (logs.size() > 1)  // one log's may be long: no second copy
+    for (const TunedLog& log : logs)
+      joined.insert(joined.end(), log.records.begin(), log.records.end());
+  const std::vector<FilterRecord>& records = logs.size() > 1 ? joined : logs.front().records;
   NoiseTuningOptions settings;
+  settings.method = method;
   settings.holdout = options.holdout;
   settings.fit.starts = static_cast<int>(std::min<std::uint64_t>(options.starts, 1000));
   settings.fit.seed = context.seed;
   settings.fit.profile = options.profile;
+  settings.keep_records = !options.report.empty();
   settings.fit.interrupted = [] { return interrupted(); };
-  const NoiseTuning tuning = tune_noise(model, records, settings);
+  const NoiseTuning tuning = model.linear()
+                                 ? tune_noise(model, records, settings)
+                                 : tune_noise(*nonlinear_filter(model, records), settings);
   if (tuning.fit.status == NoiseFitStatus::interrupted) throw Interrupted();
   if (tuning.fit.status == NoiseFitStatus::not_computed)
     throw NoSolution("tune: " + tuning.fit.culprit, options.model);
@@ -131,8 +244,59 @@ void run(const Options& options, Context& context) {
     write_file(options.file, tuned_file(report, context.command));
     context.written.push_back(options.file);
   }
+  if (!options.report.empty()) {
+    write_file(options.report,
+               html(page_of(report, options.holdout, context.seed, context.command)));
+    context.written.push_back(options.report);
+  }
   context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report));
   if (!passed) throw AnswerIsNo("tune: " + tuning.reasons.front());
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("WHAT", options.what, "kalman");
+  app.add_option("--model", options.model, "a built-in filter model, or a file")
+      ->type_name("NAME|FILE");
+  const auto many = [&app](const char* name, std::vector<std::string>& into,
+                           const char* description, const char* type) {
+    app.add_option(name, into, description)
+        ->type_name(type)
+        ->take_all()
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  };
+  many("--log", options.logs, "a log; several: repeat the option", "FILE");
+  many("--map", options.maps,
+       "the channel of an input or measurement that is called otherwise, of another log of "
+       "the same flight as CHANNEL@FILE",
+       "NAME=CHANNEL");
+  many("--truth", options.truths,
+       "the channel of what a state truly was: the filter's errors are judged by it",
+       "STATE=CHANNEL");
+  app.add_option("--method", options.method,
+                 "ml: most likely; als: least squares of the innovations' autocovariances; ml")
+      ->type_name("ml|als");
+  many("--fix", options.fixed, "leave a parameter as it is", "NAME");
+  many("--start", options.starts_at, "the variance that the search begins with", "NAME=NUMBER");
+  add_log_options(app, options.log);
+  add_number(app, "--holdout", options.holdout,
+             "share of each log, its end, that is kept for the verdict; 0.2")
+      ->type_name("SHARE");
+  add_number(app, "--gate", options.gate,
+             "refuse measurements whose squared innovation is more variances than this")
+      ->type_name("LIMIT");
+  add_number(app, "--student", options.student,
+             "degrees of freedom of measurement errors with long tails")
+      ->type_name("NU");
+  add_count(app, "--starts", options.starts, 1, "searches from different starts; 3")
+      ->type_name("N");
+  app.add_flag("--profile", options.profile,
+               "intervals by the likelihood's profile, not by its curvature");
+  app.add_option("-o", options.file, "the tuned model, where the verdict is pass")
+      ->type_name("FILE");
+  app.add_option("--report", options.report, "write a page to look at: a .html file")
+      ->type_name("FILE");
+  app.add_flag("--force", options.force, "write it whatever the verdict; it says so");
 }
 
 }  // namespace
@@ -143,37 +307,7 @@ Verb tune_verb() {
           "quadtune tune kalman --model altitude --log docs/examples/bobbing.csv",
           [](CLI::App& app) -> Action {
             auto options = std::make_shared<Options>();
-            app.add_option("WHAT", options->what, "kalman");
-            app.add_option(
-                   "--model", options->model,
-                   "local-level, constant-velocity, altitude, velocity-xy, attitude, or a file")
-                ->type_name("NAME|FILE");
-            const auto many = [&app](const char* name, std::vector<std::string>& into,
-                                     const char* description, const char* type) {
-              app.add_option(name, into, description)
-                  ->type_name(type)
-                  ->take_all()
-                  ->expected(1)
-                  ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-            };
-            many("--log", options->logs, "a log; several: repeat the option", "FILE");
-            many("--map", options->maps,
-                 "the channel of an input or measurement; without any, channels of the same names",
-                 "NAME=CHANNEL");
-            many("--fix", options->fixed, "leave a parameter as it is", "NAME");
-            many("--start", options->starts_at, "the variance that the search begins with",
-                 "NAME=NUMBER");
-            add_log_options(app, options->log);
-            add_number(app, "--holdout", options->holdout,
-                       "share of each log, its end, that is kept for the verdict; 0.2")
-                ->type_name("SHARE");
-            add_count(app, "--starts", options->starts, 1, "searches from different starts; 3")
-                ->type_name("N");
-            app.add_flag("--profile", options->profile,
-                         "intervals by the likelihood's profile, not by its curvature");
-            app.add_option("-o", options->file, "the tuned model, where the verdict is pass")
-                ->type_name("FILE");
-            app.add_flag("--force", options->force, "write it whatever the verdict; it says so");
+            add_options(app, *options);
             return [options](Context& context) { run(*options, context); };
           }};
 }

@@ -17,6 +17,9 @@ namespace {
 using Eigen::Index;
 using internal::Json;
 
+/// Longest command or path that a tuned file repeats whole.
+constexpr std::size_t kCommentLength = 4096;
+
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 std::string figure(double value, int digits = 4) {
@@ -27,6 +30,12 @@ Index samples_of(const TunedLog& log) {
   Index count = 0;
   for (const FilterRecord& record : log.records) count += record.samples();
   return count;
+}
+
+std::string names_of(const TunedLog& log) {
+  std::string names;
+  for (const TunedFile& file : log.files) names += (names.empty() ? "" : " with ") + file.path;
+  return names;
 }
 
 double seconds_of(const TunedLog& log) {
@@ -105,23 +114,88 @@ std::string innovation_table(const NoiseTuning& tuning) {
   return aligned(rows);
 }
 
+Json to_json(const AutocovarianceFit& als) {
+  Json json;
+  json["samples"] = als.samples;
+  json["dt"] = als.innovation.dt;
+  json["lags"] = als.innovation.of.size() - 1;
+  json["gains"] = als.passes;
+  json["misfit"] = number_or_null(als.misfit);
+  json["degrees"] = als.degrees;
+  return json;
+}
+
 std::string held_out(const HoldOut& holdout) {
   if (holdout.innovations == 0) return "nothing";
   return fmt::format("{} innovations, log-likelihood of each {} before, {} after",
                      holdout.innovations, figure(holdout.before, 5), figure(holdout.after, 5));
 }
 
+std::string log_line(const TunedLog& log) {
+  return fmt::format(
+      "{}: {} instants, {:.6g} s{}", names_of(log), samples_of(log), seconds_of(log),
+      log.records.size() > 1 ? fmt::format(", in {} stretches", log.records.size()) : "");
+}
+
+std::string fit_line(const NoiseTuning& tuning) {
+  const NoiseFit& fit = tuning.fit;
+  const std::string rounds =
+      tuning.rounds > 1 ? fmt::format("; the last of {} fits", tuning.rounds) : "";
+  if (!tuning.autocovariances)
+    return fmt::format("{} after {} evaluations; {} of {} searches end there{}",
+                       to_string(fit.status), fit.evaluations, fit.agreeing, fit.starts, rounds);
+  const AutocovarianceFit& als = *tuning.autocovariances;
+  return fmt::format(
+      "{} by autocovariances: {:.0f} samples every {:.6g} s, lags to {}, {} gains{}\n"
+      "misfit {} of {} degrees of freedom",
+      to_string(als.status), als.samples, als.innovation.dt, als.innovation.of.size() - 1,
+      als.passes, rounds, figure(als.misfit), als.degrees);
+}
+
+std::string likelihood_line(const NoiseFit& fit) {
+  return fmt::format("log {} before, {} after", figure(fit.before.value, 8),
+                     figure(fit.after.value, 8));
+}
+
 }  // namespace
+
+namespace {
+
+Json files_to_json(const TunedLog& log) {
+  Json files = Json::array();
+  for (const TunedFile& file : log.files)
+    files.push_back({{"file", file.path}, {"sha256", file.sha256}});
+  return files;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> facts_of(const TuneReport& report) {
+  const NoiseFit& fit = report.tuning.fit;
+  std::vector<std::pair<std::string, std::string>> facts;
+  for (const TunedLog& log : report.logs) {
+    facts.emplace_back("log", log_line(log));
+    for (const TunedFile& file : log.files) facts.emplace_back("sha256", file.sha256);
+  }
+  facts.emplace_back("fit", fit_line(report.tuning));
+  facts.emplace_back("likelihood", likelihood_line(fit));
+  for (const RefusedCount& count : report.tuning.refused)
+    facts.emplace_back("refused",
+                       fmt::format("{}: {} of {}", count.output, count.refused, count.measured));
+  facts.emplace_back("held out", held_out(report.tuning.holdout));
+  return facts;
+}
 
 Json to_json(const TuneReport& report) {
   const NoiseTuning& tuning = report.tuning;
   const NoiseFit& fit = tuning.fit;
   Json json;
   json["model"] = report.model.name;
+  json["method"] = tuning.autocovariances ? "als" : "ml";
+  if (tuning.autocovariances) json["autocovariances"] = to_json(*tuning.autocovariances);
   json["status"] = to_string(fit.status);
   for (const TunedLog& log : report.logs)
-    json["logs"].push_back({{"file", log.path},
-                            {"sha256", log.sha256},
+    json["logs"].push_back({{"files", files_to_json(log)},
                             {"samples", samples_of(log)},
                             {"duration_s", seconds_of(log)},
                             {"records", log.records.size()}});
@@ -147,7 +221,13 @@ Json to_json(const TuneReport& report) {
                  {"after", checks_to_json(tuning.after, "size")}};
   json["whiteness"] = checks_to_json(tuning.after, "whiteness");
   json["mean"] = checks_to_json(tuning.after, "mean");
+  json["errors"] = checks_to_json(tuning.after, "error");
   json["normality"] = checks_to_json(tuning.after, "normality");
+  json["refused"] = Json::array();
+  for (const RefusedCount& count : tuning.refused)
+    json["refused"].push_back(
+        {{"output", count.output}, {"refused", count.refused}, {"measured", count.measured}});
+  json["rounds"] = tuning.rounds;
   json["holdout"] = {{"innovations", tuning.holdout.innovations},
                      {"before", number_or_null(tuning.holdout.before)},
                      {"after", number_or_null(tuning.holdout.after)}};
@@ -158,23 +238,28 @@ Json to_json(const TuneReport& report) {
 std::string to_text(const TuneReport& report) {
   const NoiseFit& fit = report.tuning.fit;
   std::string logs;
-  for (const TunedLog& log : report.logs)
-    logs += fmt::format(
-        "{}{}: {} instants, {:.6g} s{}", logs.empty() ? "" : "\n", log.path, samples_of(log),
-        seconds_of(log),
-        log.records.size() > 1 ? fmt::format(", in {} stretches", log.records.size()) : "");
+  for (const TunedLog& log : report.logs) logs += (logs.empty() ? "" : "\n") + log_line(log);
   std::string text =
       section("model", fmt::format("{}: {}", report.model.name, report.model.description)) +
       section("logs", logs);
-  text +=
-      section("fit", fmt::format("{} after {} evaluations; {} of {} searches end there",
-                                 to_string(fit.status), fit.evaluations, fit.agreeing, fit.starts));
+  text += section("fit", fit_line(report.tuning));
   text += section("noise", parameter_table(report));
   if (!fit.unseen.empty())
     text += section("not seen", fmt::format("{}", fmt::join(fit.unseen, "\n")));
-  text += section("likelihood", fmt::format("log {} before, {} after", figure(fit.before.value, 8),
-                                            figure(fit.after.value, 8)));
+  text += section("likelihood", likelihood_line(fit));
   text += section("innovations", innovation_table(report.tuning));
+  std::string errors;
+  for (const ConsistencyCheck& c : report.tuning.after.checks)
+    if (c.name == "error")
+      errors += fmt::format("{}{}: squared error {} times its variance, consistent {} to {}",
+                            errors.empty() ? "" : "\n", c.output, figure(c.value, 3),
+                            figure(c.low, 3), figure(c.high, 3));
+  if (!errors.empty()) text += section("errors", errors);
+  std::string refused;
+  for (const RefusedCount& count : report.tuning.refused)
+    refused += fmt::format("{}{}: {} of {}", refused.empty() ? "" : "\n", count.output,
+                           count.refused, count.measured);
+  if (!refused.empty()) text += section("refused", refused);
   text += section("held out", held_out(report.tuning.holdout));
   std::string verdict = to_string(report.tuning.verdict);
   for (const std::string& reason : report.tuning.reasons) verdict += "\n" + reason;
@@ -182,15 +267,19 @@ std::string to_text(const TuneReport& report) {
 }
 
 std::string tuned_file(const TuneReport& report, const std::string& command) {
-  std::vector<std::string> comments = {"By " + internal::printable(command)};
+  std::vector<std::string> comments = {"By " + internal::printable(command, kCommentLength)};
   for (const TunedLog& log : report.logs)
-    comments.push_back(fmt::format("log {} sha256 {}", internal::printable(log.path), log.sha256));
+    for (const TunedFile& file : log.files)
+      comments.push_back(fmt::format("log {} sha256 {}",
+                                     internal::printable(file.path, kCommentLength), file.sha256));
   for (const FittedParameter& p : report.tuning.fit.parameters)
     comments.push_back(fmt::format("{}: {} ({} to {}), {}", p.name, figure(p.value, 6),
                                    figure(p.low, 6), figure(p.high, 6), to_string(p.verdict)));
   comments.push_back(fmt::format("verdict: {}", to_string(report.tuning.verdict)));
   for (const std::string& reason : report.tuning.reasons) comments.push_back("  " + reason);
-  return text_of_filter_model(with_noise(report.model, report.tuning.fit.theta), comments);
+  FilterModel tuned = with_noise(report.model, report.tuning.fit.theta);
+  tuned.verdict = to_string(report.tuning.verdict);
+  return text_of_filter_model(tuned, comments);
 }
 
 }  // namespace quadtune::cli

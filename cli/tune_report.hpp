@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "quadtune/estimation/filter_record.hpp"
@@ -11,10 +12,14 @@
 
 namespace quadtune::cli {
 
-/// A log and what was taken of it.
-struct TunedLog {
+struct TunedFile {
   std::string path;
   std::string sha256;
+};
+
+/// The log of a flight, in one file or several, and what was taken of it.
+struct TunedLog {
+  std::vector<TunedFile> files;
   std::vector<FilterRecord> records;
 };
 
@@ -23,6 +28,9 @@ struct TuneReport {
   const std::vector<TunedLog>& logs;
   const NoiseTuning& tuning;
 };
+
+/// Which logs came, how the fit went, what it gained: a word and what is said of it.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> facts_of(const TuneReport& report);
 
 [[nodiscard]] internal::Json to_json(const TuneReport& report);
 [[nodiscard]] std::string to_text(const TuneReport& report);

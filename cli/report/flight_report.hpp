@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "quadtune/logs/log_table.hpp"
+#include "report/report_page.hpp"
+#include "report/report_plots.hpp"
 
 namespace quadtune::cli {
-
-enum class ReportVerdict { none, pass, fail };
 
 /// One number that tells how good the flight was.
 struct ReportMetric {
@@ -25,28 +25,6 @@ struct ReportMetric {
   std::optional<double> limit = {};                         ///< [unit]
   bool limit_is_least = false;  ///< the value shall be at least the limit; else at most
   bool ok = true;               ///< the limit is kept; of no meaning without one
-};
-
-enum class SeriesStyle {
-  value,        ///< what happened: a full line
-  reference,    ///< what was wanted: dashes
-  estimate,     ///< what the vehicle believed: a thin line
-  measurement,  ///< what a sensor said: dots
-};
-
-/// One curve. The n-th reference and the n-th estimate of a plot belong to its n-th value.
-struct ReportSeries {
-  std::string label = {};
-  std::string column = {};  ///< a name of the log
-  SeriesStyle style = SeriesStyle::value;
-};
-
-/// Curves over one axis of time and one of values.
-struct ReportPlot {
-  std::string title = {};
-  std::string unit = {};  ///< of what is drawn; empty or "1" for none
-  std::vector<ReportSeries> series = {};
-  double factor = 1;  ///< the columns are multiplied by it, e.g. 180/pi to show rad in "deg"
 };
 
 struct ReportRotor {

@@ -52,6 +52,13 @@ const Page = (() => {
     return (Number(text) === 0 ? (0).toFixed(decimals) : text).replace(/^-/, '\u2212');
   }
 
+  /** A number at an axis. */
+  function tick(value) {
+    const size = Math.abs(value);
+    const text = size > 0 && (size < 1e-4 || size >= 1e6) ? value.toExponential() : String(value);
+    return text.replace('e+', 'e').replace(/-/g, '\u2212');
+  }
+
   const withUnit = (text, unit) => (unit ? `${text}\u00a0${unit}` : text);
 
   /** A colour of the style sheet, by the name of its variable. */
@@ -102,5 +109,5 @@ const Page = (() => {
     return clock;
   }
 
-  return {el, float32, float64, indexAt, number, fixed, withUnit, color, makeClock};
+  return {el, float32, float64, indexAt, number, fixed, tick, withUnit, color, makeClock};
 })();

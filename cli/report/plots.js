@@ -11,12 +11,18 @@ const Plots = (() => {
   const kManyEvents = 30;   // from here on their lines step back
   const kLeastSpan = 0.01;  // of the zoom [s]
 
-  /** Which colour, dashes and width a series has: references and estimates follow their value. */
+  /**
+   * Which colour, dashes and width a series has: references and estimates follow their value. The
+   * first band is an area, a further one the outline of what it is compared with.
+   */
   function looks(series) {
-    const count = {value: 0, reference: 0, estimate: 0, measurement: 0};
+    const count = {value: 0, reference: 0, estimate: 0, measurement: 0, band: 0};
     const values = series.filter((s) => s.style === 'value').length;
     return series.map((s) => {
       const n = count[s.style]++;
+      if (s.style === 'band')
+        return n === 0 ? {tone: 'muted', dash: [], width: 1, area: true}
+                       : {tone: 'ink', dash: [2, 4], width: 1};
       // With one value at most, colours tell the styles apart as well.
       const alone = values <= 1 && s.style !== 'value';
       const shift = {reference: 'ink', estimate: 2, measurement: 3}[s.style];
@@ -76,7 +82,9 @@ const Plots = (() => {
       node.setAttribute('class', `tone-${look.tone}`);
       svg.append(node);
     };
-    if (dots)
+    if (look.area)
+      shape('rect', {x: 0, y: 0, width: 24, height: 8, 'fill-opacity': 0.25, stroke: 'none'});
+    else if (dots)
       for (const x of [4, 12, 20]) shape('circle', {cx: x, cy: 4, r: 2});
     else
       shape('line', {x1: 0, x2: 24, y1: 4, y2: 4, 'stroke-width': look.width + 0.5,
@@ -121,7 +129,15 @@ const Plots = (() => {
       let row = indexAt(time, t);
       if (row + 1 < time.length && time[row + 1] - t < t - time[row]) ++row;
       series.forEach((s, i) => {
-        shown[i].textContent = fixed(valueAt(s.values, row, s.sparse), decimals);
+        const value = valueAt(s.values, row, s.sparse);
+        if (!s.upper) {
+          shown[i].textContent = fixed(value, decimals);
+          return;
+        }
+        // Of a band how wide it is to either side.
+        const above = valueAt(s.upper, row, s.sparse);
+        const known = value !== null && above !== null;
+        shown[i].textContent = known ? `\u00b1${fixed((above - value) / 2, decimals)}` : '\u2013';
       });
     }
 
@@ -149,22 +165,32 @@ const Plots = (() => {
       const styles = looks(plot.series);
       const factor = plot.factor ?? 1;
       const series = plot.series.map((s, i) => {
-        const values = factor === 1 ? columns[s.column]
-                                    : columns[s.column].map((v) => (v === null ? null : v * factor));
+        const scaled = (column) => column.map((v) =>
+          v === null || (plot.logarithmic && !(v > 0)) ? null : v * factor);
+        const values = scaled(columns[s.column]);
+        const upper = s.style === 'band' ? scaled(columns[s.upper]) : null;
         const sparse = isSparse(values);
-        return {...s, look: styles[i], sparse, dots: sparse || s.style === 'measurement', values};
+        const dots = s.style === 'measurement' || (sparse && !upper);
+        return {...s, look: styles[i], sparse, dots, values, upper};
       });
-      // Dots lie under lines; the keys stay in the order of the report.
-      const layers = [...series].sort((a, b) => b.dots - a.dots);
+      // Dots lie under lines and on areas; the keys stay in the order of the report. An edge of a
+      // band is a line of its own.
+      const depth = (s) => (s.upper ? 0 : s.dots ? 1 : 2);
+      const layers = [...series].sort((a, b) => depth(a) - depth(b))
+        .flatMap((s) => (s.upper ? [{...s, values: s.upper, of: s}, {...s, of: s}] : [{...s, of: s}]));
+      const areas = layers.flatMap((s, i) => (s.look.area && s.values === s.upper
+        ? [{series: [i + 1, i + 2], fill: () => `${color(s.look.tone)}33`}] : []));
       const shown = series.map((s) => el('span', {class: 'reading'}));
       const keys = series.map((s, i) => {
-        const button = el('button', {type: 'button', class: 'key', 'aria-pressed': 'true',
+        const button = el('button', {type: 'button', class: 'key', 'aria-pressed': String(!s.hidden),
                                      title: `Show or hide ${s.label}`},
                           swatch(s.look, s.dots), el('bdi', {class: 'name'}, s.label), shown[i]);
         button.addEventListener('click', () => {
           const on = button.getAttribute('aria-pressed') !== 'true';
           button.setAttribute('aria-pressed', String(on));
-          u.setSeries(layers.indexOf(series[i]) + 1, {show: on});
+          layers.forEach((layer, at) => {
+            if (layer.of === series[i]) u.setSeries(at + 1, {show: on});
+          });
         });
         return button;
       });
@@ -176,7 +202,7 @@ const Plots = (() => {
                            el('div', {class: 'keys'}, keys)),
                         canvas);
       figure.setAttribute('aria-label', `${plot.title}: arrow keys move the time, plus and minus ` +
-                                        'zoom, 0 shows the whole flight');
+                                        'zoom, 0 shows all');
       host.append(figure);
 
       const axis = {
@@ -191,11 +217,13 @@ const Plots = (() => {
         height: kHeight,
         legend: {show: false},
         padding: [8, 16, 0, 0],
-        scales: {x: {time: false, range: (u, min, max) => (min < max ? [min, max] : [min, min + 1])}},
+        scales: {x: {time: false, range: (u, min, max) => (min < max ? [min, max] : [min, min + 1])},
+                 y: plot.logarithmic ? {distr: 3} : {}},
+        bands: areas,
         axes: [{...axis, size: 26, space: 60},
                // One width for all, so that the same instant is at the same place in each.
                {...axis, size: 58, space: 28,
-                values: (u, splits) => splits.map((v) => String(v).replace(/^-/, '\u2212'))}],
+                values: (u, splits) => splits.map((v) => (v === null ? '' : Page.tick(v)))}],
         cursor: {y: false, drag: {x: true, y: false, dist: 4}, points: {size: 6},
                  // The cursor is the clock: it stays where the mouse has left it.
                  bind: {mouseleave: () => null}},
@@ -203,6 +231,7 @@ const Plots = (() => {
           label: s.label,
           stroke: () => color(s.look.tone),
           fill: undefined,
+          show: !s.hidden,
           width: s.look.width || 1,
           dash: s.look.dash,
           paths: s.dots ? () => null : undefined,

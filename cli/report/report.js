@@ -1,38 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Puts the report together from its data. What it has drawn is told in data attributes of the root
-// element: plots (how many), replay (drawn, flat or none), error (the first that was thrown).
+// Puts a flight's report together from its data. What it has drawn is told in data attributes of the
+// root element: plots (how many), replay (drawn, flat or none).
 'use strict';
 
 (() => {
   const {el, number, withUnit} = Page;
-  const root = document.documentElement;
-
-  window.addEventListener('error', (event) => {
-    root.dataset.error ??= String(event.message);
-  });
-  window.addEventListener('unhandledrejection', (event) => {
-    root.dataset.error ??= String(event.reason);
-  });
-
-  const data = JSON.parse(document.getElementById('data').textContent);
-  const main = document.getElementById('report');
-
-  const section = (id, title, ...children) =>
-    el('section', {id, 'aria-labelledby': `${id}-title`}, el('h2', {id: `${id}-title`}, title), children);
-  const isolated = (text) => el('bdi', {}, text);
+  const {root, data, main, section, isolated} = Frame;
 
   // --- what was flown, and how well ---
 
-  function verdict() {
-    const words = {pass: 'Pass', fail: 'Fail', none: 'No verdict'};
+  /** "8 of 9 limits kept", or null. */
+  function counts() {
     const limited = data.metrics.filter((m) => 'limit' in m);
     const kept = limited.filter((m) => m.ok).length;
-    const counts = limited.length ? `${kept} of ${limited.length} limits kept` : null;
-    return el('div', {class: `verdict ${data.verdict}`},
-              el('strong', {}, words[data.verdict]),
-              el('div', {},
-                 counts ? el('p', {class: 'counts'}, counts) : null,
-                 data.reasons.map((reason) => el('p', {}, isolated(reason)))));
+    return limited.length ? `${kept} of ${limited.length} limits kept` : null;
   }
 
   function metrics() {
@@ -57,14 +38,6 @@
                                limited ? el('th', {scope: 'col', class: 'number'}, 'Limit') : null,
                                limited ? el('th', {scope: 'col', class: 'result'}, 'Result') : null)),
             el('tbody', {}, rows))));
-  }
-
-  function about() {
-    const pairs = [...data.about];
-    if (data.seed && !pairs.some(([key]) => key.toLowerCase() === 'seed')) pairs.push(['seed', data.seed]);
-    if (!pairs.length) return null;
-    return section('about', 'Flown',
-      el('dl', {}, pairs.map(([key, value]) => [el('dt', {}, isolated(key)), el('dd', {}, isolated(value))])));
   }
 
   function events(clock) {
@@ -117,41 +90,6 @@
                  })))))));
   }
 
-  function origin() {
-    const sentence = data.rows > data.kept
-      ? `Plots show ${data.kept} of ${data.rows} rows: least and greatest value of each interval.`
-      : data.kept ? `Plots show all ${data.rows} rows.` : null;
-    return el('footer', {},
-      data.command ? el('p', {}, 'Made by ', el('code', {}, isolated(data.command))) : null,
-      el('p', {}, [data.version ? `quadtune ${data.version}.` : 'quadtune.',
-                   data.seed ? `Seed ${data.seed}.` : null, sentence,
-                   'This file loads nothing. It contains uPlot and three.js under the MIT licence.']
-                  .filter((s) => s !== null).join(' ')));
-  }
-
-  // --- light and dark ---
-
-  const prefersDark = matchMedia('(prefers-color-scheme: dark)');
-  let theme = prefersDark.matches ? 'dark' : 'light';
-  const themed = [];  // what has colours of its own
-  const themeButton = el('button', {type: 'button', class: 'theme'});
-  function paint(name) {
-    root.dataset.theme = name;
-    const other = name === 'dark' ? 'light' : 'dark';
-    themeButton.textContent = other === 'dark' ? 'Dark' : 'Light';
-    themeButton.setAttribute('aria-label', `Change to ${other} colours`);
-    for (const part of themed) part.restyle();
-  }
-  themeButton.addEventListener('click', () => {
-    theme = theme === 'dark' ? 'light' : 'dark';
-    paint(theme);
-  });
-  prefersDark.addEventListener('change', () => {
-    theme = prefersDark.matches ? 'dark' : 'light';
-    paint(theme);
-  });
-  paint(theme);
-
   // --- all together ---
 
   const flown = data.time ? Page.float64(data.time)
@@ -159,12 +97,10 @@
   const clock = Page.makeClock(flown[0], flown[flown.length - 1]);
 
   main.append(
-    el('header', {},
-       el('div', {class: 'kicker'}, el('span', {}, 'Flight report'), themeButton),
-       el('h1', {}, isolated(data.title || 'Flight')),
-       verdict()),
+    Frame.header('Flight report', data.title || 'Flight',
+                 Frame.verdict({pass: 'Pass', fail: 'Fail', none: 'No verdict'}, counts())),
     el('div', {class: 'summary'}, metrics(),
-       el('div', {class: 'beside'}, about(), events(clock))));
+       el('div', {class: 'beside'}, Frame.about('Flown', data.about), events(clock))));
 
   const flight = el('div', {class: 'flight'});
   main.append(flight);
@@ -174,37 +110,13 @@
     const host = section('replay', 'Replay');
     flight.append(host);
     replay = Replay.draw(data, clock, host);
-    themed.push(replay);
+    Frame.add(replay);
   }
 
-  const reset = el('button', {type: 'button', class: 'reset', disabled: true}, 'Whole flight');
-  const host = section('plots', 'Plots');
-  let plots = null;
-  if (data.plots.length) {
-    host.append(el('div', {class: 'hint'}, 'Over time in s. Drag to zoom, double-click for the whole flight.', reset));
-    flight.append(host);
-    plots = Plots.draw(data, clock, host);
-    themed.push(plots);
-    plots.zoomed((zoomed) => { reset.disabled = !zoomed; });
-    reset.addEventListener('click', () => {
-      plots.reset();
-      clock.set(clock.time);
-    });
-  }
+  const plots = Frame.plots(flight, clock, 'Plots',
+    'Over time in s. Drag to zoom, double-click for the whole flight.', 'Whole flight');
   flight.classList.toggle('both', replay !== null && plots !== null);
-  main.append(...[gains(), margins(), origin()].filter((part) => part !== null));
-
-  // Paper is white.
-  window.addEventListener('beforeprint', () => {
-    paint('light');
-    plots?.print(true);
-    replay?.print(true);
-  });
-  window.addEventListener('afterprint', () => {
-    plots?.print(false);
-    replay?.print(false);
-    paint(theme);
-  });
+  main.append(...[gains(), margins(), Frame.origin('uPlot and three.js')].filter((part) => part !== null));
 
   clock.set(clock.first);
   // For scripts that take pictures of a certain instant or check where things are.

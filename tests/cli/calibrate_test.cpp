@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune calibrate imu and quadtune allan: what they read, tell, write and refuse.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
@@ -11,6 +13,7 @@
 #include "run_program.hpp"
 #include "shared_data.hpp"
 #include "temporary_directory.hpp"
+#include "ulog_writer.hpp"
 
 namespace quadtune {
 namespace {
@@ -51,6 +54,25 @@ Eigen::Matrix3d matrix(const Json& json) {
   return M;
 }
 
+/// A file as standard input while it lives.
+class StandardInput {
+ public:
+  explicit StandardInput(const std::string& path) : before_(::dup(STDIN_FILENO)) {
+    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    ::dup2(file, STDIN_FILENO);
+    ::close(file);
+  }
+  ~StandardInput() {
+    ::dup2(before_, STDIN_FILENO);
+    ::close(before_);
+  }
+  StandardInput(const StandardInput&) = delete;
+  StandardInput& operator=(const StandardInput&) = delete;
+
+ private:
+  int before_;
+};
+
 TEST(CalibrateVerb, WritesTheFileThatTheFlightProgramReads) {
   const TemporaryDirectory folder;
   const MadeUpImu made = make_up_imu({.seed = 3, .warming = 8});
@@ -83,14 +105,38 @@ TEST(CalibrateVerb, TakesColumnsByNumber) {
   const std::string text = csv(make_up_imu({.seed = 3}).log);
   std::string rows = text.substr(text.find('\n') + 1);
   std::replace(rows.begin(), rows.end(), ',', '\t');
+  const StandardInput input(folder.write("rows.txt", rows).string());
   const ProgramResult result =
       run_program({"calibrate", "imu", "--log", "-", "--rate", "100", "--accelerometer", "2,3,4",
-                   "--gyroscope", "5,6,7", "--magnetometer", "none"},
-                  rows);
+                   "--gyroscope", "5,6,7", "--magnetometer", "none"});
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("standard input: 16350 samples over 163.5 s, 36 still poses"));
   EXPECT_THAT(result.out, HasSubstr("rms of 35 turns"));
   EXPECT_THAT(result.out, Not(HasSubstr("magnetometer")));
+}
+
+// Raw frames have times, names and a temperature of their own.
+TEST(CalibrateVerb, TakesRawFrames) {
+  const TemporaryDirectory folder;
+  const ImuLog log = make_up_imu({.seed = 3}).log;
+  std::string text;
+  for (Eigen::Index i = 0; i < log.t.size(); ++i) {
+    text += "A 10000";
+    for (int k = 0; k < 3; ++k) text += fmt::format(" {}", log.accelerometer(k, i));
+    for (int k = 0; k < 3; ++k) text += fmt::format(" {}", log.gyroscope(k, i));
+    for (int k = 0; k < 3; ++k) text += fmt::format(" {}", log.magnetometer(k, i));
+    text += " 250 100000 Z\n";
+  }
+  const Json frames =
+      json_of({"calibrate", "imu", "--log", folder.write("frames.txt", text).string(),
+               "--accelerometer", "acc_x,acc_y,acc_z", "--gyroscope", "gyro_x,gyro_y,gyro_z",
+               "--magnetometer", "magn_x,magn_y,magn_z"});
+  const Json table = json_of({"calibrate", "imu", "--log",
+                              folder.write("log.csv", csv(log)).string(), "--temperature", "none"});
+  EXPECT_THAT(matrix(frames["accelerometer"]["M"]),
+              MatrixRelativelyNear(matrix(table["accelerometer"]["M"]), 1e-6));
+  EXPECT_THAT(matrix(frames["magnetometer"]["M"]),
+              MatrixRelativelyNear(matrix(table["magnetometer"]["M"]), 1e-6));
 }
 
 // A sensor that the log does not have keeps the numbers of --base; without it nothing is written.
@@ -138,17 +184,28 @@ TEST(CalibrateVerb, RefusesBadCommandLinesAndLogs) {
   EXPECT_THAT(refusal({"calibrate", "imu", "--simulate", "--log", "x"}, 2),
               HasSubstr("expected one of them"));
   EXPECT_THAT(refusal({"calibrate", "imu", "--log", "/nowhere/x"}, 5), HasSubstr("/nowhere/x"));
-  const std::string log = folder.write("l.csv", "t,ax,ay,az\n0,1,2,3\n1,1,2,x\n").string();
-  EXPECT_THAT(refusal({"calibrate", "imu", "--log", log}, 3),
-              HasSubstr(log + ":3: az is 'x', expected a finite number"));
+  const std::string log = folder.write("l.csv", "t,ax,ay,az\n0,1,2,3\n1,1,2,3\n2,1,2,x\n").string();
+  const std::string words = refusal({"calibrate", "imu", "--log", log}, 3);
+  EXPECT_THAT(words, HasSubstr("warning: 1 of 3 samples of 'ax' in " + log + " lack one of"));
+  EXPECT_THAT(words, HasSubstr("has 2 samples, expected at least"));
+  EXPECT_THAT(refusal({"calibrate", "imu", "--log", log, "--accelerometer", "ax,ay,7"}, 3),
+              HasSubstr("has no channel '7', expected one of ax ay az"));
+  const std::string slow = folder
+                               .write("s.csv",
+                                      "t,ax,ay,az,gx,gy,gz\n0,1,2,3,,,\n1,1,2,3,4,5,6\n2,1,2,3,,,\n"
+                                      "3,1,2,3,4,5,6\n4,1,2,3,,,\n")
+                               .string();
+  EXPECT_THAT(refusal({"calibrate", "imu", "--log", slow}, 3),
+              HasSubstr("only 2 of 5 samples of 'ax' have one of all others at the same time ('gx' "
+                        "has 2 samples), expected sensors of one table"));
   EXPECT_THAT(refusal({"calibrate", "imu", "--log", log, "--accelerometer", "ax,ay"}, 2),
               HasSubstr("--accelerometer lists 2 columns, expected 3"));
-  EXPECT_THAT(refusal({"calibrate", "imu", "--log", log, "--accelerometer", "ax,ay,azz"}, 2),
-              HasSubstr("no column 'azz'"));
+  EXPECT_THAT(refusal({"calibrate", "imu", "--log", log, "--accelerometer", "ax,ay,azz"}, 3),
+              HasSubstr("has no channel 'azz'"));
   const std::string back =
       folder.write("b.csv", "t,ax,ay,az\n0,1,2,3\n1,1,2,3\n1,1,2,3\n").string();
   EXPECT_THAT(refusal({"calibrate", "imu", "--log", back}, 3),
-              HasSubstr(back + ":4: t is 1 after 1, expected times that increase"));
+              HasSubstr("the time of 'ax' does not increase: sample 3 is at 1 s"));
   EXPECT_THAT(refusal({"calibrate", "imu", "--log", back, "--rate", "100"}, 3),
               HasSubstr("has 3 samples, expected at least 250, ten windows of 0.25 s"));
 }
@@ -216,38 +273,80 @@ TEST(AllanVerb, SaysWhatTheRecordIsTooShortFor) {
   EXPECT_THAT(result.out, HasSubstr("at most "));
 }
 
-TEST(AllanVerb, RefusesGapsByTheirLine) {
+TEST(AllanVerb, RefusesGaps) {
   const TemporaryDirectory folder;
   std::string text = "t,w\n";
   for (int i = 0; i < 200; ++i) text += fmt::format("{},{}\n", i < 150 ? i : i + 1, i % 7);
   const std::string log = folder.write("l.csv", text).string();
   const ProgramResult gap = run_program({"allan", "--log", log, "--column", "w", "--time", "t"});
   EXPECT_EQ(gap.status, 3);
-  EXPECT_THAT(gap.err, HasSubstr(log + ":152: comes 2 s after the row before, expected 1 s"));
-  const std::string holes = folder.write("h.csv", "w\n1\n2\nnan\n4\n").string();
+  EXPECT_THAT(gap.err,
+              HasSubstr("'w' has a gap: sample 151, at 151 s, comes 2 s after the one before, "
+                        "expected 1 s (the median)"));
+  const std::string holes = folder.write("h.csv", "w\n1\n2\nnan\n4\n5\n6\n").string();
   const ProgramResult hole = run_program({"allan", "--log", holes, "--column", "w", "--rate", "1"});
   EXPECT_EQ(hole.status, 3);
-  EXPECT_THAT(hole.err, HasSubstr(holes + ":4: w is 'nan', expected a finite number"));
-  const std::string torn = folder.write("t.csv", "a b\n1 2\n1 2\n1\n").string();
-  EXPECT_THAT(run_program({"allan", "--log", torn, "--column", "b", "--rate", "1"}).err,
-              HasSubstr(torn + ":4: has 1 fields, expected at least 2 for b"));
+  EXPECT_THAT(hole.err, HasSubstr(holes + ": 'w' has a gap: sample 3, at 3 s, comes 2 s after"));
+  const std::string torn = folder.write("t.csv", "a b\n1 2\n1 2\n1\n1 2\n1 2\n1 2\n").string();
+  const ProgramResult broken =
+      run_program({"allan", "--log", torn, "--column", "b", "--rate", "1"});
+  EXPECT_THAT(broken.err, HasSubstr(torn + ":4: the row has 1 fields, expected 2"));
+  EXPECT_THAT(broken.err, HasSubstr("'b' has a gap: sample 3"));
+}
+
+// A channel of a log that no text holds, with the times and gaps of the log itself.
+TEST(AllanVerb, ReadsOtherLogs) {
+  const TemporaryDirectory folder;
+  const MadeUpGyroscope made = make_up_gyroscope(2);
+  testing::UlogWriter log;
+  log.flags().format("imu:uint64_t timestamp;double w;");
+  log.subscribe(0, 0, "imu");
+  std::string text = "t_us,w\n";
+  for (int i = 0; i < 2000; ++i) {
+    const std::uint64_t t = 1000000 + static_cast<std::uint64_t>(i) * 10000;
+    log.data(0, testing::packed(t, made.rate(i)));
+    text += fmt::format("{},{}\n", t, made.rate(i));
+  }
+  const std::string file = folder.write("l.ulg", log.bytes()).string();
+  const Json ulog = json_of({"allan", "--log", file, "--column", "imu.w"});
+  EXPECT_EQ(ulog["samples"], 2000);
+  EXPECT_EQ(ulog["column"], "imu.w");
+  const std::string csv = folder.write("l.csv", text).string();
+  EXPECT_EQ(json_of({"allan", "--log", csv, "--column", "w"})["adev"], ulog["adev"]);
+  const ProgramResult paced =
+      run_program({"allan", "--log", file, "--column", "w", "--rate", "100"});
+  EXPECT_EQ(paced.status, 3);
+  EXPECT_THAT(paced.err, HasSubstr("is read as ulog, which tells its columns and times itself"));
+}
+
+// Every second row has a value: a sensor of half the rate.
+TEST(AllanVerb, TakesTheRowsThatHoldAValue) {
+  const TemporaryDirectory folder;
+  std::string text = "Zeit[ms],w[rad/s]\n";
+  const MadeUpGyroscope made = make_up_gyroscope(2);
+  for (int i = 0; i < 1000; ++i)
+    text += fmt::format("{},{}\n{},\n", 20 * i, made.rate(i), 20 * i + 10);
+  const Json json = json_of(
+      {"allan", "--log", folder.write("l.csv", text).string(), "--column", "w", "--time", "Zeit"});
+  EXPECT_EQ(json["samples"], 1000);
+  EXPECT_NEAR(double(json["dt"]), 0.02, 1e-12);
 }
 
 TEST(AllanVerb, RefusesBadCommandLines) {
   const TemporaryDirectory folder;
   const std::string log = folder.write("l.csv", "wx,wy\n1,2\n").string();
-  const auto refusal = [&](std::vector<std::string> args) {
+  const auto refusal = [&](std::vector<std::string> args, int status = 2) {
     args.insert(args.begin(), "allan");
     const ProgramResult result = run_program(args);
-    EXPECT_EQ(result.status, 2) << result.err;
+    EXPECT_EQ(result.status, status) << result.err;
     return result.err;
   };
   EXPECT_THAT(refusal({}), HasSubstr("--log is missing"));
   EXPECT_THAT(refusal({"--log", log}), HasSubstr("--column is missing"));
   EXPECT_THAT(refusal({"--log", log, "--column", "wx"}),
               HasSubstr("no sample rate came, expected one of --rate HZ and --time COLUMN"));
-  EXPECT_THAT(refusal({"--log", log, "--column", "wz", "--rate", "1"}),
-              HasSubstr("--column: no column 'wz' in " + log));
+  EXPECT_THAT(refusal({"--log", log, "--column", "wz", "--rate", "1"}, 3),
+              HasSubstr(log + ": has no channel 'wz', expected one of wx wy"));
   EXPECT_THAT(refusal({"--log", log, "--column", "wx", "--time", "wy", "--rate", "1"}),
               HasSubstr("--rate and --time both came"));
   EXPECT_THAT(refusal({"--log", log, "--column", "wx", "--time", "wy", "--time-unit", "h"}),

@@ -59,6 +59,27 @@ TEST(LogVerb, NamesChannelsOfGroupsInFull) {
               HasSubstr("the logger itself lost records 1 time, 0.025 s in all"));
 }
 
+TEST(LogVerb, SaysWhichModelsItFeedsAndWhatOthersNeed) {
+  const TemporaryDirectory folder;
+  const std::string file =
+      folder.write("f.csv", "t,az,height[m],vx[m/s]\n0,1,2,3\n1,2,3,4\n").string();
+  const Json models = Json::parse(run_program({"log", file, "--json"}).out)["models"];
+  ASSERT_GE(models.size(), 5U);
+  EXPECT_EQ(models[2]["name"], "altitude");
+  EXPECT_EQ(models[2]["feeds"], true);
+  EXPECT_EQ(models[2]["uses"]["az"], "az");
+  EXPECT_EQ(models[2]["missing"], Json::array());
+  EXPECT_EQ(models[3]["feeds"], false);
+  EXPECT_EQ(models[3]["missing"].size(), 4U);
+  EXPECT_EQ(models[3]["missing"][2]["name"], "flow_vx");
+  EXPECT_EQ(models[3]["missing"][2]["unit"], "m/s");
+  EXPECT_EQ(models[3]["missing"][2]["sensor"], "flow");
+  EXPECT_EQ(models[3]["missing"][2]["candidates"][0], "vx");
+  const std::string text = run_program({"log", file}).out;
+  EXPECT_THAT(text, HasSubstr("altitude: fed by az, height\n"));
+  EXPECT_THAT(text, HasSubstr("attitude: needs rate [rad/s], tilt [rad]; --map rate=CHANNEL"));
+}
+
 TEST(LogVerb, WarnsOfATornLogAndReadsItUpToThere) {
   const TemporaryDirectory folder;
   const std::string file = folder.write("f.csv", "t,z\n0,1\n1,2\n2,").string();

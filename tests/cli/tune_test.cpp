@@ -90,11 +90,59 @@ TEST(TuneVerb, FindsWhatMadeTheLog) {
   std::stringstream text;
   text << std::ifstream(tuned).rdbuf();
   EXPECT_THAT(text.str(), HasSubstr("# verdict: pass"));
-  EXPECT_THAT(text.str(), HasSubstr("sha256 " + std::string(json["logs"][0]["sha256"])));
+  EXPECT_THAT(text.str(),
+              HasSubstr("sha256 " + std::string(json["logs"][0]["files"][0]["sha256"])));
   const ProgramResult again =
       run_program({"tune", "kalman", "--model", tuned, "--log", file, "--json", "--starts", "1"});
   EXPECT_NEAR(double(Json::parse(again.out)["Q"][0][0]), double(Q["value"]),
               1e-6 * double(Q["value"]));
+}
+
+// The second method, from what comes every other instant, inputs in between.
+TEST(TuneVerb, FindsItByAutocovariancesToo) {
+  const TemporaryDirectory folder;
+  const std::string file = folder.write("bobbing.csv", bobbing(6000)).string();
+  const ProgramResult als = tune(file, {"--method", "als", "--json"});
+  ASSERT_EQ(als.status, 0) << als.err << als.out;
+  const Json json = Json::parse(als.out);
+  EXPECT_EQ(json["method"], "als");
+  EXPECT_EQ(json["status"], "converged");
+  EXPECT_EQ(json["gate"]["verdict"], "pass");
+  EXPECT_NEAR(double(json["autocovariances"]["dt"]), 0.04, 1e-9);
+  EXPECT_GT(double(json["autocovariances"]["samples"]), 2000);
+  EXPECT_GT(double(json["autocovariances"]["misfit"]), 1);
+  const ProgramResult ml = tune(file, {"--method", "ml", "--json"});
+  const Json likely = Json::parse(ml.out);
+  EXPECT_EQ(likely["method"], "ml");
+  EXPECT_FALSE(likely.contains("autocovariances"));
+  for (const std::size_t i : {0u, 1u}) {
+    const std::string name = json["parameters"][i]["name"];
+    EXPECT_LT(double(json["parameters"][i]["low"]), double(likely["parameters"][i]["value"]));
+    EXPECT_GT(double(json["parameters"][i]["high"]), double(likely["parameters"][i]["value"]));
+    EXPECT_NEAR(double(json["standard_errors"][name]) / double(likely["standard_errors"][name]), 1,
+                0.25);
+  }
+  EXPECT_LE(double(json["log_likelihood"]["after"]), double(likely["log_likelihood"]["after"]));
+  const ProgramResult text = tune(file, {"--method", "als"});
+  EXPECT_THAT(text.out, HasSubstr("fit         solved by autocovariances: "));
+  EXPECT_THAT(text.out, HasSubstr("samples every 0.04 s, lags to 22, "));
+}
+
+TEST(TuneVerb, SaysWhyAutocovariancesCannotTellALog) {
+  const TemporaryDirectory folder;
+  // Echoes come and go.
+  std::string text = bobbing(1500);
+  std::size_t at = text.find('\n') + 1;
+  for (int row = 0; row < 1500; ++row) {
+    const std::size_t end = text.find('\n', at);
+    if (row % 40 == 0) text.erase(text.rfind(',', end) + 1, end - text.rfind(',', end) - 1);
+    at = text.find('\n', at) + 1;
+  }
+  const ProgramResult result = tune(folder.write("torn.csv", text).string(), {"--method", "als"});
+  EXPECT_EQ(result.status, 4);
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(result.err, HasSubstr("tune: no stretch of one sample time with all measurements "
+                                    "each time is of 30 samples or more"));
 }
 
 // An on-board filter's output is not a measurement.
@@ -127,6 +175,17 @@ TEST(TuneVerb, MapsFixesAndStarts) {
   EXPECT_NEAR(double(json["parameters"][1]["value"]), 0.0004, 1e-15);
 }
 
+// What --map does not name goes by its own name.
+TEST(TuneVerb, MapsOneOfSeveral) {
+  const TemporaryDirectory folder;
+  std::string renamed = bobbing(1000);
+  renamed.replace(0, renamed.find('\n'), "t_s,acc,height");
+  const std::string file = folder.write("renamed.csv", renamed).string();
+  const ProgramResult result = tune(file, {"--map", "az=acc", "--json"});
+  ASSERT_NE(result.out, "") << result.err;
+  EXPECT_EQ(Json::parse(result.out)["logs"][0]["samples"], 1000);
+}
+
 TEST(TuneVerb, RefusesInOneLine) {
   const TemporaryDirectory folder;
   const std::string file = folder.write("b.csv", bobbing(300)).string();
@@ -150,18 +209,95 @@ TEST(TuneVerb, RefusesInOneLine) {
   refused({"tune", "kalman", "--model", "altitude", "--log", file, "--map", "az=az", "--map",
            "height=heigth"},
           3, "did you mean 'height'?");
-  refused({"tune", "kalman", "--model", "altitude", "--log", file, "--map", "height=height"}, 3,
-          "needs its input 'az'");
+  refused({"tune", "kalman", "--model", "altitude", "--log", file, "--map", "hight=height"}, 3,
+          "the model 'altitude' has no 'hight', expected one of az, height");
+  refused({"tune", "kalman", "--model", "attitude", "--log", file, "--map", "tilt=az"}, 3,
+          "has no channel 'rate'");
   refused({"tune", "kalman", "--model", "altitude", "--log", file, "--fix", "R.sona"}, 2,
           "--fix: no parameter 'R.sona', expected one of Q.az, R.sonar; did you mean 'R.sonar'?");
   refused({"tune", "kalman", "--model", "altitude", "--log", file, "--start", "R.sonar=-1"}, 2,
           "the start of 'R.sonar' is -1, expected a positive number");
+  refused({"tune", "kalman", "--model", "altitude", "--log", file, "--method", "mle"}, 2,
+          "--method: 'mle' came, expected ml or als");
   refused({"tune", "kalman", "--model", "altitude", "--log", "no.csv"}, 5, "no.csv");
   refused({"tune", "kalman", "--model", "altitude", "--log", file, "--holdout", "1"}, 2,
           "--holdout is 1, expected 0 to 0.9");
 }
 
 // A name cannot break out of the comment that it is written in.
+/// The columns of a log, in a file of their own: those named, and the time.
+std::string columns_of(const std::string& log, const std::vector<std::size_t>& columns) {
+  std::stringstream lines(log);
+  std::string line, text;
+  while (std::getline(lines, line)) {
+    std::vector<std::string> words(1);
+    for (const char c : line)
+      if (c == ',')
+        words.emplace_back();
+      else
+        words.back() += c;
+    std::string row;
+    for (const std::size_t i : columns) row += (row.empty() ? "" : ",") + words[i];
+    if (row.back() != ',') text += row + "\n";
+  }
+  return text;
+}
+
+TEST(TuneVerb, TakesChannelsOfAnotherLogOfTheFlight) {
+  const TemporaryDirectory folder;
+  const std::string log = bobbing(2000);
+  const std::string whole = folder.write("whole.csv", log);
+  const std::string imu = folder.write("imu.csv", columns_of(log, {0, 1}));
+  const std::string sonar = folder.write("sonar.csv", columns_of(log, {0, 2}));
+  const Json expected = Json::parse(tune(whole, {"--json"}).out);
+  const ProgramResult result =
+      tune(imu, {"--json", "--map", "az=az", "--map", "height=height@" + sonar});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["parameters"], expected["parameters"]);
+  EXPECT_EQ(json["logs"][0]["files"][1]["file"], sonar);
+}
+
+TEST(TuneVerb, RefusesOutliers) {
+  const TemporaryDirectory folder;
+  std::stringstream lines(bobbing(2000));
+  std::string line, text;
+  for (int k = 0; std::getline(lines, line); ++k) {
+    if (k % 50 == 7) line = line.substr(0, line.rfind(',') + 1) + "3.5";
+    text += line + "\n";
+  }
+  const std::string log = folder.write("spoilt.csv", text);
+  EXPECT_EQ(tune(log).status, 1);
+  const ProgramResult gated = tune(log, {"--gate", "25"});
+  EXPECT_EQ(gated.status, 0) << gated.out << gated.err;
+  EXPECT_THAT(gated.out, HasSubstr("refused     sonar: height: 40 of 1000"));
+  const Json json = Json::parse(tune(log, {"--gate", "25", "--json"}).out);
+  EXPECT_EQ(json["refused"][0]["refused"], 40);
+  EXPECT_NEAR(double(json["parameters"][1]["value"]), 4e-4, 5e-5);
+  EXPECT_THAT(tune(log, {"--gate", "1"}).err,
+              HasSubstr("the gate of sensor 'sonar' is 1, expected at least 4"));
+}
+
+TEST(TuneVerb, JudgesErrorsByATruth) {
+  const TemporaryDirectory folder;
+  // The truth of the bobbing, by its own integral.
+  std::string text = "t_s,z[m]\n";
+  double z = -1, vz = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const double t = 0.02 * k, a = 2 * std::sin(3 * t) + std::sin(7 * t);
+    text += fmt::format("{:.2f},{:.9f}\n", t, z);
+    z += vz * 0.02 + 0.5 * a * 0.0004;
+    vz += a * 0.02;
+  }
+  const std::string truth = folder.write("truth.csv", text);
+  const std::string log = folder.write("log.csv", bobbing(2000));
+  const ProgramResult result = tune(log, {"--truth", "z=z@" + truth});
+  EXPECT_EQ(result.status, 0) << result.out << result.err;
+  EXPECT_THAT(result.out, HasSubstr("errors      z: squared error "));
+  EXPECT_THAT(tune(log, {"--truth", "height=height"}).err,
+              HasSubstr("the model 'altitude' has no state 'height', expected one of z, vz"));
+}
+
 TEST(TuneVerb, WritesHostileNamesAsComments) {
   const TemporaryDirectory folder;
   const std::string file = folder.write("a\nname = 'b'.csv", bobbing(6000)).string();

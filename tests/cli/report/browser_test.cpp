@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The flight report as a reader's browser shows it. Skipped where there is no Chromium.
-#include "browser.hpp"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <regex>
-#include <set>
 
+#include "browser_page.hpp"
 #include "hostile_texts.hpp"
 #include "run_program.hpp"
 #include "sample_flight.hpp"
@@ -22,61 +19,6 @@ namespace {
 using cli::FlightReport;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-/// The value of a data attribute of the page's root element; "(none)" where it is absent.
-std::string root_data(const std::string& page, const std::string& name) {
-  const std::string root = page.substr(0, page.find("<head"));
-  std::smatch match;
-  const std::regex attribute("data-" + name + "=\"([^\"]*)\"");
-  return std::regex_search(root, match, attribute) ? match[1].str() : "(none)";
-}
-
-/// The page without its policy and with a script of the test, which runs once the page is drawn.
-/// What the script puts into document.documentElement.dataset can be read with root_data().
-std::string with_script(const std::string& html, const std::string& script) {
-  static const std::string kPolicy = "<meta http-equiv=\"Content-Security-Policy\"";
-  std::string page = html;
-  const std::size_t start = page.find(kPolicy);
-  page.erase(start, page.find('>', start) + 1 - start);
-  const std::string body_end = "</body>";
-  page.insert(page.rfind(body_end), "<script>setTimeout(() => {" + script + "}, 500);</script>");
-  return page;
-}
-
-class Browser : public ::testing::Test {
- protected:
-  void SetUp() override {
-    if (find_browser().empty()) GTEST_SKIP() << "no chromium here, so no page is opened";
-  }
-
-  std::string write(const std::string& html, const std::string& name = "report.html") const {
-    return place_.write(name, html).string();
-  }
-
-  /// The page after its scripts.
-  std::string opened(const std::string& html,
-                     const std::vector<std::string>& arguments = {}) const {
-    const BrowserResult result = dump_page(write(html), arguments);
-    EXPECT_TRUE(result.in_time) << "the browser did not end";
-    EXPECT_EQ(result.status, 0);
-    return result.out;
-  }
-
-  TemporaryDirectory place_;
-};
-
-// What web pages of this browser run have asked for; what the browser itself wants is left out.
-std::set<std::string> requests(const std::string& log) {
-  std::set<std::string> urls;
-  const nlohmann::json all = nlohmann::json::parse(log);
-  for (const auto& event : all.at("events")) {
-    if (!event.contains("params") || !event["params"].contains("url")) continue;
-    const auto& params = event["params"];
-    if (params.value("initiator", "not an origin") != "not an origin")
-      urls.insert(params["url"].get<std::string>());
-  }
-  return urls;
-}
 
 TEST_F(Browser, DrawsEveryPlotAndTheReplay) {
   const std::string page = opened(cli::html(sample_flight()));
@@ -313,15 +255,6 @@ TEST_F(Browser, PlotsObeyTheKeyboard) {
   EXPECT_EQ(root_data(page, "theme"), "dark");
   EXPECT_EQ(root_data(page, "nearer"), "true");
   EXPECT_EQ(root_data(page, "whole"), "true");
-}
-
-// A window cannot be as narrow as a telephone; a frame in it can.
-std::string in_frame(const std::string& name, int width, int height) {
-  return fmt::format(
-      "<!DOCTYPE html><body style='margin:0'><iframe src='{}' style='width:{}px;height:{}px;"
-      "border:0'></iframe><script>addEventListener('message', (e) => "
-      "{{ document.documentElement.dataset.inside = e.data; }});</script></body>",
-      name, width, height);
 }
 
 TEST_F(Browser, FitsIntoANarrowWindow) {

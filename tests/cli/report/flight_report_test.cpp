@@ -285,15 +285,14 @@ TEST(FlightReport, RefusesWhatDoesNotFit) {
   EXPECT_EQ(refusal(good), "");
   FlightReport report = good;
   report.plots = {{"a", "m", {{"a", "nowhere"}}}};
-  EXPECT_EQ(refusal(report),
-            "flight report: column 'nowhere', expected one of the log's 7 columns");
+  EXPECT_EQ(refusal(report), "report: column 'nowhere', expected one of the log's 7 columns");
   report = good;
   report.log.columns[3].values.pop_back();
-  EXPECT_EQ(refusal(report), "flight report: column 'd' has 1 rows, expected 2 as the time");
+  EXPECT_EQ(refusal(report), "report: column 'd' has 1 rows, expected 2 as the time");
   report = good;
   report.log.columns[0].values = {1, 1};
   EXPECT_EQ(refusal(report),
-            "flight report: time 1 in row 1, expected finite numbers that increase, because plots "
+            "report: time 1 in row 1, expected finite numbers that increase, because plots "
             "are over it");
   report = good;
   report.replay->attitude.pop_back();

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The page of what `quadtune tune kalman` found.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "report/tuning_page.hpp"
+#include "tune_report.hpp"
+
+namespace quadtune::cli {
+
+/// Runs filter and smoother over the logs with the covariances before and after.
+/// @param holdout  share of each record that was kept from the fit
+/// @param command  the command line that made it; may be empty
+[[nodiscard]] TuningPage page_of(const TuneReport& report, double holdout, std::uint64_t seed,
+                                 const std::string& command);
+
+}  // namespace quadtune::cli
