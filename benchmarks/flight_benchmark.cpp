@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -24,6 +23,7 @@
 #include "quadtune/simulation/flight.hpp"
 #include "quadtune/simulation/packed_body.hpp"
 #include "quadtune/simulation/plant.hpp"
+#include "temporary_directory.hpp"
 #include "wall_time.hpp"
 
 namespace quadtune::bench {
@@ -141,9 +141,8 @@ std::string json_of(const FreeFlight& flight, double max_step) {
 /// What a peer's program says of the flight; nothing where it cannot be run.
 std::optional<Line> peer(const std::string& name, const std::string& command,
                          const FreeFlight& flight, double max_step, const Eigen::VectorXd& truth) {
-  const std::filesystem::path input =
-      std::filesystem::temp_directory_path() / "quadtune-flight-benchmark.json";
-  std::ofstream(input) << json_of(flight, max_step);
+  const testing::TemporaryDirectory directory;
+  const std::filesystem::path input = directory.write("flight.json", json_of(flight, max_step));
   const std::string whole = fmt::format(fmt::runtime(command), fmt::arg("input", input.string()));
   FILE* pipe = popen((whole + " 2>/dev/null").c_str(), "r");
   if (!pipe) return std::nullopt;
@@ -151,7 +150,6 @@ std::optional<Line> peer(const std::string& name, const std::string& command,
   std::array<char, 4096> buffer;
   while (std::fgets(buffer.data(), buffer.size(), pipe)) text += buffer.data();
   const bool failed = pclose(pipe) != 0;
-  std::filesystem::remove(input);
   if (failed) return std::nullopt;
   Line line{name, 0, 0, 0, 0};
   std::istringstream words(text);

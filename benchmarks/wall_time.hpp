@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Wall time of work that is long enough for a clock.
+/// Time of work that is long enough for a clock: on the wall, or of the processor.
 #pragma once
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <vector>
 
 namespace quadtune::bench {
@@ -14,18 +15,36 @@ struct Wall {
   double least = 0;
 };
 
-template <class Work>
-[[nodiscard]] Wall wall_of(Work&& work, std::size_t repetitions = 15) {
+/// @param now  a clock [s]
+template <class Work, class Clock>
+[[nodiscard]] Wall time_of(Work&& work, std::size_t repetitions, Clock&& now) {
   std::vector<double> seconds;
   seconds.reserve(repetitions);
   for (std::size_t i = 0; i < repetitions; ++i) {
-    const auto start = std::chrono::steady_clock::now();
+    const double start = now();
     work();
-    seconds.push_back(
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    seconds.push_back(now() - start);
   }
   std::sort(seconds.begin(), seconds.end());
   return {seconds[repetitions / 2], seconds.front()};
+}
+
+template <class Work>
+[[nodiscard]] Wall wall_of(Work&& work, std::size_t repetitions = 15) {
+  return time_of(work, repetitions, [] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  });
+}
+
+/// Of the processor, which others on the machine disturb least.
+template <class Work>
+[[nodiscard]] Wall processor_time_of(Work&& work, std::size_t repetitions = 15) {
+  return time_of(work, repetitions, [] {
+    timespec spent{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &spent);
+    return static_cast<double>(spent.tv_sec) + 1e-9 * static_cast<double>(spent.tv_nsec);
+  });
 }
 
 }  // namespace quadtune::bench

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kalman_problems.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <random>
+
+#include "filter_models.hpp"
+#include "quadtune/estimation/filter_file.hpp"
+
+namespace quadtune::bench {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+constexpr double kPeriod = 0.005;  // [s]
+
+KalmanProblem with_log(FilterModel model, int samples, std::mt19937_64& random) {
+  FilterRecord record = testing::simulated(model, start_of(model), samples, kPeriod, random);
+  return {std::move(model), std::move(record)};
+}
+
+void start_known(FilterModel& model) {
+  const Index nx = model.A.rows();
+  model.x0 = Eigen::VectorXd::Zero(nx);
+  model.P0 = MatrixXd::Identity(nx, nx);
+  model.diffuse.assign(static_cast<std::size_t>(nx), false);
+}
+
+ScaledCovariance one_entry(Index size, Index entry, int parameter) {
+  MatrixXd shape = MatrixXd::Zero(size, size);
+  shape(entry, entry) = 1;
+  return {shape, parameter};
+}
+
+}  // namespace
+
+KalmanProblem altitude_problem(int samples) {
+  std::mt19937_64 random(1);
+  FilterModel model = load_filter_model("altitude");
+  start_known(model);
+  return with_log(std::move(model), samples, random);
+}
+
+KalmanProblem large_problem(int samples, int parameters, bool sparse) {
+  constexpr Index nx = 12, ny = 6;
+  std::mt19937_64 random(2);
+  std::normal_distribution<double> normal;
+  FilterModel model;
+  model.name = "large";
+  model.dt = kPeriod;
+  for (Index i = 0; i < nx; ++i) {
+    model.states.push_back({fmt::format("x{}", i + 1), ""});
+    model.noises.push_back({fmt::format("w{}", i + 1), ""});
+  }
+  model.A = model.G = MatrixXd::Identity(nx, nx);
+  model.B.resize(nx, 0);
+  for (Index i = 0; i < nx; ++i)
+    for (Index j = 0; j < nx; ++j) {
+      const bool chained = i % 3 != 2 && j == i + 1;
+      if (sparse ? chained : true) model.A(i, j) = sparse ? kPeriod : normal(random);
+    }
+  if (!sparse) model.A *= 0.95 / model.A.eigenvalues().cwiseAbs().maxCoeff();
+
+  // Parameters of outputs, then of noises; each shared by as many as it takes.
+  const int of_outputs = std::max(1, parameters / 3), of_noises = parameters - of_outputs;
+  for (int i = 0; i < of_outputs; ++i)
+    model.parameters.push_back({fmt::format("R.{}", i + 1), "", true, 0.1});
+  for (int i = 0; i < of_noises; ++i)
+    model.parameters.push_back({fmt::format("Q.{}", i + 1), "", true, 0.01});
+  model.Q.fixed = MatrixXd::Zero(nx, nx);
+  for (Index i = 0; i < nx; ++i)
+    model.Q.scaled.push_back(one_entry(nx, i, of_outputs + static_cast<int>(i) % of_noises));
+  for (Index i = 0; i < ny; ++i) {
+    FilterSensor& sensor = model.sensors.emplace_back();
+    sensor.name = fmt::format("y{}", i + 1);
+    sensor.outputs = {{sensor.name, ""}};
+    sensor.C = MatrixXd::Zero(1, nx);
+    sensor.C(0, i < 4 ? 3 * i : 3 * (i - 4) + 1) = 1;
+    sensor.R = {MatrixXd::Zero(1, 1), {one_entry(1, 0, static_cast<int>(i) % of_outputs)}, {}};
+  }
+  start_known(model);
+  return with_log(std::move(model), samples, random);
+}
+
+}  // namespace quadtune::bench
