@@ -7,6 +7,7 @@
 
 #include "program.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/estimation/tuned_noise.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune::cli {
@@ -26,6 +27,10 @@ Mission mission_of(const MissionRequest& request) {
 
 /// Tuned covariances in place of the simulated estimator's own, for its own period.
 void take_tuned_noise(const Design& design, FlightSetup& setup) {
+  if (design.estimator && setup.estimator == EstimatorKind::uquad) {
+    setup.uquad_filter.dt = control_period(setup);
+    take_noise(design.estimator->model, "design", setup.uquad_filter);
+  }
   MamboEstimatorSettings<double>& estimator = setup.mambo_estimator;
   for (const KalmanDesign& filter : design.kalman) {
     if (filter.tuned.empty()) continue;

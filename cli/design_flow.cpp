@@ -10,6 +10,8 @@
 #include "program.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/estimation/tuned_noise.hpp"
+#include "quadtune/estimation/uquad_filter.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/rotation.hpp"
@@ -181,16 +183,21 @@ DesignOutcome run_design(const std::string& path) {
 }
 
 void require_tuned(const DesignOutcome& outcome, bool force, Context& context) {
-  for (const KalmanDesign& filter : outcome.design.kalman) {
-    if (filter.tuned_verdict.empty() || filter.tuned_verdict == "pass") continue;
+  const auto require = [&](const std::string& tuned, const std::string& filter,
+                           const std::string& verdict) {
+    if (verdict.empty() || verdict == "pass") return;
     const std::string what =
-        fmt::format("the verdict on {} of filter {} is '{}'", internal::printable(filter.tuned),
-                    filter.name, internal::printable(filter.tuned_verdict));
+        fmt::format("the verdict on {} of {} is '{}'", internal::printable(tuned), filter,
+                    internal::printable(verdict));
     if (!force)
       throw AnswerIsNo(fmt::format("{}: {}; quadtune design --force takes it all the same",
                                    outcome.design.file.string(), what));
     context.note("design: warning: " + what);
-  }
+  };
+  for (const KalmanDesign& filter : outcome.design.kalman)
+    require(filter.tuned, "filter " + filter.name, filter.tuned_verdict);
+  if (const auto& estimator = outcome.design.estimator)
+    require(estimator->tuned, "the estimator", estimator->model.verdict);
 }
 
 VerifyModel model_of(const Vehicle& vehicle, const Gains& gains) {
@@ -231,6 +238,11 @@ ExportContent export_content(const DesignOutcome& outcome) {
   }
   content.plant = outcome.sampled;
   for (const DesignedFilter& designed : outcome.filters) content.filters.push_back(designed.filter);
+  if (design.estimator) {
+    UquadFilterSettings<double> settings = uquad_filter_in_si<double>();
+    take_noise(design.estimator->model, design.file.string(), settings);
+    content.uquad_filter = uquad_diagonals(settings);
+  }
   content.cascade = design.cascade;
   if (outcome.cascade) content.cascade->gains = outcome.cascade->cascade.gains;
   content.versions = library_versions();
@@ -238,10 +250,12 @@ ExportContent export_content(const DesignOutcome& outcome) {
                     {design.vehicle.file.empty() ? design.vehicle.name + ".toml"
                                                  : design.vehicle.file.filename().string(),
                      design.vehicle.text}};
+  const auto add_tuned = [&content](const std::string& file, const std::string& text) {
+    content.inputs.push_back({std::filesystem::path(file).filename().string(), text});
+  };
   for (const KalmanDesign& filter : design.kalman)
-    if (!filter.tuned.empty())
-      content.inputs.push_back(
-          {std::filesystem::path(filter.tuned).filename().string(), filter.tuned_text});
+    if (!filter.tuned.empty()) add_tuned(filter.tuned, filter.tuned_text);
+  if (design.estimator) add_tuned(design.estimator->tuned, design.estimator->tuned_text);
   return content;
 }
 

@@ -139,6 +139,12 @@ std::string filter_text(const DesignedFilter& designed) {
       table(filter.M, signal_names(filter.model.states), signal_names(filter.model.outputs)));
 }
 
+std::string estimator_text(const EstimatorDesign& estimator) {
+  const std::string& verdict = estimator.model.verdict;
+  return fmt::format("uquad, noise of {}{}", internal::printable(estimator.tuned),
+                     verdict.empty() ? "" : ", verdict " + internal::printable(verdict));
+}
+
 std::string feedback_text(const DesignOutcome& outcome) {
   const Gains& gains = *outcome.gains;
   const std::vector<std::string> inputs = signal_names(gains.inputs);
@@ -215,6 +221,10 @@ Json design_json(const DesignOutcome& outcome, const std::vector<WrittenExport>&
   json["kalman"] = Json::array();
   for (const DesignedFilter& filter : outcome.filters)
     json["kalman"].push_back(filter_json(filter));
+  if (design.estimator)
+    json["estimator"] = {{"filter", "uquad"},
+                         {"tuned", design.estimator->tuned},
+                         {"verdict", design.estimator->model.verdict}};
   if (outcome.sampled) json["discretization"] = {{"method", "zoh"}, {"dt", outcome.sampled->dt}};
   if (outcome.published) json["published"] = published_json(*outcome.published, *design.published);
   json["missions"] = missions_json(outcome);
@@ -240,6 +250,7 @@ std::string design_text(const DesignOutcome& outcome, const std::vector<WrittenE
   if (outcome.cascade) text += to_text(*outcome.cascade);
   for (const DesignedFilter& filter : outcome.filters)
     text += section("filter", filter_text(filter));
+  if (design.estimator) text += section("estimator", estimator_text(*design.estimator));
   if (!outcome.flights.empty()) text += section("missions", missions_text(outcome));
   for (const WrittenExport& one : written) text += section("written", written_text(one));
   for (const std::string& warning : design_warnings(outcome)) text += section("warning", warning);

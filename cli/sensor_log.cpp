@@ -88,12 +88,12 @@ std::vector<LogSeries> read_sensors(const std::string& path, const std::vector<s
 }
 
 JoinedSeries join(const std::vector<const LogSeries*>& series, const std::string& where) {
-  const std::vector<double>& first = series.front()->time;
+  const Samples& first = series.front()->time;
   std::vector<std::size_t> at(series.size(), 0), rows;
   for (std::size_t i = 0; i < first.size(); ++i) {
     bool all = true;
     for (std::size_t k = 0; k < series.size(); ++k) {
-      const std::vector<double>& time = series[k]->time;
+      const Samples& time = series[k]->time;
       while (at[k] < time.size() && time[at[k]] < first[i]) ++at[k];
       all = all && at[k] < time.size() && time[at[k]] == first[i];
     }
@@ -125,10 +125,10 @@ JoinedSeries join(const std::vector<const LogSeries*>& series, const std::string
 }
 
 double even_period(const LogSeries& series, const std::string& where) {
-  const std::vector<double>& t = series.time;
-  std::vector<double> steps(t.size() - 1);
+  const Samples& t = series.time;
+  Samples steps(t.size() - 1);
   for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = t[i + 1] - t[i];
-  std::vector<double> sorted = steps;
+  Samples sorted = steps;
   const auto middle = sorted.begin() + std::ssize(sorted) / 2;
   std::nth_element(sorted.begin(), middle, sorted.end());
   for (std::size_t i = 0; i < steps.size(); ++i)

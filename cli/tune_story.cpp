@@ -38,7 +38,7 @@ class Timeline {
  public:
   /// Begins a record: what is put from now on is of its instants. Some rows without values before
   /// it break the lines, as many as a page does not pass over.
-  void begin(const std::vector<double>& times, double offset) {
+  void begin(const Samples& times, double offset) {
     std::vector<double>& time = column("t", "s");
     if (!time.empty()) {
       const double from = time.back(), step = times.front() + offset - from;

@@ -23,7 +23,7 @@ std::vector<FileContent> content_files(ExportKind kind, const ExportContent& con
     case ExportKind::uquad:
       if (!content.gains)
         throw InvalidInput("uquad", "no gains came, expected a state feedback (section lqr)");
-      return uquad_files(*content.gains, content.Q, content.R);
+      return uquad_files(*content.gains, content.Q, content.R, content.uquad_filter);
     case ExportKind::mambo:
       return mambo_files(content);
     case ExportKind::json:

@@ -10,6 +10,7 @@
 
 #include "export_text.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/estimation/uquad_filter.hpp"
 #include "quadtune/matrix_checks.hpp"
 #include "uquad_numbers.hpp"
 
@@ -148,8 +149,24 @@ const UquadFileSet& uquad_file_set(const Gains& gains) {
                                  names(gains.states), names(gains.integrals), all_in_words()));
 }
 
+UquadDiagonals uquad_diagonals(const UquadFilterSettings<double>& settings) {
+  // A permutation but for its signs, which variances do not have.
+  const Eigen::Matrix<double, 12, 12> axes = convention("uquad", "uquad").from_ned.cwiseAbs();
+  UquadDiagonals result;
+  result.Q.resize(kUquadStates);
+  result.Q.head<12>() = axes * settings.Q.head<12>();
+  result.Q.tail<3>() = axes.block<3, 3>(kVelocity, kVelocity) * settings.Q.tail<3>();
+  result.R.resize(16);
+  const auto three = Eigen::Vector3d::Ones();
+  result.R << settings.R_tilt, settings.R_tilt, settings.R_yaw, settings.R_force * three,
+      settings.R_rates * three, settings.R_height, settings.R_gps_position * three,
+      settings.R_gps_velocity * three;
+  return result;
+}
+
 std::vector<FileContent> uquad_files(const Gains& gains, const Eigen::MatrixXd& Q,
-                                     const Eigen::MatrixXd& R) {
+                                     const Eigen::MatrixXd& R,
+                                     const std::optional<UquadDiagonals>& filter) {
   const UquadFileSet& set = uquad_file_set(gains);
   const std::vector<int> states = columns(gains.states, set.states);
   std::vector<int> integrals = columns(gains.integrals, set.integrals);
@@ -169,6 +186,10 @@ std::vector<FileContent> uquad_files(const Gains& gains, const Eigen::MatrixXd& 
   if (R.size() > 0) {
     require_shape(R, kRotors, kRotors, "uquad", "R", "inputs: " + names(gains.inputs));
     add("lqr-R.txt", R);
+  }
+  if (filter) {
+    add("kalman-Q.txt", filter->Q.transpose());
+    add("kalman-R.txt", filter->R.transpose());
   }
   return files;
 }

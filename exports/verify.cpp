@@ -52,7 +52,8 @@ VerifyCheck check_file(const fs::path& directory, const ManifestFile& file) {
 // Every name under which a flight program of ours would find gains.
 std::vector<std::string> gain_file_names() {
   std::vector<std::string> all = {"vehicleVars.m", "controllerVars.m", "estimatorVars.m",
-                                  kGainsJsonName,  "lqr-Q.txt",        "lqr-R.txt"};
+                                  kGainsJsonName,  "lqr-Q.txt",        "lqr-R.txt",
+                                  "kalman-Q.txt",  "kalman-R.txt"};
   for (const UquadFileSet& set : uquad_file_sets()) {
     all.push_back(set.proportional);
     if (!set.integral.empty()) all.push_back(set.integral);
@@ -71,6 +72,21 @@ VerifyCheck check_no_others(const fs::path& directory, const Manifest& manifest)
   return {"no other gain files", false,
           fmt::format("{} not listed in the manifest, but a flight program would load it",
                       fmt::join(others, ", "))};
+}
+
+// The filter's diagonals that travel with uquad's gains.
+void read_diagonals(const fs::path& directory, const Manifest& manifest) {
+  for (const ManifestFile& file : manifest.files) {
+    const bool is_Q = file.path == "kalman-Q.txt";
+    if (!is_Q && file.path != "kalman-R.txt") continue;
+    const fs::path path = directory / file.path;
+    const Eigen::MatrixXd variances =
+        parse_uquad_matrix(exports::export_text(path), 1, is_Q ? 15 : 16, path.string());
+    if (is_Q ? variances.minCoeff() < 0 : !(variances.minCoeff() > 0))
+      throw InvalidInput(path.string(),
+                         fmt::format("has a variance of {:g}, expected {}", variances.minCoeff(),
+                                     is_Q ? "0 or more" : "more than 0"));
+  }
 }
 
 // The weights that travel with uquad's gains, in the same plain format.
@@ -97,6 +113,7 @@ void check_readable(const fs::path& directory, const Manifest* manifest, VerifyR
       if (manifest != nullptr && manifest->kind == ExportKind::uquad) {
         (void)uquad_file_set(gains);  // refuses a trim that the flight program does not fly
         read_weights(directory, *manifest, gains);
+        read_diagonals(directory, *manifest);
       }
       check.detail = fmt::format("K {}x{}, K_int {}x{}, all finite", gains.K.rows(), gains.K.cols(),
                                  gains.K_int.rows(), gains.K_int.cols());

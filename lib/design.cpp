@@ -13,6 +13,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/estimation/tuned_noise.hpp"
+#include "quadtune/estimation/uquad_filter.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
@@ -229,6 +230,24 @@ KalmanDesign read_kalman(const TomlTable& table, const std::filesystem::path& fo
   return kalman;
 }
 
+EstimatorDesign read_estimator(const TomlTable& table, const std::filesystem::path& folder,
+                               const Vehicle& vehicle) {
+  table.allow({{"tuned"}});
+  EstimatorDesign estimator;
+  estimator.tuned = table.text("tuned");
+  const std::string path = (folder / estimator.tuned).string();
+  estimator.tuned_text = internal::read_text_file(path, internal::kTomlLimit);
+  estimator.model = parse_filter_model(estimator.tuned_text, path);
+  UquadFilterSettings<double> tried;
+  take_noise(estimator.model, table.where("tuned"), tried);
+  const std::string of = load_vehicle(estimator.model.vehicle).name;
+  if (of != vehicle.name)
+    throw InvalidInput(table.where("tuned"),
+                       fmt::format("the tuned model '{}' is of the vehicle '{}', expected '{}'",
+                                   estimator.model.name, of, vehicle.name));
+  return estimator;
+}
+
 CascadeDesign read_cascade(const TomlTable& table) {
   std::vector<TomlKey> keys = internal::cascade_gain_keys();
   keys.insert(keys.end(), {{"design"},
@@ -424,6 +443,7 @@ Design parse_design(const std::string& text, const std::string& origin,
               {"trim"},
               {"lqr"},
               {"kalman"},
+              {"estimator"},
               {"cascade"},
               {"mission"},
               {"export"},
@@ -443,6 +463,8 @@ Design parse_design(const std::string& text, const std::string& origin,
                                                             "names that differ",
                                                             design.kalman[i].name));
   }
+  if (const auto table = file.maybe_table("estimator"))
+    design.estimator = read_estimator(*table, folder, design.vehicle);
   if (const auto table = file.maybe_table("cascade")) design.cascade = read_cascade(*table);
   if (!design.lqr && design.kalman.empty() && !design.cascade)
     throw InvalidInput(file.where(),

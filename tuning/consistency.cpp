@@ -18,7 +18,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 /// Standardized innovations of one output, record by record.
-using Series = std::vector<std::vector<double>>;
+using Series = std::vector<Samples>;
 
 /// The normal deviate that is as rare as a Student's.
 double normal_score(double t, double student) {
@@ -33,7 +33,7 @@ double normal_score(double t, double student) {
 Series standardized(const std::vector<FilterRun>& runs, Index output, double student) {
   Series series;
   for (const FilterRun& run : runs) {
-    std::vector<double>& z = series.emplace_back();
+    Samples& z = series.emplace_back();
     for (Index k = 0; k < run.innovation.cols(); ++k)
       if (!std::isnan(run.innovation(output, k)))
         z.push_back(run.innovation(output, k) / std::sqrt(run.variance(output, k)));
@@ -46,7 +46,7 @@ Series standardized(const std::vector<FilterRun>& runs, Index output, double stu
 template <class Function>
 double mean_of(const Series& series, Function&& function) {
   double sum = 0, count = 0;
-  for (const std::vector<double>& z : series)
+  for (const Samples& z : series)
     for (const double value : z) {
       sum += function(value);
       count += 1;
@@ -57,7 +57,7 @@ double mean_of(const Series& series, Function&& function) {
 InnovationStatistics statistics_of(const Series& series, const std::string& name, int lags) {
   InnovationStatistics s;
   s.output = name;
-  for (const std::vector<double>& z : series) s.samples += static_cast<Index>(z.size());
+  for (const Samples& z : series) s.samples += static_cast<Index>(z.size());
   s.autocorrelation = VectorXd::Constant(lags, std::numeric_limits<double>::quiet_NaN());
   if (s.samples < 2) return s;
   s.mean = mean_of(series, [](double z) { return z; });
@@ -72,7 +72,7 @@ InnovationStatistics statistics_of(const Series& series, const std::string& name
   int used = 0;
   for (int lag = 1; lag <= lags && lag < s.samples / 2; ++lag) {
     double sum = 0;
-    for (const std::vector<double>& z : series)
+    for (const Samples& z : series)
       for (std::size_t k = static_cast<std::size_t>(lag); k < z.size(); ++k)
         sum += (z[k] - s.mean) * (z[k - static_cast<std::size_t>(lag)] - s.mean);
     s.autocorrelation(lag - 1) = sum / (n * m2);
@@ -250,7 +250,7 @@ namespace {
 
 /// How many independent samples of z² so many correlated ones are worth: the sum of the squared
 /// autocorrelations up to where they are lost in noise.
-double independent_samples(const std::vector<double>& z) {
+double independent_samples(const Samples& z) {
   const auto n = static_cast<double>(z.size());
   double mean = 0, variance = 0;
   for (const double value : z) mean += value / n;
@@ -278,7 +278,7 @@ std::vector<ConsistencyCheck> check_errors(const FilterModel& model,
     double squares = 0, count = 0, independent = 0;
     for (std::size_t r = 0; r < runs.size(); ++r) {
       if (records[r].truth.size() == 0) continue;
-      std::vector<double> z;
+      Samples z;
       for (Index k = 0; k < runs[r].x.cols(); ++k) {
         const double value =
             (runs[r].x(i, k) - records[r].truth(i, k)) / std::sqrt(runs[r].x_variance(i, k));

@@ -62,11 +62,11 @@ struct KernelModel {
 
 /// What is written down of a run, where it is asked for.
 struct KernelTrace {
-  Eigen::MatrixXd* innovation;
-  Eigen::MatrixXd* variance;
-  Eigen::MatrixXd* x;
-  Eigen::MatrixXd* x_variance;
-  Eigen::Matrix<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic>* refused;
+  SampleMatrix* innovation;
+  SampleMatrix* variance;
+  SampleMatrix* x;
+  SampleMatrix* x_variance;
+  SampleArray<std::uint8_t>* refused;
 };
 
 /// Sums over records.

@@ -105,7 +105,7 @@ class Evaluator final : public LikelihoodEvaluator {
     run.variance.setConstant(view.ny, view.samples, none);
     run.x.setConstant(prepared_.model.A.rows(), view.samples, none);
     run.x_variance.setConstant(prepared_.model.A.rows(), view.samples, none);
-    run.refused.setZero(view.ny, view.samples);
+    run.refused.resize(view.ny, view.samples);
     const KernelTrace into{&run.innovation, &run.variance, &run.x, &run.x_variance, &run.refused};
     KernelSums<T> sums;
     Kernel kernel(kernel_model_, view, false);

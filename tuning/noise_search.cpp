@@ -131,8 +131,8 @@ void polish(const NoiseObjective& objective, const std::vector<int>& free, Searc
     VectorXd theta = result.theta;
     for (Index i = 0; i < step.size(); ++i) theta(free[static_cast<std::size_t>(i)]) += step(i);
     const auto there = objective.at(theta, LikelihoodOrder::gradient);
-    // Rounding of the sum hides what a last step gains.
-    if (!there.computed || there.value < at.value - 1e-12 * std::abs(at.value) ||
+    // Rounding of the sum hides what a last step gains: of ten million samples a part in 1e11.
+    if (!there.computed || there.value < at.value - 1e-10 * std::abs(at.value) ||
         !(chosen(there.gradient, free).norm() < g.norm()))
       break;
     result.theta = theta;

@@ -27,7 +27,7 @@ MatrixXd accumulated(const MatrixXd& A, const MatrixXd& step, std::int64_t n) {
 }
 
 std::vector<KernelSegment> segments_of(const FilterRecord& record,
-                                       const std::vector<std::uint32_t>& transition) {
+                                       const SamplesOf<std::uint32_t>& transition) {
   std::vector<KernelSegment> segments;
   std::uint32_t alike = 0;
   for (Index k = 0; k < record.samples(); ++k) {

@@ -24,7 +24,7 @@ struct PreparedTransition {
 };
 
 struct PreparedRecord {
-  std::vector<std::uint32_t> transition;
+  SamplesOf<std::uint32_t> transition;
   std::vector<KernelSegment> segments;
   KernelRecord view;  ///< points into the record and the vectors above
 };

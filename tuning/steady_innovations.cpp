@@ -81,11 +81,11 @@ class Predictor {
       : sampled_(sampled), records_(records), gain_(gain), steps_(model) {}
 
   /// (ny × samples) from the state x before the first measurement.
-  MatrixXd innovations(const UniformStretch& stretch, VectorXd x) {
+  SampleMatrix innovations(const UniformStretch& stretch, VectorXd x) {
     const FilterRecord& record = records_[stretch.record];
     const auto ny = sampled_.C.rows();
     const bool has_input = record.u.rows() > 0;
-    MatrixXd e(ny, stretch.samples);
+    SampleMatrix e(ny, stretch.samples);
     VectorXd moved(x.size());
     Index n = 0;
     for (Index k = stretch.first; k <= stretch.last; ++k) {
@@ -184,7 +184,8 @@ SampleAutocovariances sample_autocovariances(const SampledModel& sampled, const 
   for (const UniformStretch& stretch : uniform.stretches) {
     const Index used = stretch.samples - gain.memory;
     if (used <= 2 * lags || used <= gain.memory) continue;
-    const MatrixXd e = predictor.innovations(stretch, predictor.start(stretch)).rightCols(used);
+    const SampleMatrix whole = predictor.innovations(stretch, predictor.start(stretch));
+    const auto e = whole.rightCols(used);
     for (Index j = 0; j <= lags; ++j) {
       const auto at = static_cast<std::size_t>(j);
       result.of[at].noalias() += e.rightCols(used - j) * e.leftCols(used - j).transpose();

@@ -54,7 +54,7 @@ void each_sample(const FilterRecord& record, const std::vector<Index>& outputs, 
 }
 
 /// The mean of the steps about their median.
-double period_of(const FilterModel& model, std::vector<double>& steps) {
+double period_of(const FilterModel& model, Samples& steps) {
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
   const double median = *middle;
@@ -95,7 +95,7 @@ UniformStretches find_uniform_stretches(const FilterModel& model,
                                         const std::vector<FilterRecord>& records) {
   UniformStretches found;
   found.outputs = measured_outputs(model, records);
-  std::vector<double> steps;
+  Samples steps;
   Index together = 0;
   for (const FilterRecord& record : records)
     each_sample(record, found.outputs, [&](Index, double step) {

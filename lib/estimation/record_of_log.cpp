@@ -32,7 +32,8 @@ struct Cursor {
 
 /// Median time from sample to sample [s].
 double typical_period(const LogSeries& series) {
-  std::vector<double> steps;
+  Samples steps;
+  steps.reserve(series.time.size());
   for (std::size_t i = 1; i < series.time.size(); ++i)
     steps.push_back(series.time[i] - series.time[i - 1]);
   if (steps.empty()) return std::numeric_limits<double>::infinity();
@@ -180,7 +181,7 @@ class Builder {
     const Index ny = model_.outputs();
     std::vector<double> held(nu, 0);
     std::vector<std::int64_t> since(nu, std::numeric_limits<std::int64_t>::min());
-    std::vector<double> times, y, u;
+    Samples times, y, u;
     std::size_t most = 0;  // instants, as a rule
     for (const LogSeries* series : of_signal_)
       if (series != nullptr) most = std::max(most, series->time.size());
@@ -192,8 +193,8 @@ class Builder {
       const bool measured =
           std::any_of(y.begin(), y.end(), [](double value) { return !std::isnan(value); });
       if (N >= 2 && measured)
-        records.push_back({name_, std::move(times), Eigen::Map<Eigen::MatrixXd>(y.data(), ny, N),
-                           Eigen::Map<Eigen::MatrixXd>(u.data(), static_cast<Index>(nu), N)});
+        records.push_back({name_, std::move(times), SampleMatrix(std::move(y), ny, N),
+                           SampleMatrix(std::move(u), static_cast<Index>(nu), N)});
       times = y = u = {};  // their memory, too
     };
     std::vector<double> row(static_cast<std::size_t>(ny));

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/estimation/uquad_filter.hpp"
 
 namespace quadtune {
 namespace {
@@ -72,6 +74,32 @@ NoisePerStep noise_per_step(const FilterModel& model, const DiscreteLti& filter,
   }
   noise.R = (signs.asDiagonal() * noise.R * signs.asDiagonal()).eval();
   return noise;
+}
+
+void take_noise(const FilterModel& model, const std::string& where,
+                UquadFilterSettings<double>& settings) {
+  if (model.vehicle.empty())
+    refuse(where, model,
+           "is none of the uquad's filter, expected one with dynamics = \"rigid-body\"");
+  const Eigen::VectorXd theta = start_of(model);
+  settings.Q = covariance(model.Q, theta).diagonal() * settings.dt;
+  const std::map<std::string, double*> known = {{"tilt", &settings.R_tilt},
+                                                {"yaw", &settings.R_yaw},
+                                                {"force", &settings.R_force},
+                                                {"rates", &settings.R_rates},
+                                                {"height", &settings.R_height},
+                                                {"position", &settings.R_gps_position},
+                                                {"velocity", &settings.R_gps_velocity},
+                                                {"vision", &settings.R_vision}};
+  for (const FilterSensor& sensor : model.sensors) {
+    const Eigen::VectorXd R = covariance(sensor.R, theta).diagonal();
+    if (R.minCoeff() != R.maxCoeff())
+      refuse(where, model,
+             fmt::format("has other variances of '{}' on each axis, expected kind = \"shared\", "
+                         "because the filter has one for all",
+                         sensor.name));
+    *known.at(sensor.name) = R(0);
+  }
 }
 
 }  // namespace quadtune

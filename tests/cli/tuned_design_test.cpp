@@ -5,7 +5,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
+#include <vector>
 
 #include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
@@ -15,8 +17,10 @@ namespace quadtune {
 namespace {
 
 using internal::Json;
+using ::testing::DoubleNear;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::Pointwise;
 using testing::ProgramResult;
 using testing::run_program;
 using testing::TemporaryDirectory;
@@ -46,6 +50,28 @@ class TunedDesign : public ::testing::Test {
     model.replace(model.find(start), start.size(), fmt::format("variance = {}", density));
     model.insert(model.find("states ="), "verdict = \"" + verdict + "\"\n");
     (void)folder_.write("tuned.toml", model);
+  }
+
+  /// The uquad's design with an estimator of that model, and a mission that it flies.
+  std::string uquad_with(const std::string& tuned) const {
+    std::ifstream file(kSource + "/designs/uquad-hover.toml");
+    std::stringstream text;
+    text << file.rdbuf();
+    text << "\n[estimator]\ntuned = \"" << tuned
+         << "\"\n\n[[mission]]\nname = \"take-off-and-land\"\nestimator = \"uquad\"\n";
+    return folder_.write("uquad-design.toml", text.str()).string();
+  }
+
+  /// A tuned model of its filter, of that density of the rates.
+  void write_uquad(double density, const std::string& more = "verdict = \"pass\"\n") const {
+    std::ifstream file(kSource + "/filters/uquad.toml");
+    std::stringstream text;
+    text << file.rdbuf();
+    std::string model = text.str();
+    const std::string start = "variance = 1\n";
+    model.replace(model.find(start), start.size(), fmt::format("variance = {}\n", density));
+    model.insert(model.find("dynamics ="), more);
+    (void)folder_.write("uquad.toml", model);
   }
 
   std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
@@ -115,6 +141,76 @@ TEST_F(TunedDesign, RefusesWhatDoesNotFit) {
   const ProgramResult missing = run_program({"design", design_with("nowhere.toml")});
   EXPECT_EQ(missing.status, 5);
   EXPECT_THAT(missing.err, HasSubstr("nowhere.toml"));
+}
+
+TEST_F(TunedDesign, WritesTheUquadsDiagonals) {
+  write_uquad(2);
+  const ProgramResult result =
+      run_program({"design", uquad_with("uquad.toml"), "-o", path("out"), "--force"});
+  ASSERT_LE(result.status, 1) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("uquad, noise of uquad.toml, verdict pass"));
+  const auto numbers = [&](const std::string& name) {
+    std::istringstream text(folder_.read("out/" + name));
+    return std::vector<double>(std::istream_iterator<double>(text), {});
+  };
+  // Densities of filters/uquad.toml for 10 ms; its places are known but for the velocity.
+  EXPECT_THAT(
+      numbers("kalman-Q.txt"),
+      Pointwise(DoubleNear(1e-15), std::vector<double>{0., 0., 0., 1e-8, 1e-8, 1e-8, 1e-4, 1e-4,
+                                                       1e-4, 0.02, 0.02, 0.02, 1e-7, 1e-7, 1e-7}));
+  EXPECT_THAT(
+      numbers("kalman-R.txt"),
+      Pointwise(DoubleNear(1e-15), std::vector<double>{0.25, 0.25, 0.05, 0.1, 0.1, 0.1, 4e-4, 4e-4,
+                                                       4e-4, 0.25, 1., 1., 1., 0.1, 0.1, 0.1}));
+  EXPECT_THAT(folder_.read("out/manifest.json"), HasSubstr("uquad.toml"));
+  const ProgramResult verified = run_program({"verify", path("out")});
+  EXPECT_EQ(verified.status, 0) << verified.out;
+}
+
+TEST_F(TunedDesign, FliesTheUquadsFilterWithThem) {
+  const auto flown = [&](double density) {
+    write_uquad(density);
+    const ProgramResult result = run_program({"design", uquad_with("uquad.toml"), "--json"});
+    EXPECT_LE(result.status, 1) << result.err;
+    return Json::parse(result.out);
+  };
+  const Json usual = flown(1), again = flown(1), trusting = flown(30);
+  EXPECT_EQ(usual["estimator"]["verdict"], "pass");
+  EXPECT_EQ(usual["missions"][0]["estimator"], "uquad");
+  EXPECT_EQ(usual["missions"][0]["final_estimate"], again["missions"][0]["final_estimate"]);
+  EXPECT_NE(usual["missions"][0]["final_estimate"], trusting["missions"][0]["final_estimate"]);
+}
+
+TEST_F(TunedDesign, RefusesEstimatorsThatDoNotFit) {
+  write_uquad(1, "verdict = \"fail\"\n");
+  const ProgramResult failed = run_program({"design", uquad_with("uquad.toml"), "-o", path("out")});
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_THAT(failed.err, HasSubstr("the verdict on uquad.toml of the estimator is 'fail'"));
+  EXPECT_FALSE(std::filesystem::exists(path("out")));
+  write_tuned(0.1, "pass");
+  const ProgramResult linear = run_program({"design", uquad_with("tuned.toml")});
+  EXPECT_EQ(linear.status, 3);
+  EXPECT_THAT(linear.err, HasSubstr("the tuned model 'altitude' is none of the uquad's filter, "
+                                    "expected one with dynamics = \"rigid-body\""));
+  std::ifstream file(kSource + "/filters/uquad.toml");
+  std::stringstream text;
+  text << file.rdbuf();
+  std::string model = text.str();
+  const std::string vehicle = "vehicle = \"uquad\"";
+  (void)folder_.write("other.toml", std::string(model).replace(model.find(vehicle), vehicle.size(),
+                                                               "vehicle = \"crazyflie\""));
+  const ProgramResult other = run_program({"design", uquad_with("other.toml")});
+  EXPECT_EQ(other.status, 3);
+  EXPECT_THAT(other.err, HasSubstr("is of the vehicle 'crazyflie', expected 'uquad'"));
+  const std::string shared = "[[sensors.R]]\nkind = \"shared\"\nparameter = \"R.rates\"";
+  ASSERT_NE(model.find(shared), std::string::npos);
+  (void)folder_.write("axes.toml", model.replace(model.find(shared), shared.size(),
+                                                 "[[sensors.R]]\nkind = \"fixed\"\nentries = "
+                                                 "[\"p\"]\nvariance = 1\n\n" +
+                                                     shared));
+  const ProgramResult axes = run_program({"design", uquad_with("axes.toml")});
+  EXPECT_EQ(axes.status, 3);
+  EXPECT_THAT(axes.err, HasSubstr("has other variances of 'rates' on each axis"));
 }
 
 }  // namespace

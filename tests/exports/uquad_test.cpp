@@ -11,6 +11,7 @@
 #include "export_models.hpp"
 #include "matrix_near.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/estimation/uquad_filter.hpp"
 #include "shared_data.hpp"
 #include "temporary_directory.hpp"
 
@@ -86,6 +87,23 @@ TEST(Uquad, PutsColumnsInTheOrderOfTheFile) {
   const Eigen::MatrixXd Q_read = parse_uquad_matrix(files[2].bytes, 16, 16, "Q");
   EXPECT_EQ(Q_read(0, 0), 12);
   EXPECT_EQ(Q_read(14, 14), 13);  // z stood first among the integrals
+}
+
+// Variances turn with the axes: of the uquad's own names, T diag(Q) Tᵀ.
+TEST(Uquad, TurnsTheFiltersDiagonals) {
+  UquadFilterSettings<double> settings;
+  for (int i = 0; i < kUquadStates; ++i) settings.Q(i) = i + 1;
+  const UquadDiagonals noise = uquad_diagonals(settings);
+  const auto& T = convention("uquad", "test").from_ned;
+  const Eigen::MatrixXd turned =
+      T * Eigen::MatrixXd(settings.Q.head<12>().asDiagonal()) * T.transpose();
+  EXPECT_THAT(noise.Q.head(12), MatrixNear(turned.diagonal(), 0));
+  // The accelerometer lies along the axes of the body's velocity.
+  EXPECT_THAT(noise.Q.tail(3), MatrixNear(noise.Q.segment(6, 3).array() + 6, 0));
+  EXPECT_THAT(noise.R, MatrixNear((Eigen::VectorXd(16) << 10, 10, 1000, 1e4, 1e4, 1e4, 100, 100,
+                                   100, 1000, 100, 100, 100, 100, 100, 100)
+                                      .finished(),
+                                  0));
 }
 
 TEST(Uquad, SaysWhichBuildsExist) {

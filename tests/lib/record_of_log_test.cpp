@@ -17,8 +17,7 @@ using ::testing::IsNan;
 using ::testing::StrEq;
 using ::testing::ThrowsMessage;
 
-LogSeries series(const std::string& name, const std::string& unit, std::vector<double> time,
-                 std::vector<double> values) {
+LogSeries series(const std::string& name, const std::string& unit, Samples time, Samples values) {
   return {name, unit, true, std::move(time), std::move(values)};
 }
 
@@ -56,12 +55,12 @@ TEST(RecordOfLog, MovesLateSamplesToWhenTheyWereTaken) {
 
 TEST(RecordOfLog, BeginsWithItsInputsAndEndsWhereTheyStayAway) {
   const FilterModel model = load_filter_model("altitude");
-  std::vector<double> times, values;
+  Samples times, values;
   for (int k = 0; k < 40; ++k) {
     times.push_back(1 + 0.1 * k + (k < 20 ? 0 : 5));
     values.push_back(k);
   }
-  std::vector<double> heights_at, heights;
+  Samples heights_at, heights;
   for (int k = 0; k < 12; ++k) {
     heights_at.push_back(k);
     heights.push_back(-k);
@@ -117,7 +116,7 @@ TEST(RecordOfLog, SaysWhatIsMissingOrWrong) {
 
 TEST(RecordOfLog, InterpolatesATruthButNotOverItsGaps) {
   const FilterModel model = load_filter_model("constant-velocity");
-  std::vector<double> times, values;
+  Samples times, values;
   for (int k = 0; k < 60; ++k) {
     times.push_back(0.1 * k);
     values.push_back(k);

@@ -186,7 +186,7 @@ ConsistencyCheck error_of_speed(double times) {
   FilterRecord record = testing::simulated(seen, theta, 20000, seen.dt, random);
   record.truth = Eigen::MatrixXd::Constant(2, record.samples(), std::nan(""));
   record.truth.row(1) = record.y.row(1);
-  record.y.conservativeResize(1, Eigen::NoChange);
+  record.y = record.y.topRows(1).eval();
   const Eigen::VectorXd taken = theta.array() + std::log(times);
   const std::vector<FilterRun> runs = {InnovationLikelihood(model, {record}).run(0, taken)};
   const auto checks = check_errors(model, {record}, runs);

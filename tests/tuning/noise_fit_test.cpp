@@ -160,7 +160,9 @@ TEST(NoiseFit, NamesWhatTheLogsDoNotSee) {
   gps.R.scaled[0].parameter = 2;
   model.sensors.push_back(gps);
   model.parameters.push_back({"R.gps", "", true, 5});
-  record.y.conservativeResize(2, Eigen::NoChange);
+  const Eigen::MatrixXd one = record.y;
+  record.y.resize(2, one.cols());
+  record.y.row(0) = one;
   record.y.row(1).setConstant(std::nan(""));
   const NoiseFit silent = fit_noise(InnovationLikelihood(model, {record}), {});
   ASSERT_TRUE(silent.converged());

@@ -11,6 +11,7 @@
 
 #include "quadtune/cascade.hpp"
 #include "quadtune/convention.hpp"
+#include "quadtune/estimation/filter_model.hpp"
 #include "quadtune/flight_condition.hpp"
 #include "quadtune/lti.hpp"
 #include "quadtune/model/vehicle.hpp"
@@ -53,6 +54,13 @@ struct KalmanDesign {
   std::string tuned;  ///< the tuned model that Q and R come from, as named; empty for none
   std::string tuned_text;     ///< its file's bytes, for the manifest's hash
   std::string tuned_verdict;  ///< FilterModel::verdict
+};
+
+/// The variances of the uquad's filter, as found in logs.
+struct EstimatorDesign {
+  std::string tuned;       ///< the tuned model's file, as named
+  std::string tuned_text;  ///< its bytes, for the manifest's hash
+  FilterModel model;       ///< a rigid_body_model() of the design's vehicle
 };
 
 /// A PID cascade: its gains as written, or what is asked of them.
@@ -103,6 +111,7 @@ struct Design {
   FlightCondition condition;
   std::optional<LqrDesign> lqr;
   std::vector<KalmanDesign> kalman;
+  std::optional<EstimatorDesign> estimator;
   std::optional<CascadeDesign> cascade;
   std::vector<MissionRequest> missions;
   std::vector<ExportRequest> exports;

@@ -11,6 +11,7 @@
 
 #include "quadtune/design.hpp"
 #include "quadtune/exports/file_set.hpp"
+#include "quadtune/exports/uquad.hpp"
 #include "quadtune/filter.hpp"
 #include "quadtune/gains.hpp"
 #include "quadtune/lti.hpp"
@@ -38,6 +39,7 @@ struct ExportContent {
   std::optional<DiscreteLti> plant;   ///< the vehicle in the gains' states and inputs; its closed
                                       ///< loop goes into the manifest, for `verify`
   std::vector<KalmanFilter> filters;  ///< "altitude" and "velocity" for the Mambo
+  std::optional<UquadDiagonals> uquad_filter;
   std::optional<CascadeDesign> cascade;
   ExportEvidence evidence;
   std::vector<FileContent> inputs;  ///< design and vehicle files: name without path, and bytes

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,21 @@
 #include "quadtune/gains.hpp"
 
 namespace quadtune {
+
+template <class T>
+struct UquadFilterSettings;
+
+/// Diagonals of the flight program's extended filter, for its period of 0.01 s and in its axes.
+struct UquadDiagonals {
+  /// (15) of x y z psi phi theta vqx vqy vqz wqx wqy wqz and the accelerometer's three offsets.
+  Eigen::VectorXd Q;
+  /// (16) of psi phi theta, the accelerometer, the gyroscope and the height, then with GPS of x y z
+  /// and their velocities.
+  Eigen::VectorXd R;
+};
+
+/// @param settings  of a period of 0.01 s
+[[nodiscard]] UquadDiagonals uquad_diagonals(const UquadFilterSettings<double>& settings);
 
 /// The files of one build of the flight program.
 struct UquadFileSet {
@@ -32,13 +48,15 @@ struct UquadFileSet {
 ///                       message lists the builds.
 [[nodiscard]] const UquadFileSet& uquad_file_set(const Gains& gains);
 
-/// The gain files, and lqr-Q.txt and lqr-R.txt where the weights are given.
+/// The gain files, lqr-Q.txt and lqr-R.txt where the weights are given, and kalman-Q.txt and
+/// kalman-R.txt where the filter's diagonals are.
 ///
 /// @param Q  (nx + ni square) weights of states and integrals, in the gain's order; may be empty
 /// @param R  (4 × 4); may be empty
 /// @throws InvalidInput  as uquad_file_set, and for entries that are not finite.
-[[nodiscard]] std::vector<FileContent> uquad_files(const Gains& gains, const Eigen::MatrixXd& Q,
-                                                   const Eigen::MatrixXd& R);
+[[nodiscard]] std::vector<FileContent> uquad_files(
+    const Gains& gains, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R,
+    const std::optional<UquadDiagonals>& filter = {});
 
 /// Rows of numbers as the flight program scans them: "%24.16e", which reads back to the same
 /// double, a dot whatever the locale, no header.

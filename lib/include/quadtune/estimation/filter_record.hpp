@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "quadtune/estimation/filter_model.hpp"
+#include "quadtune/samples.hpp"
 
 namespace quadtune {
 
@@ -29,16 +30,16 @@ struct FilterStart {
 /// Samples of a model's sensors and inputs over one stretch of time. Several records may be of one
 /// flight, parted by what is left out.
 struct FilterRecord {
-  std::string name;          ///< e.g. the log's file
-  std::vector<double> time;  ///< N instants [s], increasing
-  Eigen::MatrixXd y;         ///< (ny × N) all sensors' outputs in order; NaN: not measured then
-  Eigen::MatrixXd u;         ///< (nu × N) from this instant to the next
+  std::string name;  ///< e.g. the log's file
+  Samples time;      ///< N instants [s], increasing
+  SampleMatrix y;    ///< (ny × N) all sensors' outputs in order; NaN: not measured then
+  SampleMatrix u;    ///< (nu × N) from this instant to the next
   /// Empty, or of each instant, in place of the model's A, B, C, G; the measurements are then less
   /// what the linearization says besides C x.
   std::vector<LinearizedInstant> linearized = {};
   std::optional<FilterStart> start = {};  ///< in place of the model's x0, P0 and diffuse
   /// Empty, or (nx × N) what the states truly were, where a log tells; else NaN. No filter sees it.
-  Eigen::MatrixXd truth = {};
+  SampleMatrix truth = {};
 
   [[nodiscard]] Eigen::Index samples() const { return static_cast<Eigen::Index>(time.size()); }
 };

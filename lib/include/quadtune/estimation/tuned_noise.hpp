@@ -10,6 +10,9 @@
 
 namespace quadtune {
 
+template <class T>
+struct UquadFilterSettings;
+
 struct NoisePerStep {
   Eigen::MatrixXd Q;  ///< (nw × nw) of w, each step
   Eigen::MatrixXd R;  ///< (ny × ny) of a measurement
@@ -27,5 +30,15 @@ struct NoisePerStep {
 /// @throws InvalidInput  "where: …" for other states, noises, measurements or another period.
 [[nodiscard]] NoisePerStep noise_per_step(const FilterModel& model, const DiscreteLti& filter,
                                           const Eigen::MatrixXd& G, const std::string& where);
+
+/// Takes the variances of a tuned rigid_body_model() into the uquad's filter: Q is the model's
+/// density times settings.dt; R of a sensor that the model has not stays as it is.
+///
+/// @param model  with the tuned variances as starts, see with_noise()
+/// @throws InvalidInput  "where: …" for another kind of model, or a sensor whose axes have
+/// different
+///                       variances, which the filter has not.
+void take_noise(const FilterModel& model, const std::string& where,
+                UquadFilterSettings<double>& settings);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Named channels of a log, whole in memory.
+/// Named channels of a log, whole, in memory that is a file's where they are long.
 #pragma once
 
 #include <cstddef>
@@ -8,16 +8,17 @@
 #include <vector>
 
 #include "quadtune/logs/log_reader.hpp"
+#include "quadtune/samples.hpp"
 
 namespace quadtune {
 
 /// One channel with its clock. Samples without a value (NaN) are left out.
 struct LogSeries {
-  std::string name;            ///< "group.channel"
-  std::string unit;            ///< "" where the log does not say
-  bool timed = true;           ///< false: `time` counts the rows, 0, 1, 2, …
-  std::vector<double> time;    ///< [s] after LogChannels::epoch_s
-  std::vector<double> values;  ///< as many
+  std::string name;     ///< "group.channel"
+  std::string unit;     ///< "" where the log does not say
+  bool timed = true;    ///< false: `time` counts the rows, 0, 1, 2, …
+  Samples time = {};    ///< [s] after LogChannels::epoch_s
+  Samples values = {};  ///< as many
 };
 
 struct LogChannels {
@@ -26,7 +27,7 @@ struct LogChannels {
   std::int64_t epoch_s = 0;
 };
 
-/// Reads channels of a log in one pass; the memory is that of the channels asked for.
+/// Reads channels of a log in one pass.
 /// @param names  "group.channel", or "channel" where only one group has it; of a text also the
 ///               number of a column, from 1.
 /// @param optional  further names that the log need not have: their series follow in this order,

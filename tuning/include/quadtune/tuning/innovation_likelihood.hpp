@@ -46,12 +46,12 @@ enum class LikelihoodOrder { value, gradient, information };
 /// Standardized innovations and states of one record.
 struct FilterRun {
   LikelihoodStatus status = LikelihoodStatus::not_run;
-  Eigen::MatrixXd innovation;  ///< (ny × N) e [unit of the output]; NaN where nothing was compared
-  Eigen::MatrixXd variance;    ///< (ny × N) S
-  Eigen::MatrixXd x;           ///< (nx × N) after the measurements; NaN while diffuse
-  Eigen::MatrixXd x_variance;  ///< (nx × N) diagonal of P after the measurements
+  SampleMatrix innovation;  ///< (ny × N) e [unit of the output]; NaN where nothing was compared
+  SampleMatrix variance;    ///< (ny × N) S
+  SampleMatrix x;           ///< (nx × N) after the measurements; NaN while diffuse
+  SampleMatrix x_variance;  ///< (nx × N) diagonal of P after the measurements
   /// (ny × N) 1 where a sensor's gate refused a measurement; its innovation is NaN.
-  Eigen::Matrix<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic> refused;
+  SampleArray<std::uint8_t> refused;
   std::string culprit;
 };
 

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Memory of samples. What is large lies in a file without a name, which the kernel writes out and
+/// takes back as it needs: a program that works through a long log does not grow with it.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <limits>
+#include <new>
+#include <utility>
+#include <vector>
+
+namespace quadtune {
+
+/// Blocks of fewer bytes are of the heap.
+inline constexpr std::size_t kLeastSpooled = std::size_t{4} << 20;
+
+namespace internal {
+/// The file lies in $TMPDIR, else in /var/tmp; where it has no room, the block is of the heap too.
+/// @throws std::bad_alloc
+[[nodiscard]] void* allocate_samples(std::size_t bytes);
+void free_samples(void* block, std::size_t bytes) noexcept;
+}  // namespace internal
+
+template <class T>
+struct SampleAllocator {
+  using value_type = T;
+
+  SampleAllocator() = default;
+  template <class Other>
+  SampleAllocator(const SampleAllocator<Other>&) noexcept {}
+
+  [[nodiscard]] T* allocate(std::size_t count) {
+    if (count > std::numeric_limits<std::size_t>::max() / sizeof(T))
+      throw std::bad_array_new_length();
+    return static_cast<T*>(internal::allocate_samples(count * sizeof(T)));
+  }
+  void deallocate(T* block, std::size_t count) noexcept {
+    internal::free_samples(block, count * sizeof(T));
+  }
+  template <class Other>
+  bool operator==(const SampleAllocator<Other>&) const noexcept {
+    return true;
+  }
+};
+
+template <class T>
+using SamplesOf = std::vector<T, SampleAllocator<T>>;
+using Samples = SamplesOf<double>;
+
+/// A matrix of samples, one a column; in expressions as any matrix of Eigen.
+template <class Scalar>
+class SampleArray : public Eigen::Map<Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>> {
+ public:
+  using Base = Eigen::Map<Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>>;
+
+  SampleArray() : Base(nullptr, 0, 0) {}
+  /// Of zeros.
+  SampleArray(Eigen::Index rows, Eigen::Index cols) : SampleArray() { resize(rows, cols); }
+  template <class Derived>
+  SampleArray(const Eigen::EigenBase<Derived>& other) : SampleArray() {
+    *this = other;
+  }
+  /// @param columns  column after column, rows × cols numbers
+  SampleArray(SamplesOf<Scalar> columns, Eigen::Index rows, Eigen::Index cols)
+      : Base(nullptr, 0, 0), storage_(std::move(columns)) {
+    map(rows, cols);
+  }
+  SampleArray(const SampleArray& other) : Base(nullptr, 0, 0), storage_(other.storage_) {
+    map(other.rows(), other.cols());
+  }
+  SampleArray(SampleArray&& other) noexcept : SampleArray() { swap(other); }
+  ~SampleArray() = default;
+
+  SampleArray& operator=(SampleArray other) noexcept {
+    swap(other);
+    return *this;
+  }
+  template <class Derived>
+  SampleArray& operator=(const Eigen::EigenBase<Derived>& other) {
+    SampleArray result;
+    result.resize(other.rows(), other.cols());
+    static_cast<Base&>(result) = other.derived();
+    swap(result);
+    return *this;
+  }
+
+  using Base::setConstant;
+
+  /// Of zeros, whatever it was.
+  void resize(Eigen::Index rows, Eigen::Index cols) {
+    storage_ = SamplesOf<Scalar>(static_cast<std::size_t>(rows * cols));
+    map(rows, cols);
+  }
+  void setConstant(Eigen::Index rows, Eigen::Index cols, Scalar value) {
+    storage_ = SamplesOf<Scalar>(static_cast<std::size_t>(rows * cols), value);
+    map(rows, cols);
+  }
+
+  void swap(SampleArray& other) noexcept {
+    const Eigen::Index rows = this->rows(), cols = this->cols();
+    storage_.swap(other.storage_);
+    map(other.rows(), other.cols());
+    other.map(rows, cols);
+  }
+
+ private:
+  void map(Eigen::Index rows, Eigen::Index cols) {
+    new (static_cast<Base*>(this)) Base(storage_.data(), rows, cols);
+  }
+
+  SamplesOf<Scalar> storage_;
+};
+
+using SampleMatrix = SampleArray<double>;
+
+}  // namespace quadtune
