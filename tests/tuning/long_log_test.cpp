@@ -49,7 +49,9 @@ int tune_long_log() {
   model.parameters[0].start = 30;
   model.parameters[1].start = 3;
   try {
-    const NoiseTuning tuning = tune_noise(model, {long_level()}, {.fit = {.starts = 1}});
+    NoiseTuningOptions options;
+    options.fit.starts = 1;
+    const NoiseTuning tuning = tune_noise(model, {long_level()}, options);
     for (const FittedParameter& p : tuning.fit.parameters)
       if (!(std::abs(p.value / (p.name == "R.y" ? 100 : 1) - 1) < 0.02)) return 3;
     return tuning.fit.converged() && tuning.after.outputs.front().samples > kSamples / 2 ? 0 : 4;
