@@ -220,16 +220,17 @@ class Story {
   /// A mean holds until the next one, so that it is a line.
   void tell_sizes(const FilterRun& run, Index row, int window, const std::string& which) {
     const RunningSize size = running_size(run, row, window);
-    const std::string name = fmt::format("size.{}", row);
+    const std::string name = fmt::format("size.{}", row), mean_name = name + "." + which,
+                      low = name + ".low", high = name + ".high";
     Index last = size.value.size() - 1;
     while (last >= 0 && std::isnan(size.value(last))) --last;
     double mean = kNaN;
     for (Index k = 0; k <= last; ++k) {
       if (!std::isnan(size.value(k))) mean = size.value(k);
       if (std::isnan(mean)) continue;
-      timeline_.at(name + "." + which, "1", k) = mean;
-      timeline_.at(name + ".low", "1", k) = size.low;
-      timeline_.at(name + ".high", "1", k) = size.high;
+      timeline_.at(mean_name, "1", k) = mean;
+      timeline_.at(low, "1", k) = size.low;
+      timeline_.at(high, "1", k) = size.high;
     }
   }
 

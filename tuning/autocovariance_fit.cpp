@@ -235,11 +235,11 @@ class Fit {
         used[static_cast<std::size_t>(term.parameter)] = true;
         continue;
       }
-      const auto row = [&](int i) { return term.parameter + i * (i + 1) / 2; };
+      const auto entry = [&](int i, int q) { return term.parameter + i * (i + 1) / 2 + q; };
       for (const int i : {term.row, term.column})
         for (int q = 0; q <= i; ++q)
           if (q <= std::min(term.row, term.column) || q == i)
-            used[static_cast<std::size_t>(row(i) + q)] = true;
+            used[static_cast<std::size_t>(entry(i, q))] = true;
     }
     for (int i = 0; i < count; ++i) {
       const auto k = static_cast<std::size_t>(i);

@@ -130,7 +130,7 @@ AutocovarianceProblem::AutocovarianceProblem(const SampledModel& sampled, const 
   const VectorXd size = covariance.diagonal().cwiseSqrt().cwiseInverse();
   const MatrixXd correlation = size.asDiagonal() * covariance * size.asDiagonal();
   Eigen::LLT<MatrixXd> factor;
-  for (double ridge = 1e-12; ridge < 1; ridge *= 100) {
+  for (const double ridge : {1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2}) {
     factor.compute(correlation + ridge * MatrixXd::Identity(moments.size(), moments.size()));
     if (factor.info() == Eigen::Success) break;
   }

@@ -41,6 +41,7 @@ void name_direction(const VectorXd& direction, const std::vector<int>& free,
     return;
   }
   std::vector<std::string> words;
+  words.reserve(main.size());
   for (const Index q : main)
     words.push_back(fmt::format("{:+.2f} log {}", direction(q), parameter(q).name));
   unseen.push_back(fmt::format("not seen: {}", fmt::join(words, " ")));

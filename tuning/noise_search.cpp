@@ -96,8 +96,9 @@ class Whitened final : public ceres::FirstOrderFunction {
 void stride(const NoiseObjective& objective, const VectorXd& start, const std::vector<int>& free,
             SearchResult& result) {
   const std::vector<NoiseParameter>& parameters = objective.likelihood().model().parameters;
-  for (double stride = 128; stride >= 1; stride /= 2)
+  for (int halved = 0; halved < 8; ++halved)
     for (const int i : free) {
+      const double stride = 128 / std::exp2(halved);
       if (!parameters[static_cast<std::size_t>(i)].logarithmic) continue;
       // From where it stands, and from where it began, if a search ran far down a flat slope.
       for (const double to : {result.theta(i) + stride, result.theta(i) - stride, start(i) + stride,

@@ -183,7 +183,7 @@ SampleAutocovariances sample_autocovariances(const SampledModel& sampled, const 
   Predictor predictor(sampled, model, records, gain);
   for (const UniformStretch& stretch : uniform.stretches) {
     const Index used = stretch.samples - gain.memory;
-    if (used <= 2 * lags || used <= gain.memory) continue;
+    if (used <= Index{2} * lags || used <= gain.memory) continue;
     const SampleMatrix whole = predictor.innovations(stretch, predictor.start(stretch));
     const auto e = whole.rightCols(used);
     for (Index j = 0; j <= lags; ++j) {
