@@ -25,6 +25,8 @@ constexpr double kLeastInformation = 0.1;
 /// Slope of a flat direction at which a search is over: it falls off exponentially, and what is
 /// left to gain is as large.
 constexpr double kLeastGain = 1e-4;
+/// Of a sum, a part of its terms' size: 7e-13 were seen with eight million of them.
+constexpr double kRounding = 1e-11;
 /// What a stride must gain in log-likelihood.
 constexpr double kGain = 1e-3;
 
@@ -132,8 +134,8 @@ void polish(const NoiseObjective& objective, const std::vector<int>& free, Searc
     VectorXd theta = result.theta;
     for (Index i = 0; i < step.size(); ++i) theta(free[static_cast<std::size_t>(i)]) += step(i);
     const auto there = objective.at(theta, LikelihoodOrder::gradient);
-    // Rounding of the sum hides what a last step gains: of ten million samples a part in 1e11.
-    if (!there.computed || there.value < at.value - 1e-10 * std::abs(at.value) ||
+    // Rounding of the sum hides what a last step gains.
+    if (!there.computed || there.value < at.value - at.rounding ||
         !(chosen(there.gradient, free).norm() < g.norm()))
       break;
     result.theta = theta;
@@ -173,6 +175,8 @@ NoiseObjective::Value NoiseObjective::at(const VectorXd& theta, LikelihoodOrder 
   const Likelihood likelihood = likelihood_.evaluate(theta, order);
   Value result{likelihood.computed(), likelihood.value, likelihood.gradient,
                likelihood.information};
+  result.rounding =
+      kRounding * (std::abs(likelihood.value) + static_cast<double>(likelihood.innovations));
   const FilterModel& model = likelihood_.model();
   for (std::size_t i = 0; i < model.parameters.size(); ++i) {
     if (!model.parameters[i].prior) continue;

@@ -19,6 +19,7 @@ class NoiseObjective {
     double value = 0;
     Eigen::VectorXd gradient;     ///< (p)
     Eigen::MatrixXd information;  ///< (p × p) with the priors', where asked for
+    double rounding = 0;          ///< more than the sum's, whose terms may cancel
   };
   [[nodiscard]] Value at(const Eigen::VectorXd& theta, LikelihoodOrder order) const;
 

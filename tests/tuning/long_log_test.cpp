@@ -23,6 +23,10 @@ constexpr rlim_t kAllowed = 48 << 20;  // bytes, besides what the program has wh
 /// The measurements alone are as large as that.
 constexpr int kSamples = 6'000'000;
 
+/// Variances of the level's steps and of the measurements, for which the log-likelihood is next to
+/// zero: the rounding of its sum is not.
+constexpr double kStep = 5.294e-4, kNoise = 5.294e-2;
+
 FilterRecord long_level() {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
@@ -34,8 +38,8 @@ FilterRecord long_level() {
   double level = 0;
   for (int k = 0; k < kSamples; ++k) {
     record.time[static_cast<std::size_t>(k)] = k;
-    record.y(0, k) = level + 10 * normal(random);
-    level += normal(random);
+    record.y(0, k) = level + std::sqrt(kNoise) * normal(random);
+    level += std::sqrt(kStep) * normal(random);
   }
   return record;
 }
@@ -46,14 +50,14 @@ int tune_long_log() {
   const rlimit limit{most, most};
   if (setrlimit(RLIMIT_DATA, &limit) != 0) return 2;
   FilterModel model = testing::local_level();
-  model.parameters[0].start = 30;
-  model.parameters[1].start = 3;
+  model.parameters[0].start = 30 * kStep;
+  model.parameters[1].start = 0.03 * kNoise;
   try {
     NoiseTuningOptions options;
     options.fit.starts = 1;
     const NoiseTuning tuning = tune_noise(model, {long_level()}, options);
     for (const FittedParameter& p : tuning.fit.parameters)
-      if (!(std::abs(p.value / (p.name == "R.y" ? 100 : 1) - 1) < 0.02)) return 3;
+      if (!(std::abs(p.value / (p.name == "R.y" ? kNoise : kStep) - 1) < 0.02)) return 3;
     return tuning.fit.converged() && tuning.after.outputs.front().samples > kSamples / 2 ? 0 : 4;
   } catch (const std::bad_alloc&) {
     return 5;

@@ -215,6 +215,19 @@ TEST(NoiseFit, RefusesTooFewMeasurementsAndBadOptions) {
                   StrEq("fit: confidence is 1, expected more than 0 and less than 1")));
 }
 
+// A log-likelihood next to zero, as these variances have it, is a sum that rounds none the less.
+TEST(NoiseFit, EndsWhateverItsSumRoundsTo) {
+  std::mt19937_64 random(11);
+  FilterModel model = testing::local_level();
+  const VectorXd truth = (VectorXd(2) << std::log(5.294e-4), std::log(5.294e-2)).finished();
+  for (int log = 0; log < 30; ++log) {
+    const FilterRecord record = testing::simulated(model, truth, 100'000, 1, random);
+    const NoiseFit fit = fit_noise(InnovationLikelihood(model, {record}), {.starts = 1});
+    EXPECT_TRUE(fit.converged()) << log << ": " << to_string(fit.status);
+    EXPECT_LT(std::abs(fit.after.value), 3000);
+  }
+}
+
 // One search more where autocovariances say something, and never a worse end.
 TEST(NoiseFit, AlsoStartsWhereAutocovariancesSay) {
   std::mt19937_64 random(7);
