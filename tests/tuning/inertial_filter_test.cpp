@@ -13,6 +13,7 @@
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/estimation/record_of_log.hpp"
 #include "quadtune/tuning/noise_tuning.hpp"
+#include "sanitized.hpp"
 #include "shared_data.hpp"
 
 namespace quadtune {
@@ -162,12 +163,6 @@ ChannelUse use(const std::string& signal, LogChannels& channels, std::size_t i,
   return {signal, series};
 }
 
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
-
 /// The records up to so many seconds after the first instant.
 std::vector<FilterRecord> until(std::vector<FilterRecord> records, double seconds) {
   FilterRecord& record = records[0];
@@ -185,7 +180,8 @@ std::vector<FilterRecord> until(std::vector<FilterRecord> records, double second
 // the report says that the positions' innovations are not white noise.
 TEST(InertialFilter, ReadsTheDensitiesOfASensorOffAFlight) {
   QUADTUNE_REQUIRE_DATA(data);
-  if (kSanitized) GTEST_SKIP() << "minutes under sanitizers; made-up flights go the same way";
+  if (testing::kSanitized)
+    GTEST_SKIP() << "minutes under sanitizers; made-up flights go the same way";
   LogChannels imu =
       read_log_channels((data / "euroc" / "V1_01_easy_imu0.csv").string(),
                         {"w_RS_S_x", "w_RS_S_y", "w_RS_S_z", "a_RS_S_x", "a_RS_S_y", "a_RS_S_z"});
@@ -218,7 +214,8 @@ TEST(InertialFilter, ReadsTheDensitiesOfASensorOffAFlight) {
 // A simulated PX4 flight: barometer and GPS velocity.
 TEST(InertialFilter, ReadsBarometerAndGpsOffAReplay) {
   QUADTUNE_REQUIRE_DATA(data);
-  if (kSanitized) GTEST_SKIP() << "minutes under sanitizers; made-up flights go the same way";
+  if (testing::kSanitized)
+    GTEST_SKIP() << "minutes under sanitizers; made-up flights go the same way";
   FilterModel model = load_filter_model("inertial");
   model.gravity = Vector3d(0, 0, 9.81);  // north, east, down
   model.sensors[2].C(0, kInertialPosition + 2) = -1;

@@ -9,15 +9,10 @@
 #include "data_memory.hpp"
 #include "filter_models.hpp"
 #include "quadtune/tuning/noise_tuning.hpp"
+#include "sanitized.hpp"
 
 namespace quadtune {
 namespace {
-
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
 
 constexpr rlim_t kAllowed = 48 << 20;  // bytes, besides what the program has when it begins
 /// The measurements alone are as large as that.
@@ -65,12 +60,12 @@ int tune_long_log() {
 }
 
 TEST(LongLog, IsFittedInMemoryThatDoesNotGrow) {
-  if (kSanitized) GTEST_SKIP() << "sanitizers take memory of their own";
+  if (testing::kSanitized) GTEST_SKIP() << "sanitizers take memory of their own";
   EXPECT_EXIT(std::exit(tune_long_log()), ::testing::ExitedWithCode(0), "");
 }
 
 TEST(LongLog, WouldNotFitIntoTheHeap) {
-  if (kSanitized) GTEST_SKIP() << "sanitizers take memory of their own";
+  if (testing::kSanitized) GTEST_SKIP() << "sanitizers take memory of their own";
   EXPECT_EXIT(
       {
         setenv("TMPDIR", "/nowhere/at/all", 1);

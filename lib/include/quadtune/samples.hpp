@@ -17,6 +17,7 @@ inline constexpr std::size_t kLeastSpooled = std::size_t{4} << 20;
 
 namespace internal {
 /// The file lies in $TMPDIR, else in /var/tmp; where it has no room, the block is of the heap too.
+/// A process that is forked sees and changes the same samples.
 /// @throws std::bad_alloc
 [[nodiscard]] void* allocate_samples(std::size_t bytes);
 void free_samples(void* block, std::size_t bytes) noexcept;
@@ -92,6 +93,7 @@ class SampleArray : public Eigen::Map<Eigen::Matrix<Scalar, Eigen::Dynamic, Eige
     storage_ = SamplesOf<Scalar>(static_cast<std::size_t>(rows * cols));
     map(rows, cols);
   }
+  /// Of one number, whatever it was.
   void setConstant(Eigen::Index rows, Eigen::Index cols, Scalar value) {
     storage_ = SamplesOf<Scalar>(static_cast<std::size_t>(rows * cols), value);
     map(rows, cols);
