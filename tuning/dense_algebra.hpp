@@ -8,7 +8,9 @@
 
 namespace quadtune::internal {
 
-// Four doubles whatever the machine: the compiler splits them where its vectors are shorter.
+// Four and eight doubles whatever the machine: the compiler splits them where its vectors are
+// shorter.
+using Eight [[gnu::vector_size(8 * sizeof(double)), gnu::may_alias]] = double;
 using Four [[gnu::vector_size(4 * sizeof(double)), gnu::may_alias]] = double;
 
 [[gnu::always_inline]] inline const Four* fours(const double* p) {
@@ -67,6 +69,21 @@ template <int N>
   for (int i = 0; i < N / 4; ++i) fours(y)[i] = even[i] + odd[i];
 }
 
+/// y = A x + b, A of N columns: in four sums, since y may be waited for.
+template <int N>
+[[gnu::always_inline]] inline void multiply_onto(const double* A, const double* x, const double* b,
+                                                 double* y) {
+  Four sum[4][N / 4];
+  for (int i = 0; i < N / 4; ++i) {
+    sum[0][i] = fours(b)[i] + fours(A)[i] * all_four(x[0]);
+    for (int s = 1; s < 4; ++s) sum[s][i] = fours(A + s * N)[i] * all_four(x[s]);
+  }
+  for (int q = 4; q < N; q += 4)
+    for (int s = 0; s < 4; ++s)
+      for (int i = 0; i < N / 4; ++i) sum[s][i] += fours(A + (q + s) * N)[i] * all_four(x[q + s]);
+  for (int i = 0; i < N / 4; ++i) fours(y)[i] = (sum[0][i] + sum[1][i]) + (sum[2][i] + sum[3][i]);
+}
+
 /// y = A x, A of `rows` rows, a multiple of four.
 inline void multiply(const double* A, int rows, const double* x, int columns, double* y) {
   for (int i = 0; i < rows; i += 4) {
@@ -79,6 +96,36 @@ inline void multiply(const double* A, int rows, const double* x, int columns, do
     if (q < columns) even += *fours(A + q * rows + i) * all_four(x[q]);
     *fours(y + i) = even + odd;
   }
+}
+
+/// y = A x for `count` vectors, each `from` numbers after the one before, to results `to` numbers
+/// apart; A has `columns` columns of N numbers, `stride` apart.
+template <int N, int count>
+[[gnu::always_inline]] inline void multiply_each(const double* A, int stride, const double* x,
+                                                 int from, int columns, double* y, int to) {
+  Four sum[count][N / 4] = {};
+  for (int q = 0; q < columns; ++q)
+    for (int c = 0; c < count; ++c)
+      for (int i = 0; i < N / 4; ++i)
+        sum[c][i] += fours(A + q * stride)[i] * all_four(x[c * from + q]);
+  for (int c = 0; c < count; ++c)
+    for (int i = 0; i < N / 4; ++i) fours(y + c * to)[i] = sum[c][i];
+}
+
+/// The same with rows of eight.
+template <int count>
+[[gnu::always_inline]] inline void multiply_each_of_eight(const double* A, int stride,
+                                                          const double* x, int from, int columns,
+                                                          double* y, int to) {
+  Eight sum[count] = {};
+  for (int q = 0; q < columns; ++q) {
+    const Eight a = *reinterpret_cast<const Eight*>(A + q * stride);
+    for (int c = 0; c < count; ++c) {
+      const double b = x[c * from + q];
+      sum[c] += a * Eight{b, b, b, b, b, b, b, b};
+    }
+  }
+  for (int c = 0; c < count; ++c) *reinterpret_cast<Eight*>(y + c * to) = sum[c];
 }
 
 /// Columns j … j + width - 1 of A B, from row 4 first on; b(q, j) is an entry of B.

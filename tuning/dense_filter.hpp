@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "dense_model.hpp"
+#include "steady_information.hpp"
 
 namespace quadtune::internal {
 
@@ -45,6 +46,7 @@ class DenseFilter {
   static constexpr double kSettled = 1e-13;      ///< as in LikelihoodKernel
   static constexpr double kLeastShare = 1e-4;    ///< as in LikelihoodKernel
   static constexpr Eigen::Index kEntry = N + 4;  ///< numbers on the tape of one measurement
+  static constexpr int kAtOnce = 4;              ///< steps back of steady gains
   /// Numbers that all tapes may have; what has none goes through its stretch twice.
   static constexpr Eigen::Index kMostTape = Eigen::Index{1} << 23;
 
@@ -283,6 +285,7 @@ class DenseFilter {
   bool hold(Eigen::Index k, Eigen::Index end, DenseSums<N>& sums) {
     SteadyGains<N>& gains = work_.steady.emplace_back();
     gains.transition = record_.transition[k];
+    gains.samples = end - k;
     const auto ny = static_cast<std::size_t>(record_.ny);
     const Square<N> P = at_.P;
     for (std::size_t i = 0; i < ny; ++i) {
@@ -455,14 +458,19 @@ class DenseFilter {
             by_variances[t] += 0.5 * step.noise[t](i, j) * (r_.at[i] * r_.at[j] - N_(i, j));
   }
 
+  void correct_back(const SparseEntries& c, const double* K, double precision, double weighed,
+                    double& by_R) {
+    const double u = weighed - dot<N>(K, r_.at);
+    by_R += 0.5 * (u * u - inform(c, K, precision));
+    add_row(c, u, r_.at);
+  }
+
+  /// N before a measurement.
   /// @return  D
-  double correct_back(const SparseEntries& c, const double* K, double precision, double weighed,
-                      double& by_R) {
+  double inform(const SparseEntries& c, const double* K, double precision) {
     Column<N> NK;
     multiply<N>(N_.at, K, N, NK.at);
-    const double D = precision + dot<N>(K, NK.at), u = weighed - dot<N>(K, r_.at);
-    by_R += 0.5 * (u * u - D);
-    add_row(c, u, r_.at);
+    const double D = precision + dot<N>(K, NK.at);
     for (std::size_t q = 0; q < c.column.size(); ++q) {
       const int column = c.column[q];
       add_scaled<N>(-c.value[q], NK.at, N_.column(column));
@@ -476,67 +484,79 @@ class DenseFilter {
 
   void steady_back(const DensePiece<N>& piece, const double* tape, DenseSums<N>& sums) {
     const SteadyGains<N>& gains = work_.steady[static_cast<std::size_t>(piece.steady)];
-    const Eigen::Index padded = gains.precision.size();
-    Eigen::Index k = piece.end;
-    if (held_ != piece.steady) {
-      if (settling_of_ != piece.steady) settling_ = Settling();
-      settling_of_ = piece.steady;
-      held_ = -1;
-      held_D_.assign(static_cast<std::size_t>(record_.ny), 0);
-      for (int steps = 1; k > piece.begin && held_ < 0; ++steps) {
-        --k;
-        predict_back(k, sums);
-        for (Eigen::Index i = record_.ny; i-- > 0;) {
-          const auto q = static_cast<std::size_t>(i);
-          held_D_[q] = correct_back(model_.C[q], gains.gain[q].at, gains.precision(i),
-                                    tape[(k - piece.begin) * padded + i], sums.by_R[q]);
-        }
-        if (steps % kEvery == 0 && settling_.settled(N_)) held_ = piece.steady;
-      }
-    }
-    held_steps_back(gains, piece.begin, k, tape, sums);
+    if (held_ != piece.steady) take_information_back(gains, sums);
+    held_ = piece.steady;
+    take_steps_back(gains, piece.end - piece.begin, tape, sums);
   }
 
-  /// ½ Σ r rᵀ of four
-  static void add_outers(const Column<N> (&r)[4], Square<N>& by_Q) {
+  /// N through the whole of a stretch, and what its steps say of Q and R.
+  void take_information_back(const SteadyGains<N>& gains, DenseSums<N>& sums) {
+    const DenseTransition<N>& step = model_.transitions[gains.transition];
+    const Square<N> start = N_;
+    N_ = Square<N>();
+    for (Eigen::Index i = record_.ny; i-- > 0;) inform(gains, i);
+    const SteadyInformation<N> information =
+        steady_information<N>(gains.before.data(), N_, start, gains.samples);
+    const auto samples = static_cast<double>(gains.samples);
     for (int j = 0; j < N; ++j)
-      for (int i = 0; i < N / 4; ++i) {
-        Four sum = all_four(r[0].at[j]) * fours(r[0].at)[i];
-        for (int q = 1; q < 4; ++q) sum += all_four(r[q].at[j]) * fours(r[q].at)[i];
-        fours(by_Q.column(j))[i] += all_four(0.5) * sum;
-      }
+      add_scaled<N>(-0.5, information.sum.column(j), sums.by_Q[gains.transition].column(j));
+    // D is linear in N: its sum is of the mean.
+    N_ = Square<N>();
+    for (int j = 0; j < N; ++j) add_scaled<N>(1 / samples, information.sum.column(j), N_.column(j));
+    propagate<N>(step.F_transposed, N_, nullptr);
+    for (Eigen::Index i = record_.ny; i-- > 0;)
+      sums.by_R[static_cast<std::size_t>(i)] -= 0.5 * samples * inform(gains, i);
+    N_ = information.last;
+  }
+  double inform(const SteadyGains<N>& gains, Eigen::Index i) {
+    const auto q = static_cast<std::size_t>(i);
+    return inform(model_.C[q], gains.gain[q].at, gains.precision(i));
   }
 
-  /// N stays, r goes on.
-  void held_steps_back(const SteadyGains<N>& gains, Eigen::Index begin, Eigen::Index k,
-                       const double* tape, DenseSums<N>& sums) {
-    const auto padded = static_cast<int>(gains.precision.size());
-    const auto columns = static_cast<int>(N + record_.ny);
-    const auto count = static_cast<double>(k - begin);
-    alignas(64) double known[N + kMostOutputs + 4] = {}, u[kMostOutputs] = {},
-                                                sum[kMostOutputs] = {};
+  /// r through a piece of it.
+  void take_steps_back(const SteadyGains<N>& gains, Eigen::Index left, const double* tape,
+                       DenseSums<N>& sums) {
+    const Eigen::Index padded = gains.precision.size();
+    alignas(64) double squares[kMostOutputs] = {};
     Square<N>& by_Q = sums.by_Q[gains.transition];
-    Column<N> passed[4];
-    int kept = 0;
-    for (; k-- > begin;) {
-      passed[kept] = r_;
-      if (++kept == 4) {
-        add_outers(passed, by_Q);
-        kept = 0;
-      }
-      std::copy_n(r_.at, N, known);
-      std::copy_n(tape + (k - begin) * padded, padded, known + N);
-      multiply(gains.weights.data(), padded, known, columns, u);
-      multiply<N>(gains.before.data(), known, columns, r_.at);
-      for (int i = 0; i < padded; i += 4) *fours(sum + i) += *fours(u + i) * *fours(u + i);
+    for (; left >= kAtOnce; left -= kAtOnce)
+      steady_steps_back<kAtOnce>(gains, tape + (left - kAtOnce) * padded, by_Q, squares);
+    for (; left > 0; --left) steady_steps_back<1>(gains, tape + (left - 1) * padded, by_Q, squares);
+    for (std::size_t i = 0; i < sums.by_R.size(); ++i) sums.by_R[i] += 0.5 * squares[i];
+  }
+
+  /// `count` samples, whose tape starts at `tape`: only r itself has to be gone through one by one,
+  /// all else that is made of it shares what it loads.
+  template <int count>
+  void steady_steps_back(const SteadyGains<N>& gains, const double* tape, Square<N>& by_Q,
+                         double* squares) {
+    const auto padded = static_cast<int>(gains.precision.size());
+    const auto ny = static_cast<int>(record_.ny);
+    alignas(64) double known[count][N + kMostOutputs], pushed[count][N], u[count][kMostOutputs];
+    for (int q = 0; q < count; ++q)
+      for (int i = 0; i < padded; i += 4)
+        *fours(known[q] + N + i) = *fours(tape + (count - 1 - q) * padded + i);
+    multiply_each<N, count>(gains.before.data() + N * N, N, known[0] + N, N + kMostOutputs, ny,
+                            pushed[0], N);
+    std::copy_n(r_.at, N, known[0]);
+    for (int q = 0; q + 1 < count; ++q)
+      multiply_onto<N>(gains.before.data(), known[q], pushed[q], known[q + 1]);
+    multiply_onto<N>(gains.before.data(), known[count - 1], pushed[count - 1], r_.at);
+    int row = 0;
+    for (; row + 8 <= padded; row += 8)
+      multiply_each_of_eight<count>(gains.weights.data() + row, padded, known[0], N + kMostOutputs,
+                                    N + ny, u[0] + row, kMostOutputs);
+    if (row < padded)
+      multiply_each<4, count>(gains.weights.data() + row, padded, known[0], N + kMostOutputs,
+                              N + ny, u[0] + row, kMostOutputs);
+    for (int i = 0; i < padded; i += 4)
+      for (int q = 0; q < count; ++q) *fours(squares + i) += *fours(u[q] + i) * *fours(u[q] + i);
+    for (const NoiseEntries& entries : model_.noise_entries) {
+      Four sum{};
+      for (int q = 0; q < count; ++q)
+        sum += all_four(known[q][entries.column]) * *fours(known[q] + entries.row);
+      *fours(by_Q.column(entries.column) + entries.row) += all_four(0.5) * sum;
     }
-    while (kept > 0) {
-      --kept;
-      add_outer(0.5, passed[kept].at, passed[kept].at, by_Q);
-    }
-    for (int j = 0; j < N; ++j) add_scaled<N>(-0.5 * count, N_.column(j), by_Q.column(j));
-    for (std::size_t i = 0; i < held_D_.size() && count > 0; ++i)
-      sums.by_R[i] += 0.5 * (sum[i] - count * held_D_[i]);
   }
 
   const DenseModel<N>& model_;
@@ -552,9 +572,7 @@ class DenseFilter {
   // On the way back.
   Column<N> r_;
   Square<N> N_;
-  Settling settling_;
-  int settling_of_ = -1, held_ = -1;
-  std::vector<double> held_D_;
+  int held_ = -1;  ///< index of the steady gains that N has been taken through
 };
 
 }  // namespace quadtune::internal

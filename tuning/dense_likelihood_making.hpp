@@ -30,6 +30,7 @@ class DenseEvaluator final : public DenseLikelihood {
     model_.C.resize(static_cast<std::size_t>(prepared.C.rows()));
     for (std::size_t i = 0; i < model_.C.size(); ++i)
       model_.C[i].assign(prepared.C.row(static_cast<Eigen::Index>(i)));
+    find_noise_entries();
     model_.D = prepared.D;
     model_.x0 = model.x0;
     model_.P0 = model.P0;
@@ -64,6 +65,21 @@ class DenseEvaluator final : public DenseLikelihood {
 
  private:
   using Slope = ceres::Jet<double, 1>;
+
+  void find_noise_entries() {
+    Eigen::MatrixXd depends = Eigen::MatrixXd::Zero(N, N);
+    const auto add = [&](const Eigen::MatrixXd& shape) {
+      depends.topLeftCorner(shape.rows(), shape.cols()) += shape.cwiseAbs();
+    };
+    for (const PreparedTransition& step : prepared_.transitions) {
+      for (const Eigen::MatrixXd& shape : step.scaled) add(shape);
+      for (const auto& block : step.full)
+        for (const Eigen::MatrixXd& shape : block) add(shape);
+    }
+    for (int j = 0; j < N; ++j)
+      for (int i = 0; i < N; i += 4)
+        if (!depends.col(j).segment(i, 4).isZero(0)) model_.noise_entries.push_back({i, j});
+  }
 
   void fill(const Eigen::Ref<const Eigen::VectorXd>& theta) {
     const CovarianceModel& Q = prepared_.model.Q;

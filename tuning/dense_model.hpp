@@ -35,11 +35,18 @@ struct DenseTransition {
   Eigen::MatrixXd B;  ///< (N × nu)
 };
 
+/// Four entries of Q, one below the other, of which one depends on θ.
+struct NoiseEntries {
+  int row = 0;  ///< a multiple of 4
+  int column = 0;
+};
+
 template <int N>
 struct DenseModel {
   std::vector<DenseTransition<N>> transitions;
-  std::vector<SparseEntries> C;   ///< ny
-  std::vector<double> R;          ///< ny
+  std::vector<SparseEntries> C;  ///< ny
+  std::vector<double> R;         ///< ny
+  std::vector<NoiseEntries> noise_entries;
   std::vector<double> variances;  ///< exp(θ) of the terms of Q.scaled, for linearized records
   Eigen::MatrixXd D;              ///< (ny × nu), or empty
   Eigen::VectorXd x0;
@@ -63,7 +70,7 @@ struct DenseSums {
   Eigen::Index bad_sample = -1, bad_output = -1;
 
   std::vector<double> by_R;          ///< ny
-  std::vector<Square<N>> by_Q;       ///< of each transition
+  std::vector<Square<N>> by_Q;       ///< of each transition; entries that depend on θ are right
   std::vector<double> by_variances;  ///< of DenseModel::variances
 };
 
@@ -71,6 +78,7 @@ struct DenseSums {
 template <int N>
 struct SteadyGains {
   std::uint32_t transition = 0;
+  std::int64_t samples = 0;      ///< that they are held for
   std::vector<Column<N>> gain;   ///< ny
   std::vector<double> variance;  ///< ny
   Eigen::VectorXd precision;     ///< 1/variance, padded with zeros to a multiple of 4
