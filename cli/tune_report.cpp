@@ -278,6 +278,11 @@ std::string tuned_file(const TuneReport& report, const std::string& command) {
   comments.push_back(fmt::format("verdict: {}", to_string(report.tuning.verdict)));
   for (const std::string& reason : report.tuning.reasons) comments.push_back("  " + reason);
   FilterModel tuned = with_noise(report.model, report.tuning.fit.theta);
+  for (const FittedParameter& p : report.tuning.fit.parameters)
+    for (NoiseParameter& parameter : tuned.parameters)
+      if (parameter.name == p.name && parameter.logarithmic && p.low > 0 && p.low < p.high &&
+          std::isfinite(p.high))
+        parameter.interval = {p.low, p.high};
   tuned.verdict = to_string(report.tuning.verdict);
   return text_of_filter_model(tuned, comments);
 }

@@ -78,6 +78,7 @@ class TermReader {
                  {"parameter"},
                  {"unit"},
                  {"variance"},
+                 {"interval"},
                  {"covariance"},
                  {"prior_median"},
                  {"prior_deviation"}});
@@ -138,6 +139,12 @@ class TermReader {
     if (table.has("prior_median") || table.has("prior_deviation"))
       parameter.prior = NoisePrior{table.number("prior_median", Range::positive()),
                                    table.number("prior_deviation", Range::positive())};
+    if (table.has("interval")) {
+      const VectorXd ends = table.vector("interval", Range::positive());
+      if (ends.size() != 2 || !(ends(0) < ends(1)))
+        throw InvalidInput(table.where("interval"), "interval is not [low, high] with low < high");
+      parameter.interval = {ends(0), ends(1)};
+    }
     model_.parameters.push_back(parameter);
     return static_cast<int>(model_.parameters.size()) - 1;
   }

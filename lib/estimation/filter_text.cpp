@@ -75,6 +75,8 @@ class TermWriter {
     text_ += fmt::format("parameter = {}\n", quoted(p.name));
     put_about(p);
     text_ += fmt::format("variance = {}\n", p.start);
+    if (p.interval)
+      text_ += fmt::format("interval = [{}, {}]\n", p.interval->first, p.interval->second);
   }
 
   void put_about(const NoiseParameter& p) {

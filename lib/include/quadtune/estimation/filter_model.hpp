@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "quadtune/estimation/covariance_model.hpp"
@@ -29,6 +30,8 @@ struct NoiseParameter {
   double start = 1;    ///< the variance (> 0), or the entry, that a search begins with
   bool fixed = false;  ///< it stays there
   std::optional<NoisePrior> prior = {};
+  /// Of a tuned model: between which the variance lies with 95 % probability.
+  std::optional<std::pair<double, double>> interval = {};
 
   friend bool operator==(const NoiseParameter& a, const NoiseParameter& b) {
     return a.name == b.name;

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/simulation/campaign_statistics.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "designed_mambo.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::Pair;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// R: binom.test(k, n)$conf.int; at the ends (α/2)^(1/n).
+TEST(SuccessRate, HasTheIntervalOfClopperAndPearson) {
+  const Estimated some = success_rate(8, 10);
+  EXPECT_DOUBLE_EQ(some.value, 0.8);
+  EXPECT_NEAR(some.low, 0.4439045, 1e-7);
+  EXPECT_NEAR(some.high, 0.9747893, 1e-7);
+  const Estimated all = success_rate(100, 100);
+  EXPECT_NEAR(all.low, std::pow(0.025, 0.01), 1e-12);
+  EXPECT_EQ(all.high, 1);
+  const Estimated none = success_rate(0, 100);
+  EXPECT_EQ(none.low, 0);
+  EXPECT_NEAR(none.high, 1 - std::pow(0.025, 0.01), 1e-12);
+  EXPECT_LE(success_rate(1, 1).low, 0.0250001);
+}
+
+// However the probability, at least 95 % of the intervals hold it.
+TEST(SuccessRate, HoldsTheTruth) {
+  for (const double p : {0.01, 0.3, 0.97}) {
+    double missed = 0;
+    const int n = 60;
+    double weight = std::pow(1 - p, n);  // of k successes
+    for (int k = 0; k <= n; ++k) {
+      const Estimated rate = success_rate(static_cast<std::uint64_t>(k), n);
+      if (rate.low > p || rate.high < p) missed += weight;
+      weight *= p / (1 - p) * (n - k) / (k + 1);
+    }
+    EXPECT_LE(missed, 0.05) << p;
+  }
+}
+
+TEST(Quantile, LiesBetweenNeighboursAsRsType7) {
+  const std::vector<double> x = {1, 2, 4, 8, 16};
+  EXPECT_DOUBLE_EQ(quantile(x, 0.5).value, 4);
+  EXPECT_DOUBLE_EQ(quantile(x, 0.25).value, 2);
+  EXPECT_DOUBLE_EQ(quantile(x, 0.9).value, 8 + 0.6 * 8);
+  EXPECT_EQ(quantile(x, 0.5).low, -kInfinity);  // five are too few for an interval
+  const std::vector<double> one = {3};
+  EXPECT_DOUBLE_EQ(quantile(one, 0.05).value, 3);
+}
+
+// The widest pair of order statistics that 2.5 % lie beyond: 40th and 61st of 100 for the median
+// [Conover 1999].
+TEST(Quantile, HasTheIntervalOfTheBinomialDistribution) {
+  std::vector<double> x(100);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = static_cast<double>(i + 1);
+  const Estimated median = quantile(x, 0.5);
+  EXPECT_EQ(median.low, 40);
+  EXPECT_EQ(median.high, 61);
+  EXPECT_EQ(quantile(x, 0.99).high, kInfinity);
+}
+
+TEST(Quantile, TheIntervalHoldsTheTruth) {
+  std::mt19937_64 random(5);
+  std::exponential_distribution<double> exponential;
+  for (const double q : {0.05, 0.5, 0.95}) {
+    int held = 0;
+    constexpr int kRuns = 2000;
+    for (int run = 0; run < kRuns; ++run) {
+      std::vector<double> x(200);
+      for (double& value : x) value = exponential(random);
+      std::sort(x.begin(), x.end());
+      const Estimated estimated = quantile(x, q);
+      const double truth = -std::log(1 - q);
+      held += static_cast<int>(estimated.low <= truth && truth <= estimated.high);
+    }
+    // At least 95 %, less three standard errors of 2,000 runs; and not much more than needed.
+    EXPECT_GE(held, 0.935 * kRuns) << q;
+    EXPECT_LE(held, 0.985 * kRuns) << q;
+  }
+}
+
+TEST(Quantile, InfiniteValuesAreTheGreatest) {
+  std::vector<double> x(1000, kInfinity);
+  for (std::size_t i = 0; i < 980; ++i) x[i] = static_cast<double>(i);
+  EXPECT_NEAR(quantile(x, 0.5).value, 499.5, 1e-9);
+  EXPECT_EQ(quantile(x, 0.99).value, kInfinity);
+  EXPECT_FALSE(std::isnan(quantile(x, 0.9795).value));
+}
+
+// R: cor(x, y, method = "spearman")
+TEST(RankCorrelation, IsSpearmans) {
+  const std::vector<double> x = {1, 2, 3, 4, 5, 6}, y = {1, 4, 9, 16, 25, 36};
+  EXPECT_DOUBLE_EQ(rank_correlation(x, y).value, 1);
+  const std::vector<double> z = {2, 1, 4, 3, 6, 5};
+  EXPECT_NEAR(rank_correlation(x, z).value, 0.8285714, 1e-7);
+  const std::vector<double> tied = {1, 1, 2, 2, 3, 3};
+  EXPECT_NEAR(rank_correlation(x, tied).value, 0.9561829, 1e-7);
+  const std::vector<double> constant(6, 1.0);
+  EXPECT_TRUE(std::isnan(rank_correlation(x, constant).value));
+  std::vector<double> reached = {1, 2, 3, 4, kInfinity, kInfinity};
+  EXPECT_GT(rank_correlation(x, reached).value, 0.95);
+}
+
+/// Made-up records: the first design fails where the mass is large.
+TEST(CampaignStatistics, FindsWhatFlightsDependOn) {
+  Campaign campaign;
+  CampaignCase of;
+  of.design = "one";
+  of.mission = "hover";
+  of.setup.mission = load_mission("hover");
+  campaign.cases = {of, of};
+  campaign.cases[1].design = "two";
+  campaign.uncertainty.numbers = {{"mass", {DistributionKind::normal, 1, 0.05}},
+                                  {"wind_north", {DistributionKind::normal, 0, 1}}};
+  campaign.flights = 400;
+  std::vector<CampaignRecord> records;
+  std::uint64_t failed = 0;
+  for (std::uint32_t flight = 0; flight < campaign.flights; ++flight) {
+    const Eigen::VectorXd drawn = draw(campaign.uncertainty, campaign.seed, flight);
+    for (std::uint64_t c = 0; c < 2; ++c) {
+      CampaignRecord record;
+      record.number = flight * 2 + c;
+      record.passed = c == 1 || drawn(0) < 1.05;
+      record.end = record.passed ? FlightEnd::completed : FlightEnd::safety_exit;
+      record.end_time = record.passed ? 100 : 2 / drawn(0);
+      if (!record.passed) record.reason = "tilt";
+      failed += static_cast<std::uint64_t>(!record.passed);
+      record.metrics[Metric::tracking_rms] =
+          0.1 + 0.02 * static_cast<double>(c) + 0.01 * std::abs(drawn(1));
+      records.push_back(record);
+    }
+  }
+  const CampaignStatistics statistics = campaign_statistics(campaign, records);
+  ASSERT_EQ(statistics.cases.size(), 2);
+  const CaseStatistics& one = statistics.cases[0];
+  EXPECT_EQ(one.flights, 400);
+  EXPECT_EQ(one.passed, 400 - failed);
+  EXPECT_THAT(one.ends,
+              ElementsAre(Pair("completed", 400 - failed), Pair("safety exit: tilt", failed)));
+  ASSERT_FALSE(one.sensitivities.empty());
+  EXPECT_EQ(one.sensitivities[0].quantity, "mass");
+  EXPECT_EQ(one.sensitivities[0].figure, "failure");
+  EXPECT_GT(one.sensitivities[0].correlation.low, 0.4);
+  // |wind| is no trend of the wind.
+  for (const Sensitivity& s : one.sensitivities)
+    if (s.quantity == "wind_north" && s.figure == "tracking_rms") {
+      EXPECT_LT(std::abs(s.correlation.value), 0.2);
+    }
+  // The earliest end is the worst.
+  ASSERT_EQ(one.worst.size(), 5);
+  const auto end_time = [&](std::size_t i) { return records[one.worst[i].number].end_time; };
+  EXPECT_LE(end_time(0), end_time(1));
+  double earliest = kInfinity;
+  for (const CampaignRecord& record : records) earliest = std::min(earliest, record.end_time);
+  EXPECT_EQ(end_time(0), earliest);
+  EXPECT_EQ(statistics.cases[1].passed, 400);
+
+  // On the same draws the difference of the designs is known exactly, whatever the wind.
+  ASSERT_EQ(statistics.comparisons.size(), 1);
+  const CaseComparison& comparison = statistics.comparisons[0];
+  EXPECT_EQ(comparison.only_second_passed, failed);
+  EXPECT_EQ(comparison.only_first_passed, 0);
+  for (const CaseComparison::Difference& d : comparison.metrics)
+    if (d.metric == Metric::tracking_rms) {
+      EXPECT_NEAR(d.mean.value, 0.02, 1e-12);
+      EXPECT_NEAR(d.mean.high - d.mean.low, 0, 1e-12);
+    }
+}
+
+}  // namespace
+}  // namespace quadtune
