@@ -42,7 +42,7 @@ constexpr const char* kNone = "none";
 std::vector<std::string> axes(const std::string& given, const std::vector<std::string>& usual,
                               const char* option) {
   if (given == kNone) return {};
-  const std::vector<std::string> names = given.empty() ? usual : word_list(given);
+  std::vector<std::string> names = given.empty() ? usual : word_list(given);
   if (names.size() != 3)
     refuse(option,
            fmt::format("{} lists {} columns, expected 3 (x,y,z) or none", option, names.size()));

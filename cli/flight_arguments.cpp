@@ -108,28 +108,6 @@ ChosenLaw feedback_of(const FlightArguments& arguments, const Vehicle& vehicle,
   return {feedback_controller(gains, kUsualPeriod), "state feedback of " + arguments.gains, {}};
 }
 
-ChosenLaw law_of(FlightArguments arguments, const Vehicle& vehicle, const std::string& verb) {
-  if (arguments.gains.empty()) arguments.gains = "designed";
-  const bool file = arguments.gains != "designed" && arguments.gains != "published";
-  if (arguments.controller.empty())
-    arguments.controller = file && !is_design(arguments.gains) ? "state-feedback" : "cascaded-pid";
-  const std::vector<std::string> known = {"cascaded-pid", "state-feedback"};
-  if (arguments.controller == known[0]) {
-    if (file && !is_design(arguments.gains))
-      throw UsageError(fmt::format("quadtune {}: --gains is '{}', expected a design file (.toml), "
-                                   "designed or published for a cascaded PID",
-                                   verb, arguments.gains),
-                       "--gains");
-    return cascade_of(arguments, vehicle, verb);
-  }
-  if (arguments.controller == known[1]) return feedback_of(arguments, vehicle, verb);
-  throw UsageError(
-      fmt::format("quadtune {}: --controller is '{}', expected cascaded-pid or "
-                  "state-feedback{}",
-                  verb, arguments.controller, internal::did_you_mean(arguments.controller, known)),
-      "--controller");
-}
-
 /// The estimator that a vehicle's sensors can feed.
 std::string usual_estimator(const Sensors& sensors) {
   if (sensors.sonar && sensors.flow) return "mambo";
@@ -222,6 +200,28 @@ void require_sane_times(const FlightSetup& setup, const std::string& verb) {
 }
 
 }  // namespace
+
+ChosenLaw choose_law(FlightArguments arguments, const Vehicle& vehicle, const std::string& verb) {
+  if (arguments.gains.empty()) arguments.gains = "designed";
+  const bool file = arguments.gains != "designed" && arguments.gains != "published";
+  if (arguments.controller.empty())
+    arguments.controller = file && !is_design(arguments.gains) ? "state-feedback" : "cascaded-pid";
+  const std::vector<std::string> known = {"cascaded-pid", "state-feedback"};
+  if (arguments.controller == known[0]) {
+    if (file && !is_design(arguments.gains))
+      throw UsageError(fmt::format("quadtune {}: --gains is '{}', expected a design file (.toml), "
+                                   "designed or published for a cascaded PID",
+                                   verb, arguments.gains),
+                       "--gains");
+    return cascade_of(arguments, vehicle, verb);
+  }
+  if (arguments.controller == known[1]) return feedback_of(arguments, vehicle, verb);
+  throw UsageError(
+      fmt::format("quadtune {}: --controller is '{}', expected cascaded-pid or "
+                  "state-feedback{}",
+                  verb, arguments.controller, internal::did_you_mean(arguments.controller, known)),
+      "--controller");
+}
 
 void keep_log(PlannedFlight& plan, const std::string& verb) {
   constexpr double kMostRows = 2e6;  // about 1.5 GB
@@ -376,7 +376,7 @@ PlannedFlight plan_flight(const FlightArguments& arguments, const std::string& v
     throw UsageError(fmt::format("quadtune {}: expected a vehicle", verb), "V");
   const Vehicle vehicle = load_vehicle(arguments.vehicle);
   const Mission mission = load_mission(arguments.mission);
-  return plan_flight(arguments, vehicle, mission, law_of(arguments, vehicle, verb), verb);
+  return plan_flight(arguments, vehicle, mission, choose_law(arguments, vehicle, verb), verb);
 }
 
 }  // namespace quadtune::cli

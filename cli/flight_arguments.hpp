@@ -63,6 +63,12 @@ struct PlannedFlight {
   std::vector<std::string> notes;        ///< what the user should know of a choice
 };
 
+/// The law that --gains, --controller and --integrator ask for.
+/// @param verb  for messages
+/// @throws UsageError, InvalidInput, FileError, NoSolution
+[[nodiscard]] ChosenLaw choose_law(FlightArguments arguments, const Vehicle& vehicle,
+                                   const std::string& verb);
+
 /// @param verb  for messages
 /// @throws UsageError, InvalidInput, FileError, NoSolution
 [[nodiscard]] PlannedFlight plan_flight(const FlightArguments& arguments, const std::string& verb);

@@ -2,6 +2,7 @@
 /// quadtune help: usage of the program or of a verb, the man page and the bash completion, all from
 /// the one table of verbs.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -105,77 +106,115 @@ std::string man_page() {
   return text + ".SH EXIT STATUS\n" + escaped(kExitStatus) + ".\n";
 }
 
+/// What bash offers for a verb: its options, and its kinds where it has some.
+std::string completion_words(const Verb& verb) {
+  std::string options;
+  for (const OptionText& option : option_texts(verb)) {
+    const std::size_t start = option.names.find("--");
+    if (start == std::string::npos) continue;
+    options += " " + option.names.substr(start, option.names.find(' ', start) - start);
+  }
+  return options.substr(1);
+}
+
 std::string completion() {
-  std::string names;
+  std::vector<std::string> names;
   std::string cases;
   for (const Verb& verb : verbs()) {
-    names += (names.empty() ? "" : " ") + verb.name;
-    std::string options;
-    for (const OptionText& option : option_texts(verb)) {
-      const std::size_t start = option.names.find("--");
-      if (start == std::string::npos) continue;
-      options += " " + option.names.substr(start, option.names.find(' ', start) - start);
+    const std::string first = verb.name.substr(0, verb.name.find(' '));
+    if (std::find(names.begin(), names.end(), first) != names.end()) continue;
+    names.push_back(first);
+    const std::vector<std::string> kinds = kinds_of(first);
+    if (kinds.empty()) {
+      cases += fmt::format("    {}) words=\"{}\" ;;\n", verb.name, completion_words(verb));
+      continue;
     }
-    cases += fmt::format("    {}) words=\"{}\" ;;\n", verb.name, options.substr(1));
+    cases += fmt::format("    {}) kinds=\"{}\"; case \"${{COMP_WORDS[2]}}\" in\n", first,
+                         fmt::join(kinds, " "));
+    for (const Verb& kind : verbs())
+      if (kind.name.starts_with(first + " "))
+        cases += fmt::format("      {}) words=\"{}\" ;;\n", kind.name.substr(first.size() + 1),
+                             completion_words(kind));
+    cases += "    esac ;;\n";
   }
   return fmt::format(
       "# bash completion for quadtune {}\n"
       "_quadtune() {{\n"
-      "  local word=\"${{COMP_WORDS[COMP_CWORD]}}\" words=\"\"\n"
+      "  local word=\"${{COMP_WORDS[COMP_CWORD]}}\" words=\"\" kinds=\"\"\n"
       "  if [ \"$COMP_CWORD\" -eq 1 ]; then words=\"{}\"; else case \"${{COMP_WORDS[1]}}\" in\n"
       "{}"
       "  esac; fi\n"
       "  case \"$word\" in\n"
       "    -*) COMPREPLY=($(compgen -W \"$words\" -- \"$word\")) ;;\n"
-      "    *) [ \"$COMP_CWORD\" -eq 1 ] && COMPREPLY=($(compgen -W \"$words\" -- \"$word\")) ||\n"
-      "       COMPREPLY=($(compgen -f -- \"$word\")) ;;\n"
+      "    *) if [ \"$COMP_CWORD\" -eq 1 ]; then COMPREPLY=($(compgen -W \"$words\" -- "
+      "\"$word\"))\n"
+      "       elif [ \"$COMP_CWORD\" -eq 2 ] && [ -n \"$kinds\" ]; then\n"
+      "         COMPREPLY=($(compgen -W \"$kinds\" -- \"$word\"))\n"
+      "       else COMPREPLY=($(compgen -f -- \"$word\")); fi ;;\n"
       "  esac\n"
       "}}\n"
       "complete -F _quadtune quadtune\n",
-      kVersion, names, cases);
+      kVersion, fmt::join(names, " "), cases);
 }
 
-const Verb& verb_of(const std::string& name) {
+/// The verb of that name, or all kinds of it: those of two words that begin with it.
+std::vector<Verb> verbs_of(const std::string& name) {
+  std::vector<Verb> found;
   std::vector<std::string> known;
   for (const Verb& verb : verbs()) {
-    if (verb.name == name) return verb;
+    if (verb.name == name || verb.name.starts_with(name + " ")) found.push_back(verb);
     known.push_back(verb.name);
   }
-  throw UsageError(
-      fmt::format("quadtune help: no command '{}'{}", name, internal::did_you_mean(name, known)),
-      name);
+  if (found.empty())
+    throw UsageError(
+        fmt::format("quadtune help: no command '{}'{}", name, internal::did_you_mean(name, known)),
+        name);
+  return found;
+}
+
+Json verbs_json(const std::vector<Verb>& of) {
+  if (of.size() == 1) return verb_json(of.front());
+  Json json = {{"commands", Json::array()}};
+  for (const Verb& verb : of) json["commands"].push_back(verb_json(verb));
+  return json;
+}
+
+std::string usages(const std::vector<Verb>& of) {
+  std::string text;
+  for (const Verb& verb : of) text += (text.empty() ? "" : "\n") + usage(verb);
+  return text;
 }
 
 }  // namespace
 
 Verb help_verb() {
   struct Options {
-    std::string verb;
+    std::vector<std::string> words;
     bool man = false;
     bool completion = false;
   };
   return {"help", "[COMMAND]", "show usage, with an example that works as printed",
           "quadtune help lqr", [](CLI::App& app) -> Action {
             auto options = std::make_shared<Options>();
-            app.add_option("COMMAND", options->verb, "the command to explain");
+            app.add_option("COMMAND", options->words, "the command to explain")->expected(0, 2);
             app.add_flag("--man", options->man, "print the man page");
             app.add_flag("--completion", options->completion, "print the bash completion");
             return [options](Context& context) {
+              const std::string name = fmt::format("{}", fmt::join(options->words, " "));
               if (context.json) {
                 if (options->man || options->completion)
                   throw UsageError(
                       "quadtune help: --json came with --man or --completion, expected one of them",
                       "--json");
-                context.out << internal::readable(options->verb.empty()
-                                                      ? overview_json()
-                                                      : verb_json(verb_of(options->verb)))
+                context.out << internal::readable(name.empty() ? overview_json()
+                                                               : verbs_json(verbs_of(name)))
                             << "\n";
               } else if (options->man) {
                 context.out << man_page();
               } else if (options->completion) {
                 context.out << completion();
               } else {
-                context.out << (options->verb.empty() ? overview() : usage(verb_of(options->verb)));
+                context.out << (name.empty() ? overview() : usages(verbs_of(name)));
               }
             };
           }};

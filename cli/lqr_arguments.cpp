@@ -18,29 +18,30 @@ void read_weights(const LqrArguments& arguments, LqrDesign& design) {
   for (const std::string& name : design.integrals) weighted.push_back("int_" + name);
   const Eigen::MatrixXd Q =
       diagonal_weights(arguments.Q.empty() ? "1" : arguments.Q, weighted.size(),
-                       fmt::format("states: {}", fmt::join(weighted, " ")), "lqr", "--Q");
+                       fmt::format("states: {}", fmt::join(weighted, " ")), arguments.verb, "--Q");
   const auto nx = static_cast<Eigen::Index>(design.states.size());
   design.Q = Q.topLeftCorner(nx, nx);
   design.Q_integral = Q.bottomRightCorner(Q.rows() - nx, Q.rows() - nx);
-  design.R =
-      diagonal_weights(arguments.R.empty() ? "1" : arguments.R, design.inputs.size(),
-                       fmt::format("inputs: {}", fmt::join(design.inputs, " ")), "lqr", "--R");
+  design.R = diagonal_weights(arguments.R.empty() ? "1" : arguments.R, design.inputs.size(),
+                              fmt::format("inputs: {}", fmt::join(design.inputs, " ")),
+                              arguments.verb, "--R");
 }
 
 /// Names of states to integrate, each a state of the model and named once.
-std::vector<std::string> read_integrals(const std::string& text,
+std::vector<std::string> read_integrals(const LqrArguments& arguments,
                                         const std::vector<std::string>& states) {
-  std::vector<std::string> names = word_list(text);
+  const std::string& verb = arguments.verb;
+  std::vector<std::string> names = word_list(arguments.integral);
   for (const std::string& name : names) {
     if (std::find(states.begin(), states.end(), name) == states.end())
       throw UsageError(
-          fmt::format("quadtune lqr: --integral: no state '{}', expected some of {}{}", name,
+          fmt::format("quadtune {}: --integral: no state '{}', expected some of {}{}", verb, name,
                       fmt::join(states, " "), internal::did_you_mean(name, states)),
           "--integral");
     if (std::count(names.begin(), names.end(), name) > 1)
       throw UsageError(
-          fmt::format("quadtune lqr: --integral: state '{}' is named twice, expected each once",
-                      name),
+          fmt::format("quadtune {}: --integral: state '{}' is named twice, expected each once",
+                      verb, name),
           "--integral");
   }
   return names;
@@ -57,12 +58,13 @@ LqrDesign make_design(const LqrArguments& arguments, const std::vector<Signal>& 
   design.dt = arguments.dt;
   if (design.method != LqrMethod::continuous && !arguments.has_dt)
     throw UsageError(
-        "quadtune lqr: --dt is missing, expected a sample period with --method " + arguments.method,
+        fmt::format("quadtune {}: --dt is missing, expected a sample period with --method {}",
+                    arguments.verb, arguments.method),
         "--dt");
-  if (arguments.has_dt) require_positive(arguments.dt, "lqr", "--dt");
+  if (arguments.has_dt) require_positive(arguments.dt, arguments.verb, "--dt");
   for (const Signal& state : states) design.states.push_back(state.name);
   for (const Signal& input : inputs) design.inputs.push_back(input.name);
-  design.integrals = read_integrals(arguments.integral, design.states);
+  design.integrals = read_integrals(arguments, design.states);
   read_weights(arguments, design);
   return design;
 }

@@ -16,8 +16,9 @@ struct LqrArguments {
   std::string Q, R;      // lists; 1 if empty
   std::string integral;  // names
   std::string method = "continuous";
-  double dt = 0;        // [s]
-  bool has_dt = false;  // whether --dt came
+  double dt = 0;             // [s]
+  bool has_dt = false;       // whether --dt came
+  std::string verb = "lqr";  // that asks, for messages
 };
 
 /// The problem for a model with these states and inputs.

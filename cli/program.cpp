@@ -2,6 +2,7 @@
 #include "program.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -20,6 +21,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/file_set.hpp"
 #include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/version.hpp"
 
 namespace quadtune::cli {
@@ -36,9 +38,10 @@ const Verb* find(const std::string& name) {
   return found == all.end() ? nullptr : &*found;
 }
 
+/// First words.
 std::vector<std::string> verb_names() {
   std::vector<std::string> names;
-  for (const Verb& verb : verbs()) names.push_back(verb.name);
+  for (const Verb& verb : verbs()) names.push_back(verb.name.substr(0, verb.name.find(' ')));
   return names;
 }
 
@@ -184,6 +187,22 @@ void run_program(const std::vector<std::string>& args, Context& context) {
     return;
   }
   const Verb* verb = find(args[0]);
+  std::size_t words = 1;
+  if (const auto kinds = kinds_of(args[0]); !verb && !kinds.empty()) {
+    const std::string kind = args.size() > 1 ? args[1] : "";
+    if (kind == "--help" || kind == "-h") {
+      run_verb(*find("help"), {args[0]}, context);
+      return;
+    }
+    verb = find(args[0] + " " + kind);
+    words = 2;
+    if (!verb)
+      throw UsageError(fmt::format("quadtune {}: {}, expected {}{}", args[0],
+                                   kind.empty() ? "a word is missing"
+                                                : "'" + internal::printable(kind) + "' came",
+                                   fmt::join(kinds, " or "), internal::did_you_mean(kind, kinds)),
+                       args[0]);
+  }
   if (!verb) {
     const std::string what = args[0][0] == '-' ? "option" : "command";
     throw UsageError(fmt::format("quadtune: no {} '{}'{}", what, args[0],
@@ -192,7 +211,7 @@ void run_program(const std::vector<std::string>& args, Context& context) {
                                      : internal::did_you_mean(args[0], verb_names())),
                      args[0]);
   }
-  run_verb(*verb, {args.begin() + 1, args.end()}, context);
+  run_verb(*verb, {args.begin() + static_cast<std::ptrdiff_t>(words), args.end()}, context);
 }
 
 /// After an error the user must know which directories were replaced already.
@@ -287,12 +306,26 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
   }
 }
 
+std::vector<std::string> kinds_of(const std::string& first) {
+  std::vector<std::string> kinds;
+  for (const Verb& verb : verbs())
+    if (verb.name.starts_with(first + " ")) kinds.push_back(verb.name.substr(first.size() + 1));
+  return kinds;
+}
+
 const std::vector<Verb>& verbs() {
-  static const std::vector<Verb> all = {
-      design_verb(),     vehicle_verb(), linearize_verb(), lqr_verb(),   kalman_verb(),
-      discretize_verb(), margins_verb(), pid_verb(),       fly_verb(),   compare_verb(),
-      log_verb(),        tune_verb(),    calibrate_verb(), allan_verb(), export_verb(),
-      verify_verb(),     diff_verb(),    help_verb()};
+  static const std::vector<Verb> all = [] {
+    std::vector<Verb> list = {
+        design_verb(),     vehicle_verb(),     linearize_verb(), lqr_verb(),       kalman_verb(),
+        discretize_verb(), margins_verb(),     pid_verb(),       fly_verb(),       compare_verb(),
+        log_verb(),        tune_kalman_verb(), tune_lqr_verb(),  calibrate_verb(), allan_verb(),
+        export_verb(),     verify_verb(),      diff_verb(),      help_verb()};
+    const std::vector<Verb> campaign = campaign_verbs();
+    const auto log =
+        std::find_if(list.begin(), list.end(), [](const Verb& verb) { return verb.name == "log"; });
+    list.insert(log, campaign.begin(), campaign.end());
+    return list;
+  }();
   return all;
 }
 

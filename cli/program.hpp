@@ -81,7 +81,7 @@ using Action = std::function<void(Context&)>;
 
 /// One verb: a row of the table from which help, man page and completion are made.
 struct Verb {
-  std::string name;
+  std::string name;     ///< one word, or two: "tune lqr" is one kind of tuning
   std::string usage;    ///< what follows the name, e.g. "V [options]"
   std::string summary;  ///< one line
   std::string example;  ///< a command that works as printed from the project's root
@@ -90,6 +90,9 @@ struct Verb {
 
 /// All verbs in the order in which the work flows.
 [[nodiscard]] const std::vector<Verb>& verbs();
+
+/// The second words of the verbs of two words that begin with `first`; none where there is no such.
+[[nodiscard]] std::vector<std::string> kinds_of(const std::string& first);
 
 /// Runs `quadtune ARGS…` and returns its exit status.
 int run(const std::vector<std::string>& args, std::istream& in, std::ostream& out,
@@ -114,8 +117,10 @@ Verb margins_verb();
 Verb pid_verb();
 Verb fly_verb();
 Verb compare_verb();
+std::vector<Verb> campaign_verbs();
 Verb log_verb();
-Verb tune_verb();
+Verb tune_kalman_verb();
+Verb tune_lqr_verb();
 Verb calibrate_verb();
 Verb allan_verb();
 Verb export_verb();

@@ -29,8 +29,12 @@ def preprocessed(entry):
 
 
 def check(entry, build, rules):
-    """Whether a file passes; what clang-tidy says of it where it does not."""
-    content = hashlib.sha256(rules + entry["command"].encode() + preprocessed(entry)).hexdigest()
+    """Whether a file passes; what clang-tidy or the compiler says of it where it does not."""
+    try:
+        seen = preprocessed(entry)
+    except subprocess.CalledProcessError as error:
+        return False, error.stderr.decode()
+    content = hashlib.sha256(rules + entry["command"].encode() + seen).hexdigest()
     passed = build / "tidy" / content
     if passed.exists():
         return True, ""

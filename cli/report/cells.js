@@ -142,6 +142,38 @@ const Cells = (() => {
     }, [x, y]);
   }
 
+  /** Shares of flights below a value, a curve a design, and the limit. */
+  function distribution(host, caption, {curves, limit}) {
+    const ends = curves.flatMap(({x}) => [x[0], x[x.length - 1]]).filter((v) => v !== null);
+    if (limit !== null) ends.push(limit);
+    const least = Math.min(...ends), most = Math.max(...ends);
+    const margin = 0.04 * (most - least || Math.abs(most) || 1);
+    // One axis for all: each curve's shares at the values of all.
+    const xs = [...new Set(curves.flatMap(({x}) => x.filter((v) => v !== null)))].sort((a, b) => a - b);
+    const shares = curves.map(({x, reached}) => {
+      const share = new Map(x.map((v, i) => [v, 100 * reached * i / (x.length - 1)]));
+      return xs.map((v) => share.get(v) ?? null);
+    });
+    add(host, caption, {
+      scales: {x: {time: false, range: [least - margin, most + margin]}, y: {range: [0, 100]}},
+      axes: [axis({size: 24, space: 50}), axis({size: 46, space: 24, incrs: [10, 20, 25, 50, 100]})],
+      hooks: {
+        draw: [(u) => {
+          if (limit === null) return;
+          paint(u, 'ink', (ctx, x, y, bbox) => {
+            ctx.setLineDash([7 * devicePixelRatio, 5 * devicePixelRatio]);
+            ctx.beginPath();
+            ctx.moveTo(x(limit), bbox.top);
+            ctx.lineTo(x(limit), bbox.top + bbox.height);
+            ctx.stroke();
+          });
+        }],
+      },
+      series: [{}, ...curves.map(({tone}) => ({stroke: () => color(`series-${tone}`), width: 1.75,
+                                               points: {show: false}, spanGaps: true}))],
+    }, [xs, ...shares]);
+  }
+
   let printing = false;
   const observer = new ResizeObserver(() => {
     if (printing) return;
@@ -154,6 +186,7 @@ const Cells = (() => {
   return {
     correlation,
     profile,
+    distribution,
     count: () => drawn.size,
     restyle: () => { for (const {u} of all) u.redraw(false, true); },
     print(on) {

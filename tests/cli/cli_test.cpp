@@ -80,6 +80,21 @@ TEST_F(Examples, PrintJsonToo) {
   }
 }
 
+/// "tune lqr" as the two words that they are.
+std::vector<std::string> words_of(const std::string& name, std::vector<std::string> after = {}) {
+  std::istringstream stream(name);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  words.insert(words.end(), after.begin(), after.end());
+  return words;
+}
+
+std::vector<std::string> help_of(const std::string& name) {
+  std::vector<std::string> args = words_of(name);
+  args.insert(args.begin(), "help");
+  return args;
+}
+
 TEST(Help, ListsEveryVerbAndEveryOption) {
   const std::string overview = run_program({"help"}).out;
   const std::string man = run_program({"help", "--man"}).out;
@@ -87,9 +102,10 @@ TEST(Help, ListsEveryVerbAndEveryOption) {
   for (const cli::Verb& verb : cli::verbs()) {
     EXPECT_THAT(overview, HasSubstr(verb.name));
     EXPECT_THAT(man, HasSubstr(".SS " + verb.name));
-    EXPECT_THAT(completion, HasSubstr(verb.name + ") words=\""));
-    EXPECT_THAT(run_program({"help", verb.name}).out, HasSubstr(verb.example));
-    EXPECT_EQ(run_program({verb.name, "--help"}).out, run_program({"help", verb.name}).out);
+    EXPECT_THAT(completion, HasSubstr(" " + words_of(verb.name).back() + ") words=\""));
+    const std::string help = run_program(help_of(verb.name)).out;
+    EXPECT_THAT(help, HasSubstr(verb.example));
+    EXPECT_EQ(run_program(words_of(verb.name, {"--help"})).out, help);
   }
   EXPECT_THAT(man, HasSubstr("\\-\\-convention"));
   EXPECT_EQ(run_program({"--version"}).out, std::string("quadtune ") + kVersion + "\n");
@@ -101,14 +117,26 @@ TEST(Help, TellsScriptsTheSameAsPeople) {
   ASSERT_EQ(all["commands"].size(), cli::verbs().size());
   for (std::size_t i = 0; i < cli::verbs().size(); ++i) {
     const cli::Verb& verb = cli::verbs()[i];
-    EXPECT_EQ(all["commands"][i], json_of({"help", verb.name}));
-    EXPECT_EQ(all["commands"][i], json_of({verb.name, "--help"}));
+    EXPECT_EQ(all["commands"][i], json_of(help_of(verb.name)));
+    EXPECT_EQ(all["commands"][i], json_of(words_of(verb.name, {"--help"})));
     EXPECT_EQ(all["commands"][i]["example"], verb.example);
-    const std::string text = run_program({"help", verb.name}).out;
+    const std::string text = run_program(help_of(verb.name)).out;
     for (const internal::Json& option : all["commands"][i]["options"])
       EXPECT_THAT(text, HasSubstr(option["option"].get<std::string>()));
   }
   EXPECT_EQ(run_program({"help", "--man", "--json"}).status, 2);
+}
+
+TEST(Help, OfAFirstWordIsThatOfAllItsKinds) {
+  const std::string both = run_program({"help", "tune"}).out;
+  EXPECT_EQ(both, run_program({"help", "tune", "kalman"}).out + "\n" +
+                      run_program({"help", "tune", "lqr"}).out);
+  EXPECT_EQ(run_program({"tune", "--help"}).out, both);
+  EXPECT_EQ(json_of({"help", "tune"})["commands"].size(), 2u);
+  EXPECT_THAT(run_program({"tune"}).err,
+              HasSubstr("quadtune tune: a word is missing, expected kalman or lqr"));
+  EXPECT_THAT(run_program({"help", "tune", "lqrr"}).err,
+              HasSubstr("no command 'tune lqrr'; did you mean 'tune lqr'?"));
 }
 
 TEST(Linearize, GivesThePublicHoverModelOfTheUquad) {

@@ -28,7 +28,7 @@ namespace quadtune::cli {
 namespace {
 
 struct Options {
-  std::string what, model, file, report, method = "ml";
+  std::string model, file, report, method = "ml";
   std::vector<std::string> logs, maps, truths, fixed, starts_at;
   LogArguments log;
   double holdout = 0.2;
@@ -197,10 +197,6 @@ TunedLog read_log(const std::string& path, const FilterModel& model, const Optio
 }
 
 void run(const Options& options, Context& context) {
-  if (options.what != "kalman")
-    refuse("WHAT", fmt::format("'{}' came, expected: quadtune tune kalman{}",
-                               internal::printable(options.what),
-                               internal::did_you_mean(options.what, {"kalman"})));
   FilterModel model = model_of(options);
   const NoiseMethod method = noise_method(options.method);
   if (!options.report.empty() && !options.report.ends_with(".html"))
@@ -254,7 +250,6 @@ void run(const Options& options, Context& context) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("WHAT", options.what, "kalman");
   app.add_option("--model", options.model, "a built-in filter model, or a file")
       ->type_name("NAME|FILE");
   const auto many = [&app](const char* name, std::vector<std::string>& into,
@@ -301,8 +296,8 @@ void add_options(CLI::App& app, Options& options) {
 
 }  // namespace
 
-Verb tune_verb() {
-  return {"tune", "kalman --model NAME|FILE --log FILE... [--map NAME=CHANNEL]...",
+Verb tune_kalman_verb() {
+  return {"tune kalman", "--model NAME|FILE --log FILE... [--map NAME=CHANNEL]...",
           "find a filter's noise covariances from logs, with a verdict",
           "quadtune tune kalman --model altitude --log docs/examples/bobbing.csv",
           [](CLI::App& app) -> Action {

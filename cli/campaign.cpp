@@ -1,0 +1,432 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune campaign: many flights with what is uncertain drawn for each, on one machine or many.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <ostream>
+
+#include "campaign_merge.hpp"
+#include "campaign_plan.hpp"
+#include "campaign_report.hpp"
+#include "campaign_scripts.hpp"
+#include "flight_story.hpp"
+#include "number_arguments.hpp"
+#include "program.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/logs/flight_log.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using internal::Json;
+
+[[noreturn]] void refuse(const char* verb, const std::string& option, const std::string& why) {
+  throw UsageError(fmt::format("quadtune campaign {}: {}", verb, why), option);
+}
+
+void need(const std::string& word, const char* verb, const char* what, const char* expected) {
+  if (word.empty()) refuse(verb, what, fmt::format("expected {}", expected));
+}
+
+/// One line that is written over while work goes on; on a terminal only.
+class Progress {
+ public:
+  explicit Progress(const Context& context)
+      : shown_(!context.quiet && !context.json && isatty(STDERR_FILENO) != 0),
+        err_(context.err),
+        begin_(std::chrono::steady_clock::now()) {}
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  ~Progress() {
+    if (drawn_) err_ << "\r\033[K" << std::flush;
+  }
+
+  /// @param already  of `done`, what had not to be flown
+  void show(std::uint64_t done, std::uint64_t all, std::uint64_t already) {
+    if (!shown_ || all == 0) return;
+    const double passed =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+    const auto flown = static_cast<double>(done - already);
+    const double left = flown > 0 ? passed / flown * static_cast<double>(all - done) : 0;
+    constexpr std::size_t kWidth = 30;
+    const auto filled = static_cast<std::size_t>(kWidth * done / all);
+    err_ << fmt::format("\r\033[K[{:#<{}}{:.<{}}] {} of {} flights, {:.0f} s left", "", filled, "",
+                        kWidth - filled, done, all, left)
+         << std::flush;
+    drawn_ = true;
+  }
+
+ private:
+  bool shown_, drawn_ = false;
+  std::ostream& err_;
+  std::chrono::steady_clock::time_point begin_;
+};
+
+/// The plan as it is read back, before anything is written where the user wants it.
+CampaignPlan tried(const std::vector<FileContent>& files, const std::string& file) {
+  std::string name = (fs::temp_directory_path() / "quadtune-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) throw FileError(name, std::strerror(errno));
+  struct Remove {
+    std::string folder;
+    ~Remove() {
+      std::error_code ignored;
+      fs::remove_all(folder, ignored);
+    }
+  } const remove{name};
+  write_files(name, files, {}, interrupted);
+  try {
+    return load_plan(name);
+  } catch (const InvalidInput& error) {
+    // The folder's name says nothing to the user.
+    std::string message = error.what();
+    const std::string prefix = (fs::path(name) / kPlanName).string() + ": ";
+    if (message.starts_with(prefix)) message.erase(0, prefix.size());
+    throw InvalidInput(file, message);
+  }
+}
+
+/// Writes the plan into a folder that has none, or has the same.
+/// @return  whether it was there already
+bool init(const std::string& file, const std::string& folder, std::uint32_t shards) {
+  std::vector<FileContent> files = plan_files(file, shards);
+  const fs::path plan = fs::path(folder) / kPlanName;
+  if (fs::exists(plan)) {
+    const auto same = std::all_of(files.begin(), files.end(), [&](const FileContent& content) {
+      const fs::path path = fs::path(folder) / content.name;
+      return fs::exists(path) &&
+             internal::read_file(path.string(), std::size_t{1} << 30) == content.bytes;
+    });
+    if (!same)
+      throw InvalidInput(plan.string(),
+                         "is of another campaign, expected a folder of its own for each");
+    return true;
+  }
+  const CampaignPlan loaded = tried(files, file);
+  write_files(folder, files, {}, interrupted);
+  write_files(folder, campaign_scripts(loaded, fs::absolute(folder).lexically_normal()), {},
+              interrupted);
+  for (const FileContent& script : campaign_scripts(loaded, folder))
+    fs::permissions(fs::path(folder) / script.name,
+                    fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
+                    fs::perm_options::add);
+  return false;
+}
+
+void note_damage(const ShardWork& work, std::uint32_t shard, const Context& context) {
+  for (const std::string& damage : work.damage)
+    context.note(fmt::format("campaign: shard {}: {}: flown again", shard, damage));
+}
+
+// --- verbs ---
+
+Verb init_verb() {
+  struct Options {
+    std::string file, folder;
+    std::uint64_t shards = 0;
+  };
+  return {"campaign init", "FILE DIR [--shards N]",
+          "plan many flights: what flies, what is uncertain, in how many parts",
+          "quadtune campaign init campaigns/mambo-hover.toml out/campaign",
+          [](CLI::App& app) -> Action {
+            auto options = std::make_shared<Options>();
+            app.add_option("FILE", options->file, "a campaign file (docs/formats.md)");
+            app.add_option("DIR", options->folder, "a new folder");
+            add_count(app, "--shards", options->shards, 1,
+                      "parts that workers fly; as many as take some minutes each")
+                ->type_name("N");
+            return [options](Context& context) {
+              need(options->file, "init", "FILE", "a campaign file and a folder");
+              need(options->folder, "init", "DIR", "a folder for the plan");
+              if (options->shards > 0xffffffff)
+                refuse("init", "--shards", "--shards: more than flights can be numbered");
+              const bool there =
+                  init(options->file, options->folder, static_cast<std::uint32_t>(options->shards));
+              const CampaignPlan plan = load_plan(options->folder);
+              const Campaign& campaign = plan.campaign;
+              if (context.json) {
+                context.out << internal::readable(Json{{"name", plan.name},
+                                                       {"sha256", plan.hash},
+                                                       {"flights", campaign.flights},
+                                                       {"cases", campaign.cases.size()},
+                                                       {"records", campaign.records()},
+                                                       {"shards", plan.shards}})
+                            << "\n";
+                return;
+              }
+              context.out << fmt::format(
+                  "{}: {} draws in {} case{}, {} shard{}{}\n", plan.name, campaign.flights,
+                  campaign.cases.size(), campaign.cases.size() == 1 ? "" : "s", plan.shards,
+                  plan.shards == 1 ? "" : "s", there ? "; the plan was there already" : "");
+              for (std::size_t i = 0; i < campaign.cases.size(); ++i)
+                context.out << fmt::format("  {} in {}: {}; {}\n", campaign.cases[i].design,
+                                           campaign.cases[i].mission, plan.words[i].law,
+                                           surroundings(plan.words[i]));
+              context.out << fmt::format(
+                  "fly it: {0}/parallel.sh here or over ssh, sbatch {0}/slurm.sh on a cluster, or\n"
+                  "        quadtune campaign work {0} --shard 0 and so on; then\n"
+                  "        quadtune campaign merge {0}\n",
+                  options->folder);
+            };
+          }};
+}
+
+Verb work_verb() {
+  struct Options {
+    std::string folder;
+    std::uint64_t shard = 0;
+    CLI::Option* given = nullptr;
+  };
+  return {
+      "campaign work", "DIR --shard K", "fly one part of a campaign; again where it was stopped",
+      "quadtune campaign work out/campaign --shard 0", [](CLI::App& app) -> Action {
+        auto options = std::make_shared<Options>();
+        app.add_option("DIR", options->folder, "where `campaign init` wrote the plan");
+        options->given =
+            add_count(app, "--shard", options->shard, 0, "the part, from 0")->type_name("K");
+        return [options](Context& context) {
+          need(options->folder, "work", "DIR", "a folder with a plan");
+          if (options->given->count() == 0)
+            refuse("work", "--shard", "--shard is missing, expected the part to fly");
+          const CampaignPlan plan = load_plan(options->folder);
+          if (options->shard >= plan.shards)
+            refuse("work", "--shard",
+                   fmt::format("--shard is {}, expected 0 to {}", options->shard, plan.shards - 1));
+          const auto shard = static_cast<std::uint32_t>(options->shard);
+          const CampaignFolder folder = folder_of(plan, options->folder);
+          const std::uint64_t before = shard_state(folder, shard).records;
+          ShardWork work;
+          {
+            Progress progress(context);
+            work = fly_shard(
+                plan.campaign, folder, shard, context.threads,
+                [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all, before); },
+                interrupted);
+          }
+          note_damage(work, shard, context);
+          if (context.json)
+            context.out << internal::readable(Json{{"shard", shard},
+                                                   {"was_complete", work.was_complete},
+                                                   {"found", work.found},
+                                                   {"flown", work.flown},
+                                                   {"damage", work.damage}})
+                        << "\n";
+          else
+            context.out << (work.was_complete
+                                ? fmt::format("shard {} was complete: {} flights, verified\n",
+                                              shard, work.found)
+                                : fmt::format("shard {}: {} flights flown, {} found\n", shard,
+                                              work.flown, work.found));
+        };
+      }};
+}
+
+/// "done", "running", "stopped", "damaged", "waiting".
+std::string word_of(const ShardState& state) {
+  constexpr double kAlive = 60;  // [s] since a worker wrote
+  if (state.complete) return "done";
+  if (state.workers > 0 && state.last_written < kAlive) return "running";
+  if (!state.damage.empty()) return "damaged";
+  return state.workers > 0 ? "stopped" : "waiting";
+}
+
+Verb status_verb() {
+  struct Options {
+    std::string folder;
+  };
+  return {"campaign status", "DIR", "how far a campaign is, shard by shard",
+          "quadtune campaign status out/campaign", [](CLI::App& app) -> Action {
+            auto options = std::make_shared<Options>();
+            app.add_option("DIR", options->folder, "where `campaign init` wrote the plan");
+            return [options](Context& context) {
+              need(options->folder, "status", "DIR", "a folder with a plan");
+              const CampaignPlan plan = load_plan(options->folder);
+              const CampaignFolder folder = folder_of(plan, options->folder);
+              Json shards = Json::array();
+              std::uint64_t done = 0;
+              std::map<std::string, std::uint32_t> counts;
+              std::string text;
+              for (std::uint32_t shard = 0; shard < plan.shards; ++shard) {
+                const ShardState state = shard_state(folder, shard);
+                const std::string word = word_of(state);
+                done += state.records;
+                ++counts[word];
+                shards.push_back({{"shard", shard},
+                                  {"state", word},
+                                  {"records", state.records},
+                                  {"expected", state.expected},
+                                  {"damage", state.damage}});
+                if (word == "done" || word == "waiting") continue;
+                text += fmt::format("shard {}: {}, {} of {} flights\n", shard, word, state.records,
+                                    state.expected);
+                for (const std::string& damage : state.damage) text += "  " + damage + "\n";
+              }
+              // At the rate since the plan was written.
+              const double passed = std::chrono::duration<double>(
+                                        fs::file_time_type::clock::now() -
+                                        fs::last_write_time(fs::path(options->folder) / kPlanName))
+                                        .count();
+              const std::uint64_t all = plan.campaign.records();
+              const double left =
+                  done > 0 ? passed / static_cast<double>(done) * static_cast<double>(all - done)
+                           : std::numeric_limits<double>::infinity();
+              if (context.json) {
+                context.out << internal::readable(
+                                   Json{{"name", plan.name},
+                                        {"records", done},
+                                        {"expected", all},
+                                        {"left_s", done > 0 ? Json(left) : Json(nullptr)},
+                                        {"shards", shards}})
+                            << "\n";
+                return;
+              }
+              std::string summary = fmt::format("{}: {} of {} flights", plan.name, done, all);
+              for (const auto& [word, count] : counts)
+                summary += fmt::format(", {} shard{} {}", count, count == 1 ? "" : "s", word);
+              if (done > 0 && done < all) summary += fmt::format(", about {:.0f} s left", left);
+              context.out << summary << "\n" << text;
+            };
+          }};
+}
+
+void tell(const CampaignPlan& plan, const MergedCampaign& merged, const std::string& folder,
+          Context& context) {
+  if (context.json) {
+    Json json = to_json(plan, merged.statistics, folder);
+    json["files"] = merged.files;
+    context.out << internal::readable(json) << "\n";
+    return;
+  }
+  context.out << to_text(plan, merged.statistics, folder) << "\nwritten:";
+  for (const std::string& file : merged.files) context.out << " " << file;
+  context.out << "\n";
+}
+
+Verb merge_verb() {
+  struct Options {
+    std::string folder;
+  };
+  return {"campaign merge", "DIR", "put a campaign's flights together: database, statistics, page",
+          "quadtune campaign merge out/campaign", [](CLI::App& app) -> Action {
+            auto options = std::make_shared<Options>();
+            app.add_option("DIR", options->folder, "where all shards were flown");
+            return [options](Context& context) {
+              need(options->folder, "merge", "DIR", "a folder with flown shards");
+              const CampaignPlan plan = load_plan(options->folder);
+              tell(plan, merge_campaign(plan, options->folder, context), options->folder, context);
+            };
+          }};
+}
+
+Verb run_verb() {
+  struct Options {
+    std::string file, folder;
+    std::uint64_t shards = 0;
+  };
+  return {
+      "campaign run", "FILE DIR", "plan, fly and merge a campaign on this machine",
+      "quadtune campaign run campaigns/mambo-hover.toml out/campaign", [](CLI::App& app) -> Action {
+        auto options = std::make_shared<Options>();
+        app.add_option("FILE", options->file, "a campaign file (docs/formats.md)");
+        app.add_option("DIR", options->folder, "a new folder, or one where this was stopped");
+        add_count(app, "--shards", options->shards, 1, "as `campaign init`")->type_name("N");
+        return [options](Context& context) {
+          need(options->file, "run", "FILE", "a campaign file and a folder");
+          need(options->folder, "run", "DIR", "a folder for plan and flights");
+          (void)init(options->file, options->folder, static_cast<std::uint32_t>(options->shards));
+          const CampaignPlan plan = load_plan(options->folder);
+          const CampaignFolder folder = folder_of(plan, options->folder);
+          std::uint64_t before = 0, flown_before = 0;
+          for (std::uint32_t shard = 0; shard < plan.shards; ++shard)
+            before += shard_state(folder, shard).records;
+          {
+            Progress progress(context);
+            for (std::uint32_t shard = 0; shard < plan.shards; ++shard) {
+              const DrawRange draws = shard_draws(plan.campaign.flights, plan.shards, shard);
+              const ShardWork work = fly_shard(
+                  plan.campaign, folder, shard, context.threads,
+                  [&](std::uint64_t done, std::uint64_t) {
+                    progress.show(flown_before + done, plan.campaign.records(), before);
+                  },
+                  interrupted);
+              note_damage(work, shard, context);
+              flown_before += std::uint64_t{draws.end - draws.begin} * plan.campaign.cases.size();
+            }
+          }
+          tell(plan, merge_campaign(plan, options->folder, context), options->folder, context);
+        };
+      }};
+}
+
+Verb replay_verb() {
+  struct Options {
+    std::string folder, log, report;
+    std::uint64_t flight = 0;
+    CLI::Option* given = nullptr;
+  };
+  return {"campaign replay", "DIR --flight N [--report FILE] [--log FILE]",
+          "fly one flight of a campaign again and look at it",
+          "quadtune campaign replay out/campaign --flight 0 --report out/flight-0.html",
+          [](CLI::App& app) -> Action {
+            auto options = std::make_shared<Options>();
+            app.add_option("DIR", options->folder, "where `campaign init` wrote the plan");
+            options->given =
+                add_count(app, "--flight", options->flight, 0, "its number in flights.csv")
+                    ->type_name("N");
+            app.add_option("--log", options->log, "write every period to a .csv or .mat file")
+                ->type_name("FILE");
+            app.add_option("--report", options->report, "write a page to look at: a .html file")
+                ->type_name("FILE");
+            return [options](Context& context) {
+              need(options->folder, "replay", "DIR", "a folder with a plan");
+              if (options->given->count() == 0)
+                refuse("replay", "--flight", "--flight is missing, expected a flight's number");
+              const CampaignPlan plan = load_plan(options->folder);
+              if (options->flight >= plan.campaign.records())
+                refuse("replay", "--flight",
+                       fmt::format("--flight is {}, expected 0 to {}", options->flight,
+                                   plan.campaign.records() - 1));
+              if (!options->report.empty() && !options->report.ends_with(".html"))
+                refuse("replay", "--report",
+                       fmt::format("--report is '{}', expected a name that ends in .html",
+                                   options->report));
+              if (!options->log.empty() && !options->log.ends_with(".csv") &&
+                  !options->log.ends_with(".mat"))
+                refuse("replay", "--log",
+                       fmt::format("--log is '{}', expected a name that ends in .csv or .mat",
+                                   options->log));
+              PlannedFlight flight = replayed_flight(plan, options->flight);
+              if (!options->log.empty() || !options->report.empty())
+                keep_log(flight, "campaign replay");
+              const FlownFlight flown = fly_planned(std::move(flight));
+              if (!options->log.empty()) {
+                write_file(options->log, log_bytes(flown.result.log, options->log));
+                context.written.push_back(options->log);
+              }
+              if (!options->report.empty()) {
+                write_file(options->report, html(report_of(flown, context.command)));
+                context.written.push_back(options->report);
+              }
+              if (context.json)
+                context.out << internal::readable(to_json(flown)) << "\n";
+              else
+                context.out << to_text(flown);
+            };
+          }};
+}
+
+}  // namespace
+
+std::vector<Verb> campaign_verbs() {
+  return {init_verb(), work_verb(), status_verb(), merge_verb(), run_verb(), replay_verb()};
+}
+
+}  // namespace quadtune::cli

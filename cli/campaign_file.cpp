@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign_file.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/built_in.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/internal/toml_reader.hpp"
+#include "quadtune/internal/uncertainty_reader.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+using internal::Range;
+using internal::TomlTable;
+
+/// What a word names beside the campaign's file: a path there, or a name of its own.
+std::string beside(const std::filesystem::path& folder, const std::string& word) {
+  const bool path = internal::looks_like_path(word) || word.ends_with(".json") ||
+                    std::filesystem::exists(folder / word);
+  return path ? (folder / word).string() : word;
+}
+
+/// Two of one name could not be told apart.
+template <class Item>
+void require_new_name(const std::vector<Item>& others, const std::string& name,
+                      const std::string& where, const char* what) {
+  for (const Item& other : others)
+    if (other.name == name)
+      throw InvalidInput(
+          where, fmt::format("a second {} has the name '{}', expected another name", what, name));
+}
+
+CampaignDesign read_design(const TomlTable& table, const std::filesystem::path& folder) {
+  table.allow({{"name"}, {"gains"}, {"controller"}, {"integrator"}});
+  CampaignDesign design;
+  design.where = table.where();
+  const std::string gains = table.text_or("gains", "designed");
+  design.gains = gains == "designed" || gains == "published" ? gains : beside(folder, gains);
+  design.name =
+      table.has("name") ? table.word("name") : std::filesystem::path(gains).stem().string();
+  design.controller = table.text_or("controller", "");
+  design.integrator = table.text_or("integrator", "");
+  return design;
+}
+
+CampaignMission read_mission(const TomlTable& table, const std::filesystem::path& folder) {
+  table.allow({{"mission"},
+               {"estimator"},
+               {"sensors"},
+               {"flow"},
+               {"flow_rate", "Hz"},
+               {"wind"},
+               {"duration", "s"},
+               {"solver"},
+               {"step", "s"},
+               {"dynamic_environment"}});
+  CampaignMission read;
+  read.where = table.where();
+  try {
+    read.mission = load_mission(beside(folder, table.text("mission")));
+  } catch (const InvalidInput& error) {
+    if (error.where() == "mission") throw InvalidInput(table.where("mission"), error.what());
+    throw;
+  }
+  FlightArguments& arguments = read.arguments;
+  arguments.estimator = table.text_or("estimator", "");
+  arguments.sensors = table.text_or("sensors", "");
+  arguments.flow = table.text_or("flow", "");
+  arguments.wind = table.text_or("wind", arguments.wind);
+  arguments.solver = table.text_or("solver", arguments.solver);
+  if (table.has("flow_rate_Hz"))
+    arguments.flow_rate = table.number("flow_rate_Hz", Range::positive());
+  if (table.has("duration_s")) arguments.duration = table.number("duration_s", Range::positive());
+  if (table.has("step_s")) arguments.step = table.number("step_s", Range::positive());
+  arguments.dynamic_environment =
+      table.has("dynamic_environment") && table.truth("dynamic_environment");
+  return read;
+}
+
+CampaignKeep read_keep(const TomlTable& table) {
+  table.allow({{"failures"}, {"sample"}});
+  CampaignKeep keep;
+  constexpr int kMost = 1000;
+  if (table.has("failures")) keep.failures = table.integer("failures", 0, kMost);
+  if (table.has("sample")) keep.sample = table.integer("sample", 0, kMost);
+  return keep;
+}
+
+}  // namespace
+
+CampaignRequest read_campaign(const std::filesystem::path& path) {
+  const TomlTable file = TomlTable::parse(
+      internal::read_text_file(path.string(), internal::kTomlLimit), path.string());
+  file.allow({{"name"},
+              {"vehicle"},
+              {"flights"},
+              {"seed"},
+              {"shards"},
+              {"keep"},
+              {"design"},
+              {"mission"},
+              {"vary"},
+              {"correlation"}});
+  const std::filesystem::path folder = path.parent_path();
+  constexpr int kMost = std::numeric_limits<int>::max();
+  CampaignRequest request;
+  request.name = file.word("name");
+  request.vehicle = beside(folder, file.text("vehicle"));
+  request.flights = static_cast<std::uint32_t>(file.integer("flights", 1, kMost));
+  if (file.has("seed")) request.seed = static_cast<std::uint64_t>(file.integer("seed", 0, kMost));
+  if (file.has("shards")) {
+    request.shards = static_cast<std::uint32_t>(file.integer("shards", 1, kMost));
+    if (request.shards > request.flights)
+      throw InvalidInput(file.where("shards"),
+                         fmt::format("shards is {}, expected at most {} as there are no more "
+                                     "flights",
+                                     request.shards, request.flights));
+  }
+  if (const auto keep = file.maybe_table("keep")) request.keep = read_keep(*keep);
+  for (const TomlTable& table : file.tables("design")) {
+    CampaignDesign design = read_design(table, folder);
+    require_new_name(request.designs, design.name, table.where(), "design");
+    request.designs.push_back(std::move(design));
+  }
+  if (request.designs.empty())
+    request.designs.push_back({"designed", "designed", "", "", file.where()});
+  std::vector<Mission> missions;
+  for (const TomlTable& table : file.tables("mission")) {
+    request.missions.push_back(read_mission(table, folder));
+    require_new_name(missions, request.missions.back().mission.name, table.where(), "mission");
+    missions.push_back(request.missions.back().mission);
+  }
+  if (missions.empty())
+    throw InvalidInput(file.where(), "there is no [[mission]], expected one or more to fly");
+  request.uncertainty = internal::read_uncertainty(file, folder);
+  return request;
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign_merge.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <set>
+
+#include "campaign_report.hpp"
+#include "flight_story.hpp"
+#include "program.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/logs/flight_log.hpp"
+#include "quadtune/simulation/campaign_table.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<CampaignRecord> all_records(const CampaignPlan& plan, const std::string& path) {
+  const CampaignFolder folder = folder_of(plan, path);
+  std::vector<CampaignRecord> records;
+  records.reserve(plan.campaign.records());
+  std::vector<std::string> missing;
+  for (std::uint32_t shard = 0; shard < plan.shards; ++shard) {
+    if (interrupted()) throw Interrupted();
+    try {
+      for (CampaignRecord& record : read_shard(folder, shard)) records.push_back(std::move(record));
+    } catch (const FileError&) {
+      missing.push_back(fmt::format("{}", shard));
+    }
+  }
+  if (!missing.empty()) {
+    constexpr std::size_t kNamed = 10;
+    const std::size_t more = missing.size() > kNamed ? missing.size() - kNamed : 0;
+    const std::string first = missing.front();
+    missing.resize(missing.size() - more);
+    throw InvalidInput(
+        path, fmt::format("shard{} {}{} {} not complete, expected all {}: `quadtune campaign work "
+                          "{} --shard {}` flies what is missing",
+                          missing.size() + more == 1 ? "" : "s", fmt::join(missing, ", "),
+                          more > 0 ? fmt::format(" and {} more", more) : "",
+                          missing.size() + more == 1 ? "is" : "are", plan.shards, path, first));
+  }
+  return records;
+}
+
+/// Numbers of the flights that leave a log.
+std::set<std::uint64_t> kept_flights(const CampaignPlan& plan,
+                                     const std::vector<CampaignRecord>& records) {
+  std::set<std::uint64_t> kept;
+  int failures = 0;
+  for (const CampaignRecord& record : records) {
+    if (failures == plan.keep.failures) break;
+    if (record.passed) continue;
+    kept.insert(record.number);
+    ++failures;
+  }
+  const auto sample = static_cast<std::uint64_t>(plan.keep.sample);
+  for (std::uint64_t i = 0; i < sample; ++i) kept.insert(i * records.size() / sample);
+  return kept;
+}
+
+}  // namespace
+
+PlannedFlight replayed_flight(const CampaignPlan& plan, std::uint64_t number) {
+  PlannedFlight flight = plan.words[number % plan.campaign.cases.size()];
+  flight.setup = setup_of(plan.campaign, number);
+  return flight;
+}
+
+MergedCampaign merge_campaign(const CampaignPlan& plan, const std::string& folder,
+                              Context& context) {
+  const std::vector<CampaignRecord> records = all_records(plan, folder);
+  MergedCampaign merged;
+  merged.statistics = campaign_statistics(plan.campaign, records);
+  const auto path = [&](const std::string& name) {
+    const std::string file = (fs::path(folder) / name).string();
+    merged.files.push_back(file);
+    return file;
+  };
+  write_campaign_csv(path("flights.csv"), plan.campaign, records, interrupted);
+  write_campaign_database(path("campaign.sqlite"), plan.campaign, records, interrupted);
+  write_file(path("statistics.json"),
+             internal::readable(to_json(plan, merged.statistics, folder)) + "\n");
+  write_file(path("report.html"), campaign_html(plan, merged.statistics, records, folder));
+  for (const std::uint64_t number : kept_flights(plan, records)) {
+    PlannedFlight flight = replayed_flight(plan, number);
+    keep_log(flight, "campaign merge");
+    const FlownFlight flown = fly_planned(std::move(flight));
+    const std::string file = path(fmt::format("logs/flight-{}.mat", number));
+    write_file(file, log_bytes(flown.result.log, file));
+  }
+  for (const std::string& file : merged.files) context.written.push_back(file);
+  return merged;
+}
+
+}  // namespace quadtune::cli

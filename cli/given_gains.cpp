@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "given_gains.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/convert.hpp"
+#include "quadtune/exports/read_gains.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+Gains published_gains(const Design& design, const std::string& path) {
+  if (!design.published)
+    throw InvalidInput(path, "has no [published] gains, expected some, or an export instead");
+  const LqrDesign& lqr = *design.lqr;  // [published] stands beside [lqr] only
+  const PublishedGains& published = *design.published;
+  if (published.K.rows() != std::ssize(lqr.inputs))
+    throw InvalidInput(
+        path, fmt::format("published.K has {} rows, expected {} (inputs: {}) because "
+                          "weights are found from the whole gain",
+                          published.K.rows(), lqr.inputs.size(), fmt::join(lqr.inputs, " ")));
+  Gains gains;
+  gains.K = published.K;
+  gains.K_int = published.K_int;
+  gains.convention = lqr.convention;
+  for (const std::string& name : lqr.states)
+    for (const Signal& state : convention(lqr.convention, path).states)
+      if (state.name == name) gains.states.push_back(state);
+  gains.integrals = integral_signals(gains.states, lqr.integrals);
+  for (const std::string& name : lqr.inputs) gains.inputs.push_back({name, ""});
+  gains.x0 = Eigen::VectorXd::Zero(gains.K.cols());
+  gains.u0 = Eigen::VectorXd::Zero(gains.K.rows());
+  gains.vehicle = design.vehicle.name;
+  gains.input_kind = lqr.input_kind;
+  gains.dt = lqr.dt;
+  return gains;
+}
+
+std::vector<std::string> names_of(const std::vector<Signal>& signals) {
+  std::vector<std::string> result;
+  for (const Signal& signal : signals) result.push_back(signal.name);
+  return result;
+}
+
+void require_same(const std::vector<std::string>& have, const std::vector<std::string>& want,
+                  const std::string& what, const std::string& path) {
+  if (std::is_permutation(have.begin(), have.end(), want.begin(), want.end())) return;
+  throw InvalidInput(path, fmt::format("the gains have the {} '{}', expected '{}' as the problem "
+                                       "has, because a gain has no meaning without its others",
+                                       what, fmt::join(have, " "), fmt::join(want, " ")));
+}
+
+/// Columns of M, named by `from`, in the order of `to`.
+Eigen::MatrixXd ordered(const Eigen::MatrixXd& M, const std::vector<Signal>& from,
+                        const std::vector<std::string>& to, const std::string& what,
+                        const std::string& path) {
+  const std::vector<std::string> have = names_of(from);
+  require_same(have, to, what, path);
+  Eigen::MatrixXd result(M.rows(), std::ssize(to));
+  for (std::size_t j = 0; j < to.size(); ++j)
+    result.col(static_cast<Eigen::Index>(j)) =
+        M.col(std::find(have.begin(), have.end(), to[j]) - have.begin());
+  return result;
+}
+
+}  // namespace
+
+GivenGains read_given_gains(const std::string& path) {
+  if (!path.ends_with(".toml")) return {read_gains(path), {}};
+  const Design design = load_design(path);
+  return {published_gains(design, path), design};
+}
+
+void require_states(const Gains& gains, const std::vector<Signal>& states, const Convention& words,
+                    const std::string& path) {
+  require_same(names_of(in_convention(gains, words).states), names_of(states), "states", path);
+}
+
+OrderedGains in_order_of(const Gains& gains, const Vehicle& vehicle, const LqrDesign& design,
+                         const std::string& path) {
+  if (!gains.vehicle.empty() && gains.vehicle != vehicle.name)
+    throw InvalidInput(path, fmt::format("the gains are for the vehicle '{}', expected '{}'",
+                                         gains.vehicle, vehicle.name));
+  if (gains.input_kind != design.input_kind)
+    throw InvalidInput(path,
+                       fmt::format("the gains command {}, expected {} as --inputs says",
+                                   to_string(gains.input_kind), to_string(design.input_kind)));
+  const Gains turned = in_convention(gains, convention(design.convention, "--convention"));
+  if (std::ssize(turned.inputs) != std::ssize(design.inputs))
+    throw InvalidInput(path, fmt::format("the gains have {} inputs ({}), expected {} ({})",
+                                         turned.inputs.size(), names(turned.inputs),
+                                         design.inputs.size(), fmt::join(design.inputs, " ")));
+  return {ordered(turned.K, turned.states, design.states, "states", path),
+          ordered(turned.K_int, turned.integrals, design.integrals, "integrals", path)};
+}
+
+}  // namespace quadtune::cli

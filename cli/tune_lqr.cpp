@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune tune lqr: weights of an LQR problem, here those whose gain is a given one.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <ostream>
+
+#include "gain_match_report.hpp"
+#include "given_gains.hpp"
+#include "lqr_arguments.hpp"
+#include "matrix_arguments.hpp"
+#include "number_arguments.hpp"
+#include "program.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/convert.hpp"
+#include "quadtune/tuning/match_gains.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+constexpr char kVerb[] = "tune lqr";
+
+struct Options {
+  LqrArguments problem;
+  std::string gains, file;
+  std::vector<std::string> ties;
+  double tolerance = 1e-3;
+  std::uint64_t starts = 8;
+  bool force = false;
+};
+
+[[noreturn]] void refuse(const char* option, const std::string& why) {
+  throw UsageError(fmt::format("quadtune {}: {}", kVerb, why), option);
+}
+
+std::string list_of(const std::vector<Signal>& signals) {
+  std::vector<std::string> words;
+  for (const Signal& signal : signals) words.push_back(signal.name);
+  return fmt::format("{}", fmt::join(words, ","));
+}
+
+/// What the command line leaves open is as the gains, or the design that they stand in, have it.
+void complete(const CLI::App& app, const GivenGains& given, LqrArguments& problem) {
+  const auto absent = [&app](const char* option) { return app.get_option(option)->count() == 0; };
+  PlantArguments& plant = problem.plant;
+  if (absent("--convention")) plant.convention = given.gains.convention;
+  if (absent("--inputs")) plant.inputs = to_string(given.gains.input_kind);
+  const Convention& words = convention(plant.convention, "--convention");
+  const Gains turned = in_convention(given.gains, words);
+  if (absent("--states")) plant.states = list_of(turned.states);
+  if (absent("--integral")) problem.integral = list_of(turned.integrals);
+  problem.has_dt = !absent("--dt");
+  if (!problem.has_dt && given.gains.dt > 0) {
+    problem.dt = given.gains.dt;
+    problem.has_dt = true;
+  }
+  if (!given.design) return;
+  if (absent("--method")) problem.method = to_string(given.design->lqr->method);
+  const FlightCondition& flight = given.design->condition;
+  if (absent("--yaw")) plant.yaw = flight.yaw;
+  for (const char* option : {"--at", "--speed", "--climb", "--radius", "--yaw-rate"})
+    if (!absent(option)) return;
+  plant.at = to_string(flight.kind);
+  plant.speed = flight.speed;
+  plant.climb = flight.climb;
+  plant.radius = flight.radius;
+  plant.yaw_rate = flight.yaw_rate;
+}
+
+/// What the library refuses of the ties is the option's mistake.
+GainMatch match_or_refuse(const Plant& plant, const LqrDesign& design, const OrderedGains& gains,
+                          const GainMatchOptions& options, const std::string& file) {
+  try {
+    return match_gains(plant.model.plant, design, gains.K, gains.K_int, options);
+  } catch (const InvalidInput& error) {
+    const std::string why = std::string(error.what()).substr(error.where().size() + 2);
+    if (error.where() != "match_gains") throw;
+    if (why.find(" tie") != std::string::npos) refuse("--tie", "--tie: " + why);
+    throw InvalidInput(file, why);
+  }
+}
+
+void run(const CLI::App& app, Options options, Context& context) {
+  if (options.problem.plant.vehicle.empty())
+    refuse("V", "expected a vehicle and --match-gains FILE");
+  if (options.gains.empty())
+    refuse("--match-gains",
+           "--match-gains is missing, expected the gains that the weights shall give: an export, "
+           "a file of gains, or a design with [published] gains");
+  if (!(options.tolerance > 0))
+    refuse("--tolerance",
+           fmt::format("--tolerance is {}, expected a positive number", options.tolerance));
+  const GivenGains given = read_given_gains(options.gains);
+  options.problem.verb = kVerb;
+  complete(app, given, options.problem);
+  const Plant plant = make_plant(options.problem.plant);
+  require_states(given.gains, plant.model.plant.states,
+                 convention(options.problem.plant.convention, "--convention"), options.gains);
+  const LqrDesign design =
+      make_design(options.problem, plant.model.plant.states, plant.model.plant.inputs);
+  for (Eigen::Index i = 0; i < design.R.rows(); ++i)
+    if (design.R(i, i) == 0) refuse("--R", "--R has a 0, expected more because R shall be > 0");
+  const OrderedGains gains = in_order_of(given.gains, plant.vehicle, design, options.gains);
+  GainMatchOptions settings;
+  settings.tolerance = options.tolerance;
+  settings.starts = static_cast<int>(std::min<std::uint64_t>(options.starts, 1000));
+  settings.seed = context.seed;
+  settings.interrupted = [] { return interrupted(); };
+  for (const std::string& tie : options.ties) settings.ties.push_back(word_list(tie));
+  const GainMatch match = match_or_refuse(plant, design, gains, settings, options.gains);
+  if (match.status == GainMatchStatus::interrupted) throw Interrupted();
+  if (!match.has_weights())
+    throw NoSolution(fmt::format("tune: {}: {}", options.gains, match.culprit), options.gains);
+  for (const std::string& note : plant.model.notes) context.note("tune: note: " + note);
+  const GainMatchReport report{plant, options.problem.plant, options.gains, gains.K, gains.K_int,
+                               match, options.tolerance};
+  const bool matched = match.status == GainMatchStatus::matched;
+  if (!options.file.empty() && (matched || options.force)) {
+    write_file(options.file, design_file(report, options.file, context.command));
+    context.written.push_back(options.file);
+  }
+  context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report));
+  if (!matched)
+    throw AnswerIsNo(
+        fmt::format("tune: {}: no diagonal weights{} were found that give this gain: the nearest "
+                    "leave {:.3g} at "
+                    "{}, tolerance {:.3g}",
+                    options.gains, options.ties.empty() ? "" : " so tied", match.after, match.worst,
+                    options.tolerance));
+}
+
+void add_options(CLI::App& app, Options& options) {
+  add_plant_options(app, options.problem.plant);
+  app.add_option("--match-gains", options.gains,
+                 "find weights whose gain is this one: an export, a file of gains, or a design "
+                 "with [published] gains; options that are absent are as there")
+      ->type_name("FILE");
+  app.add_option("--Q", options.problem.Q,
+                 "where the search begins: a list, integrals last; one number stands for all, 1 "
+                 "if absent; a weight of 0 stays 0")
+      ->type_name("LIST");
+  app.add_option("--R", options.problem.R,
+                 "likewise of the inputs; its geometric mean stays, as a gain tells weights up to "
+                 "a factor")
+      ->type_name("LIST");
+  app.add_option("--integral", options.problem.integral, "states to integrate")->type_name("LIST");
+  app.add_option("--method", options.problem.method,
+                 "continuous (default), discrete (weights per step) or sampled (exact cost)")
+      ->type_name("NAME");
+  add_number(app, "--dt", options.problem.dt, "sample period [s]")->type_name("T");
+  app.add_option("--tie", options.ties,
+                 "states, integrals as int_x, or inputs of one weight; several: repeat the option")
+      ->type_name("LIST")
+      ->take_all()
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_number(app, "--tolerance", options.tolerance,
+             "greatest difference of an entry, over its row's or column's largest, that counts as "
+             "matched; 0.001")
+      ->type_name("SHARE");
+  add_count(app, "--starts", options.starts, 1, "searches from different starts at most; 8")
+      ->type_name("N");
+  app.add_option("-o", options.file, "a design file with the weights, where the gain is matched")
+      ->type_name("FILE");
+  app.add_flag("--force", options.force, "write it whether matched or not; it says so");
+}
+
+}  // namespace
+
+Verb tune_lqr_verb() {
+  return {kVerb, "V --match-gains FILE [options]", "find LQR weights whose gain is a given one",
+          "quadtune tune lqr uquad --match-gains designs/uquad-hover.toml --R 0.01",
+          [](CLI::App& app) -> Action {
+            auto options = std::make_shared<Options>();
+            add_options(app, *options);
+            return [options, owner = &app](Context& context) { run(*owner, *options, context); };
+          }};
+}
+
+}  // namespace quadtune::cli

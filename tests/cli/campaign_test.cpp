@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune campaign, as a user runs it.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <thread>
+
+#include "quadtune/internal/json.hpp"
+#include "run_program.hpp"
+#include "sanitized.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+namespace fs = std::filesystem;
+using internal::Json;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::ProgramResult;
+using testing::run_program;
+using ::testing::StartsWith;
+using testing::TemporaryDirectory;
+
+constexpr char kCampaign[] = R"(
+name = "small"
+vehicle = "mambo"
+flights = 24
+seed = 4
+[[design]]
+gains = "published"
+[[mission]]
+mission = "hover"
+duration_s = 1
+[[vary]]
+quantity = "mass"
+normal = { deviation = 0.05, least = 0.8, most = 1.2 }
+[[vary]]
+quantity = "gyroscope_noise"
+log_normal = { deviation = 0.3 }
+[keep]
+failures = 1
+)";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+/// A folder with a campaign's file.
+class Campaign : public ::testing::Test {
+ protected:
+  std::string write(const std::string& text = kCampaign, const std::string& name = "c.toml") {
+    return directory_.write(name, text).string();
+  }
+  [[nodiscard]] std::string path(const std::string& name) const {
+    return (directory_.path() / name).string();
+  }
+  [[nodiscard]] std::string bytes(const std::string& name) const { return directory_.read(name); }
+
+  /// The one line that a campaign's file is refused with.
+  std::string refusal(const std::string& text) {
+    const ProgramResult result = run_program({"campaign", "init", write(text), path("refused")});
+    EXPECT_EQ(result.status, 3) << text;
+    EXPECT_FALSE(fs::exists(path("refused"))) << text;
+    return result.err;
+  }
+
+  TemporaryDirectory directory_;
+};
+
+TEST_F(Campaign, RunsMergesAndTells) {
+  const ProgramResult result = run_program({"campaign", "run", write(), path("out")});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("small: 24 draws of 2 quantities, seed 4"),
+                                HasSubstr("published in hover: "), HasSubstr(" of 24 flights pass"),
+                                HasSubstr("quadtune campaign replay ")));
+  for (const char* file : {"plan.json", "flights.csv", "campaign.sqlite", "statistics.json",
+                           "report.html", "slurm.sh", "parallel.sh", "00000.flights"})
+    EXPECT_TRUE(fs::exists(path(std::string("out/") + file))) << file;
+  const Json statistics = Json::parse(bytes("out/statistics.json"));
+  EXPECT_EQ(statistics["cases"].size(), 1);
+  EXPECT_EQ(statistics["cases"][0]["flights"], 24);
+  EXPECT_GE(statistics["cases"][0]["success"]["high"], statistics["cases"][0]["success"]["value"]);
+  // The page holds what was flown, and loads nothing.
+  EXPECT_THAT(bytes("out/report.html"),
+              AllOf(HasSubstr("gyroscope_noise"), Not(HasSubstr("src=\"http"))));
+  // The same again finds all of it.
+  const ProgramResult again = run_program({"campaign", "run", write(), path("out"), "--json"});
+  EXPECT_EQ(again.status, 0);
+  EXPECT_EQ(Json::parse(again.out)["cases"], statistics["cases"]);
+}
+
+TEST_F(Campaign, GivesTheSameBytesForAnySplit) {
+  ASSERT_EQ(run_program({"campaign", "run", write(), path("one")}).status, 0);
+  ASSERT_EQ(
+      run_program({"campaign", "run", write(), path("many"), "--shards", "7", "--threads", "1"})
+          .status,
+      0);
+  ASSERT_EQ(run_program({"campaign", "init", write(), path("by-hand"), "--shards", "3"}).status, 0);
+  for (const char* shard : {"2", "0", "1"})
+    ASSERT_EQ(run_program({"campaign", "work", path("by-hand"), "--shard", shard, "--threads", "2"})
+                  .status,
+              0);
+  ASSERT_EQ(run_program({"campaign", "merge", path("by-hand")}).status, 0);
+  for (const char* file : {"flights.csv", "campaign.sqlite"}) {
+    const std::string first = bytes(std::string("one/") + file);
+    EXPECT_FALSE(first.empty());
+    EXPECT_EQ(first, bytes(std::string("many/") + file)) << file;
+    EXPECT_EQ(first, bytes(std::string("by-hand/") + file)) << file;
+  }
+}
+
+TEST_F(Campaign, FliesOneOfThemAgain) {
+  ASSERT_EQ(run_program({"campaign", "run", write(), path("out")}).status, 0);
+  const ProgramResult result =
+      run_program({"campaign", "replay", path("out"), "--flight", "5", "--json", "--report",
+                   path("flight.html"), "--log", path("flight.csv")});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_TRUE(fs::exists(path("flight.html")));
+  EXPECT_TRUE(fs::exists(path("flight.csv")));
+  // Its figures are those of the table, digit for digit.
+  std::istringstream table(bytes("out/flights.csv"));
+  std::string line, heads;
+  std::getline(table, heads);
+  for (int i = 0; i <= 5; ++i) std::getline(table, line);
+  EXPECT_THAT(line, StartsWith("5,5,published,hover,"));
+  const double tilt = Json::parse(result.out)["metrics"]["tilt_max_rad"];
+  EXPECT_THAT(line, HasSubstr(fmt::format(",{},", tilt)));
+}
+
+TEST_F(Campaign, StatusTellsWhatIsThere) {
+  ASSERT_EQ(run_program({"campaign", "init", write(), path("out"), "--shards", "4"}).status, 0);
+  EXPECT_THAT(run_program({"campaign", "status", path("out")}).out,
+              HasSubstr("small: 0 of 24 flights, 4 shards waiting"));
+  ASSERT_EQ(run_program({"campaign", "work", path("out"), "--shard", "1"}).status, 0);
+  ASSERT_EQ(run_program({"campaign", "work", path("out"), "--shard", "2"}).status, 0);
+  std::string shard = bytes("out/00002.flights");
+  shard[200] ^= 1;
+  directory_.write("out/00002.flights", shard);
+  const ProgramResult text = run_program({"campaign", "status", path("out")});
+  EXPECT_THAT(text.out, AllOf(HasSubstr("11 of 24 flights, 1 shard damaged, 1 shard done, 2 shards "
+                                        "waiting, about "),
+                              HasSubstr("shard 2: damaged, 5 of 6 flights\n  00002.flights: record "
+                                        "1 of 6 is not as it was written (wrong checksum)")));
+  const Json json = Json::parse(run_program({"campaign", "status", path("out"), "--json"}).out);
+  EXPECT_EQ(json["shards"][1]["state"], "done");
+  EXPECT_EQ(json["shards"][2]["state"], "damaged");
+  EXPECT_EQ(json["shards"][3]["state"], "waiting");
+  // What is missing is named, and nothing is merged.
+  const ProgramResult merge = run_program({"campaign", "merge", path("out")});
+  EXPECT_EQ(merge.status, 3);
+  EXPECT_THAT(merge.err, HasSubstr("00002.flights: record 1 of 6 is not as it was written"));
+  EXPECT_FALSE(fs::exists(path("out/flights.csv")));
+  const ProgramResult work = run_program({"campaign", "work", path("out"), "--shard", "2"});
+  EXPECT_EQ(work.status, 0);
+  EXPECT_THAT(work.out, HasSubstr("shard 2: 1 flights flown, 5 found"));
+  EXPECT_THAT(work.err, HasSubstr("record 1 of 6 is not as it was written (wrong checksum): flown "
+                                  "again"));
+  EXPECT_THAT(run_program({"campaign", "merge", path("out")}).err,
+              HasSubstr("shards 0, 3 are not complete, expected all 4: `quadtune campaign work"));
+}
+
+TEST_F(Campaign, APlanDoesNotChange) {
+  ASSERT_EQ(run_program({"campaign", "init", write(), path("out")}).status, 0);
+  // The same file again is the same plan; another is refused.
+  EXPECT_EQ(run_program({"campaign", "init", write(), path("out")}).status, 0);
+  ProgramResult result =
+      run_program({"campaign", "init", write(replaced(kCampaign, "seed = 4", "seed = 5"), "d.toml"),
+                   path("out")});
+  EXPECT_EQ(result.status, 3);
+  EXPECT_THAT(result.err, HasSubstr("is of another campaign, expected a folder of its own"));
+  const std::string plan = bytes("out/plan.json");
+  directory_.write("out/plan.json", replaced(plan, "\"seed\": 4", "\"seed\": 5"));
+  for (const std::vector<std::string>& args :
+       {std::vector<std::string>{"campaign", "work", path("out"), "--shard", "0"},
+        {"campaign", "status", path("out")},
+        {"campaign", "merge", path("out")},
+        {"campaign", "replay", path("out"), "--flight", "0"}}) {
+    result = run_program(args);
+    EXPECT_EQ(result.status, 3);
+    EXPECT_THAT(result.err, HasSubstr("plan.json: was changed since it was written"));
+  }
+  directory_.write("out/plan.json", plan);
+  EXPECT_EQ(run_program({"campaign", "work", path("out"), "--shard", "0"}).status, 0);
+  directory_.write("out/plan.json", "{}");
+  EXPECT_THAT(run_program({"campaign", "status", path("out")}).err,
+              HasSubstr("is no plan of a campaign"));
+}
+
+TEST_F(Campaign, TakesGainsAndReferencesAlong) {
+  // State feedback from a file, and a mission whose references lie beside it.
+  ASSERT_EQ(run_program({"design", std::string(QUADTUNE_SOURCE_DIR) + "/designs/mambo-hover.toml",
+                         "-o", path("gains"), "--force"})
+                .status,
+            0);
+  directory_.write("way.csv", "t_s,north_m,east_m,height_m,yaw_rad\n0,0,0,1,0\n1,0.1,0,1,0\n");
+  directory_.write("way.toml", R"(
+name = "way"
+duration_s = 2
+[start]
+at = "air"
+height_m = 1
+[csv]
+file = "way.csv"
+)");
+  const std::string text = R"(
+name = "along"
+vehicle = "mambo"
+flights = 4
+[[design]]
+name = "feedback"
+gains = "gains/"
+[[mission]]
+mission = "way.toml"
+sensors = "ideal"
+[[vary]]
+quantity = "mass"
+uniform = { low = 0.95, high = 1.05 }
+)";
+  const ProgramResult result = run_program({"campaign", "run", write(text), path("out")});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const std::string before = bytes("out/flights.csv");
+  // The folder alone is enough.
+  fs::remove(path("way.csv"));
+  fs::remove(path("way.toml"));
+  fs::remove_all(path("gains"));
+  fs::remove(path("out/00000.flights"));
+  EXPECT_EQ(run_program({"campaign", "work", path("out"), "--shard", "0"}).status, 0);
+  EXPECT_EQ(run_program({"campaign", "merge", path("out")}).status, 0);
+  EXPECT_EQ(before, bytes("out/flights.csv"));
+  directory_.write("out/way.csv", "t_s,north_m,east_m,height_m,yaw_rad\n0,0,0,1,0\n1,0.2,0,1,0\n");
+  EXPECT_THAT(run_program({"campaign", "status", path("out")}).err,
+              HasSubstr("way.csv: was changed since the plan was written"));
+}
+
+TEST_F(Campaign, RefusesBadFiles) {
+  const auto with = [](const std::string& from, const std::string& to) {
+    return replaced(kCampaign, from, to);
+  };
+  EXPECT_THAT(refusal(with("flights = 24", "flights = 0")),
+              HasSubstr("c.toml:4: flights is 0, expected"));
+  EXPECT_THAT(refusal(with("flights = 24", "flights = 3\nshards = 4")),
+              HasSubstr("c.toml:5: shards is 4, expected at most 3 as there are no more flights"));
+  EXPECT_THAT(refusal(with("flights", "fligths")), HasSubstr("did you mean 'flights'"));
+  EXPECT_THAT(refusal(with("quantity = \"mass\"", "quantity = \"mas\"")),
+              HasSubstr("c.toml:12: no quantity 'mas'"));
+  EXPECT_THAT(refusal(with("deviation = 0.05", "deviation = -0.05")),
+              HasSubstr("mass: deviation is -0.05, expected 0 or more"));
+  EXPECT_THAT(refusal(with("mission = \"hover\"", "mission = \"hovr\"")),
+              AllOf(HasSubstr("c.toml:9: "), HasSubstr("did you mean 'hover'?")));
+  const ProgramResult missing = run_program(
+      {"campaign", "init", write(with("\"published\"", "\"no/gains.json\"")), path("refused")});
+  EXPECT_EQ(missing.status, 5);
+  EXPECT_THAT(missing.err, HasSubstr("no/gains.json"));
+  EXPECT_THAT(refusal(with("vehicle = \"mambo\"", "vehicle = \"mamba\"")),
+              HasSubstr("did you mean 'mambo'?"));
+  EXPECT_THAT(refusal(with("duration_s = 1", "duration_s = 1\nwind = \"storm\"")),
+              AllOf(HasSubstr("c.toml:8: "), HasSubstr("storm")));
+  EXPECT_THAT(refusal(with("[[design]]\n",
+                           "[[design]]\nname = \"a\"\ngains = \"published\"\n"
+                           "[[design]]\nname = \"a\"\n")),
+              HasSubstr("a second design has the name 'a'"));
+  EXPECT_THAT(refusal(with("[[mission]]\nmission = \"hover\"\nduration_s = 1\n", "")),
+              HasSubstr("there is no [[mission]], expected one or more to fly"));
+  EXPECT_THAT(refusal(with("quantity = \"gyroscope_noise\"", "quantity = \"gps_noise\"")),
+              HasSubstr("published in hover: gps_noise: the vehicle 'mambo' has nothing that it "
+                        "changes"));
+  EXPECT_THAT(refusal(with("failures = 1", "failures = -1")), HasSubstr("failures"));
+}
+
+TEST_F(Campaign, RefusesBadCommandLines) {
+  ASSERT_EQ(run_program({"campaign", "init", write(), path("out")}).status, 0);
+  const auto refuses = [](const std::vector<std::string>& args, int status,
+                          const std::string& message) {
+    const ProgramResult result = run_program(args);
+    EXPECT_EQ(result.status, status) << message;
+    EXPECT_THAT(result.err, HasSubstr(message));
+  };
+  refuses({"campaign"}, 2, "init or work or status or merge or run or replay");
+  refuses({"campaign", "worc"}, 2, "did you mean 'work'?");
+  refuses({"campaign", "init"}, 2, "expected a campaign file and a folder");
+  refuses({"campaign", "work", path("out")}, 2, "--shard is missing, expected the part to fly");
+  refuses({"campaign", "work", path("out"), "--shard", "1"}, 2, "--shard is 1, expected 0 to 0");
+  refuses({"campaign", "work", path("nowhere"), "--shard", "0"}, 5, "nowhere/plan.json");
+  refuses({"campaign", "replay", path("out"), "--flight", "24"}, 2,
+          "--flight is 24, expected 0 to 23");
+  refuses({"campaign", "replay", path("out")}, 2, "--flight is missing");
+  refuses({"campaign", "replay", path("out"), "--flight", "0", "--report", "x.pdf"}, 2,
+          "expected a name that ends in .html");
+  refuses({"campaign", "run", write(), path("other"), "--shards", "25"}, 2,
+          "--shards is 25, expected at most 24");
+  refuses({"campaign", "merge", path("out")}, 3, "shard 0 is not complete");
+}
+
+/// Runs a worker in a process of its own.
+pid_t start_worker(const std::string& folder, const std::string& shard) {
+  const pid_t child = fork();
+  if (child != 0) return child;
+  _exit(run_program({"campaign", "work", folder, "--shard", shard, "--threads", "1"}).status);
+}
+
+// Workers are killed 200 times, two of them often on one shard; what is merged is what an
+// undisturbed run gives.
+TEST_F(Campaign, TwoHundredKilledWorkersLeaveTheSameBytes) {
+  // Enough work that most are at it when they are killed.
+  const std::string flights = testing::kSanitized ? "flights = 6000" : "flights = 150000";
+  const std::string file = write(
+      replaced(replaced(kCampaign, "flights = 24", flights), "duration_s = 1", "duration_s = 0.3"));
+  ASSERT_EQ(run_program({"campaign", "init", file, path("out"), "--shards", "4"}).status, 0);
+  std::mt19937 random(2);
+  int killed = 0;
+  for (int i = 0; i < 100; ++i) {
+    const std::string shard = std::to_string(std::uniform_int_distribution(0, 3)(random));
+    const pid_t workers[] = {start_worker(path("out"), shard),
+                             start_worker(path("out"), i % 2 == 0 ? shard : std::to_string(i % 4))};
+    for (const pid_t worker : workers) {
+      std::this_thread::sleep_for(
+          std::chrono::milliseconds(std::uniform_int_distribution(1, 30)(random)));
+      kill(worker, SIGKILL);
+    }
+    for (const pid_t worker : workers) {
+      int status = 0;
+      ASSERT_EQ(waitpid(worker, &status, 0), worker);
+      if (WIFSIGNALED(status)) ++killed;
+    }
+  }
+  EXPECT_GT(killed, 100);
+  ASSERT_EQ(run_program({"campaign", "run", file, path("out"), "--shards", "4"}).status, 0);
+  ASSERT_EQ(run_program({"campaign", "run", file, path("alone")}).status, 0);
+  EXPECT_EQ(bytes("out/flights.csv"), bytes("alone/flights.csv"));
+  EXPECT_EQ(bytes("out/campaign.sqlite"), bytes("alone/campaign.sqlite"));
+}
+
+// A disk that takes no more: the file and the reason are named, and what was written stays.
+TEST_F(Campaign, AFullDiskIsNamedAndLosesNothing) {
+  const std::string file = write(replaced(replaced(kCampaign, "flights = 24", "flights = 2000"),
+                                          "duration_s = 1", "duration_s = 0.2"));
+  ASSERT_EQ(run_program({"campaign", "init", file, path("out")}).status, 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    // Room for the first few hundred flights.
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{150000, 150000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    const ProgramResult result = run_program({"campaign", "work", path("out"), "--shard", "0"});
+    const bool named = result.err.find(".part: File too large") != std::string::npos;
+    _exit(named ? result.status : 99);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 5);
+  const ProgramResult again = run_program({"campaign", "work", path("out"), "--shard", "0"});
+  EXPECT_THAT(again.out, HasSubstr("shard 0: "));
+  EXPECT_THAT(again.out, Not(HasSubstr("2000 flights flown, 0 found")));
+  EXPECT_EQ(again.status, 0);
+  EXPECT_EQ(run_program({"campaign", "merge", path("out")}).status, 0);
+}
+
+}  // namespace
+}  // namespace quadtune

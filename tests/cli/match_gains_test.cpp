@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune tune lqr V --match-gains FILE.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "matrix_near.hpp"
+#include "quadtune/design.hpp"
+#include "quadtune/internal/json.hpp"
+#include "run_program.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+using internal::Json;
+using ::testing::HasSubstr;
+using testing::MatrixNear;
+using ::testing::Not;
+using testing::ProgramResult;
+using testing::run_program;
+using testing::TemporaryDirectory;
+
+const std::string kDesign = std::string(QUADTUNE_SOURCE_DIR) + "/designs/uquad-hover.toml";
+
+double number(const Json& json) { return json.get<double>(); }
+
+/// Weight by name.
+const Json& weight(const Json& json, const std::string& name) {
+  for (const Json& row : json["weights"])
+    if (row["name"] == name) return row;
+  ADD_FAILURE() << "no weight " << name;
+  return json["weights"][0];
+}
+
+ProgramResult match(const std::string& file, std::vector<std::string> more = {}) {
+  more.insert(more.begin(), {"tune", "lqr", "uquad", "--match-gains", file});
+  return run_program(more);
+}
+
+class MatchGainsVerb : public ::testing::Test {
+ protected:
+  /// gains.json of the uquad's hover, every digit of it, with these options of `lqr`.
+  std::string export_of(const std::string& design) {
+    const std::string directory = (folder_.path() / "export").string();
+    const ProgramResult result = run_program({"design", design, "-o", directory, "--quiet"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    return directory;
+  }
+  /// The uquad's hover design, its mission left out, exported as JSON.
+  std::string exact_gains() {
+    return export_of(
+        folder_
+            .write("hover.toml",
+                   "name = \"hover\"\nvehicle = \"uquad\"\n[lqr]\nconvention = \"uquad\"\n"
+                   "inputs = \"rotor-speed\"\nQ = [1, 1, 1, 1e3, 1e3, 1e3, 1, 1, 1, 1, 1, 1]\n"
+                   "R = [0.01, 0.01, 0.01, 0.01]\nintegral = [\"x\", \"y\", \"z\", \"theta\"]\n"
+                   "Q_integral = [1, 1, 1, 1]\nmethod = \"discrete\"\ndt_s = 0.01\n"
+                   "[[export]]\nto = \"json\"\n")
+            .string());
+  }
+
+  TemporaryDirectory folder_;
+};
+
+TEST_F(MatchGainsVerb, RecoversTheWeightsOfAnExport) {
+  const ProgramResult result =
+      match(exact_gains(), {"--method", "discrete", "--R", "0.01", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["status"], "matched");
+  EXPECT_EQ(json["convention"], "uquad");
+  EXPECT_EQ(number(json["dt"]), 0.01);
+  EXPECT_EQ(json["integrals"], Json::parse("[\"x\", \"y\", \"z\", \"theta\"]"));
+  Eigen::VectorXd Q = Eigen::VectorXd::Ones(12);
+  Q.segment(3, 3).setConstant(1e3);
+  const Eigen::MatrixXd found = internal::matrix_from_json(json["Q"], "Q");
+  EXPECT_THAT((found.diagonal().cwiseQuotient(Q)).eval(),
+              MatrixNear(Eigen::VectorXd::Ones(12).eval(), 1e-7));
+  EXPECT_NEAR(number(weight(json, "Q_integral(theta)")["value"]), 1, 1e-8);
+  EXPECT_NEAR(number(weight(json, "R(w3)")["value"]), 0.01, 1e-10);
+  EXPECT_LT(number(json["difference"]["after"]), 1e-10);
+  EXPECT_GT(number(json["difference"]["before"]), 0.1);
+  EXPECT_TRUE(json["weighted_sensitivity"]["can_be_lqr"]);
+  EXPECT_EQ(json["unseen"].size(), 0u);
+}
+
+// The same gain asked for in another convention has the same weights under other names.
+TEST_F(MatchGainsVerb, SpeaksTheConventionThatIsAskedFor) {
+  const ProgramResult result = match(
+      exact_gains(), {"--method", "discrete", "--R", "0.01", "--convention", "ned", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const Json json = Json::parse(result.out);
+  EXPECT_NEAR(number(weight(json, "Q(roll)")["value"]), 1e3, 1e-3);
+  EXPECT_NEAR(number(weight(json, "Q(pz)")["value"]), 1, 1e-6);
+  EXPECT_NEAR(number(weight(json, "Q_integral(yaw)")["value"]), 1, 1e-6);
+}
+
+// docs/cli.md: every weight that the published gains come from, but for the integral of the yaw,
+// whose mode is the slowest and was far from its end where the recursion stopped.
+TEST_F(MatchGainsVerb, FindsTheWeightsOfThePublishedGains) {
+  const std::string file = (folder_.path() / "matched.toml").string();
+  const ProgramResult result = match(kDesign, {"--R", "0.01", "--json", "-o", file});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["method"], "discrete");
+  for (const char* name : {"Q(x)", "Q(z)", "Q(vqx)", "Q(wqy)", "Q(wqz)", "Q_integral(x)"})
+    EXPECT_NEAR(number(weight(json, name)["value"]), 1, 1e-4) << name;
+  EXPECT_NEAR(number(weight(json, "Q(theta)")["value"]), 1e3, 1e-2);
+  EXPECT_NEAR(number(weight(json, "Q_integral(theta)")["value"]), 0.9682, 1e-4);
+  EXPECT_LT(number(json["difference"]["after"]), 1e-7);
+  // The file is a design whose gain is the published one.
+  const Design design = load_design(file);
+  EXPECT_EQ(design.name, "uquad-matched");
+  EXPECT_EQ(design.lqr->method, LqrMethod::discrete);
+  const ProgramResult designed = run_program({"design", file, "--json"});
+  ASSERT_EQ(designed.status, 0) << designed.err;
+  EXPECT_LT(number(Json::parse(designed.out)["published"]["max_relative"]), 1e-7);
+}
+
+TEST_F(MatchGainsVerb, TiesMakeWeightsEqual) {
+  const ProgramResult result =
+      match(kDesign, {"--tie", "x,y", "--tie", "psi,phi,theta", "--tie", "w1,w2,w3,w4", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(number(weight(json, "Q(x)")["value"]), number(weight(json, "Q(y)")["value"]));
+  EXPECT_EQ(number(weight(json, "Q(psi)")["value"]), number(weight(json, "Q(theta)")["value"]));
+  EXPECT_EQ(number(weight(json, "R(w1)")["value"]), number(weight(json, "R(w4)")["value"]));
+  EXPECT_NEAR(number(weight(json, "R(w1)")["value"]), 1, 1e-12);  // R's mean, as it came
+  EXPECT_NEAR(number(weight(json, "Q(psi)")["value"]), 1e5, 10);
+}
+
+// One weight of position and roll cannot give the published gain.
+TEST_F(MatchGainsVerb, SaysNoWhereNoWeightsGiveTheGain) {
+  const std::string file = (folder_.path() / "matched.toml").string();
+  const std::vector<std::string> tied = {"--tie", "x,psi", "-o", file};
+  const ProgramResult result = match(kDesign, tied);
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.out, HasSubstr("verdict     not matched"));
+  EXPECT_THAT(
+      result.err,
+      HasSubstr("no diagonal weights so tied were found that give this gain: the nearest leave"));
+  EXPECT_FALSE(std::filesystem::exists(file));
+  std::vector<std::string> forced = tied;
+  forced.emplace_back("--force");
+  EXPECT_EQ(match(kDesign, forced).status, 1);
+  EXPECT_TRUE(std::filesystem::exists(file));
+  // What leaves a difference matches within a tolerance of more.
+  EXPECT_EQ(match(kDesign, {"--tie", "x,psi", "--tolerance", "10"}).status, 0);
+}
+
+TEST_F(MatchGainsVerb, TellsPeopleTheSame) {
+  const ProgramResult result = match(kDesign, {"--R", "0.01"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  for (const char* line :
+       {"problem     LQR, discrete weights, 10 ms, convention uquad", "Q_integral(theta)",
+        "optimality  weighted sensitivity", "verdict     matched"})
+    EXPECT_THAT(result.out, HasSubstr(line));
+  EXPECT_THAT(result.out, Not(HasSubstr("not seen")));
+}
+
+// The lines of docs/cli.md that are not left out there.
+TEST_F(MatchGainsVerb, PrintsWhatTheDocsShow) {
+  std::filesystem::current_path(QUADTUNE_SOURCE_DIR);
+  const std::string out = match("designs/uquad-hover.toml", {"--R", "0.01"}).out;
+  std::ifstream page("docs/cli.md");
+  int shown = 0;
+  bool here = false, inside = false;
+  for (std::string line; std::getline(page, line);) {
+    if (line.starts_with("## ")) here = line == "## Weights of a given gain";
+    if (here && line == "```") inside = !inside;
+    if (!here || !inside || line == "```" || line.ends_with(" ...")) continue;
+    EXPECT_THAT(out, HasSubstr(line + "\n"));
+    ++shown;
+  }
+  EXPECT_GE(shown, 10);
+}
+
+// A wrench moves axes that know nothing of one another: the factor of each is not seen.
+TEST_F(MatchGainsVerb, NamesWhatTheGainOfAWrenchDoesNotTell) {
+  const std::string gains =
+      export_of(folder_
+                    .write("wrench.toml",
+                           "name = \"wrench\"\nvehicle = \"mambo\"\n[lqr]\n"
+                           "inputs = \"wrench\"\n"
+                           "Q = [4, 4, 9, 25, 25, 10, 1, 1, 1, 0.2, 0.2, 0.1]\n"
+                           "R = [1, 1e3, 1e3, 2e3]\nmethod = \"sampled\"\ndt_s = 0.005\n"
+                           "[[export]]\nto = \"json\"\n")
+                    .string());
+  const ProgramResult result = run_program(
+      {"tune", "lqr", "mambo", "--match-gains", gains, "--method", "sampled", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["unseen"].size(), 3u);
+  EXPECT_EQ(weight(json, "Q(yaw)")["verdict"], "in combination");
+  EXPECT_NEAR(number(weight(json, "Q(yaw)")["value"]) / number(weight(json, "R(tau_z)")["value"]),
+              10 / 2e3, 1e-8);
+}
+
+TEST_F(MatchGainsVerb, SameSeedSameBytes) {
+  const std::vector<std::string> args = {"--tie", "x,psi", "--json", "--seed", "5"};
+  EXPECT_EQ(match(kDesign, args).out, match(kDesign, args).out);
+}
+
+TEST_F(MatchGainsVerb, RefusesInOneLine) {
+  const auto refused = [&](const std::vector<std::string>& args, int status,
+                           const std::string& message) {
+    const ProgramResult result = run_program(args);
+    EXPECT_EQ(result.status, status) << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_THAT(result.err, HasSubstr(message));
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  };
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"tune", "lqr", "uquad", "--match-gains", kDesign});
+    return more;
+  };
+  refused({"tune", "lqr", "uquad"}, 2, "quadtune tune lqr: --match-gains is missing, expected");
+  refused({"tune", "lqr", "--match-gains", kDesign}, 2, "quadtune tune lqr: expected a vehicle");
+  refused({"tune", "lqr", "uquad", "--match-gains", "no.json"}, 5, "no.json: No such file");
+  refused({"tune", "lqr", "mambo", "--match-gains", kDesign}, 3,
+          "the gains are for the vehicle 'uquad', expected 'mambo'");
+  refused(with({"--inputs", "wrench"}), 3, "the gains command rotor-speed, expected wrench");
+  refused(with({"--states", "x,y,z"}), 3, "the gains have the states 'x y z psi");
+  refused(with({"--integral", "x"}), 3, "the gains have the integrals 'x y z theta', expected 'x'");
+  refused(with({"--tie", "x,thet"}), 2,
+          "--tie: no weight of 'thet' to tie, expected some of: x y z psi phi theta");
+  refused(with({"--tie", "x,int_thetta"}), 2, "did you mean 'int_theta'?");
+  refused(with({"--tie", "x"}), 2, "--tie: a tie of 1 weights, expected 2 or more");
+  refused(with({"--tie", "x,y", "--tie", "y,z"}), 2, "--tie: 'y' is tied twice");
+  refused(with({"--tie", "x,w1"}), 2, "--tie: 'x' and 'w1' are tied, expected states or inputs");
+  refused(with({"--tolerance", "0"}), 2, "--tolerance is 0, expected a positive number");
+  refused(with({"--R", "0"}), 2, "--R has a 0, expected more");
+  refused(with({"--Q", "1,2"}), 2, "quadtune tune lqr: --Q has 2 entries, expected 16");
+  refused(with({"--method", "discreet"}), 2, "did you mean 'discrete'?");
+  // A design whose gain is turned round.
+  std::ifstream stream(kDesign);
+  std::string turned(std::istreambuf_iterator<char>(stream), {});
+  for (std::size_t at = turned.find("[published]");
+       (at = turned.find("-", at + 1)) != std::string::npos;)
+    turned[at] = ' ';
+  const std::string file = folder_.write("turned.toml", turned).string();
+  refused({"tune", "lqr", "uquad", "--match-gains", file}, 4,
+          "turned.toml: the given gain's loop has a pole of modulus");
+  const std::string bare = turned.substr(0, turned.find("[published]"));
+  refused({"tune", "lqr", "uquad", "--match-gains", folder_.write("bare.toml", bare).string()}, 3,
+          "bare.toml: has no [published] gains");
+}
+
+}  // namespace
+}  // namespace quadtune
