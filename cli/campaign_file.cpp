@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <limits>
 
 #include "quadtune/errors.hpp"
@@ -24,6 +26,13 @@ std::string beside(const std::filesystem::path& folder, const std::string& word)
   return path ? (folder / word).string() : word;
 }
 
+/// Whether a name could stand in a file as such (TomlTable::word()).
+bool is_word(const std::string& name) {
+  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '_' || c == '-';
+  });
+}
+
 /// Two of one name could not be told apart.
 template <class Item>
 void require_new_name(const std::vector<Item>& others, const std::string& name,
@@ -42,22 +51,34 @@ CampaignDesign read_design(const TomlTable& table, const std::filesystem::path& 
   design.gains = gains == "designed" || gains == "published" ? gains : beside(folder, gains);
   design.name =
       table.has("name") ? table.word("name") : std::filesystem::path(gains).stem().string();
+  // It names a file and a column's values.
+  if (!is_word(design.name))
+    throw InvalidInput(table.where(), fmt::format("gains '{}' give the design no name, expected "
+                                                  "name = \"…\" beside them",
+                                                  internal::printable(gains)));
   design.controller = table.text_or("controller", "");
   design.integrator = table.text_or("integrator", "");
   return design;
 }
 
-CampaignMission read_mission(const TomlTable& table, const std::filesystem::path& folder) {
-  table.allow({{"mission"},
-               {"estimator"},
-               {"sensors"},
-               {"flow"},
-               {"flow_rate", "Hz"},
-               {"wind"},
-               {"duration", "s"},
-               {"solver"},
-               {"step", "s"},
-               {"dynamic_environment"}});
+CampaignKeep read_keep(const TomlTable& table) {
+  table.allow({{"failures"}, {"sample"}});
+  CampaignKeep keep;
+  constexpr int kMost = 1000;
+  if (table.has("failures")) keep.failures = table.integer("failures", 0, kMost);
+  if (table.has("sample")) keep.sample = table.integer("sample", 0, kMost);
+  return keep;
+}
+
+}  // namespace
+
+CampaignMission read_campaign_mission(const TomlTable& table, const std::filesystem::path& folder,
+                                      const std::vector<internal::TomlKey>& more) {
+  std::vector<internal::TomlKey> keys = {
+      {"mission"}, {"estimator"},     {"sensors"}, {"flow"},      {"flow_rate", "Hz"},
+      {"wind"},    {"duration", "s"}, {"solver"},  {"step", "s"}, {"dynamic_environment"}};
+  keys.insert(keys.end(), more.begin(), more.end());
+  table.allow(keys);
   CampaignMission read;
   read.where = table.where();
   try {
@@ -80,17 +101,6 @@ CampaignMission read_mission(const TomlTable& table, const std::filesystem::path
       table.has("dynamic_environment") && table.truth("dynamic_environment");
   return read;
 }
-
-CampaignKeep read_keep(const TomlTable& table) {
-  table.allow({{"failures"}, {"sample"}});
-  CampaignKeep keep;
-  constexpr int kMost = 1000;
-  if (table.has("failures")) keep.failures = table.integer("failures", 0, kMost);
-  if (table.has("sample")) keep.sample = table.integer("sample", 0, kMost);
-  return keep;
-}
-
-}  // namespace
 
 CampaignRequest read_campaign(const std::filesystem::path& path) {
   const TomlTable file = TomlTable::parse(
@@ -130,7 +140,7 @@ CampaignRequest read_campaign(const std::filesystem::path& path) {
     request.designs.push_back({"designed", "designed", "", "", file.where()});
   std::vector<Mission> missions;
   for (const TomlTable& table : file.tables("mission")) {
-    request.missions.push_back(read_mission(table, folder));
+    request.missions.push_back(read_campaign_mission(table, folder));
     require_new_name(missions, request.missions.back().mission.name, table.where(), "mission");
     missions.push_back(request.missions.back().mission);
   }

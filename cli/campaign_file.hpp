@@ -9,6 +9,7 @@
 
 #include "campaign_plan.hpp"
 #include "flight_arguments.hpp"
+#include "quadtune/internal/toml_reader.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/simulation/mission.hpp"
 #include "quadtune/simulation/uncertainty.hpp"
@@ -39,6 +40,13 @@ struct CampaignRequest {
   std::uint32_t shards = 0;  ///< 0: not said
   CampaignKeep keep;
 };
+
+/// One [[mission]] of a campaign or requirements file.
+/// @param folder  where a mission's file is looked for
+/// @param more    keys that the table may have beside those that are read
+[[nodiscard]] CampaignMission read_campaign_mission(
+    const internal::TomlTable& table, const std::filesystem::path& folder,
+    const std::vector<internal::TomlKey>& more = {});
 
 /// @throws InvalidInput  "file:line: …"
 [[nodiscard]] CampaignRequest read_campaign(const std::filesystem::path& file);

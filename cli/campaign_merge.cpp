@@ -10,6 +10,7 @@
 #include "flight_story.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/logs/flight_log.hpp"
 #include "quadtune/simulation/campaign_table.hpp"
 
@@ -74,14 +75,23 @@ MergedCampaign merge_campaign(const CampaignPlan& plan, const std::string& folde
                               Context& context) {
   const std::vector<CampaignRecord> records = all_records(plan, folder);
   MergedCampaign merged;
-  merged.statistics = campaign_statistics(plan.campaign, records);
+  const std::size_t threads = internal::thread_count(context.threads);
+  const Eigen::MatrixXd drawn = all_draws(plan.campaign, threads);
+  merged.statistics = campaign_statistics(plan.campaign, drawn, records, threads);
   const auto path = [&](const std::string& name) {
     const std::string file = (fs::path(folder) / name).string();
     merged.files.push_back(file);
     return file;
   };
-  write_campaign_csv(path("flights.csv"), plan.campaign, records, interrupted);
-  write_campaign_database(path("campaign.sqlite"), plan.campaign, records, interrupted);
+  const std::string csv = path("flights.csv"), database = path("campaign.sqlite");
+  const auto write_table = [&](std::size_t which) {
+    if (which == 0)
+      write_campaign_csv(csv, plan.campaign, drawn, records, interrupted);
+    else
+      write_campaign_database(database, plan.campaign, drawn, records, interrupted);
+  };
+  internal::in_parallel(
+      2, threads, [&] { return write_table; }, interrupted);
   write_file(path("statistics.json"),
              internal::readable(to_json(plan, merged.statistics, folder)) + "\n");
   write_file(path("report.html"), campaign_html(plan, merged.statistics, records, folder));

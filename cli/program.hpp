@@ -120,11 +120,13 @@ Verb compare_verb();
 std::vector<Verb> campaign_verbs();
 Verb log_verb();
 Verb tune_kalman_verb();
+Verb tune_pid_verb();
 Verb tune_lqr_verb();
 Verb calibrate_verb();
 Verb allan_verb();
 Verb export_verb();
 Verb verify_verb();
+Verb certify_verb();
 Verb diff_verb();
 Verb help_verb();
 

@@ -8,12 +8,15 @@
 
 namespace quadtune::cli {
 
-RiccatiResult standard_lqr(const CascadeVehicle& vehicle, const std::string& verb) {
+LqrWeights standard_weights(const CascadeVehicle& vehicle) {
   Eigen::VectorXd deviation(12);
   deviation << 0.25, 0.25, 0.25, 0.2, 0.2, 0.35, 0.5, 0.5, 0.5, 2, 2, 2;
   const Eigen::Vector4d share(0.15, 0.12, 0.12, 0.12);
-  const LqrWeights weights = bryson_weights(deviation, vehicle.authority.cwiseProduct(share));
-  RiccatiResult riccati = lqr(vehicle.hover, weights);
+  return bryson_weights(deviation, vehicle.authority.cwiseProduct(share));
+}
+
+RiccatiResult standard_lqr(const CascadeVehicle& vehicle, const std::string& verb) {
+  RiccatiResult riccati = lqr(vehicle.hover, standard_weights(vehicle));
   if (!riccati.solved()) throw NoSolution(verb + ": lqr: " + riccati.culprit, "V");
   return riccati;
 }

@@ -4,10 +4,15 @@
 
 #include "quadtune/gains.hpp"
 #include "quadtune/model/vehicle.hpp"
+#include "quadtune/synthesis/lqr.hpp"
 #include "quadtune/synthesis/pid_cascade.hpp"
 #include "quadtune/synthesis/riccati.hpp"
 
 namespace quadtune::cli {
+
+/// Weights by Bryson's rule from what the vehicle can give, see docs/cli.md: diagonal, of the 12
+/// states of ned_convention() and the wrench.
+[[nodiscard]] LqrWeights standard_weights(const CascadeVehicle& vehicle);
 
 /// Of the hover, from the 12 states to the wrench, weights by Bryson's rule from what the vehicle
 /// can give, see docs/cli.md. The motors' lag is not in it.

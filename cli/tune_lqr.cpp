@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune tune lqr: weights of an LQR problem, here those whose gain is a given one.
+/// quadtune tune lqr: weights of an LQR problem, over missions or those whose gain is a given one.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -17,6 +17,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/convert.hpp"
 #include "quadtune/tuning/match_gains.hpp"
+#include "tune_lqr_missions.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -25,11 +26,12 @@ constexpr char kVerb[] = "tune lqr";
 
 struct Options {
   LqrArguments problem;
-  std::string gains, file;
+  MissionTuningArguments missions;
+  bool separate = false;
+  std::string gains;
   std::vector<std::string> ties;
   double tolerance = 1e-3;
   std::uint64_t starts = 8;
-  bool force = false;
 };
 
 [[noreturn]] void refuse(const char* option, const std::string& why) {
@@ -85,11 +87,25 @@ GainMatch match_or_refuse(const Plant& plant, const LqrDesign& design, const Ord
 
 void run(const CLI::App& app, Options options, Context& context) {
   if (options.problem.plant.vehicle.empty())
-    refuse("V", "expected a vehicle and --match-gains FILE");
-  if (options.gains.empty())
-    refuse("--match-gains",
-           "--match-gains is missing, expected the gains that the weights shall give: an export, "
-           "a file of gains, or a design with [published] gains");
+    refuse("V", "expected a vehicle, and --mission NAME or --match-gains FILE");
+  if (options.gains.empty()) {
+    options.missions.vehicle = options.problem.plant.vehicle;
+    options.problem.has_dt = app.get_option("--dt")->count() > 0;
+    if (options.missions.missions.empty() && options.missions.requirements.empty())
+      refuse("--mission",
+             "expected --mission NAME or --requirements FILE to tune weights over missions, or "
+             "--match-gains FILE to find those of a gain");
+    for (const char* option : {"--tie", "--tolerance", "--starts"})
+      if (app.get_option(option)->count() > 0)
+        refuse(option, fmt::format("{} is for --match-gains, expected none", option));
+    run_lqr_missions(options.problem, options.missions, options.separate, context);
+    return;
+  }
+  for (const char* option :
+       {"--mission", "--requirements", "--budget", "--evaluations", "--monte-carlo", "--proof",
+        "--measure", "--estimator", "--sensors", "--wind", "--duration", "--separate"})
+    if (app.get_option(option)->count() > 0)
+      refuse(option, fmt::format("{} is for missions, expected none beside --match-gains", option));
   if (!(options.tolerance > 0))
     refuse("--tolerance",
            fmt::format("--tolerance is {}, expected a positive number", options.tolerance));
@@ -118,9 +134,9 @@ void run(const CLI::App& app, Options options, Context& context) {
   const GainMatchReport report{plant, options.problem.plant, options.gains, gains.K, gains.K_int,
                                match, options.tolerance};
   const bool matched = match.status == GainMatchStatus::matched;
-  if (!options.file.empty() && (matched || options.force)) {
-    write_file(options.file, design_file(report, options.file, context.command));
-    context.written.push_back(options.file);
+  if (!options.missions.file.empty() && (matched || options.missions.force)) {
+    write_file(options.missions.file, design_file(report, options.missions.file, context.command));
+    context.written.push_back(options.missions.file);
   }
   context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report));
   if (!matched)
@@ -163,15 +179,16 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("SHARE");
   add_count(app, "--starts", options.starts, 1, "searches from different starts at most; 8")
       ->type_name("N");
-  app.add_option("-o", options.file, "a design file with the weights, where the gain is matched")
-      ->type_name("FILE");
-  app.add_flag("--force", options.force, "write it whether matched or not; it says so");
+  add_mission_tuning_options(app, options.missions);
+  app.add_flag("--separate", options.separate,
+               "over missions: weights of x and y, roll and pitch each for itself");
 }
 
 }  // namespace
 
 Verb tune_lqr_verb() {
-  return {kVerb, "V --match-gains FILE [options]", "find LQR weights whose gain is a given one",
+  return {kVerb, "V --mission NAME [options]   or   V --match-gains FILE [options]",
+          "search LQR weights over missions, or those whose gain is a given one",
           "quadtune tune lqr uquad --match-gains designs/uquad-hover.toml --R 0.01",
           [](CLI::App& app) -> Action {
             auto options = std::make_shared<Options>();

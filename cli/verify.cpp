@@ -60,8 +60,9 @@ void require_export(const std::string& directory) {
                                            kManifestName, fmt::join(below, ", ")));
 }
 
-/// Re-reads the export with the vehicle that its manifest names.
-VerifyReport verify(const std::string& directory, const std::string& vehicle_name) {
+}  // namespace
+
+VerifyReport verify_directory(const std::string& directory, const std::string& vehicle_name) {
   require_export(directory);
   const Manifest manifest = read_manifest(directory);
   try {
@@ -73,8 +74,6 @@ VerifyReport verify(const std::string& directory, const std::string& vehicle_nam
     return report;
   }
 }
-
-}  // namespace
 
 internal::Json to_json(const VerifyReport& report) {
   internal::Json checks = internal::Json::array();
@@ -106,7 +105,7 @@ Verb verify_verb() {
             return [options](Context& context) {
               if (options->directory.empty())
                 throw UsageError("quadtune verify: expected an export's directory", "DIR");
-              const VerifyReport report = verify(options->directory, options->vehicle);
+              const VerifyReport report = verify_directory(options->directory, options->vehicle);
               if (context.json)
                 context.out << internal::readable(to_json(report)) << "\n";
               else

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A verification as text and JSON, for `verify` and `design`.
+/// An export read back, and what came out as text and JSON: for `verify`, `design` and `certify`.
 #pragma once
 
 #include <string>
@@ -8,6 +8,12 @@
 #include "quadtune/internal/json.hpp"
 
 namespace quadtune::cli {
+
+/// Re-reads the export with the vehicle that its manifest names.
+/// @param vehicle  another vehicle or its file; empty: that of the manifest
+/// @throws FileError, InvalidInput  for what is no export, or a vehicle that is not built in
+[[nodiscard]] VerifyReport verify_directory(const std::string& directory,
+                                            const std::string& vehicle);
 
 [[nodiscard]] internal::Json to_json(const VerifyReport& report);
 [[nodiscard]] std::string to_text(const VerifyReport& report);

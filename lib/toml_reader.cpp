@@ -71,6 +71,12 @@ std::string TomlTable::at(const TomlNode& node) const {
   return fmt::format("{}:{}", origin_, node.line);
 }
 
+std::vector<std::string> TomlTable::keys() const {
+  std::vector<std::string> all;
+  for (const TomlNode::Entry& entry : node_->table) all.push_back(entry.key);
+  return all;
+}
+
 std::string TomlTable::where(const std::string& key) const {
   for (const TomlNode::Entry& entry : node_->table)
     if (entry.key == key) return fmt::format("{}:{}", origin_, entry.line);

@@ -83,9 +83,11 @@
     const host = el('div', {class: 'cells'});
     const designs = [...new Set(data.cases.map((c) => c.design))];
     main.append(section('distributions', 'How the figures are spread',
-      el('p', {class: 'hint'}, 'Share of the flights below a value in %. Dashes: the mission\u2019s limit.',
-         designs.length > 1
-           ? designs.map((d, i) => el('span', {class: `key key-${i % 6 + 1}`}, isolated(d))) : null), host));
+      el('p', {class: 'hint'}, 'Share of the flights below a value in %. Dashes: the mission\u2019s limit.'),
+      designs.length > 1
+        ? el('div', {class: 'keys'},
+             designs.map((d, i) => el('span', {class: `key key-${i % 6 + 1}`}, isolated(d)))) : null,
+      host));
     for (const d of data.distributions)
       Cells.distribution(host, [isolated(d.label), d.unit ? el('span', {class: 'unit'}, ' [', isolated(d.unit), ']') : null,
                                 data.cases.some((c) => c.mission !== d.mission)

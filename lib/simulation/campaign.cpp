@@ -3,8 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "campaign_records.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/in_parallel.hpp"
 
 namespace quadtune {
 namespace {
@@ -42,6 +45,22 @@ void validate(const Campaign& campaign, const std::string& where) {
       throw InvalidInput(where, fmt::format("{} in {}: {}", of.design, of.mission, error.what()));
     }
   }
+}
+
+Eigen::MatrixXd all_draws(const Campaign& campaign, std::size_t threads) {
+  constexpr std::uint32_t kAtOnce = 4096;
+  Eigen::MatrixXd drawn(static_cast<Eigen::Index>(campaign.uncertainty.numbers.size()),
+                        static_cast<Eigen::Index>(campaign.flights));
+  const auto worker = [&](std::size_t part) {
+    const std::uint64_t begin = std::uint64_t{part} * kAtOnce;
+    const std::uint64_t end = std::min<std::uint64_t>(begin + kAtOnce, campaign.flights);
+    for (std::uint64_t flight = begin; flight < end; ++flight)
+      drawn.col(static_cast<Eigen::Index>(flight)) =
+          draw(campaign.uncertainty, campaign.seed, static_cast<std::uint32_t>(flight));
+  };
+  internal::in_parallel((std::size_t{campaign.flights} + kAtOnce - 1) / kAtOnce,
+                        internal::thread_count(threads), [&] { return worker; }, {});
+  return drawn;
 }
 
 CampaignRecord record_of(std::uint64_t number, const FlightSetup& setup,

@@ -19,7 +19,7 @@ inline constexpr std::size_t kRecordHeaderSize = 64;
 
 /// What a file of records says of itself.
 struct RecordHeader {
-  std::string plan;  ///< SHA-256 of the plan, of which 32 digits are kept
+  std::string plan;  ///< the first 24 digits of its SHA-256
   std::uint32_t shard = 0;
   std::uint32_t shards = 0;
   std::uint64_t first = 0;  ///< number of the first record

@@ -8,8 +8,14 @@
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "quadtune/internal/in_parallel.hpp"
 
 namespace quadtune {
 namespace {
@@ -20,16 +26,29 @@ constexpr double kTail = 0.025;
 constexpr double kQuantile = 1.959963984540054;  // of the normal distribution at 1 - kTail
 constexpr std::size_t kWorst = 5;
 
-/// Ranks from 1, ties at their mean.
-std::vector<double> ranks(std::span<const double> x) {
-  std::vector<std::size_t> order(x.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return x[a] < x[b]; });
-  std::vector<double> rank(x.size());
+/// A value and which of the sample it is.
+struct Placed {
+  double value;
+  std::uint32_t at;
+};
+
+/// In increasing order.
+std::vector<Placed> ordered(std::span<const double> x) {
+  std::vector<Placed> order(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) order[i] = {x[i], static_cast<std::uint32_t>(i)};
+  std::sort(order.begin(), order.end(),
+            [](const Placed& a, const Placed& b) { return a.value < b.value; });
+  return order;
+}
+
+/// Ranks from 1 of what is in order, ties at their mean.
+std::vector<double> ranks(std::span<const Placed> order) {
+  std::vector<double> rank(order.size());
   for (std::size_t i = 0; i < order.size();) {
     std::size_t end = i + 1;
-    while (end < order.size() && x[order[end]] == x[order[i]]) ++end;
-    for (std::size_t k = i; k < end; ++k) rank[order[k]] = 0.5 * static_cast<double>(i + 1 + end);
+    while (end < order.size() && order[end].value == order[i].value) ++end;
+    for (std::size_t k = i; k < end; ++k)
+      rank[order[k].at] = 0.5 * static_cast<double>(i + 1 + end);
     i = end;
   }
   return rank;
@@ -77,7 +96,10 @@ std::string end_of(const CampaignRecord& record) {
   return "safety exit: " + record.reason;
 }
 
-MetricSpread spread_of(Metric metric, std::vector<double> values) {
+/// @param values  in the order of the flights, for the sums
+/// @param order   the same, from the least to the greatest
+MetricSpread spread_of(Metric metric, std::span<const double> values,
+                       std::span<const Placed> order) {
   MetricSpread spread;
   spread.metric = metric;
   spread.flights = values.size();
@@ -86,13 +108,15 @@ MetricSpread spread_of(Metric metric, std::vector<double> values) {
   spread.mean = kInfinity;
   spread.deviation = kInfinity;
   if (finite) spread.mean = mean_of(values, spread.deviation).value;
-  std::sort(values.begin(), values.end());
-  spread.least = values.front();
-  spread.greatest = values.back();
-  spread.percentile_5 = quantile(values, 0.05);
-  spread.median = quantile(values, 0.5);
-  spread.percentile_95 = quantile(values, 0.95);
-  spread.percentile_99 = quantile(values, 0.99);
+  std::vector<double> sorted(order.size());
+  std::transform(order.begin(), order.end(), sorted.begin(),
+                 [](const Placed& p) { return p.value; });
+  spread.least = sorted.front();
+  spread.greatest = sorted.back();
+  spread.percentile_5 = quantile(sorted, 0.05);
+  spread.median = quantile(sorted, 0.5);
+  spread.percentile_95 = quantile(sorted, 0.95);
+  spread.percentile_99 = quantile(sorted, 0.99);
   return spread;
 }
 
@@ -110,18 +134,25 @@ class CaseView {
   std::size_t cases_, of_;
 };
 
-/// How far the worst of the limits was passed, as a share of it, and in words.
-std::pair<double, std::string> worst_limit(const FlightSetup& setup, const CampaignRecord& record) {
-  std::pair<double, std::string> worst{0, ""};
+/// The limit that is passed farthest, as a share of it, and by how much; none where all are 0.
+struct WorstLimit {
+  double share = 0;
+  const Limit* limit = nullptr;
+};
+WorstLimit worst_limit(const FlightSetup& setup, const CampaignRecord& record) {
+  WorstLimit worst;
   for (const Limit& limit : setup.mission.limits) {
     const double value = record.metrics[limit.metric];
     const double share = std::isnan(value) ? kInfinity : value / limit.most;
-    if (!(share > worst.first)) continue;
-    const std::string unit = unit_of(limit.metric) == "1" ? "" : " " + unit_of(limit.metric);
-    worst = {share, fmt::format("{} {:.3g}{} of {:.3g}{}", name_of(limit.metric), value, unit,
-                                limit.most, unit)};
+    if (share > worst.share) worst = {share, &limit};
   }
   return worst;
+}
+
+std::string words_of(const Limit& limit, const CampaignRecord& record) {
+  const std::string unit = unit_of(limit.metric) == "1" ? "" : " " + unit_of(limit.metric);
+  return fmt::format("{} {:.3g}{} of {:.3g}{}", name_of(limit.metric), record.metrics[limit.metric],
+                     unit, limit.most, unit);
 }
 
 std::vector<WorstFlight> worst_of(const FlightSetup& setup, const CaseView& view) {
@@ -130,18 +161,15 @@ std::vector<WorstFlight> worst_of(const FlightSetup& setup, const CaseView& view
     int kind;
     double size;
     std::size_t draw;
-    std::string why;
+    const Limit* limit;
   };
   std::vector<Rank> all;
   for (std::size_t draw = 0; draw < view.size(); ++draw) {
     const CampaignRecord& record = view[draw];
-    if (record.end != FlightEnd::completed) {
-      all.push_back({0, record.end_time, draw,
-                     fmt::format("{} at {:.3g} s", end_of(record), record.end_time)});
-    } else {
-      auto [share, why] = worst_limit(setup, record);
-      if (!why.empty()) all.push_back({1, -share, draw, std::move(why)});
-    }
+    if (record.end != FlightEnd::completed)
+      all.push_back({0, record.end_time, draw, nullptr});
+    else if (const WorstLimit worst = worst_limit(setup, record); worst.limit != nullptr)
+      all.push_back({1, -worst.share, draw, worst.limit});
   }
   const std::size_t count = std::min(kWorst, all.size());
   std::partial_sort(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), all.end(),
@@ -149,67 +177,109 @@ std::vector<WorstFlight> worst_of(const FlightSetup& setup, const CaseView& view
                       return std::tie(a.kind, a.size, a.draw) < std::tie(b.kind, b.size, b.draw);
                     });
   std::vector<WorstFlight> worst;
-  for (std::size_t i = 0; i < count; ++i) worst.push_back({view[all[i].draw].number, all[i].why});
+  for (std::size_t i = 0; i < count; ++i) {
+    const CampaignRecord& record = view[all[i].draw];
+    worst.push_back(
+        {record.number, all[i].limit != nullptr
+                            ? words_of(*all[i].limit, record)
+                            : fmt::format("{} at {:.3g} s", end_of(record), record.end_time)});
+  }
   return worst;
 }
 
-/// What was drawn, as ranks, quantity by quantity.
-std::vector<std::vector<double>> drawn_ranks(const Campaign& campaign) {
-  std::vector<std::vector<double>> drawn(campaign.uncertainty.numbers.size(),
-                                         std::vector<double>(campaign.flights));
-  for (std::uint32_t flight = 0; flight < campaign.flights; ++flight) {
-    const Eigen::VectorXd now = draw(campaign.uncertainty, campaign.seed, flight);
-    for (std::size_t i = 0; i < drawn.size(); ++i)
-      drawn[i][flight] = now(static_cast<Eigen::Index>(i));
-  }
-  for (std::vector<double>& values : drawn) values = ranks(values);
-  return drawn;
+/// What was drawn of one quantity.
+struct DrawnRanks {
+  std::vector<double> rank;          ///< flight by flight
+  std::vector<std::uint32_t> order;  ///< flights, from the least to the greatest
+};
+
+/// Ranks among the chosen flights alone: those among all are in the same order, but not evenly
+/// spaced.
+/// @param place  of each flight among the chosen; kNotChosen elsewhere
+constexpr std::uint32_t kNotChosen = 0xffffffff;
+std::vector<double> ranks_among(const DrawnRanks& drawn, std::span<const std::uint32_t> place,
+                                std::size_t chosen) {
+  std::vector<Placed> order;
+  order.reserve(chosen);
+  for (const std::uint32_t flight : drawn.order)
+    if (place[flight] != kNotChosen) order.push_back({drawn.rank[flight], place[flight]});
+  return ranks(order);
 }
 
-/// Correlations of one figure with all that was drawn, over the flights that have the figure.
-void add_sensitivities(const Campaign& campaign, const std::vector<std::vector<double>>& drawn,
-                       const std::string& figure, const std::vector<double>& values,
-                       std::vector<Sensitivity>& result) {
-  std::vector<std::size_t> chosen;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (!std::isnan(values[i])) chosen.push_back(i);
-  std::vector<double> of_figure, x(chosen.size());
-  for (const std::size_t i : chosen) of_figure.push_back(values[i]);
-  of_figure = ranks(of_figure);
+/// One figure of one case: "failure" or a metric.
+struct Figure {
+  std::string name;
+  std::vector<double> values = {};          ///< of the flights that have it, in their order
+  std::vector<std::uint32_t> flights = {};  ///< which these are
+  std::vector<Placed> order = {};           ///< of the values
+};
+
+/// Correlations of a figure with all that was drawn, over the flights that have the figure.
+std::vector<Sensitivity> sensitivities_of(const Campaign& campaign,
+                                          const std::vector<DrawnRanks>& drawn,
+                                          const Figure& figure) {
+  const std::size_t chosen = figure.values.size();
+  const std::vector<double> of_figure = ranks(figure.order);
+  const bool all = chosen == campaign.flights;
+  std::vector<std::uint32_t> place;
+  if (!all) {
+    place.assign(campaign.flights, kNotChosen);
+    for (std::size_t i = 0; i < chosen; ++i)
+      place[figure.flights[i]] = static_cast<std::uint32_t>(i);
+  }
+  std::vector<Sensitivity> result;
   for (std::size_t q = 0; q < drawn.size(); ++q) {
-    for (std::size_t i = 0; i < chosen.size(); ++i) x[i] = drawn[q][chosen[i]];
-    // Ranks among all order as ranks among the chosen, but are not evenly spaced.
-    const std::vector<double> own = chosen.size() == values.size() ? x : ranks(x);
-    const Estimated r = with_interval(correlation(own, of_figure), chosen.size());
-    if (!std::isnan(r.value))
-      result.push_back({campaign.uncertainty.numbers[q].quantity, figure, r});
+    const double r = all ? correlation(drawn[q].rank, of_figure)
+                         : correlation(ranks_among(drawn[q], place, chosen), of_figure);
+    const Estimated estimated = with_interval(r, chosen);
+    if (!std::isnan(estimated.value))
+      result.push_back({campaign.uncertainty.numbers[q].quantity, figure.name, estimated});
   }
+  return result;
 }
 
+/// What one figure adds to a case.
+struct FigureStatistics {
+  std::optional<MetricSpread> spread;
+  std::vector<Sensitivity> sensitivities;
+};
+
+/// @param index  0: "failure"; m + 1: the metric m
+FigureStatistics figure_statistics(const Campaign& campaign, const CaseView& view,
+                                   const std::vector<DrawnRanks>& drawn, std::size_t index) {
+  const auto metric = static_cast<Metric>(index - 1);
+  Figure figure{index == 0 ? "failure" : name_of(metric)};
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    const double passed = view[i].passed ? 0 : 1;
+    const double value = index == 0 ? passed : view[i].metrics[metric];
+    if (std::isnan(value)) continue;
+    figure.values.push_back(value);
+    figure.flights.push_back(static_cast<std::uint32_t>(i));
+  }
+  FigureStatistics result;
+  if (figure.values.empty()) return result;
+  figure.order = ordered(figure.values);
+  if (index > 0) result.spread = spread_of(metric, figure.values, figure.order);
+  result.sensitivities = sensitivities_of(campaign, drawn, figure);
+  return result;
+}
+
+/// @param figures  of the case, "failure" first
 CaseStatistics statistics_of(const Campaign& campaign, std::size_t of, const CaseView& view,
-                             const std::vector<std::vector<double>>& drawn) {
+                             std::span<FigureStatistics> figures) {
   CaseStatistics statistics;
   statistics.design = campaign.cases[of].design;
   statistics.mission = campaign.cases[of].mission;
   statistics.flights = view.size();
-  std::vector<double> failed(view.size());
   for (std::size_t i = 0; i < view.size(); ++i) {
     if (view[i].passed) ++statistics.passed;
-    failed[i] = view[i].passed ? 0 : 1;
     ++statistics.ends[end_of(view[i])];
   }
   statistics.success = success_rate(statistics.passed, statistics.flights);
-  add_sensitivities(campaign, drawn, "failure", failed, statistics.sensitivities);
-  for (std::size_t m = 0; m < kMetrics; ++m) {
-    const auto metric = static_cast<Metric>(m);
-    std::vector<double> values(view.size()), known;
-    for (std::size_t i = 0; i < view.size(); ++i) {
-      values[i] = view[i].metrics[metric];
-      if (!std::isnan(values[i])) known.push_back(values[i]);
-    }
-    if (known.empty()) continue;
-    statistics.metrics.push_back(spread_of(metric, std::move(known)));
-    add_sensitivities(campaign, drawn, name_of(metric), values, statistics.sensitivities);
+  for (FigureStatistics& figure : figures) {
+    if (figure.spread) statistics.metrics.push_back(*figure.spread);
+    std::move(figure.sensitivities.begin(), figure.sensitivities.end(),
+              std::back_inserter(statistics.sensitivities));
   }
   std::stable_sort(statistics.sensitivities.begin(), statistics.sensitivities.end(),
                    [](const Sensitivity& a, const Sensitivity& b) {
@@ -279,17 +349,37 @@ Estimated quantile(std::span<const double> sorted, double q) {
 }
 
 Estimated rank_correlation(std::span<const double> x, std::span<const double> y) {
-  const std::vector<double> a = ranks(x), b = ranks(y);
+  const std::vector<double> a = ranks(ordered(x)), b = ranks(ordered(y));
   return with_interval(x.size() < 4 ? kNaN : correlation(a, b), x.size());
 }
 
-CampaignStatistics campaign_statistics(const Campaign& campaign,
-                                       std::span<const CampaignRecord> records) {
-  const std::vector<std::vector<double>> drawn = drawn_ranks(campaign);
-  CampaignStatistics statistics;
+CampaignStatistics campaign_statistics(const Campaign& campaign, const Eigen::MatrixXd& drawn,
+                                       std::span<const CampaignRecord> records,
+                                       std::size_t threads) {
+  constexpr std::size_t kMostThreads = 8;
+  threads = std::min(internal::thread_count(threads), kMostThreads);
+  std::vector<DrawnRanks> quantities(static_cast<std::size_t>(drawn.rows()));
+  const auto rank_quantity = [&](std::size_t q) {
+    const Eigen::VectorXd values = drawn.row(static_cast<Eigen::Index>(q));
+    const std::vector<Placed> order = ordered({values.data(), campaign.flights});
+    quantities[q].rank = ranks(order);
+    for (const Placed& placed : order) quantities[q].order.push_back(placed.at);
+  };
+  internal::in_parallel(quantities.size(), threads, [&] { return rank_quantity; }, {});
+
   const std::size_t cases = campaign.cases.size();
+  constexpr std::size_t kFigures = kMetrics + 1;
+  std::vector<FigureStatistics> figures(cases * kFigures);
+  const auto work_out = [&](std::size_t part) {
+    figures[part] = figure_statistics(campaign, CaseView(records, cases, part / kFigures),
+                                      quantities, part % kFigures);
+  };
+  internal::in_parallel(figures.size(), threads, [&] { return work_out; }, {});
+
+  CampaignStatistics statistics;
   for (std::size_t c = 0; c < cases; ++c)
-    statistics.cases.push_back(statistics_of(campaign, c, CaseView(records, cases, c), drawn));
+    statistics.cases.push_back(statistics_of(campaign, c, CaseView(records, cases, c),
+                                             std::span(figures).subspan(c * kFigures, kFigures)));
   for (std::size_t a = 0; a < cases; ++a)
     for (std::size_t b = a + 1; b < cases; ++b)
       if (campaign.cases[a].mission == campaign.cases[b].mission)

@@ -172,7 +172,7 @@ std::vector<std::string> campaign_columns(const Campaign& campaign) {
 }
 
 void write_campaign_csv(const fs::path& target, const Campaign& campaign,
-                        std::span<const CampaignRecord> records,
+                        const Eigen::MatrixXd& drawn, std::span<const CampaignRecord> records,
                         const std::function<bool()>& interrupted) {
   Beside beside(target);
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(
@@ -189,16 +189,14 @@ void write_campaign_csv(const fs::path& target, const Campaign& campaign,
     if (std::fwrite(text.data(), 1, text.size(), file.get()) != text.size()) failed();
     text.clear();
   };
-  Eigen::VectorXd drawn;
   for (std::size_t i = 0; i < records.size(); ++i) {
     ask(interrupted, i);
     const CampaignRecord& record = records[i];
     const CampaignCase& of = campaign.cases[i % campaign.cases.size()];
-    const auto flight = static_cast<std::uint32_t>(i / campaign.cases.size());
-    if (i % campaign.cases.size() == 0) drawn = draw(campaign.uncertainty, campaign.seed, flight);
+    const auto flight = static_cast<Eigen::Index>(i / campaign.cases.size());
     fmt::format_to(std::back_inserter(text), "{},{},{},{}", record.number, flight, of.design,
                    of.mission);
-    for (const double x : drawn) put(x);
+    for (const double x : drawn.col(flight)) put(x);
     fmt::format_to(std::back_inserter(text), ",{},{},{}", record.passed ? 1 : 0,
                    words_of(record.end), record.reason);
     put(record.end_time);
@@ -212,11 +210,14 @@ void write_campaign_csv(const fs::path& target, const Campaign& campaign,
 }
 
 void write_campaign_database(const fs::path& target, const Campaign& campaign,
-                             std::span<const CampaignRecord> records,
+                             const Eigen::MatrixXd& drawn, std::span<const CampaignRecord> records,
                              const std::function<bool()>& interrupted) {
   Beside beside(target);
   sqlite3* opened = nullptr;
-  const int status = sqlite3_open(beside.path().c_str(), &opened);
+  // Nobody else has it, so nothing is locked.
+  const int status =
+      sqlite3_open_v2(beside.path().c_str(), &opened,
+                      SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
   const Database database(opened);
   if (status != SQLITE_OK) fail(beside, opened);
   // A file that is thrown away where anything fails needs no journal.
@@ -229,18 +230,16 @@ void write_campaign_database(const fs::path& target, const Campaign& campaign,
     const Statement insert =
         prepare(beside, opened, "INSERT INTO flights VALUES (" + questions(columns) + ")");
     Row row(beside, opened, insert.get());
-    Eigen::VectorXd drawn;
     for (std::size_t i = 0; i < records.size(); ++i) {
       ask(interrupted, i);
       const CampaignRecord& record = records[i];
       const CampaignCase& of = campaign.cases[i % campaign.cases.size()];
-      const auto flight = static_cast<std::uint32_t>(i / campaign.cases.size());
-      if (i % campaign.cases.size() == 0) drawn = draw(campaign.uncertainty, campaign.seed, flight);
+      const auto flight = static_cast<Eigen::Index>(i / campaign.cases.size());
       row.put(static_cast<std::int64_t>(record.number));
-      row.put(std::int64_t{flight});
+      row.put(static_cast<std::int64_t>(flight));
       row.put(of.design);
       row.put(of.mission);
-      for (const double x : drawn) row.put(x);
+      for (const double x : drawn.col(flight)) row.put(x);
       row.put(std::int64_t{record.passed});
       row.put(words_of(record.end));
       row.put(record.reason);

@@ -272,6 +272,10 @@ TEST_F(Campaign, RefusesBadFiles) {
               HasSubstr("a second design has the name 'a'"));
   EXPECT_THAT(refusal(with("[[mission]]\nmission = \"hover\"\nduration_s = 1\n", "")),
               HasSubstr("there is no [[mission]], expected one or more to fly"));
+  EXPECT_THAT(refusal(with("gains = \"published\"", "gains = \"my,gains.json\"")),
+              HasSubstr("gains 'my,gains.json' give the design no name"));
+  EXPECT_THAT(refusal(with("gains = \"published\"", "gains = \"gains/\"")),
+              HasSubstr("gains 'gains/' give the design no name"));
   EXPECT_THAT(refusal(with("quantity = \"gyroscope_noise\"", "quantity = \"gps_noise\"")),
               HasSubstr("published in hover: gps_noise: the vehicle 'mambo' has nothing that it "
                         "changes"));

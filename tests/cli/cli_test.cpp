@@ -128,13 +128,14 @@ TEST(Help, TellsScriptsTheSameAsPeople) {
 }
 
 TEST(Help, OfAFirstWordIsThatOfAllItsKinds) {
-  const std::string both = run_program({"help", "tune"}).out;
-  EXPECT_EQ(both, run_program({"help", "tune", "kalman"}).out + "\n" +
-                      run_program({"help", "tune", "lqr"}).out);
-  EXPECT_EQ(run_program({"tune", "--help"}).out, both);
-  EXPECT_EQ(json_of({"help", "tune"})["commands"].size(), 2u);
+  const std::string all = run_program({"help", "tune"}).out;
+  EXPECT_EQ(all, run_program({"help", "tune", "kalman"}).out + "\n" +
+                     run_program({"help", "tune", "pid"}).out + "\n" +
+                     run_program({"help", "tune", "lqr"}).out);
+  EXPECT_EQ(run_program({"tune", "--help"}).out, all);
+  EXPECT_EQ(json_of({"help", "tune"})["commands"].size(), 3u);
   EXPECT_THAT(run_program({"tune"}).err,
-              HasSubstr("quadtune tune: a word is missing, expected kalman or lqr"));
+              HasSubstr("quadtune tune: a word is missing, expected kalman or pid or lqr"));
   EXPECT_THAT(run_program({"help", "tune", "lqrr"}).err,
               HasSubstr("no command 'tune lqrr'; did you mean 'tune lqr'?"));
 }

@@ -219,7 +219,7 @@ TEST_F(MatchGainsVerb, RefusesInOneLine) {
     more.insert(more.begin(), {"tune", "lqr", "uquad", "--match-gains", kDesign});
     return more;
   };
-  refused({"tune", "lqr", "uquad"}, 2, "quadtune tune lqr: --match-gains is missing, expected");
+  refused({"tune", "lqr", "uquad"}, 2, "quadtune tune lqr: expected --mission NAME or --requirements FILE");
   refused({"tune", "lqr", "--match-gains", kDesign}, 2, "quadtune tune lqr: expected a vehicle");
   refused({"tune", "lqr", "uquad", "--match-gains", "no.json"}, 5, "no.json: No such file");
   refused({"tune", "lqr", "mambo", "--match-gains", kDesign}, 3,

@@ -140,7 +140,7 @@ TEST(CampaignStatistics, FindsWhatFlightsDependOn) {
       records.push_back(record);
     }
   }
-  const CampaignStatistics statistics = campaign_statistics(campaign, records);
+  const CampaignStatistics statistics = campaign_statistics(campaign, all_draws(campaign), records);
   ASSERT_EQ(statistics.cases.size(), 2);
   const CaseStatistics& one = statistics.cases[0];
   EXPECT_EQ(one.flights, 400);

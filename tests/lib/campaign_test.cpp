@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstring>
 #include <fstream>
 #include <random>
 #include <thread>
@@ -130,6 +131,56 @@ TEST(Campaign, AShardIsFlownOnceAndReadBackExactly) {
   expect_same(all_records(folder), fly_draws(campaign, 0, 10, 1));
   // Nothing but the three files is left.
   EXPECT_EQ(std::distance(fs::directory_iterator(directory.path()), {}), 3);
+}
+
+/// The checksum of zlib, bit by bit.
+std::uint32_t crc_32(const std::string& bytes) {
+  std::uint32_t crc = 0xffffffff;
+  for (const char byte : bytes) {
+    crc ^= static_cast<unsigned char>(byte);
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ ((crc & 1) != 0 ? 0xedb88320 : 0);
+  }
+  return ~crc;
+}
+
+// Byte by byte as docs/formats.md says, for those who read the files without quadtune.
+TEST(Campaign, RecordsLieAsTheFormatSays) {
+  const Campaign campaign = small_campaign(6);
+  const TemporaryDirectory directory;
+  CampaignFolder folder = folder_of(directory, campaign, 2);
+  folder.plan = "0123456789abcdefghijklmn" + std::string(40, '-');
+  (void)fly_shard(campaign, folder, 1, 1);
+  const std::string bytes = directory.read("00001.flights");
+  ASSERT_EQ(bytes.size(), 64 + 6 * 224);
+  const auto at = [&]<class T>(std::size_t place, T value) {
+    std::memcpy(&value, bytes.data() + place, sizeof value);
+    return value;
+  };
+  constexpr std::uint16_t u16 = 0;
+  constexpr std::uint32_t u32 = 0;
+  constexpr std::uint64_t u64 = 0;
+  EXPECT_EQ(at(0, u32), crc_32(bytes.substr(4, 60)));
+  EXPECT_EQ(at(4, u32), 1);
+  EXPECT_EQ(bytes.substr(8, 8), "qtflight");
+  EXPECT_EQ(at(16, u32), 1);
+  EXPECT_EQ(at(20, u32), 2);
+  EXPECT_EQ(at(24, u64), 6);
+  EXPECT_EQ(at(32, u64), 6);
+  EXPECT_EQ(bytes.substr(40, 24), "0123456789abcdefghijklmn");
+  const std::vector<CampaignRecord> records = read_shard(folder, 1);
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    const std::size_t begin = 64 + 224 * k;
+    EXPECT_EQ(at(begin, u32), crc_32(bytes.substr(begin + 4, 220)));
+    EXPECT_EQ(at(begin + 4, u16), static_cast<std::uint16_t>(records[k].end));
+    EXPECT_EQ(at(begin + 6, u16), records[k].passed ? 1 : 0);
+    EXPECT_EQ(at(begin + 8, u64), 6 + k);
+    EXPECT_TRUE(same_bits(at(begin + 16, 0.0), records[k].end_time));
+    ASSERT_EQ(kMetrics, 19);
+    for (std::size_t m = 0; m < kMetrics; ++m)
+      EXPECT_TRUE(same_bits(at(begin + 24 + 8 * m, 0.0), records[k].metrics.value[m]));
+    EXPECT_EQ(bytes.substr(begin + 176, 48),
+              records[k].reason + std::string(48 - records[k].reason.size(), '\0'));
+  }
 }
 
 // Workers are killed at any time; their flights count once.

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quadtune/simulation/uncertainty.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 
 #include "designed_mambo.hpp"
+#include "golden.hpp"
 #include "matrix_near.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/uncertainty_reader.hpp"
@@ -164,6 +169,70 @@ TEST(Uncertainty, EveryQuantityChangesWhatItSays) {
             setup.vehicle.sensors.flow->faults.delay + 0.02);
   EXPECT_EQ(applied("gps_dropout", 0.2).flown->sensors.gps->position.dropout, 0.2);
   EXPECT_DOUBLE_EQ(applied("battery_voltage", 0.9).flown->battery->full_voltage, 0.9 * 4.2);
+}
+
+const char* word_of(QuantityKind kind) {
+  return kind == QuantityKind::ratio      ? "ratio"
+         : kind == QuantityKind::addition ? "addition"
+                                          : "value";
+}
+
+/// Texts that differ in one place alone, as one: "wind towards north, east, down".
+std::string together(const std::vector<std::string>& texts) {
+  const std::string& first = texts.front();
+  const std::string& last = texts.back();
+  const auto n = static_cast<std::ptrdiff_t>(std::min(first.size(), last.size()));
+  const auto begin = std::mismatch(first.begin(), first.begin() + n, last.begin()).first;
+  const auto end =
+      std::mismatch(first.rbegin(), first.rbegin() + (n - (begin - first.begin())), last.rbegin())
+          .first;
+  const auto before = static_cast<std::size_t>(begin - first.begin());
+  const auto after = static_cast<std::size_t>(end - first.rbegin());
+  std::string parts;
+  for (const std::string& text : texts)
+    parts += (parts.empty() ? "" : ", ") + text.substr(before, text.size() - before - after);
+  return first.substr(0, before) + parts + first.substr(first.size() - after);
+}
+
+/// Rows of the documentation: what differs by the axis or the rotor alone shares one.
+std::string quantity_rows() {
+  const std::vector<UncertainQuantity>& all = uncertain_quantities();
+  const auto stem = [](const UncertainQuantity& q) {
+    return q.name.substr(0, q.name.find_last_of('_'));
+  };
+  std::string text;
+  for (std::size_t i = 0; i < all.size();) {
+    std::size_t end = i + 1;
+    while (end < all.size() && all[i].name.find('_') != std::string::npos &&
+           stem(all[end]) == stem(all[i]) && all[end].unit == all[i].unit &&
+           all[end].kind == all[i].kind && all[end].greatest == all[i].greatest &&
+           all[end].meaning.substr(0, 8) == all[i].meaning.substr(0, 8))
+      ++end;
+    std::vector<std::string> names, meanings;
+    for (std::size_t k = i; k < end; ++k) {
+      names.push_back("`" + all[k].name + "`");
+      meanings.push_back(all[k].meaning);
+    }
+    text += fmt::format("| {} | {} | {} | {:g} | {:g} | {} |\n", fmt::join(names, ", "),
+                        all[i].unit, word_of(all[i].kind), all[i].least, all[i].greatest,
+                        end - i == 1 ? all[i].meaning : together(meanings));
+    i = end;
+  }
+  return text;
+}
+
+TEST(Uncertainty, DocumentationListsEveryQuantity) {
+  const std::string name = "docs/formats.md";
+  std::ifstream file(std::filesystem::path(QUADTUNE_SOURCE_DIR) / name);
+  const std::string stands(std::istreambuf_iterator<char>(file), {});
+  const std::string head =
+      "| quantity | unit | kind | from | to | what |\n|---|---|---|---:|---:|---|\n";
+  const std::size_t begin = stands.find(head),
+                    end = stands.find("<!-- end of what the test writes");
+  ASSERT_NE(begin, std::string::npos);
+  ASSERT_NE(end, std::string::npos);
+  EXPECT_TRUE(testing::matches_document(
+      name, stands.substr(0, begin + head.size()) + quantity_rows() + "\n" + stands.substr(end)));
 }
 
 TEST(Uncertainty, RefusesWhatTheVehicleLacks) {

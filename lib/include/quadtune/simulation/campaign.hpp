@@ -2,6 +2,7 @@
 /// Many flights of the same designs and missions, each with its own draw of what is uncertain.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -42,6 +43,11 @@ struct Campaign {
 /// Checks that the campaign can be flown, its first flight in every case.
 /// @throws InvalidInput  naming the case and what is wrong
 void validate(const Campaign& campaign, const std::string& where);
+
+/// What is drawn, of every flight: a column each, as draw() gives it.
+/// @param threads  as fly_all()
+/// @return         (quantities × flights)
+[[nodiscard]] Eigen::MatrixXd all_draws(const Campaign& campaign, std::size_t threads = 0);
 
 /// What is kept of a flight.
 struct CampaignRecord {

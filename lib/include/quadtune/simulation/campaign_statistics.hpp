@@ -3,6 +3,7 @@
 /// on, which design is better. Every figure has an interval of 95 %.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -87,8 +88,12 @@ struct CampaignStatistics {
   std::vector<CaseComparison> comparisons;
 };
 
+/// @param drawn    all_draws() of the campaign
 /// @param records  all of the campaign, in order
+/// @param threads  as fly_all(), but no more than a few, as each holds a figure of all flights
 [[nodiscard]] CampaignStatistics campaign_statistics(const Campaign& campaign,
-                                                     std::span<const CampaignRecord> records);
+                                                     const Eigen::MatrixXd& drawn,
+                                                     std::span<const CampaignRecord> records,
+                                                     std::size_t threads = 0);
 
 }  // namespace quadtune

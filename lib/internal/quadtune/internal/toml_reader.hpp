@@ -77,6 +77,8 @@ class TomlTable {
   void allow(const std::vector<TomlKey>& known) const;
 
   [[nodiscard]] bool has(const std::string& key) const { return find(key) != nullptr; }
+  /// All of them, in the order of the file.
+  [[nodiscard]] std::vector<std::string> keys() const;
 
   /// "file:line" of the key, or of the table when it has no such key or none is named.
   [[nodiscard]] std::string where(const std::string& key = "") const;

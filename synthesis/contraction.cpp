@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "contraction.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "lapack.hpp"
+#include "schur_lyapunov.hpp"
+
+namespace quadtune::internal {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Coordinates z = Y x; X is Y⁻¹ up to rounding.
+struct Coordinates {
+  MatrixXd Y;
+  MatrixXd X;
+};
+
+/// The corners of a box, and which two differ in one coordinate alone.
+struct Corners {
+  std::vector<Index> free;        ///< coordinates with a width: numbers, then `ahead`
+  std::vector<Enclosure> values;  ///< bit b of an index: upper end of free[b]
+};
+
+Corners corners_of(const UncertainLoop& loop, const EnclosedBox& box) {
+  Corners corners;
+  const Index count = box.low.size();
+  for (Index i = 0; i < count; ++i)
+    if (box.high(i) > box.low(i)) corners.free.push_back(i);
+  if (box.past > 0 && box.ahead_high > box.ahead_low) corners.free.push_back(count);
+  for (std::size_t index = 0; index < (std::size_t{1} << corners.free.size()); ++index) {
+    VectorXd numbers = box.low;
+    double ahead = box.ahead_low;
+    for (std::size_t b = 0; b < corners.free.size(); ++b) {
+      if ((index >> b & 1) == 0) continue;
+      if (corners.free[b] == count)
+        ahead = box.ahead_high;
+      else
+        numbers(corners.free[b]) = box.high(corners.free[b]);
+    }
+    corners.values.push_back(enclosed_loop(loop, numbers, ahead, box.past));
+  }
+  return corners;
+}
+
+/// Eigenvalues of M with eigenvectors as columns, real and imaginary part of a pair one after the
+/// other, in units in which rows and columns of M are alike.
+struct Modes {
+  Eigen::VectorXcd values;
+  MatrixXd vectors;
+  VectorXd scale;  ///< of the units
+  double radius = std::numeric_limits<double>::infinity();
+};
+
+Modes modes_of(const MatrixXd& M) {
+  const auto n = static_cast<lapack_int>(M.rows());
+  MatrixXd balanced = M;
+  Modes modes;
+  modes.scale.resize(n);
+  modes.vectors.resize(n, n);
+  VectorXd real(n);
+  VectorXd imaginary(n);
+  lapack_int low = 0;
+  lapack_int high = 0;
+  double unused = 0;
+  if (LAPACKE_dgebal(LAPACK_COL_MAJOR, 'S', n, balanced.data(), n, &low, &high,
+                     modes.scale.data()) != 0 ||
+      LAPACKE_dgeev(LAPACK_COL_MAJOR, 'N', 'V', n, balanced.data(), n, real.data(),
+                    imaginary.data(), &unused, 1, modes.vectors.data(), n) != 0)
+    return modes;
+  modes.values.resize(n);
+  modes.values.real() = real;
+  modes.values.imag() = imaginary;
+  modes.radius = modes.values.cwiseAbs().maxCoeff();
+  return modes;
+}
+
+/// Eigenvalues nearer to one another than `share` of their distance from the unit circle, and
+/// pairs.
+std::vector<std::vector<Index>> clusters(const Eigen::VectorXcd& values, double share) {
+  const Index n = values.size();
+  std::vector<std::vector<Index>> all;
+  std::vector<bool> taken(static_cast<std::size_t>(n), false);
+  for (Index i = 0; i < n; ++i) {
+    if (taken[static_cast<std::size_t>(i)]) continue;
+    taken[static_cast<std::size_t>(i)] = true;
+    std::vector<Index> cluster = {i};
+    for (std::size_t k = 0; k < cluster.size(); ++k)  // grows as it is gone through
+      for (Index j = 0; j < n; ++j) {
+        if (taken[static_cast<std::size_t>(j)]) continue;
+        const std::complex<double> a = values(cluster[k]);
+        const std::complex<double> b = values(j);
+        const double room = 1 - std::max(std::abs(a), std::abs(b));
+        if (a != std::conj(b) && !(std::abs(a - b) < share * room)) continue;
+        taken[static_cast<std::size_t>(j)] = true;
+        cluster.push_back(j);
+      }
+    std::sort(cluster.begin(), cluster.end());
+    all.push_back(std::move(cluster));
+  }
+  return all;
+}
+
+/// A basis of what a cluster's eigenvectors span, in which the loop contracts at nearly its largest
+/// eigenvalue: eigenvectors themselves where they are one or a pair, else from a Lyapunov equation.
+MatrixXd cluster_basis(const MatrixXd& M, const Modes& modes, const std::vector<Index>& cluster) {
+  const MatrixXd vectors = modes.vectors(Eigen::all, cluster);
+  if (cluster.size() == 1) return vectors;
+  if (cluster.size() == 2 && modes.values(cluster[0]).imag() != 0) return vectors;
+  const MatrixXd basis = Eigen::HouseholderQR<MatrixXd>(vectors).householderQ() *
+                         MatrixXd::Identity(vectors.rows(), vectors.cols());
+  const MatrixXd block = basis.transpose() * M * basis;
+  const double largest = modes.values(cluster).cwiseAbs().maxCoeff();
+  const double rate = largest + 0.3 * (1 - largest);
+  // (block/rate)ᵀ P (block/rate) - P + I = 0
+  const SchurLyapunov lyapunov(Time::discrete, block.transpose() / rate);
+  if (!lyapunov.ok()) return vectors;
+  const Eigen::LLT<MatrixXd> llt(lyapunov.solve(MatrixXd::Identity(block.rows(), block.cols())));
+  if (llt.info() != Eigen::Success) return vectors;
+  MatrixXd inverse = MatrixXd(llt.matrixU()).inverse();
+  inverse /= inverse.norm() / std::sqrt(static_cast<double>(block.rows()));
+  return basis * inverse;
+}
+
+std::optional<Coordinates> along(const MatrixXd& M, const Modes& modes, double share) {
+  const Index n = M.rows();
+  const MatrixXd balanced = modes.scale.cwiseInverse().asDiagonal() * M * modes.scale.asDiagonal();
+  MatrixXd vectors(n, n);
+  Index column = 0;
+  for (const std::vector<Index>& cluster : clusters(modes.values, share)) {
+    vectors.middleCols(column, std::ssize(cluster)) = cluster_basis(balanced, modes, cluster);
+    column += std::ssize(cluster);
+  }
+  vectors = (modes.scale.asDiagonal() * vectors).eval();
+  if (!vectors.allFinite()) return std::nullopt;
+  const Eigen::PartialPivLU<MatrixXd> lu(vectors);
+  Coordinates z{lu.inverse(), vectors};
+  if (!z.Y.allFinite()) return std::nullopt;
+  return z;
+}
+
+double largest_singular_value(const MatrixXd& N) {
+  const MatrixXd square = N.transpose() * N;
+  if (!square.allFinite()) return std::numeric_limits<double>::infinity();
+  const VectorXd values =
+      Eigen::SelfAdjointEigenSolver<MatrixXd>(square, Eigen::EigenvaluesOnly).eigenvalues();
+  return std::sqrt(std::max(0.0, values(values.size() - 1)));
+}
+
+std::vector<MatrixXd> seen_in(const Coordinates& z, const Corners& corners) {
+  std::vector<MatrixXd> seen;
+  seen.reserve(corners.values.size());
+  for (const Enclosure& value : corners.values) seen.push_back(z.Y * value.mid * z.X);
+  return seen;
+}
+
+VectorXd norms(const std::vector<MatrixXd>& seen) {
+  VectorXd values(std::ssize(seen));
+  for (Index i = 0; i < values.size(); ++i)
+    values(i) = largest_singular_value(seen[static_cast<std::size_t>(i)]);
+  return values;
+}
+
+/// Turns and stretches the coordinates against the directions that expand: of N = Y M X with the
+/// singular triples (u, σ, v), Y ← (I + E) Y changes σ by σ (uᵀ E u - vᵀ E v). Polyak's step down
+/// f = ½ Σ (σ - target)² over all corners and all σ beyond the target, whose least value is to be
+/// 0.
+/// @param least  the largest σ of the corners in z; of the result after
+Coordinates improved(Coordinates z, const Corners& corners, double target, double& least) {
+  constexpr int kSteps = 60;
+  Coordinates best = z;
+  const Index n = z.Y.rows();
+  for (int step = 0; step < kSteps && !(least < 1); ++step) {
+    MatrixXd slope = MatrixXd::Zero(n, n);
+    double f = 0;
+    double expansion = 0;
+    for (const MatrixXd& N : seen_in(z, corners)) {
+      const MatrixXd square = N.transpose() * N;
+      if (!square.allFinite()) return best;
+      const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(square);
+      for (Index k = 0; k < n; ++k) {
+        const double sigma = std::sqrt(std::max(0.0, eigen.eigenvalues()(k)));
+        expansion = std::max(expansion, sigma);
+        if (!(sigma > target)) continue;
+        const VectorXd v = eigen.eigenvectors().col(k);
+        const VectorXd u = N * v / sigma;
+        f += 0.5 * (sigma - target) * (sigma - target);
+        slope += (sigma - target) * sigma * (u * u.transpose() - v * v.transpose());
+      }
+    }
+    if (expansion < least) {
+      least = expansion;
+      best = z;
+    }
+    const double size = slope.norm();
+    if (!(size > 0) || !std::isfinite(size)) break;
+    const MatrixXd turn =
+        MatrixXd::Identity(n, n) - std::min(1.5 * f / (size * size), 0.4 / size) * slope;
+    z.Y = (turn * z.Y).eval();
+    z.X = (z.X * turn.inverse()).eval();
+  }
+  return best;
+}
+
+/// Of several ways to take nearby eigenvalues together, the one that contracts the corners best.
+std::optional<Coordinates> chosen(const MatrixXd& middle, const Modes& modes,
+                                  const Corners& corners) {
+  constexpr double kHopeless = 1.3;  // the box is too large for a step or two
+  std::optional<Coordinates> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double share : {0.0, 0.3, 1.0, 3.0}) {
+    std::optional<Coordinates> z = along(middle, modes, share);
+    if (!z) continue;
+    const double expansion = norms(seen_in(*z, corners)).maxCoeff();
+    if (!(expansion < least)) continue;
+    least = expansion;
+    best = std::move(z);
+    if (least < 1) return best;
+  }
+  if (best && least < kHopeless) best = improved(*best, corners, modes.radius, least);
+  return best;
+}
+
+/// Of the two corners of each pair, how far apart the loops are in these coordinates.
+Index widest(const Coordinates& z, const Corners& corners) {
+  const std::vector<MatrixXd> seen = seen_in(z, corners);
+  Index place = -1;
+  double most = -1;
+  for (std::size_t b = 0; b < corners.free.size(); ++b) {
+    double apart = 0;
+    for (std::size_t index = 0; index < seen.size(); ++index)
+      if ((index >> b & 1) == 0)
+        apart = std::max(apart, (seen[index | std::size_t{1} << b] - seen[index]).norm());
+    if (!(apart <= most)) {
+      most = apart;
+      place = corners.free[b];
+    }
+  }
+  return place;
+}
+
+/// The proof itself: everything before may be as wrong as it likes.
+void prove(const Coordinates& z, const Corners& corners, const MatrixXd& R, Contraction& result) {
+  const Index n = R.rows();
+  const Enclosure Y(z.Y);
+  const Enclosure X(z.X);
+  const Enclosure G = Y * X;  // nearly I
+  const MatrixXd off = (G - Enclosure(MatrixXd(MatrixXd::Identity(n, n)))).magnitude();
+  const double g = norm_bound(off);
+  if (!(g < 0.5)) return;
+  const Enclosure GG = G.transpose() * G;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Enclosure& value : corners.values) {
+    const Enclosure M(value.mid, bounded_above(value.rad + R));
+    const Enclosure H = Y * M * X;
+    // GᵀG - HᵀH = Xᵀ (YᵀY - MᵀYᵀYM) X ≥ c I also shows X, and with it Y, to be regular.
+    const double c = least_eigenvalue_bound(GG - H.transpose() * H);
+    if (!(c > 0)) return;
+    least = std::min(least, c);
+  }
+  // ‖Y M X ξ‖² ≤ ‖z‖² - c ‖ξ‖² with z = G ξ, ‖ξ‖ ≥ ‖z‖/(1 + g).
+  result.gap = least / (2 * (1 + g) * (1 + g)) * (1 - 1e-12);
+  result.condition =
+      bounded_above(norm_bound(z.Y.cwiseAbs()) * norm_bound(z.X.cwiseAbs()) / (1 - g));
+  result.proved = result.gap > 0 && std::isfinite(result.condition);
+}
+
+}  // namespace
+
+Contraction prove_contraction(const UncertainLoop& loop, const EnclosedBox& box) {
+  Contraction result;
+  const MatrixXd middle = enclosed_loop(loop, 0.5 * (box.low + box.high),
+                                        0.5 * (box.ahead_low + box.ahead_high), box.past)
+                              .mid;
+  const Corners corners = corners_of(loop, box);
+  if (!corners.free.empty()) result.widest = corners.free.back();
+  const Modes modes = modes_of(middle);
+  result.radius = modes.radius;
+  if (!(modes.radius < 1)) return result;
+  const std::optional<Coordinates> z = chosen(middle, modes, corners);
+  if (!z) return result;
+  prove(*z, corners, interpolation_error(loop, box), result);
+  if (!result.proved && !corners.free.empty()) result.widest = widest(*z, corners);
+  return result;
+}
+
+}  // namespace quadtune::internal

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/synthesis/robust_stability.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "contraction.hpp"
+#include "loop_parts.hpp"
+#include "quadtune/errors.hpp"
+
+namespace quadtune {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using internal::Contraction;
+using internal::EnclosedBox;
+using internal::LoopPart;
+
+constexpr Index kMostNumbers = 10;
+
+// A box narrower than this share of its bounds is not split again.
+constexpr double kNarrowest = 1e-9;
+
+/// What holds for all boxes of one part.
+struct PartEvidence {
+  double gap = std::numeric_limits<double>::infinity();
+  double condition = 1;
+};
+
+std::string name_of(const LoopPart& part) {
+  const std::string known = names(part.loop.plant.states);
+  return known.empty() ? fmt::format("{} states", part.states.size()) : known;
+}
+
+/// The widths of a box, the delay's last.
+bool can_split(const EnclosedBox& box, Index along) {
+  if (along < 0) return false;
+  const bool number = along < box.low.size();
+  const double low = number ? box.low(along) : box.ahead_low;
+  const double high = number ? box.high(along) : box.ahead_high;
+  return high - low > kNarrowest * std::max(std::abs(low), std::abs(high));
+}
+
+std::pair<EnclosedBox, EnclosedBox> halves(const EnclosedBox& box, Index along) {
+  std::pair<EnclosedBox, EnclosedBox> two{box, box};
+  if (along < box.low.size()) {
+    const double middle = 0.5 * (box.low(along) + box.high(along));
+    two.first.high(along) = two.second.low(along) = middle;
+  } else {
+    two.first.ahead_high = two.second.ahead_low = 0.5 * (box.ahead_low + box.ahead_high);
+  }
+  return two;
+}
+
+LoopBox in_delays(const EnclosedBox& box, double dt) {
+  const double longest = box.past * dt;
+  return {box.low, box.high, box.past == 0 ? 0 : std::max(0.0, longest - box.ahead_high),
+          box.past == 0 ? 0 : longest - box.ahead_low};
+}
+
+/// One proof: the budget and the evidence of all parts.
+class Proof {
+ public:
+  Proof(const UncertainLoop& loop, const StabilityProofOptions& options)
+      : loop_(loop), options_(options) {}
+
+  StabilityProof run(const LoopBox& box) {
+    result_.status = StabilityProofStatus::proved;
+    result_.gap = std::numeric_limits<double>::infinity();
+    std::vector<EnclosedBox> regions = internal::same_states(box, loop_.law.dt);
+    // Long delays first: what fails mostly fails there.
+    std::reverse(regions.begin(), regions.end());
+    for (const EnclosedBox& region : regions) {
+      std::vector<LoopPart> parts = internal::loop_parts(loop_, region);
+      name_parts(parts);
+      if (!region_is_proved(parts, region)) break;
+    }
+    return std::move(result_);
+  }
+
+ private:
+  void name_parts(const std::vector<LoopPart>& parts) {
+    result_.parts.clear();
+    for (const LoopPart& part : parts) result_.parts.push_back(name_of(part));
+  }
+
+  bool region_is_proved(const std::vector<LoopPart>& parts, const EnclosedBox& region) {
+    std::vector<PartEvidence> evidence(parts.size());
+    double gap = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (!part_is_proved(parts[i], region, evidence[i])) return false;
+      gap = std::min(gap, evidence[i].gap);
+    }
+    const double coupled = coupling(parts, evidence, region);
+    if (!(coupled < gap)) return merged_is_proved(parts, region, coupled, gap);
+    result_.gap = std::min(result_.gap, gap - coupled);
+    result_.coupling = std::max(result_.coupling, coupled);
+    return true;
+  }
+
+  /// What joins the parts is too much for them: they are proved as one.
+  bool merged_is_proved(const std::vector<LoopPart>& parts, const EnclosedBox& region,
+                        double coupled, double gap) {
+    if (parts.size() > 1) {
+      const std::vector<LoopPart> one = {internal::whole_loop(loop_)};
+      name_parts(one);
+      return region_is_proved(one, region);
+    }
+    return fail(StabilityProofStatus::not_proved, parts.front(), region,
+                fmt::format("a coupling of {:.2g} is not below the gap {:.2g}", coupled, gap));
+  }
+
+  bool part_is_proved(const LoopPart& part, const EnclosedBox& region, PartEvidence& evidence) {
+    if (std::ssize(part.terms) > kMostNumbers)
+      throw InvalidInput("prove_stability",
+                         fmt::format("{} numbers move {}, expected at most {}", part.terms.size(),
+                                     name_of(part), kMostNumbers));
+    std::vector<EnclosedBox> open = {part.share(region)};
+    while (!open.empty()) {
+      const EnclosedBox box = open.back();
+      open.pop_back();
+      if (options_.interrupted && options_.interrupted())
+        return fail(StabilityProofStatus::interrupted, part, box, "interrupted");
+      if (result_.boxes >= options_.most_boxes)
+        return fail(StabilityProofStatus::not_proved, part, box,
+                    fmt::format("{} boxes were looked at", result_.boxes));
+      ++result_.boxes;
+      const Contraction contraction = internal::prove_contraction(part.loop, box);
+      if (contraction.proved) {
+        ++result_.proved_boxes;
+        evidence.gap = std::min(evidence.gap, contraction.gap);
+        evidence.condition = std::max(evidence.condition, contraction.condition);
+        continue;
+      }
+      if (!(contraction.radius < 1))
+        return fail(StabilityProofStatus::unstable, part, box,
+                    fmt::format("spectral radius {:.9g} in its middle", contraction.radius));
+      if (!can_split(box, contraction.widest))
+        return fail(StabilityProofStatus::not_proved, part, box,
+                    fmt::format("spectral radius {:.12g} in a box too narrow to split",
+                                contraction.radius));
+      auto [first, second] = halves(box, contraction.widest);
+      open.push_back(std::move(second));
+      open.push_back(std::move(first));
+    }
+    return true;
+  }
+
+  /// ‖[Y_a E_ab Y_b⁻¹]‖₂ over all pairs of parts, the norms of each Y being 1.
+  [[nodiscard]] double coupling(const std::vector<LoopPart>& parts,
+                                const std::vector<PartEvidence>& evidence,
+                                const EnclosedBox& region) const {
+    if (parts.size() < 2) return 0;
+    const MatrixXd size = internal::loop_size(loop_, region);
+    double squares = 0;
+    for (std::size_t a = 0; a < parts.size(); ++a)
+      for (std::size_t b = 0; b < parts.size(); ++b) {
+        if (a == b) continue;
+        const MatrixXd between =
+            size(parts[a].places(loop_, region.past), parts[b].places(loop_, region.past));
+        const double one = internal::norm_bound(between) * evidence[b].condition;
+        squares += one * one;
+      }
+    return internal::bounded_above(std::sqrt(squares));
+  }
+
+  bool fail(StabilityProofStatus status, const LoopPart& part, const EnclosedBox& box,
+            const std::string& why) {
+    result_.status = status;
+    result_.gap = std::numeric_limits<double>::quiet_NaN();
+    result_.part = name_of(part);
+    result_.where = in_delays(box, loop_.law.dt);
+    for (const PlantTerm& term : part.loop.terms) result_.numbers.push_back(term.name);
+    result_.culprit = fmt::format("{}: {}", result_.part, why);
+    return false;
+  }
+
+  const UncertainLoop& loop_;
+  const StabilityProofOptions& options_;
+  StabilityProof result_;
+};
+
+}  // namespace
+
+std::string to_string(StabilityProofStatus status) {
+  switch (status) {
+    case StabilityProofStatus::not_run:
+      return "not run";
+    case StabilityProofStatus::proved:
+      return "proved";
+    case StabilityProofStatus::unstable:
+      return "unstable";
+    case StabilityProofStatus::not_proved:
+      return "not proved";
+    case StabilityProofStatus::interrupted:
+      return "interrupted";
+  }
+  return "";
+}
+
+StabilityProof prove_stability(const UncertainLoop& loop, const LoopBox& box,
+                               const StabilityProofOptions& options) {
+  validate(loop, "prove_stability");
+  validate(box, loop, "prove_stability");
+  if (options.most_boxes < 1)
+    throw InvalidInput("prove_stability",
+                       fmt::format("most_boxes is {}, expected 1 or more", options.most_boxes));
+  return Proof(loop, options).run(box);
+}
+
+}  // namespace quadtune

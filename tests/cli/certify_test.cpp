@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// quadtune certify on exports of the two designs.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "run_program.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const std::string kSource = QUADTUNE_SOURCE_DIR;
+
+class CertifyTest : public ::testing::Test {
+ protected:
+  /// The export of a design, made once for all tests.
+  static const std::string& exported(const std::string& design) {
+    static const TemporaryDirectory folder;
+    static std::map<std::string, std::string> made;
+    std::string& directory = made[design];
+    if (directory.empty()) {
+      directory = (folder.path() / design).string();
+      const ProgramResult result =
+          run_program({"design", kSource + "/designs/" + design + ".toml", "-o", directory});
+      EXPECT_EQ(result.status, 0) << result.err;
+    }
+    return directory;
+  }
+
+  static nlohmann::json certified(std::vector<std::string> args, int status) {
+    args.insert(args.begin(), "certify");
+    args.emplace_back("--json");
+    const ProgramResult result = run_program(args);
+    EXPECT_EQ(result.status, status) << result.err;
+    return nlohmann::json::parse(result.out);
+  }
+
+  static std::string refused(std::vector<std::string> args, int status) {
+    args.insert(args.begin(), "certify");
+    const ProgramResult result = run_program(args);
+    EXPECT_EQ(result.status, status) << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    return result.err;
+  }
+};
+
+TEST_F(CertifyTest, ProvesTheUquadInItsDefaultBox) {
+  const nlohmann::json report = certified({exported("uquad-hover")}, 0);
+  EXPECT_EQ(report["verdict"], "proved");
+  ASSERT_EQ(report["laws"].size(), 1);
+  const nlohmann::json& law = report["laws"][0];
+  EXPECT_EQ(law["name"], "state feedback");
+  EXPECT_EQ(law["parts"].size(), 4);  // x, y, z and yaw know of one another by rounding alone
+  EXPECT_GT(law["proof"]["gap"], 0);
+  EXPECT_LT(law["proof"]["coupling"], law["proof"]["gap"]);
+  EXPECT_TRUE(law["proof"]["where"].is_null());
+  EXPECT_LT(law["worst"]["radius"], 1);
+  EXPECT_GE(law["worst"]["radius"], 0.999683);  // of the nominal loop
+  EXPECT_GE(law["scale"]["proved"], 1);
+  EXPECT_EQ(law["box"]["delay"]["high"], 0.01);
+}
+
+// 45 ms of delay are too much for this box, 40 ms are not: search and proof agree to 2 %.
+TEST_F(CertifyTest, BracketsTheScaleAtWhichStabilityIsLost) {
+  const nlohmann::json report =
+      certified({exported("uquad-hover"), "--delay", "0:0.06", "--mass", "0.9:1.1"}, 1);
+  EXPECT_EQ(report["verdict"], "unstable");
+  const nlohmann::json& law = report["laws"][0];
+  EXPECT_FALSE(law["proved"].get<bool>());
+  EXPECT_GT(law["worst"]["radius"], 1);
+  EXPECT_TRUE(law["worst"]["unstable"].get<bool>());
+  EXPECT_LT(law["scale"]["proved"], law["scale"]["found"]);
+  EXPECT_GT(law["scale"]["proved"], 0.95 * law["scale"]["found"].get<double>());
+  EXPECT_LT(law["scale"]["found"], 1);
+  EXPECT_GT(law["scale"]["found_at"]["delay"], 0.03);
+}
+
+TEST_F(CertifyTest, SaysWhatItCannotProveAndWhere) {
+  const ProgramResult result =
+      run_program({"certify", exported("uquad-hover"), "--budget", "2", "--delay", "0:0.01"});
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.out, HasSubstr("not proved"));
+  EXPECT_THAT(result.out, HasSubstr("verdict     not proved"));
+  EXPECT_THAT(result.err, HasSubstr("2 boxes were looked at; the worst found has |z| 0.99968"));
+}
+
+// Both laws of the export; a cascade may be asked for alone.
+TEST_F(CertifyTest, TakesTheCascadeOfAMamboExport) {
+  const nlohmann::json report = certified({exported("mambo-hover")}, 0);
+  ASSERT_EQ(report["laws"].size(), 2);
+  EXPECT_EQ(report["laws"][1]["name"], "cascade");
+  const nlohmann::json one =
+      certified({exported("mambo-hover"), "--controller", "cascaded-pid", "--mass", "1:1",
+                 "--thrust", "1:1", "--inertia", "1:1", "--delay", "0"},
+                0);
+  ASSERT_EQ(one["laws"].size(), 1);
+  // A box of one loop: no bracket but what the search's limits are.
+  EXPECT_EQ(one["laws"][0]["proof"]["proved_boxes"], one["laws"][0]["proof"]["boxes"]);
+}
+
+TEST_F(CertifyTest, SaysWhereTheVehicleCannotHover) {
+  EXPECT_THAT(refused({exported("uquad-hover"), "--mass", "0.9:1.7"}, 1),
+              HasSubstr("cannot hover everywhere in the box: "));
+}
+
+TEST_F(CertifyTest, GivesTheSameBytesTwice) {
+  const std::vector<std::string> args = {"certify", exported("uquad-hover"), "--delay", "0:0.02"};
+  EXPECT_EQ(run_program(args).out, run_program(args).out);
+}
+
+TEST_F(CertifyTest, RefusesBadBoxes) {
+  const std::string& out = exported("uquad-hover");
+  EXPECT_EQ(refused({out, "--mass", "1.1:0.9"}, 2),
+            "quadtune certify: --mass is '1.1:0.9', expected LOW:HIGH, ratios to the file's value "
+            "with 0 < LOW <= 1 <= HIGH\n");
+  EXPECT_THAT(refused({out, "--inertia", "1.1:1.2"}, 2), HasSubstr("--inertia is '1.1:1.2'"));
+  EXPECT_THAT(refused({out, "--thrust", "0:1"}, 2), HasSubstr("--thrust is '0:1'"));
+  EXPECT_THAT(refused({out, "--thrust", "nan:1"}, 2), HasSubstr("--thrust is 'nan:1'"));
+  EXPECT_THAT(refused({out, "--delay", "-0.1:0"}, 2), HasSubstr("--delay is '-0.1:0'"));
+  EXPECT_THAT(refused({out, "--delay", "0:1"}, 2), HasSubstr("at most 60 periods of 0.01 s"));
+  EXPECT_THAT(refused({out, "--lag", "0:0.1"}, 2), HasSubstr("--lag is '0:0.1'"));
+  EXPECT_THAT(refused({out, "--controller", "pid"}, 2), HasSubstr("--controller is 'pid'"));
+  EXPECT_THAT(refused({out, "--budget", "0"}, 2), HasSubstr("--budget"));
+  EXPECT_THAT(refused({out, "--weight", "1"}, 2), StartsWith("quadtune certify: no option"));
+  EXPECT_THAT(refused({}, 2), HasSubstr("expected an export's directory"));
+}
+
+TEST_F(CertifyTest, RefusesWhatDoesNotVerify) {
+  const TemporaryDirectory folder;
+  EXPECT_THAT(refused({folder.path().string()}, 5), HasSubstr("manifest.json"));
+  std::filesystem::copy(exported("uquad-hover"), folder.path() / "out");
+  folder.write("out/K_prop_full.txt", folder.read("out/K_prop_full.txt") + "\n");
+  EXPECT_THAT(refused({(folder.path() / "out").string()}, 1),
+              HasSubstr("does not verify: K_prop_full.txt matches the manifest"));
+  EXPECT_THAT(refused({exported("uquad-hover"), "--controller", "cascaded-pid"}, 3),
+              HasSubstr("the export has no cascaded-pid, expected a law"));
+}
+
+}  // namespace
+}  // namespace quadtune::testing

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The page of a campaign: as a file, and in a browser.
+#include "report/campaign_page.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "browser_page.hpp"
+#include "hostile_texts.hpp"
+#include "run_program.hpp"
+
+namespace quadtune::testing {
+namespace {
+
+using cli::CampaignPage;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+nlohmann::json data_of(const std::string& page) {
+  const std::string open = "<script type=\"application/json\" id=\"data\">";
+  const std::size_t start = page.find(open) + open.size();
+  return nlohmann::json::parse(page.substr(start, page.find("</script>", start) - start));
+}
+
+/// The page that the program writes of a campaign in the project's folder.
+std::string page_of_campaign(const std::string& file) {
+  const TemporaryDirectory folder;
+  const ProgramResult result =
+      run_program({"campaign", "run", std::string(QUADTUNE_SOURCE_DIR) + "/campaigns/" + file,
+                   (folder.path() / "out").string()});
+  EXPECT_EQ(result.status, 0) << result.err;
+  return folder.read("out/report.html");
+}
+
+const std::string& example() {
+  static const std::string page = page_of_campaign("mambo-hover.toml");
+  return page;
+}
+
+CampaignPage hostile_page() {
+  std::string text;
+  for (const std::string& one : hostile_texts()) text += one + " ";
+  CampaignPage page;
+  page.title = page.version = page.seed = text;
+  for (const std::string& one : hostile_texts()) {
+    page.about.emplace_back(one, one);
+    cli::PageCase of;
+    of.design = of.mission = of.law = one;
+    of.flights = 3;
+    of.passed = 1;
+    of.rate = 1.0 / 3;
+    of.high = kNaN;
+    of.ends = {{one, 2}, {text, 1}};
+    of.metrics = {{one, one, kNaN, kInf, -kInf, 1e300, kNaN}, {"m", "", 0, -0.0, 1e-300, 1, 2}};
+    of.trends = {{one, text}, {one, text}, {{1, kNaN}, {-1, 0}}};
+    of.worst = {{one, one}, {text, text}};
+    page.cases.push_back(of);
+    page.distributions.push_back({one, one, one, kNaN, {{one, {0, 1, 2}, 1}, {text, {1, 1}, 0.2}}});
+    page.comparisons.push_back({one, one, {{one, one, kNaN, -kInf, kInf}, {"m", "", 1, 0, 2}}});
+  }
+  page.comparisons.push_back({text, text, {}});
+  return page;
+}
+
+TEST(CampaignPage, TellsWhatWasFlown) {
+  const nlohmann::json data = data_of(example());
+  EXPECT_EQ(data["title"], "mambo-hover: 200 draws");
+  EXPECT_EQ(data["about"].size(), 8U);
+  ASSERT_EQ(data["cases"].size(), 2U);
+  const nlohmann::json& designed = data["cases"][0];
+  EXPECT_EQ(designed["design"], "designed");
+  EXPECT_EQ(designed["flights"], 200);
+  EXPECT_LT(designed["low"], designed["rate"]);
+  EXPECT_GT(designed["high"], designed["rate"]);
+  EXPECT_EQ(designed["worst"].size(), 5U);
+  EXPECT_THAT(designed["worst"][0]["command"].get<std::string>(), HasSubstr("campaign replay"));
+  // Both designs in each chart, each curve increasing.
+  ASSERT_FALSE(data["distributions"].empty());
+  for (const nlohmann::json& chart : data["distributions"])
+    for (const nlohmann::json& curve : chart["curves"]) {
+      const auto x = curve["x"].get<std::vector<double>>();
+      EXPECT_TRUE(std::is_sorted(x.begin(), x.end())) << chart["label"];
+    }
+  ASSERT_EQ(data["comparisons"].size(), 1U);
+  EXPECT_EQ(data["comparisons"][0]["title"], "published less designed in hover");
+}
+
+TEST_F(Browser, DrawsACampaign) {
+  const std::string page = opened(example());
+  EXPECT_EQ(root_data(page, "error"), "(none)");
+  EXPECT_EQ(root_data(page, "cells"), std::to_string(data_of(example())["distributions"].size()));
+  EXPECT_THAT(page, HasSubstr("designed in hover"));
+  EXPECT_THAT(page, HasSubstr("published less designed in hover"));
+}
+
+TEST_F(Browser, ACampaignLoadsNothing) {
+  const std::string log = (place_.path() / "requests.json").string();
+  for (const std::string& html : {example(), with_script(example(), "")}) {
+    (void)opened(html, {"--log-net-log=" + log});
+    EXPECT_THAT(requests(place_.read("requests.json")), IsEmpty());
+    std::filesystem::remove(log);
+  }
+}
+
+TEST_F(Browser, HostileTextsOfACampaignStayTexts) {
+  const std::string page =
+      opened(with_script(cli::html(hostile_page()),
+                         "document.documentElement.dataset.elements = document.querySelectorAll("
+                         "'main img, main script, main b[onclick], main iframe, main a').length"));
+  EXPECT_EQ(root_data(page, "error"), "(none)");
+  EXPECT_EQ(root_data(page, "broken"), "(none)");
+  EXPECT_EQ(root_data(page, "cells"), std::to_string(hostile_texts().size()));
+  EXPECT_EQ(root_data(page, "elements"), "0");
+}
+
+TEST_F(Browser, ShowsACampaignOfNothing) {
+  const std::string page = opened(cli::html(CampaignPage{}));
+  EXPECT_EQ(root_data(page, "error"), "(none)");
+  EXPECT_EQ(root_data(page, "cells"), "0");
+}
+
+TEST_F(Browser, ACampaignFitsIntoANarrowWindow) {
+  for (const std::string& html : {example(), cli::html(hostile_page())}) {
+    write(with_script(html, "parent.postMessage(document.documentElement.scrollWidth, '*')"),
+          "inner.html");
+    EXPECT_EQ(root_data(opened(in_frame("inner.html", 390, 800)), "inside"), "390");
+  }
+}
+
+// With QUADTUNE_UPDATE_DOCS=1 in the environment the picture becomes that of the documentation.
+TEST_F(Browser, TakesAPictureOfACampaign) {
+  const std::string png = (place_.path() / "campaign.png").string();
+  EXPECT_EQ(take_picture(write(example()), png, 1400, 1600).status, 0);
+  EXPECT_GT(std::filesystem::file_size(png), 60'000U);
+  if (std::getenv("QUADTUNE_UPDATE_DOCS") != nullptr)
+    std::filesystem::copy_file(png, QUADTUNE_SOURCE_DIR "/docs/images/campaign-report.png",
+                               std::filesystem::copy_options::overwrite_existing);
+}
+
+}  // namespace
+}  // namespace quadtune::testing

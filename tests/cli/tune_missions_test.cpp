@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune tune pid and tune lqr over missions, as a user runs them.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "quadtune/internal/json.hpp"
+#include "run_program.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+using internal::Json;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using testing::ProgramResult;
+using testing::run_program;
+using testing::TemporaryDirectory;
+
+constexpr char kRequirements[] = R"(
+[cost]
+tracking_rms = 1
+energy = 0.1
+measure = "worst"
+draws = 2
+[margins]
+Ms_max = 1.5
+delay_margin_min_s = 0.01
+[loops.pitch]
+Ms_max = 1.2
+[[mission]]
+mission = "hover"
+duration_s = 12
+limits = { tilt_max_rad = 0.6, saturation_time_max_s = 3 }
+[[vary]]
+quantity = "mass"
+normal = { deviation = 0.02, least = 0.9, most = 1.1 }
+)";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+std::vector<std::string> with(std::vector<std::string> args, const std::vector<std::string>& more) {
+  args.insert(args.end(), more.begin(), more.end());
+  return args;
+}
+
+// Few evaluations: what is found may be the start, and then the answer is 1.
+TEST(TuneMissions, PidTellsStartFoundAndPublished) {
+  const TemporaryDirectory directory;
+  const std::string file = (directory.path() / "tuned.toml").string();
+  const std::vector<std::string> args = {
+      "tune", "pid",           "mambo", "--mission", "hover", "--duration", "12",  "--evaluations",
+      "60",   "--monte-carlo", "2",     "--proof",   "4",     "--budget",   "600", "-o",
+      file,   "--force"};
+  const ProgramResult text = run_program(args);
+  EXPECT_THAT(text.status, ::testing::AnyOf(0, 1)) << text.err;
+  EXPECT_THAT(text.out, AllOf(HasSubstr("published"), HasSubstr("Ms: start"),
+                              HasSubstr("flights that end early"), HasSubstr("evaluations in")));
+  // The file is a design of the gains that were told.
+  const ProgramResult json_run = run_program(with(args, {"--json"}));
+  const Json json = Json::parse(json_run.out);
+  EXPECT_LE(json["cost"]["after"], json["cost"]["before"]);
+  EXPECT_LE(json["evaluations"], 60);
+  EXPECT_EQ(json["gains"].size(), 6);
+  for (const Json& limit : json["margins"]["after"]) EXPECT_LT(limit["Ms"], 1.6);
+  // What flies today is beaten in tracking, and in the margins of every loop.
+  EXPECT_LT(json["after"]["missions"][0]["mean"]["tracking_rms"],
+            json["published"]["missions"][0]["mean"]["tracking_rms"]);
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_LE(json["margins"]["after"][i]["Ms"], json["margins"]["published"][i]["Ms"]);
+  const ProgramResult design =
+      run_program({"design", file, "-o", (directory.path() / "out").string()});
+  EXPECT_EQ(design.status, 0) << design.err;
+  const ProgramResult flown = run_program({"fly", "mambo", "--mission", "hover", "--gains", file,
+                                           "--sensors", "ideal", "--duration", "20"});
+  EXPECT_EQ(flown.status, 0) << flown.err;
+}
+
+TEST(TuneMissions, LqrSearchesInTheWeights) {
+  const TemporaryDirectory directory;
+  const std::string file = (directory.path() / "tuned.toml").string();
+  const ProgramResult result = run_program(
+      {"tune", "lqr", "mambo", "--mission", "step-north", "--sensors", "ideal", "--evaluations",
+       "80", "--monte-carlo", "1", "--proof", "2", "--budget", "600", "-o", file, "--json"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  const Json json = Json::parse(result.out);
+  EXPECT_TRUE(json["accepted"]);
+  // Alike weights stay alike, and the first input's stays.
+  const Json& weights = json["gains"]["weights"];
+  EXPECT_EQ(weights["px"], weights["py"]);
+  EXPECT_EQ(weights["roll"], weights["pitch"]);
+  EXPECT_EQ(weights["tau_x"], weights["tau_y"]);
+  EXPECT_NEAR(weights["T"], 141.14, 0.01);
+  const ProgramResult design =
+      run_program({"design", file, "-o", (directory.path() / "out").string(), "--json"});
+  EXPECT_EQ(design.status, 0) << design.err;
+}
+
+TEST(TuneMissions, KeepsRequirements) {
+  const TemporaryDirectory directory;
+  const std::string file = directory.write("r.toml", kRequirements).string();
+  const ProgramResult result =
+      run_program({"tune", "pid", "mambo", "--requirements", file, "--evaluations", "40", "--proof",
+                   "3", "--budget", "600", "--json"});
+  EXPECT_THAT(result.status, ::testing::AnyOf(0, 1)) << result.err;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["before"]["flights"], 3);
+  bool tilt = false;
+  for (const Json& limit : json["after"]["limits"])
+    if (limit["metric"] == "tilt_max") {
+      EXPECT_EQ(limit["at_most"], 0.6);
+      tilt = true;
+    }
+  EXPECT_TRUE(tilt);
+  for (const Json& loop : json["margins"]["after"]) {
+    EXPECT_LE(loop["Ms"], 1.5 + 1e-6);
+    if (loop["loop"] == "pitch") {
+      EXPECT_LE(loop["Ms"], 1.2 + 1e-6);
+    }
+  }
+}
+
+TEST(TuneMissions, RefusesInOneLine) {
+  const TemporaryDirectory directory;
+  const auto refuses = [](const std::vector<std::string>& args, int status,
+                          const std::string& message) {
+    const ProgramResult result = run_program(args);
+    EXPECT_EQ(result.status, status) << message;
+    EXPECT_THAT(result.err, HasSubstr(message));
+  };
+  refuses({"tune", "pid"}, 2, "expected a vehicle");
+  refuses({"tune", "pid", "mambo"}, 2, "expected --mission NAME, or --requirements FILE");
+  refuses({"tune", "pid", "mambo", "--mission", "hovr"}, 3, "did you mean 'hover'?");
+  refuses({"tune", "pid", "mambo", "--mission", "hover", "--budget", "-1"}, 2, "--budget is -1");
+  refuses({"tune", "pid", "mambo", "--mission", "hover", "--measure", "men"}, 2,
+          "--measure: 'men' came, expected mean, quantile or worst");
+  refuses({"tune", "pid", "mambo", "--mission", "hover", "--duration", "2", "--budget", "1"}, 3,
+          "the mission 'hover' measures no figure of the cost in 2 s");
+  refuses({"tune", "lqr", "mambo"}, 2, "expected --mission NAME or --requirements FILE");
+  refuses({"tune", "lqr", "mambo", "--mission", "hover", "--tie", "x,y"}, 2,
+          "--tie is for --match-gains");
+  refuses({"tune", "lqr", "mambo", "--match-gains", "K.txt", "--mission", "hover"}, 2,
+          "--mission is for missions");
+  refuses({"tune", "lqr", "mambo", "--mission", "hover", "--convention", "mambo"}, 2,
+          "expected --Q and --R beside --convention");
+  const auto file = [&](const std::string& from, const std::string& to) {
+    return directory.write("r.toml", replaced(kRequirements, from, to)).string();
+  };
+  const auto refuses_file = [&](const std::string& from, const std::string& to,
+                                const std::string& message) {
+    refuses({"tune", "pid", "mambo", "--requirements", file(from, to)}, 3, message);
+  };
+  refuses_file("tracking_rms = 1", "traking_rms = 1", "did you mean 'tracking_rms'?");
+  refuses_file("energy = 0.1", "energy = -0.1", "r.toml:4: energy");
+  refuses_file("\"worst\"", "\"wurst\"", "r.toml:5: 'wurst' came");
+  refuses_file("draws = 2", "draws = 0", "draws in [cost] is 0, expected a whole number");
+  refuses_file("Ms_max = 1.5", "Ms_max = 0.9", "Ms_max");
+  refuses_file("[loops.pitch]", "[loops.pich]", "no loop 'pich', expected some of");
+  refuses_file("tilt_max_rad", "tilt_rad", "key 'tilt_rad' in [[mission]] 1.limits is not known");
+  refuses_file("deviation = 0.02", "deviation = -0.02", "mass: deviation is -0.02");
+  refuses_file("mission = \"hover\"", "mission = \"hovr\"", "did you mean 'hover'?");
+}
+
+}  // namespace
+}  // namespace quadtune

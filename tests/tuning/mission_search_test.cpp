@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/tuning/mission_search.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+
+#include "designed_mambo.hpp"
+#include "quadtune/errors.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+FlightSetup short_step(double duration = 4) {
+  FlightSetup setup;
+  setup.vehicle = load_vehicle("mambo");
+  setup.mission = load_mission("step-north");
+  setup.estimator = EstimatorKind::truth;
+  setup.real_sensors = false;
+  setup.duration = duration;
+  return setup;
+}
+
+TrialRequest request(std::uint32_t draws = 3) {
+  TrialRequest request;
+  request.missions = {{"step", short_step(), {{Metric::tilt_max, 1}}}};
+  request.cost = {{Metric::speed_max, 1}};
+  request.uncertainty.numbers = {{"mass", {DistributionKind::normal, 1, 0.03}}};
+  request.draws = draws;
+  request.seed = 3;
+  return request;
+}
+
+/// The designed cascade with the gains of one loop times a factor.
+CascadeController scaled(const std::string& loop, double factor) {
+  CascadeController controller = testing::designed_mambo_cascade();
+  for (PidLoop& one : controller.gains.loops)
+    if (one.name == loop) {
+      one.Kp *= factor;
+      one.Ki *= factor;
+      one.Kd *= factor;
+    }
+  return controller;
+}
+
+TEST(PairedDifference, HasStudentsInterval) {
+  // R: t.test(c(2, 4, 6, 9), c(1, 2, 3, 4), paired = TRUE)
+  const Estimated difference = paired_difference({1, 2, 3, 4}, {2, 4, 6, 9});
+  EXPECT_DOUBLE_EQ(difference.value, 2.75);
+  EXPECT_NEAR(difference.low, 0.0325, 5e-4);
+  EXPECT_NEAR(difference.high, 5.4675, 5e-4);
+  EXPECT_THAT(
+      [] { (void)paired_difference({1}, {2}); },
+      ThrowsMessage<InvalidInput>(HasSubstr("1 and 1 values, expected as many, 2 or more")));
+}
+
+TEST(MissionTrial, TheReferenceCostsOneOnTheMean) {
+  const CascadeController designed = testing::designed_mambo_cascade();
+  const MissionTrial trial(request(), designed, 1);
+  const TrialOutcome outcome = trial.fly(designed);
+  ASSERT_EQ(outcome.costs.size(), 3);
+  EXPECT_NEAR(outcome.cost, 1, 1e-12);
+  EXPECT_EQ(outcome.failed, 0);
+  // Draws differ, and are the same again.
+  EXPECT_NE(outcome.costs[0], outcome.costs[1]);
+  EXPECT_EQ(trial.fly(designed).costs, outcome.costs);
+  // A draw is the same in whatever company.
+  EXPECT_EQ(trial.fly(designed, 2, 1).costs[0], outcome.costs[2]);
+}
+
+TEST(MissionTrial, MeasuresDraws) {
+  TrialRequest asked = request(5);
+  const CascadeController designed = testing::designed_mambo_cascade();
+  const std::vector<double> costs = MissionTrial(asked, designed, 1).fly(designed).costs;
+  asked.measure = RobustMeasure::worst;
+  EXPECT_EQ(MissionTrial(asked, designed, 1).fly(designed).cost,
+            *std::max_element(costs.begin(), costs.end()));
+  asked.measure = RobustMeasure::quantile;
+  asked.share = 0.5;
+  std::vector<double> sorted = costs;
+  std::sort(sorted.begin(), sorted.end());
+  EXPECT_EQ(MissionTrial(asked, designed, 1).fly(designed).cost, sorted[2]);
+}
+
+TEST(MissionTrial, WhatEndsEarlyCostsMuchAndKeepsNoLimit) {
+  const CascadeController designed = testing::designed_mambo_cascade();
+  const MissionTrial trial(request(), designed, 1);
+  const TrialOutcome outcome = trial.fly(scaled("pitch", -1));
+  EXPECT_EQ(outcome.failed, 3);
+  EXPECT_GT(outcome.cost, MissionTrial::kFailure);
+  ASSERT_EQ(outcome.limits.size(), 1);
+  EXPECT_EQ(outcome.limits[0].value, kInfinity);
+  EXPECT_EQ(outcome.limits[0].excess(), 1);
+  EXPECT_FALSE(outcome.keeps_limits());
+}
+
+TEST(TrialLimit, ExcessIsAShareOfTheLimit) {
+  const TrialLimit kept{"m", Metric::tilt_max, 0.4, 0.5}, passed{"m", Metric::tilt_max, 0.6, 0.5};
+  EXPECT_NEAR(kept.excess(), -0.2, 1e-15);
+  EXPECT_NEAR(passed.excess(), 0.2, 1e-15);
+  const DesignLimit margin{"phase", 30, 40, true}, peak{"Ms", 1.5, 1.4, false};
+  EXPECT_NEAR(margin.excess(), 0.25, 1e-15);
+  EXPECT_NEAR(peak.excess(), 0.1 / 1.4, 1e-15);
+  EXPECT_EQ((DesignLimit{"Ms", std::nan(""), 1.4, false}.excess()), 1);
+  EXPECT_EQ((DesignLimit{"delay", kInfinity, 0.1, true}.excess()), -1);
+}
+
+TEST(MissionTrial, RefusesWhatCannotBeTried) {
+  const CascadeController designed = testing::designed_mambo_cascade();
+  const auto refuses = [&](const TrialRequest& asked, const std::string& message) {
+    EXPECT_THAT([&] { MissionTrial trial(asked, designed, 1); },
+                ThrowsMessage<InvalidInput>(HasSubstr(message)));
+  };
+  TrialRequest asked = request();
+  asked.missions.clear();
+  refuses(asked, "there is no mission");
+  asked = request();
+  asked.draws = 0;
+  refuses(asked, "there are 0 draws");
+  asked = request();
+  asked.cost = {{Metric::energy, 0}};
+  refuses(asked, "the cost has no weight");
+  asked = request();
+  asked.cost = {{Metric::energy, -1}};
+  refuses(asked, "the weight of energy is -1");
+  asked = request();
+  asked.cost = {{Metric::touchdown_speed, 1}};
+  refuses(asked, "the mission 'step' measures no figure of the cost in 4 s");
+  asked = request();
+  asked.uncertainty.numbers = {{"vision_noise", {DistributionKind::normal, 1, 0.1}}};
+  refuses(asked, "vision_noise");
+}
+
+/// The loops of x and y scaled by e^x; the designed gains are at 0.
+DesignSpace space(double start) {
+  DesignSpace space;
+  space.names = {"x", "y"};
+  space.start = Eigen::Vector2d::Constant(start);
+  space.point = [](const Eigen::VectorXd& x) {
+    CascadeController controller = scaled("x", std::exp(x(0)));
+    for (PidLoop& loop : controller.gains.loops)
+      if (loop.name == "y") loop.Kp *= std::exp(x(1));
+    DesignPoint point;
+    point.controller = controller;
+    point.limits = {{"x within", x(0), 0.5, false}};
+    return point;
+  };
+  return space;
+}
+
+TrialRequest tracking() {
+  TrialRequest asked = request();
+  asked.cost = {{Metric::tracking_max, 1}};
+  asked.missions[0].setup = short_step(14);
+  return asked;
+}
+
+TEST(MissionSearch, FindsBetterGainsAndProvesThem) {
+  const DesignSpace sluggish = space(-1.2);
+  const MissionTrial trial(tracking(), *sluggish.point(sluggish.start).controller, 2);
+  MissionSearchOptions options;
+  options.seconds = 600;
+  options.evaluations = 120;
+  options.proof_draws = 6;
+  double before = kInfinity;
+  int calls = 0;
+  options.progress = [&](double best, int, double) {
+    EXPECT_LE(best, before * (1 + 1e-12) + 20);  // of points that keep the limits it only falls
+    before = best;
+    ++calls;
+  };
+  const MissionSearchResult result = search_missions(sluggish, trial, options);
+  EXPECT_GT(calls, 10);
+  EXPECT_TRUE(result.accepted) << result.reason;
+  EXPECT_LT(result.difference.high, 0);
+  EXPECT_LT(result.after.cost, result.before.cost);
+  EXPECT_LE(result.best(0), 0.5 + 1e-6);  // the limit is kept
+  EXPECT_LE(result.evaluations, 120);
+  // The same again.
+  options.progress = {};
+  EXPECT_EQ(search_missions(sluggish, trial, options).best, result.best);
+}
+
+TEST(MissionSearch, ALimitBinds) {
+  DesignSpace bound = space(-1.2);
+  bound.point = [inner = bound.point](const Eigen::VectorXd& x) {
+    DesignPoint point = inner(x);
+    point.limits = {{"x within", x(0), -1, false}};
+    return point;
+  };
+  const MissionTrial trial(tracking(), *bound.point(bound.start).controller, 2);
+  MissionSearchOptions options;
+  options.seconds = 600;
+  options.evaluations = 150;
+  options.proof_draws = 6;
+  const MissionSearchResult result = search_missions(bound, trial, options);
+  EXPECT_TRUE(result.accepted) << result.reason;
+  EXPECT_LE(result.best(0), -1 + 1e-6);
+  EXPECT_GT(result.best(0), -1.1);
+  EXPECT_THAT(result.binding, ElementsAre("x within"));
+}
+
+TEST(MissionSearch, NeverReturnsAnythingWorse) {
+  // All other points fly away.
+  DesignSpace alone = space(0);
+  alone.point = [inner = alone.point](const Eigen::VectorXd& x) {
+    DesignPoint point = inner(x);
+    if (!x.isZero(0)) point.controller = scaled("pitch", -1);
+    return point;
+  };
+  const MissionTrial trial(tracking(), *alone.point(alone.start).controller, 2);
+  MissionSearchOptions options;
+  options.evaluations = 30;
+  const MissionSearchResult result = search_missions(alone, trial, options);
+  EXPECT_FALSE(result.accepted);
+  EXPECT_TRUE(result.best.isZero(0));
+  EXPECT_THAT(result.reason, HasSubstr("no point that keeps the limits costs less"));
+}
+
+TEST(MissionSearch, WhatIsGoodForItsOwnDrawsAloneIsNotAccepted) {
+  // Points are told apart by noise alone: a factor so near 1 that it changes nothing that counts.
+  DesignSpace still = space(0);
+  still.reach = 1e-9;
+  const MissionTrial trial(tracking(), *still.point(still.start).controller, 2);
+  MissionSearchOptions options;
+  options.evaluations = 20;
+  const MissionSearchResult result = search_missions(still, trial, options);
+  EXPECT_TRUE(!result.accepted || std::abs(result.difference.value) < 1e-6);
+}
+
+TEST(MissionSearch, StopsWithTheBestFound) {
+  const DesignSpace sluggish = space(-1.2);
+  const MissionTrial trial(tracking(), *sluggish.point(sluggish.start).controller, 2);
+  MissionSearchOptions options;
+  int asked = 0;
+  options.stop = [&] { return ++asked > 40; };
+  options.proof_draws = 6;
+  const MissionSearchResult result = search_missions(sluggish, trial, options);
+  EXPECT_EQ(result.end, SearchEnd::interrupted);
+  EXPECT_LT(result.after.cost, result.before.cost);
+}
+
+TEST(MissionSearch, RefusesAStartWithoutAController) {
+  DesignSpace none = space(0);
+  none.point = [](const Eigen::VectorXd&) { return DesignPoint{}; };
+  const MissionTrial trial(tracking(), testing::designed_mambo_cascade(), 1);
+  EXPECT_THAT([&] { (void)search_missions(none, trial, {}); },
+              ThrowsMessage<InvalidInput>(HasSubstr("has no solution or is not stable")));
+}
+
+}  // namespace
+}  // namespace quadtune

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What a controller is worth over missions: a cost, and limits that it keeps or not, over draws of
+/// what is uncertain that are the same for every controller.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "quadtune/simulation/campaign_statistics.hpp"
+#include "quadtune/simulation/flight.hpp"
+#include "quadtune/simulation/uncertainty.hpp"
+
+namespace quadtune {
+
+/// One figure of the cost.
+struct CostTerm {
+  Metric metric = Metric::tracking_rms;
+  double weight = 1;  ///< ≥ 0
+};
+
+/// A mission that is flown for its cost.
+struct TrialMission {
+  std::string name;
+  FlightSetup setup;          ///< its controller is replaced by the one that is tried
+  std::vector<Limit> limits;  ///< to be kept; the mission's own, or stricter ones
+};
+
+/// How many draws make one number.
+enum class RobustMeasure {
+  mean,
+  quantile,  ///< TrialRequest::share of the draws cost no more
+  worst,
+};
+/// "mean", "quantile", "worst", and back.
+[[nodiscard]] std::string to_string(RobustMeasure measure);
+[[nodiscard]] RobustMeasure robust_measure(const std::string& name, const std::string& where);
+
+/// What is asked of a controller.
+struct TrialRequest {
+  std::vector<TrialMission> missions;  ///< at least one
+  std::vector<CostTerm> cost;          ///< at least one of weight > 0
+  RobustMeasure measure = RobustMeasure::mean;
+  double share = 0.9;       ///< of RobustMeasure::quantile, 0 < share < 1
+  Uncertainty uncertainty;  ///< none: only noise and wind differ from draw to draw
+  std::uint32_t draws = 1;  ///< flights of each mission for one evaluation, ≥ 1
+  std::uint64_t seed = 1;
+};
+
+/// Checks all of it but the controllers.
+/// @throws InvalidInput  naming what is wrong
+void validate(const TrialRequest& request, const std::string& where);
+
+/// One limit over the draws, by the measure.
+struct TrialLimit {
+  std::string mission;
+  Metric metric = Metric::duration;
+  double value = 0;  ///< infinite where a flight ended early or never came there
+  double most = 0;
+
+  /// ≤ 0 where it is kept; 1 where it is passed by as much again, and for what is infinite.
+  [[nodiscard]] double excess() const;
+};
+
+/// What became of one controller.
+struct TrialOutcome {
+  std::vector<double> costs;        ///< of each draw: 1 is what the reference costs on the mean
+  double cost = 0;                  ///< by the measure
+  std::vector<TrialLimit> limits;   ///< mission by mission
+  std::vector<MetricValues> means;  ///< of each mission, over the draws; of what all draws have
+  std::uint32_t failed = 0;         ///< flights that ended early
+  std::uint32_t flights = 0;
+
+  [[nodiscard]] bool keeps_limits() const;
+};
+
+/// Flies controllers for a request. A flight that ends early costs kFailure and more, the earlier
+/// the more.
+class MissionTrial {
+ public:
+  static constexpr double kFailure = 100;
+
+  /// @param reference  each figure of the cost is measured by what it is with this controller, on
+  ///                   the mean of the first draws that fly to the end; by itself where none does
+  /// @throws InvalidInput  as validate(); for a mission that measures nothing of the cost
+  MissionTrial(TrialRequest request, const Controller& reference, std::size_t threads = 0,
+               std::function<bool()> interrupted = {});
+
+  /// Draws `first` to `first + count` - 1; the request's first draws unless said.
+  /// @throws Interrupted
+  [[nodiscard]] TrialOutcome fly(const Controller& controller) const;
+  [[nodiscard]] TrialOutcome fly(const Controller& controller, std::uint32_t first,
+                                 std::uint32_t count) const;
+
+  [[nodiscard]] const TrialRequest& request() const { return request_; }
+
+ private:
+  [[nodiscard]] std::vector<FlightResult> results(const Controller& controller, std::uint32_t first,
+                                                  std::uint32_t count) const;
+  void require_cost(std::size_t mission, const std::vector<FlightResult>& flown) const;
+  [[nodiscard]] double cost_of(std::size_t mission, const FlightResult& result) const;
+
+  TrialRequest request_;
+  std::size_t threads_;
+  std::function<bool()> interrupted_;
+  std::vector<std::vector<double>> scales_;  ///< of each mission's terms
+};
+
+/// Mean of the differences second - first, draw by draw, with its interval of 95 %.
+/// @param first, second  the same draws, at least 2
+[[nodiscard]] Estimated paired_difference(const std::vector<double>& first,
+                                          const std::vector<double>& second);
+
+}  // namespace quadtune

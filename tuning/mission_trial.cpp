@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/tuning/mission_trial.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <numeric>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
+
+namespace quadtune {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// A figure this small against its unit measures nothing.
+constexpr double kLeastScale = 1e-9;
+
+/// By the measure, of values that may be infinite.
+double robust(const TrialRequest& request, std::vector<double> values) {
+  switch (request.measure) {
+    case RobustMeasure::mean:
+      return std::accumulate(values.begin(), values.end(), 0.0) /
+             static_cast<double>(values.size());
+    case RobustMeasure::worst:
+      return *std::max_element(values.begin(), values.end());
+    case RobustMeasure::quantile:
+      break;
+  }
+  std::sort(values.begin(), values.end());
+  return quantile(values, request.share).value;
+}
+
+bool ended_early(const FlightResult& result) { return result.end != FlightEnd::completed; }
+
+}  // namespace
+
+std::string to_string(RobustMeasure measure) {
+  switch (measure) {
+    case RobustMeasure::mean:
+      return "mean";
+    case RobustMeasure::quantile:
+      return "quantile";
+    case RobustMeasure::worst:
+      break;
+  }
+  return "worst";
+}
+
+RobustMeasure robust_measure(const std::string& name, const std::string& where) {
+  std::vector<std::string> known;
+  for (const RobustMeasure measure :
+       {RobustMeasure::mean, RobustMeasure::quantile, RobustMeasure::worst}) {
+    if (to_string(measure) == name) return measure;
+    known.push_back(to_string(measure));
+  }
+  throw InvalidInput(
+      where, fmt::format("'{}' came, expected mean, quantile or worst{}", internal::printable(name),
+                         internal::did_you_mean(name, known)));
+}
+
+void validate(const TrialRequest& request, const std::string& where) {
+  if (request.missions.empty()) throw InvalidInput(where, "there is no mission, expected some");
+  double sum = 0;
+  for (const CostTerm& term : request.cost) {
+    if (!(term.weight >= 0) || !std::isfinite(term.weight))
+      throw InvalidInput(where, fmt::format("the weight of {} is {}, expected 0 or more",
+                                            name_of(term.metric), term.weight));
+    sum += term.weight;
+  }
+  if (!(sum > 0)) throw InvalidInput(where, "the cost has no weight, expected one of more than 0");
+  if (request.draws == 0) throw InvalidInput(where, "there are 0 draws, expected 1 or more");
+  if (!(request.share > 0 && request.share < 1))
+    throw InvalidInput(
+        where,
+        fmt::format("the quantile is {}, expected more than 0 and less than 1", request.share));
+  validate(request.uncertainty, where);
+  for (const TrialMission& mission : request.missions) {
+    FlightSetup setup = mission.setup;
+    apply(request.uncertainty, draw(request.uncertainty, request.seed, 0), setup);
+  }
+}
+
+double TrialLimit::excess() const {
+  if (!std::isfinite(value)) return 1;
+  return most > 0 ? std::min(value / most - 1, 1.0) : value;
+}
+
+bool TrialOutcome::keeps_limits() const {
+  return std::all_of(limits.begin(), limits.end(),
+                     [](const TrialLimit& limit) { return limit.excess() <= 0; });
+}
+
+MissionTrial::MissionTrial(TrialRequest request, const Controller& reference, std::size_t threads,
+                           std::function<bool()> interrupted)
+    : request_(std::move(request)), threads_(threads), interrupted_(std::move(interrupted)) {
+  validate(request_, "trial");
+  const std::vector<FlightResult> flown = results(reference, 0, request_.draws);
+  for (std::size_t m = 0; m < request_.missions.size(); ++m) {
+    require_cost(m, flown);
+    std::vector<double>& scales = scales_.emplace_back();
+    for (const CostTerm& term : request_.cost) {
+      double sum = 0;
+      int count = 0;
+      for (std::uint32_t d = 0; d < request_.draws; ++d) {
+        const FlightResult& result = flown[m * request_.draws + d];
+        const double value = result.metrics[term.metric];
+        if (ended_early(result) || !std::isfinite(value)) continue;
+        sum += value;
+        ++count;
+      }
+      scales.push_back(count > 0 && sum / count > kLeastScale ? sum / count : 1);
+    }
+  }
+}
+
+/// A mission that measures nothing of the cost would call every controller perfect.
+void MissionTrial::require_cost(std::size_t mission, const std::vector<FlightResult>& flown) const {
+  bool any_completed = false;
+  for (std::uint32_t d = 0; d < request_.draws; ++d) {
+    const FlightResult& result = flown[mission * request_.draws + d];
+    if (ended_early(result)) continue;
+    any_completed = true;
+    for (const CostTerm& term : request_.cost)
+      if (term.weight > 0 && !std::isnan(result.metrics[term.metric])) return;
+  }
+  if (!any_completed) return;
+  throw InvalidInput(
+      "trial",
+      fmt::format("the mission '{}' measures no figure of the cost in {} s, "
+                  "expected one that it does, e.g. by a longer flight",
+                  request_.missions[mission].name, duration_of(request_.missions[mission].setup)));
+}
+
+std::vector<FlightResult> MissionTrial::results(const Controller& controller, std::uint32_t first,
+                                                std::uint32_t count) const {
+  std::vector<FlightSetup> setups;
+  setups.reserve(request_.missions.size() * count);
+  for (const TrialMission& mission : request_.missions)
+    for (std::uint32_t d = first; d < first + count; ++d) {
+      FlightSetup& setup = setups.emplace_back(mission.setup);
+      setup.controller = controller;
+      setup.seed = request_.seed;
+      setup.flight = d;
+      if (!request_.uncertainty.numbers.empty())
+        apply(request_.uncertainty, draw(request_.uncertainty, request_.seed, d), setup);
+    }
+  return fly_all(setups, threads_, interrupted_);
+}
+
+double MissionTrial::cost_of(std::size_t mission, const FlightResult& result) const {
+  if (ended_early(result)) {
+    const double flown = result.end_time / duration_of(request_.missions[mission].setup);
+    return kFailure * (2 - std::min(flown, 1.0));
+  }
+  double cost = 0, weights = 0;
+  for (std::size_t t = 0; t < request_.cost.size(); ++t) {
+    const CostTerm& term = request_.cost[t];
+    if (term.weight == 0) continue;
+    const double value = result.metrics[term.metric];
+    // What a mission does not have costs nothing; what was never reached costs much.
+    weights += term.weight;
+    if (std::isnan(value)) continue;
+    cost += term.weight *
+            (std::isinf(value) ? kFailure : std::min(value / scales_[mission][t], kFailure));
+  }
+  return cost / weights;
+}
+
+TrialOutcome MissionTrial::fly(const Controller& controller) const {
+  return fly(controller, 0, request_.draws);
+}
+
+TrialOutcome MissionTrial::fly(const Controller& controller, std::uint32_t first,
+                               std::uint32_t count) const {
+  const std::vector<FlightResult> flown = results(controller, first, count);
+  const std::size_t missions = request_.missions.size();
+  TrialOutcome outcome;
+  outcome.costs.assign(count, 0);
+  outcome.flights = static_cast<std::uint32_t>(flown.size());
+  for (std::size_t m = 0; m < missions; ++m) {
+    const TrialMission& mission = request_.missions[m];
+    const FlightResult* const of_mission = flown.data() + m * count;
+    for (std::uint32_t d = 0; d < count; ++d) {
+      outcome.costs[d] += cost_of(m, of_mission[d]) / static_cast<double>(missions);
+      outcome.failed += static_cast<std::uint32_t>(ended_early(of_mission[d]));
+    }
+    for (const Limit& limit : mission.limits) {
+      std::vector<double> values;
+      for (std::uint32_t d = 0; d < count; ++d) {
+        const double value = of_mission[d].metrics[limit.metric];
+        values.push_back(ended_early(of_mission[d]) || std::isnan(value) ? kInfinity : value);
+      }
+      outcome.limits.push_back(
+          {mission.name, limit.metric, robust(request_, std::move(values)), limit.most});
+    }
+    MetricValues& means = outcome.means.emplace_back();
+    for (std::size_t i = 0; i < kMetrics; ++i) {
+      double sum = 0;
+      for (std::uint32_t d = 0; d < count; ++d) sum += of_mission[d].metrics.value[i];
+      means.value[i] = sum / count;
+    }
+  }
+  outcome.cost = robust(request_, outcome.costs);
+  return outcome;
+}
+
+Estimated paired_difference(const std::vector<double>& first, const std::vector<double>& second) {
+  if (first.size() != second.size() || first.size() < 2)
+    throw InvalidInput("paired_difference", fmt::format("{} and {} values, expected as many, 2 or "
+                                                        "more",
+                                                        first.size(), second.size()));
+  const auto n = static_cast<double>(first.size());
+  double mean = 0, squares = 0;
+  for (std::size_t i = 0; i < first.size(); ++i) mean += (second[i] - first[i]) / n;
+  for (std::size_t i = 0; i < first.size(); ++i)
+    squares += std::pow(second[i] - first[i] - mean, 2);
+  const double t = boost::math::quantile(boost::math::students_t(n - 1), 0.975);
+  const double width = t * std::sqrt(squares / (n - 1) / n);
+  return {mean, mean - width, mean + width};
+}
+
+}  // namespace quadtune
