@@ -79,7 +79,7 @@ MergedCampaign merge_campaign(const CampaignPlan& plan, const std::string& folde
   const Eigen::MatrixXd drawn = all_draws(plan.campaign, threads);
   merged.statistics = campaign_statistics(plan.campaign, drawn, records, threads);
   const auto path = [&](const std::string& name) {
-    const std::string file = (fs::path(folder) / name).string();
+    std::string file = (fs::path(folder) / name).string();
     merged.files.push_back(file);
     return file;
   };

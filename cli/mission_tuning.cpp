@@ -99,9 +99,9 @@ std::string missions_text(const Told& told) {
   const bool proved = !told.result.proof_before.costs.empty();
   const TrialOutcome& before = proved ? told.result.proof_before : told.result.before;
   const TrialOutcome& after = proved ? told.result.proof_after : told.result.after;
-  std::string text =
-      fmt::format("{:<16}{:<36}{:>11}{:>11}{}  {}\n", "mission", "figure, mean", "start", "found",
-                  told.rival ? fmt::format("{:>11}", "published") : "", "unit");
+  std::string text = fmt::format("{:<16}{:<36}{:>11}{:>11}{}  {}\n", "mission", "figure, mean",
+                                 "start", told.result.accepted ? "found" : "not taken",
+                                 told.rival ? fmt::format("{:>11}", "published") : "", "unit");
   const auto cell = [](double x) {
     return std::isnan(x) ? std::string("-") : std::isinf(x) ? "never" : fmt::format("{:.4g}", x);
   };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Global: controlled random search with local mutation [Kaelo06], limits as a penalty, since it has
-// none of its own. Local: COBYLA [Powell94], which keeps limits as such. Both of NLopt.
+// Global: controlled random search with local mutation (Kaelo and Ali 2006), limits as a penalty,
+// since it has none of its own. Local: COBYLA (Powell 1994), which keeps limits as such. Both of
+// NLopt.
 #include "quadtune/tuning/mission_search.hpp"
 
 #include <fmt/format.h>
@@ -22,6 +23,9 @@ using Clock = std::chrono::steady_clock;
 constexpr double kPenalty = 20;
 /// Of a point without a controller.
 constexpr double kNoDesign = 2 * MissionTrial::kFailure;
+/// How far within its limits a point is to stay, as a share: fresh draws are not those of the
+/// search.
+constexpr double kDistance = 0.01;
 /// What nobody would change gains for [%].
 constexpr double kLeastGain = 0.1;
 /// Share of the time for the global part.
@@ -41,7 +45,9 @@ struct Tried {
   Eigen::VectorXd excess;  ///< of all limits, ≤ 0 where kept
   double cost = kNoDesign;
 
-  [[nodiscard]] double penalized() const { return cost + kPenalty * excess.cwiseMax(0).sum(); }
+  [[nodiscard]] double penalized() const {
+    return cost + kPenalty * (excess.array() + kDistance).cwiseMax(0).sum();
+  }
   [[nodiscard]] double worst() const { return excess.size() > 0 ? excess.maxCoeff() : 0; }
 };
 
@@ -57,7 +63,7 @@ class Search {
                          "the design that it begins with has no solution or is not "
                          "stable");
     // A limit that the start passes already is one to come nearer to, not one that ends the search.
-    slack_ = start_.excess.cwiseMax(0);
+    slack_ = start_.excess.cwiseMax(-kDistance);
     best_ = start_;
     go(NLOPT_GN_CRS2_LM, kGlobalShare);
     // Twice, since its first steps are wide.

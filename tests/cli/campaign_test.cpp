@@ -197,6 +197,26 @@ TEST_F(Campaign, APlanDoesNotChange) {
               HasSubstr("is no plan of a campaign"));
 }
 
+// The lines of docs/cli.md that are not left out there.
+TEST_F(Campaign, PrintsWhatTheDocsShow) {
+  const std::string root = QUADTUNE_SOURCE_DIR;
+  const std::string out = replaced(
+      run_program({"campaign", "run", root + "/campaigns/mambo-hover.toml", path("out")}).out,
+      "campaign replay " + path("out") + " --flight 106",
+      "campaign replay out/campaign --flight 106");
+  std::ifstream page(root + "/docs/cli.md");
+  int shown = 0;
+  bool here = false, inside = false;
+  for (std::string line; std::getline(page, line);) {
+    if (line.starts_with("## ")) here = line == "## Campaigns";
+    if (here && line == "```") inside = !inside;
+    if (!here || !inside || line == "```" || line == "...") continue;
+    EXPECT_THAT(out, HasSubstr(line + "\n"));
+    ++shown;
+  }
+  EXPECT_GE(shown, 15);
+}
+
 TEST_F(Campaign, TakesGainsAndReferencesAlong) {
   // State feedback from a file, and a mission whose references lie beside it.
   ASSERT_EQ(run_program({"design", std::string(QUADTUNE_SOURCE_DIR) + "/designs/mambo-hover.toml",

@@ -134,13 +134,18 @@ TEST(TuneMissions, RefusesInOneLine) {
     EXPECT_THAT(result.err, HasSubstr(message));
   };
   refuses({"tune", "pid"}, 2, "expected a vehicle");
-  refuses({"tune", "pid", "mambo"}, 2, "expected --mission NAME, or --requirements FILE");
-  refuses({"tune", "pid", "mambo", "--mission", "hovr"}, 3, "did you mean 'hover'?");
-  refuses({"tune", "pid", "mambo", "--mission", "hover", "--budget", "-1"}, 2, "--budget is -1");
-  refuses({"tune", "pid", "mambo", "--mission", "hover", "--measure", "men"}, 2,
-          "--measure: 'men' came, expected mean, quantile or worst");
-  refuses({"tune", "pid", "mambo", "--mission", "hover", "--duration", "2", "--budget", "1"}, 3,
-          "the mission 'hover' measures no figure of the cost in 2 s");
+  refuses({"tune", "pid", "mambo", "--gains", "published"}, 2,
+          "expected --mission NAME, or --requirements FILE");
+  refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hovr"}, 3,
+          "did you mean 'hover'?");
+  refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--budget", "-1"},
+          2, "--budget is -1");
+  refuses(
+      {"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--measure", "men"}, 2,
+      "--measure: 'men' came, expected mean, quantile or worst");
+  refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--duration", "2",
+           "--budget", "1"},
+          3, "the mission 'hover' measures no figure of the cost in 2 s");
   refuses({"tune", "lqr", "mambo"}, 2, "expected --mission NAME or --requirements FILE");
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--tie", "x,y"}, 2,
           "--tie is for --match-gains");
@@ -153,7 +158,8 @@ TEST(TuneMissions, RefusesInOneLine) {
   };
   const auto refuses_file = [&](const std::string& from, const std::string& to,
                                 const std::string& message) {
-    refuses({"tune", "pid", "mambo", "--requirements", file(from, to)}, 3, message);
+    refuses({"tune", "pid", "mambo", "--gains", "published", "--requirements", file(from, to)}, 3,
+            message);
   };
   refuses_file("tracking_rms = 1", "traking_rms = 1", "did you mean 'tracking_rms'?");
   refuses_file("energy = 0.1", "energy = -0.1", "r.toml:4: energy");

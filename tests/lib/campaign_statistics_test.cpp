@@ -140,7 +140,8 @@ TEST(CampaignStatistics, FindsWhatFlightsDependOn) {
       records.push_back(record);
     }
   }
-  const CampaignStatistics statistics = campaign_statistics(campaign, all_draws(campaign), records);
+  const Eigen::MatrixXd all = all_draws(campaign);
+  const CampaignStatistics statistics = campaign_statistics(campaign, all, records);
   ASSERT_EQ(statistics.cases.size(), 2);
   const CaseStatistics& one = statistics.cases[0];
   EXPECT_EQ(one.flights, 400);
@@ -175,6 +176,50 @@ TEST(CampaignStatistics, FindsWhatFlightsDependOn) {
       EXPECT_NEAR(d.mean.value, 0.02, 1e-12);
       EXPECT_NEAR(d.mean.high - d.mean.low, 0, 1e-12);
     }
+}
+
+// A figure that some flights lack: its correlations are those of the others alone, whatever the
+// threads, and ties among what was drawn count as such.
+TEST(CampaignStatistics, AnAbsentFigureLeavesTheFlightOut) {
+  Campaign campaign;
+  CampaignCase of;
+  of.design = "one";
+  of.mission = "hover";
+  of.setup.mission = load_mission("hover");
+  campaign.cases = {of};
+  campaign.uncertainty.numbers = {{"mass", {DistributionKind::normal, 1, 0.05}},
+                                  {"thrust", {DistributionKind::normal, 1, 0}}};
+  campaign.flights = 300;
+  Eigen::MatrixXd drawn = all_draws(campaign);
+  for (Eigen::Index i = 0; i < drawn.cols(); ++i) drawn(0, i) = std::round(drawn(0, i) * 50) / 50;
+  std::vector<CampaignRecord> records(campaign.flights);
+  std::vector<double> mass, settled;
+  std::mt19937_64 random(3);
+  for (std::uint32_t i = 0; i < campaign.flights; ++i) {
+    records[i].number = i;
+    records[i].passed = true;
+    if (random() % 3 == 0) continue;
+    mass.push_back(drawn(0, i));
+    settled.push_back(random() % 5 == 0 ? kInfinity
+                                        : mass.back() + 0.1 * static_cast<double>(random() % 4));
+    records[i].metrics[Metric::settling_time] = settled.back();
+  }
+  const Estimated expected = rank_correlation(mass, settled);
+  for (const std::size_t threads : {1, 3}) {
+    const CampaignStatistics statistics = campaign_statistics(campaign, drawn, records, threads);
+    int found = 0;
+    for (const Sensitivity& s : statistics.cases[0].sensitivities) {
+      EXPECT_EQ(s.quantity, "mass");  // the thrust does not vary
+      if (s.figure != "settling_time") continue;
+      ++found;
+      EXPECT_EQ(s.correlation.value, expected.value);
+      EXPECT_EQ(s.correlation.low, expected.low);
+      EXPECT_EQ(s.correlation.high, expected.high);
+    }
+    EXPECT_EQ(found, 1);
+    ASSERT_FALSE(statistics.cases[0].metrics.empty());
+    EXPECT_EQ(statistics.cases[0].metrics.back().flights, settled.size());
+  }
 }
 
 }  // namespace

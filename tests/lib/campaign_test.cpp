@@ -116,6 +116,16 @@ TEST(Campaign, DesignsMeetTheSameDraws) {
   EXPECT_NE(first.flown->mass, setup_of(campaign, 8).flown->mass);
 }
 
+TEST(Campaign, AllDrawsAreThoseOfEachFlight) {
+  const Campaign campaign = small_campaign(5000);
+  const Eigen::MatrixXd all = all_draws(campaign, 3);
+  ASSERT_EQ(all.rows(), 2);
+  ASSERT_EQ(all.cols(), 5000);
+  for (const std::uint32_t flight : {0u, 1u, 4095u, 4096u, 4999u})
+    EXPECT_EQ(all.col(flight), draw(campaign.uncertainty, campaign.seed, flight)) << flight;
+  EXPECT_EQ(all, all_draws(campaign, 1));
+}
+
 TEST(Campaign, AShardIsFlownOnceAndReadBackExactly) {
   const Campaign campaign = small_campaign(10);
   const TemporaryDirectory directory;

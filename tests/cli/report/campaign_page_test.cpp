@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -32,18 +34,21 @@ nlohmann::json data_of(const std::string& page) {
   return nlohmann::json::parse(page.substr(start, page.find("</script>", start) - start));
 }
 
-/// The page that the program writes of a campaign in the project's folder.
-std::string page_of_campaign(const std::string& file) {
-  const TemporaryDirectory folder;
-  const ProgramResult result =
-      run_program({"campaign", "run", std::string(QUADTUNE_SOURCE_DIR) + "/campaigns/" + file,
-                   (folder.path() / "out").string()});
-  EXPECT_EQ(result.status, 0) << result.err;
-  return folder.read("out/report.html");
-}
-
+/// The page that the program writes of campaigns/mambo-hover.toml; with fewer flights, but for the
+/// picture of the documentation.
 const std::string& example() {
-  static const std::string page = page_of_campaign("mambo-hover.toml");
+  static const std::string page = [] {
+    const TemporaryDirectory folder;
+    std::ifstream file(QUADTUNE_SOURCE_DIR "/campaigns/mambo-hover.toml");
+    std::string text(std::istreambuf_iterator<char>(file), {});
+    if (std::getenv("QUADTUNE_UPDATE_DOCS") == nullptr)
+      text.replace(text.find("flights = 200"), 13, "flights = 60");
+    const std::string campaign = folder.write("campaign.toml", text).string();
+    const ProgramResult result =
+        run_program({"campaign", "run", campaign, (folder.path() / "out").string()});
+    EXPECT_EQ(result.status, 0) << result.err;
+    return folder.read("out/report.html");
+  }();
   return page;
 }
 
@@ -74,12 +79,12 @@ CampaignPage hostile_page() {
 
 TEST(CampaignPage, TellsWhatWasFlown) {
   const nlohmann::json data = data_of(example());
-  EXPECT_EQ(data["title"], "mambo-hover: 200 draws");
+  EXPECT_THAT(data["title"].get<std::string>(), HasSubstr("mambo-hover: "));
   EXPECT_EQ(data["about"].size(), 8U);
   ASSERT_EQ(data["cases"].size(), 2U);
   const nlohmann::json& designed = data["cases"][0];
   EXPECT_EQ(designed["design"], "designed");
-  EXPECT_EQ(designed["flights"], 200);
+  EXPECT_GE(designed["flights"], 60);
   EXPECT_LT(designed["low"], designed["rate"]);
   EXPECT_GT(designed["high"], designed["rate"]);
   EXPECT_EQ(designed["worst"].size(), 5U);
