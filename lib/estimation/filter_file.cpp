@@ -263,7 +263,7 @@ void read_initial(const TomlTable& table, FilterModel& model) {
 }
 
 std::string dynamics_of(const TomlTable& file) {
-  const std::string dynamics = file.text_or("dynamics", "linear");
+  std::string dynamics = file.text_or("dynamics", "linear");
   const std::vector<std::string> known = {"linear", "inertial", "rigid-body"};
   if (std::find(known.begin(), known.end(), dynamics) == known.end())
     throw InvalidInput(

@@ -32,6 +32,7 @@ std::size_t index_of(const std::string& name, const std::string& where) {
   });
   if (found != all.end()) return static_cast<std::size_t>(found - all.begin());
   std::vector<std::string> known;
+  known.reserve(all.size());
   for (const QuantityEffect& effect : all) known.push_back(effect.quantity.name);
   std::string near = internal::did_you_mean(name, known);
   throw InvalidInput(

@@ -39,3 +39,11 @@ wait_for_more_than() {
   echo "waited for $file in vain"
   return 1
 }
+
+# Kills the worker that writes a part, which its name tells: SHARD.HOST-PROCESS-COUNT.part
+kill_writer_of() {
+  local part=$1 process
+  process=${part%-*.part}
+  process=${process##*-}
+  grep -qa campaign "/proc/$process/cmdline" && kill -KILL "$process"
+}

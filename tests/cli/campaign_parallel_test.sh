@@ -21,7 +21,7 @@ mkdir -p "$work/.parallel" && touch "$work/.parallel/will-cite"
 "$work/shared/parallel.sh" >"$work/first.txt" 2>&1 &
 first=$!
 wait_for_more_than 64 "$work/shared/00002.*.part"
-pkill -KILL -f "campaign work $work/shared --shard 2 " || { echo "no worker to kill" && exit 1; }
+kill_writer_of "$work"/shared/00002.*.part || { echo "no worker to kill" && exit 1; }
 [ ! -f "$work/shared/00002.flights" ] || { echo "it was complete before it was killed" && exit 1; }
 if wait $first; then
   echo "parallel did not see that a worker was killed"

@@ -81,7 +81,7 @@ job=$(sbatch --parsable slurm.sh)
 
 # Killed in the middle, its records of a part on disk.
 wait_for_more_than 64 "$work/array/00003.*.part"
-pkill -KILL -f "campaign work $work/array --shard 3 " || { echo "no worker to kill" && exit 1; }
+kill_writer_of "$work"/array/00003.*.part || { echo "no worker to kill" && exit 1; }
 [ ! -f 00003.flights ] || { echo "shard 3 was complete before it was killed" && exit 1; }
 for _ in $(seq 300); do
   scontrol requeue "${job}_3" 2>/dev/null && break
