@@ -132,7 +132,7 @@ TEST(FilterFile, RefusesWhatItCannotRead) {
   const std::string R = "[[sensors.R]]\nvariance = 5\n";
   refused(kHead + kSensor + R + "colour = 1\n",
           "m.toml:17: key 'colour' in [[R]] 1 is not known, expected one of entries, kind, "
-          "parameter, unit, variance, covariance, prior_median, prior_deviation");
+          "parameter, unit, variance, interval, covariance, prior_median, prior_deviation");
   refused(kHead + kSensor + R + "kind = 'ful'\n",
           "m.toml:17: kind in [[R]] 1 is 'ful', expected 'separate' or 'shared' or 'full' or "
           "'fixed'");
