@@ -21,16 +21,21 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+// What bends less is not in the way, rounding is.
+constexpr double kNothing = 1e-12;
+
 /// Coordinates z = Y x; X is Y⁻¹ up to rounding.
 struct Coordinates {
   MatrixXd Y;
   MatrixXd X;
 };
 
-/// The corners of a box, and which two differ in one coordinate alone.
+/// The corners of a box, which two differ in one coordinate alone, and what bends in between.
 struct Corners {
   std::vector<Index> free;        ///< coordinates with a width: numbers, then `ahead`
   std::vector<Enclosure> values;  ///< bit b of an index: upper end of free[b]
+  std::vector<MatrixXd> bends;    ///< of the interpolation, along each of free
+  MatrixXd R;                     ///< of all together
 };
 
 Corners corners_of(const UncertainLoop& loop, const EnclosedBox& box) {
@@ -51,6 +56,13 @@ Corners corners_of(const UncertainLoop& loop, const EnclosedBox& box) {
     }
     corners.values.push_back(enclosed_loop(loop, numbers, ahead, box.past));
   }
+  const std::vector<MatrixXd> errors = interpolation_errors(loop, box);
+  corners.R = MatrixXd::Zero(errors.back().rows(), errors.back().cols());
+  for (const Index i : corners.free) {
+    corners.bends.push_back(errors[static_cast<std::size_t>(i)]);
+    corners.R += corners.bends.back();
+  }
+  corners.R = bounded_above(corners.R);
   return corners;
 }
 
@@ -165,18 +177,27 @@ std::vector<MatrixXd> seen_in(const Coordinates& z, const Corners& corners) {
   return seen;
 }
 
-VectorXd norms(const std::vector<MatrixXd>& seen) {
-  VectorXd values(std::ssize(seen));
-  for (Index i = 0; i < values.size(); ++i)
-    values(i) = largest_singular_value(seen[static_cast<std::size_t>(i)]);
-  return values;
+/// How much a matrix of sizes may do in these coordinates.
+double size_in(const Coordinates& z, const MatrixXd& R) {
+  return norm_bound(z.Y.cwiseAbs() * R * z.X.cwiseAbs());
+}
+
+double corner_expansion(const Coordinates& z, const Corners& corners) {
+  double most = 0;
+  for (const MatrixXd& N : seen_in(z, corners)) most = std::max(most, largest_singular_value(N));
+  return most;
+}
+
+/// The largest ‖Y M X‖₂ in the box, near enough.
+double expansion(const Coordinates& z, const Corners& corners) {
+  return corner_expansion(z, corners) + size_in(z, corners.R);
 }
 
 /// Turns and stretches the coordinates against the directions that expand: of N = Y M X with the
 /// singular triples (u, σ, v), Y ← (I + E) Y changes σ by σ (uᵀ E u - vᵀ E v). Polyak's step down
 /// f = ½ Σ (σ - target)² over all corners and all σ beyond the target, whose least value is to be
 /// 0.
-/// @param least  the largest σ of the corners in z; of the result after
+/// @param least  the expansion in z; of the result after
 Coordinates improved(Coordinates z, const Corners& corners, double target, double& least) {
   constexpr int kSteps = 60;
   Coordinates best = z;
@@ -184,14 +205,14 @@ Coordinates improved(Coordinates z, const Corners& corners, double target, doubl
   for (int step = 0; step < kSteps && !(least < 1); ++step) {
     MatrixXd slope = MatrixXd::Zero(n, n);
     double f = 0;
-    double expansion = 0;
+    double most = 0;
     for (const MatrixXd& N : seen_in(z, corners)) {
       const MatrixXd square = N.transpose() * N;
       if (!square.allFinite()) return best;
       const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(square);
       for (Index k = 0; k < n; ++k) {
         const double sigma = std::sqrt(std::max(0.0, eigen.eigenvalues()(k)));
-        expansion = std::max(expansion, sigma);
+        most = std::max(most, sigma);
         if (!(sigma > target)) continue;
         const VectorXd v = eigen.eigenvectors().col(k);
         const VectorXd u = N * v / sigma;
@@ -199,8 +220,9 @@ Coordinates improved(Coordinates z, const Corners& corners, double target, doubl
         slope += (sigma - target) * sigma * (u * u.transpose() - v * v.transpose());
       }
     }
-    if (expansion < least) {
-      least = expansion;
+    most += size_in(z, corners.R);
+    if (most < least) {
+      least = most;
       best = z;
     }
     const double size = slope.norm();
@@ -222,9 +244,9 @@ std::optional<Coordinates> chosen(const MatrixXd& middle, const Modes& modes,
   for (const double share : {0.0, 0.3, 1.0, 3.0}) {
     std::optional<Coordinates> z = along(middle, modes, share);
     if (!z) continue;
-    const double expansion = norms(seen_in(*z, corners)).maxCoeff();
-    if (!(expansion < least)) continue;
-    least = expansion;
+    const double most = expansion(*z, corners);
+    if (!(most < least)) continue;
+    least = most;
     best = std::move(z);
     if (least < 1) return best;
   }
@@ -232,14 +254,17 @@ std::optional<Coordinates> chosen(const MatrixXd& middle, const Modes& modes,
   return best;
 }
 
-/// Of the two corners of each pair, how far apart the loops are in these coordinates.
+/// Along which to split. Where the corners contract it is what bends between them that is in the
+/// way; else how far apart the loops are of two corners that differ in one coordinate.
 Index widest(const Coordinates& z, const Corners& corners) {
+  const bool bent = corner_expansion(z, corners) < 1 && size_in(z, corners.R) > kNothing;
   const std::vector<MatrixXd> seen = seen_in(z, corners);
   Index place = -1;
   double most = -1;
   for (std::size_t b = 0; b < corners.free.size(); ++b) {
     double apart = 0;
-    for (std::size_t index = 0; index < seen.size(); ++index)
+    if (bent) apart = size_in(z, corners.bends[b]);
+    for (std::size_t index = 0; index < seen.size() && !bent; ++index)
       if ((index >> b & 1) == 0)
         apart = std::max(apart, (seen[index | std::size_t{1} << b] - seen[index]).norm());
     if (!(apart <= most)) {
@@ -251,8 +276,8 @@ Index widest(const Coordinates& z, const Corners& corners) {
 }
 
 /// The proof itself: everything before may be as wrong as it likes.
-void prove(const Coordinates& z, const Corners& corners, const MatrixXd& R, Contraction& result) {
-  const Index n = R.rows();
+void prove(const Coordinates& z, const Corners& corners, Contraction& result) {
+  const Index n = corners.R.rows();
   const Enclosure Y(z.Y);
   const Enclosure X(z.X);
   const Enclosure G = Y * X;  // nearly I
@@ -262,7 +287,7 @@ void prove(const Coordinates& z, const Corners& corners, const MatrixXd& R, Cont
   const Enclosure GG = G.transpose() * G;
   double least = std::numeric_limits<double>::infinity();
   for (const Enclosure& value : corners.values) {
-    const Enclosure M(value.mid, bounded_above(value.rad + R));
+    const Enclosure M(value.mid, bounded_above(value.rad + corners.R));
     const Enclosure H = Y * M * X;
     // GᵀG - HᵀH = Xᵀ (YᵀY - MᵀYᵀYM) X ≥ c I also shows X, and with it Y, to be regular.
     const double c = least_eigenvalue_bound(GG - H.transpose() * H);
@@ -290,7 +315,7 @@ Contraction prove_contraction(const UncertainLoop& loop, const EnclosedBox& box)
   if (!(modes.radius < 1)) return result;
   const std::optional<Coordinates> z = chosen(middle, modes, corners);
   if (!z) return result;
-  prove(*z, corners, interpolation_error(loop, box), result);
+  prove(*z, corners, result);
   if (!result.proved && !corners.free.empty()) result.widest = widest(*z, corners);
   return result;
 }

@@ -27,12 +27,26 @@ struct EnclosedBox {
 [[nodiscard]] Enclosure enclosed_loop(const UncertainLoop& loop, const Eigen::VectorXd& numbers,
                                       double ahead, int past);
 
-/// R ≥ 0 with M(p) within R, entry by entry, of the multilinear interpolation between the corners
-/// of the box, for every p in it: R = Σ_j (width_j)²/8 sup |∂²M/∂p_j²|.
-[[nodiscard]] Eigen::MatrixXd interpolation_error(const UncertainLoop& loop,
-                                                  const EnclosedBox& box);
+/// R_j ≥ 0, one for each number and then one for `ahead`: for every p in the box M(p) is within
+/// R = Σ R_j, entry by entry, of the multilinear interpolation between the corners of the box.
+/// R_j = (width_j)²/8 sup |∂²M/∂p_j²|.
+[[nodiscard]] std::vector<Eigen::MatrixXd> interpolation_errors(const UncertainLoop& loop,
+                                                                const EnclosedBox& box);
 
 /// Bounds of |M(p)| over the box, those of what is zero in all plants and in the law nearly zero.
 [[nodiscard]] Eigen::MatrixXd loop_size(const UncertainLoop& loop, const EnclosedBox& box);
+
+/// To which part of a loop each belongs, by the parts' numbers.
+struct PartNumbers {
+  Eigen::VectorXi states;  ///< of the plant (nx)
+  Eigen::VectorXi memory;  ///< of the law (ni)
+  Eigen::VectorXi inputs;  ///< of the plant (nu)
+};
+
+/// Bounds, over the box, of what the ways through other parts add to the blocks of M(p) that lead
+/// from a part to itself: those blocks are within them of the M(p) of the part alone. Of no meaning
+/// in the other blocks.
+[[nodiscard]] Eigen::MatrixXd detour_size(const UncertainLoop& loop, const EnclosedBox& box,
+                                          const PartNumbers& part);
 
 }  // namespace quadtune::internal

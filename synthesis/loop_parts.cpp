@@ -118,6 +118,17 @@ std::vector<Index> LoopPart::places(const UncertainLoop& whole, int past) const 
   return at;
 }
 
+PartNumbers part_numbers(const UncertainLoop& loop, const std::vector<LoopPart>& parts) {
+  PartNumbers numbers{Eigen::VectorXi(loop.plant.A.rows()), Eigen::VectorXi(loop.law.A.rows()),
+                      Eigen::VectorXi(loop.plant.B.cols())};
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    numbers.states(parts[i].states).setConstant(static_cast<int>(i));
+    numbers.memory(parts[i].memory).setConstant(static_cast<int>(i));
+    numbers.inputs(parts[i].inputs).setConstant(static_cast<int>(i));
+  }
+  return numbers;
+}
+
 LoopPart whole_loop(const UncertainLoop& loop) {
   LoopPart part;
   const auto all = [](Index count) {

@@ -26,6 +26,10 @@ struct LoopPart {
 /// two parts; what they do must be bounded by whoever proves something of the parts.
 [[nodiscard]] std::vector<LoopPart> loop_parts(const UncertainLoop& loop, const EnclosedBox& box);
 
+/// Which part each state, memory and input of the loop is in.
+[[nodiscard]] PartNumbers part_numbers(const UncertainLoop& loop,
+                                       const std::vector<LoopPart>& parts);
+
 /// The loop as its only part.
 [[nodiscard]] LoopPart whole_loop(const UncertainLoop& loop);
 

@@ -150,18 +150,20 @@ class Proof {
     return true;
   }
 
-  /// ‖[Y_a E_ab Y_b⁻¹]‖₂ over all pairs of parts, the norms of each Y being 1.
+  /// ‖[Y_a E_ab Y_b⁻¹]‖₂ over all pairs of parts, the norms of each Y being 1; E_aa is what comes
+  /// back through other parts.
   [[nodiscard]] double coupling(const std::vector<LoopPart>& parts,
                                 const std::vector<PartEvidence>& evidence,
                                 const EnclosedBox& region) const {
     if (parts.size() < 2) return 0;
     const MatrixXd size = internal::loop_size(loop_, region);
+    const MatrixXd detour =
+        internal::detour_size(loop_, region, internal::part_numbers(loop_, parts));
     double squares = 0;
     for (std::size_t a = 0; a < parts.size(); ++a)
       for (std::size_t b = 0; b < parts.size(); ++b) {
-        if (a == b) continue;
-        const MatrixXd between =
-            size(parts[a].places(loop_, region.past), parts[b].places(loop_, region.past));
+        const MatrixXd between = (a == b ? detour : size)(parts[a].places(loop_, region.past),
+                                                          parts[b].places(loop_, region.past));
         const double one = internal::norm_bound(between) * evidence[b].condition;
         squares += one * one;
       }

@@ -234,31 +234,32 @@ Enclosure enclosed_loop(const UncertainLoop& loop, const VectorXd& numbers, doub
 
 // ∂²/∂a² ∫₀^a e^(Aτ) dτ B = A e^(Aa) B. Of a number that moves A all of e^([A B; 0 0] t) bends; one
 // that moves B alone bends nothing.
-MatrixXd interpolation_error(const UncertainLoop& loop, const EnclosedBox& box) {
+std::vector<MatrixXd> interpolation_errors(const UncertainLoop& loop, const EnclosedBox& box) {
   const Index nx = loop.plant.A.rows();
   const Index nu = loop.plant.B.cols();
   const PlantSize size = plant_size(loop, box);
-  Period<MatrixXd> bend{MatrixXd::Zero(nx, nx), MatrixXd::Zero(nx, nu), MatrixXd::Zero(nx, nu)};
-  const double across = bounded_above(box.ahead_high - box.ahead_low);
-  if (box.past > 0 && box.ahead_high > box.ahead_low) {
-    const MatrixXd ahead = bounded_above(size.A * hold_size(size.A, box.ahead_high).Phi * size.B *
-                                         (across * across / 8));
-    bend.early += ahead;
-    bend.last += ahead;
-  }
+  std::vector<MatrixXd> errors;
   for (std::size_t j = 0; j < loop.terms.size(); ++j) {
     const auto i = static_cast<Index>(j);
     const double width = bounded_above(box.high(i) - box.low(i));
     const PlantTerm& term = loop.terms[j];
-    if (term.A.size() == 0 || !(box.high(i) > box.low(i))) continue;
-    const MatrixXd W = augmented(term.A.cwiseAbs(), or_zero(term.B, nx, nu).cwiseAbs());
-    const MatrixXd whole =
-        (width * width / 8) * exponential_curvature(augmented(size.A, size.B), W, loop.law.dt);
-    bend.Phi += whole.topLeftCorner(nx, nx);
-    bend.last += whole.topRightCorner(nx, nu);
-    if (box.past > 0) bend.early += 2 * whole.topRightCorner(nx, nu);
+    MatrixXd bend = MatrixXd::Zero(nx + nu, nx + nu);
+    if (term.A.size() > 0 && box.high(i) > box.low(i))
+      bend = (width * width / 8) *
+             exponential_curvature(augmented(size.A, size.B),
+                                   augmented(term.A.cwiseAbs(), or_zero(term.B, nx, nu).cwiseAbs()),
+                                   loop.law.dt);
+    const MatrixXd held = bend.topRightCorner(nx, nu);
+    errors.push_back(
+        around({bend.topLeftCorner(nx, nx), 2 * held, held}, loop.law, box.past, false));
   }
-  return around(bend, loop.law, box.past, false);
+  MatrixXd ahead = MatrixXd::Zero(nx, nu);
+  const double across = bounded_above(box.ahead_high - box.ahead_low);
+  if (box.past > 0 && box.ahead_high > box.ahead_low)
+    ahead = bounded_above(size.A * hold_size(size.A, box.ahead_high).Phi * size.B *
+                          (across * across / 8));
+  errors.push_back(around({MatrixXd::Zero(nx, nx), ahead, ahead}, loop.law, box.past, false));
+  return errors;
 }
 
 MatrixXd loop_size(const UncertainLoop& loop, const EnclosedBox& box) {
@@ -266,6 +267,35 @@ MatrixXd loop_size(const UncertainLoop& loop, const EnclosedBox& box) {
   const HoldSize hold = hold_size(size.A, loop.law.dt);
   const MatrixXd all = hold.Gamma * size.B;
   return around({hold.Phi, all, all}, loop.law, box.past, true);
+}
+
+// With the entries that join two parts times s, a way back has s² at least, and the series of the
+// sizes has no negative coefficient: what it has more at s = 1 than at s = 0 is at most half its
+// curvature at s = 1. Where no output waits, a way may also leave by the plant and return by the
+// law.
+MatrixXd detour_size(const UncertainLoop& loop, const EnclosedBox& box, const PartNumbers& part) {
+  const Index nx = loop.plant.A.rows();
+  const Index nu = loop.plant.B.cols();
+  const PlantSize size = plant_size(loop, box);
+  const auto between = [](MatrixXd M, const Eigen::VectorXi& rows, const Eigen::VectorXi& cols) {
+    for (Index i = 0; i < M.rows(); ++i)
+      for (Index j = 0; j < M.cols(); ++j)
+        if (rows(i) == cols(j)) M(i, j) = 0;
+    return M;
+  };
+  const MatrixXd joins = augmented(between(size.A, part.states, part.states),
+                                   between(size.B, part.states, part.inputs));
+  const MatrixXd back = 0.5 * exponential_curvature(augmented(size.A, size.B), joins, loop.law.dt);
+  const MatrixXd held = back.topRightCorner(nx, nu);
+  MatrixXd M = around({back.topLeftCorner(nx, nx), held, held}, loop.law, box.past, false);
+  if (box.past > 1) return M;
+  Eigen::VectorXi seen(nx + part.memory.size());
+  seen << part.states, part.memory;
+  const MatrixXd out =
+      between(hold_size(size.A, loop.law.dt).Gamma * size.B, part.states, part.inputs);
+  M.topLeftCorner(nx, seen.size()) +=
+      out * between(output_rows(loop.law).cwiseAbs(), part.inputs, seen);
+  return bounded_above(M);
 }
 
 }  // namespace internal

@@ -13,6 +13,7 @@
 
 #include "contraction.hpp"
 #include "enclosed_loop.hpp"
+#include "loop_parts.hpp"
 #include "quadtune/errors.hpp"
 
 namespace quadtune {
@@ -239,7 +240,9 @@ TEST(InterpolationError, HoldsTheLoopBetweenTheCorners) {
   for (const int past : {0, 1, 3}) {
     const internal::EnclosedBox box{VectorXd::Constant(1, 0.2), VectorXd::Constant(1, 0.8), 0.1,
                                     0.9, past};
-    const MatrixXd R = internal::interpolation_error(loop, box);
+    const std::vector<MatrixXd> errors = internal::interpolation_errors(loop, box);
+    ASSERT_EQ(errors.size(), 2);
+    const MatrixXd R = errors[0] + errors[1];
     const auto at = [&](double s, double t) {
       return internal::enclosed_loop(loop, VectorXd::Constant(1, 0.2 + 0.6 * s), 0.1 + 0.8 * t,
                                      past)
@@ -255,6 +258,69 @@ TEST(InterpolationError, HoldsTheLoopBetweenTheCorners) {
         closest = std::max(closest, off.maxCoeff() / R.maxCoeff());
       }
     EXPECT_GT(closest, 0.1);  // a bound, and not a wall
+  }
+}
+
+// x' = (θ J - 0.1) x + u, u = 10 x, over two turns a period between the corners: all four look
+// alike to a proof that does not bend, and are not: z = e^(iθ - 0.1) + 10 (e^(iθ - 0.1) - 1)/(iθ -
+// 0.1).
+TEST(ProveContraction, IsNotTakenInByWholeTurns) {
+  UncertainLoop loop = static_loop(-0.1 * MatrixXd::Identity(2, 2), MatrixXd::Zero(2, 2),
+                                   -10 * MatrixXd::Identity(2, 2), 1);
+  loop.plant.B.setIdentity();
+  loop.terms = {{"turn", (MatrixXd(2, 2) << 0, -1, 1, 0).finished(), {}}};
+  const double turn = 2 * std::numbers::pi;
+  for (const double turns : {5.0, 6.0, 7.0})
+    ASSERT_LT(spectral_radius(loop, VectorXd::Constant(1, turns * turn), 0), 1);
+  ASSERT_GT(spectral_radius(loop, VectorXd::Constant(1, 5.5 * turn), 0), 1.05);
+  const internal::EnclosedBox box{VectorXd::Constant(1, 5 * turn), VectorXd::Constant(1, 7 * turn),
+                                  0, 0, 0};
+  EXPECT_FALSE(internal::prove_contraction(loop, box).proved);
+  EXPECT_EQ(status(loop, gains(5 * turn, 7 * turn)), StabilityProofStatus::unstable);
+}
+
+/// Two parts of one state, one memory and one input each, which `joined` joins in every matrix, or
+/// in all but those between the plant's states.
+UncertainLoop two_parts(double joined, bool states) {
+  const MatrixXd pattern = (MatrixXd(2, 2) << 1, joined, -joined, 0.8).finished();
+  const MatrixXd between_states = states ? pattern : MatrixXd(pattern.diagonal().asDiagonal());
+  UncertainLoop loop = static_loop(-1.5 * between_states, 0.7 * pattern, 0.4 * pattern, 0.5);
+  loop.plant.B = pattern;
+  loop.terms.push_back({"pole", 0.3 * between_states, {}});
+  loop.law.A = 0.2 * pattern;
+  loop.law.B = 0.6 * pattern;
+  loop.law.C = -0.3 * pattern;
+  return loop;
+}
+
+// What a part does to itself by way of the other is within its bound, and of second order.
+TEST(DetourSize, BoundsWhatComesBackThroughAnotherPart) {
+  for (const auto& [past, states] :
+       {std::pair{0, true}, {0, false}, {1, true}, {1, false}, {3, true}}) {
+    const internal::EnclosedBox box{VectorXd::Constant(2, -0.5), VectorXd::Constant(2, 0.5), 0.1,
+                                    0.4, past};
+    const std::vector<internal::LoopPart> parts = internal::loop_parts(two_parts(0, states), box);
+    ASSERT_EQ(parts.size(), 2);
+    std::vector<double> largest;
+    for (const double joined : {0.3, 0.03}) {
+      const UncertainLoop loop = two_parts(joined, states);
+      const MatrixXd bound = internal::detour_size(loop, box, internal::part_numbers(loop, parts));
+      double closest = 0;
+      for (const double theta : {-0.5, 0.1, 0.5})
+        for (const double ahead : {0.1, 0.3, 0.4})
+          for (const internal::LoopPart& part : parts) {
+            const std::vector<Eigen::Index> at = part.places(loop, past);
+            const VectorXd numbers = VectorXd::Constant(2, theta);
+            const MatrixXd whole = internal::enclosed_loop(loop, numbers, ahead, past).mid(at, at);
+            const MatrixXd off =
+                whole - internal::enclosed_loop(part.loop, numbers, ahead, past).mid;
+            EXPECT_TRUE((off.cwiseAbs().array() <= bound(at, at).array() + 1e-15).all()) << off;
+            closest = std::max(closest, off.cwiseAbs().maxCoeff() / bound(at, at).maxCoeff());
+          }
+      EXPECT_GT(closest, 0.03);
+      largest.push_back(bound.diagonal().maxCoeff());
+    }
+    EXPECT_NEAR(largest[1] / largest[0], 0.01, 0.003);
   }
 }
 
