@@ -4,13 +4,17 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <limits>
+#include <map>
 #include <memory>
 #include <ostream>
+#include <set>
 
 #include "campaign_merge.hpp"
 #include "campaign_plan.hpp"
@@ -50,13 +54,15 @@ class Progress {
     if (drawn_) err_ << "\r\033[K" << std::flush;
   }
 
-  /// @param already  of `done`, what had not to be flown
-  void show(std::uint64_t done, std::uint64_t all, std::uint64_t already) {
-    if (!shown_ || all == 0) return;
+  /// @param flown    since the beginning, > 0
+  /// @param missing  yet to be flown
+  /// @param all      these, and what was there already; > 0
+  void show(std::uint64_t flown, std::uint64_t missing, std::uint64_t all) {
+    if (!shown_) return;
     const double passed =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-    const auto flown = static_cast<double>(done - already);
-    const double left = flown > 0 ? passed / flown * static_cast<double>(all - done) : 0;
+    const double left = passed / static_cast<double>(flown) * static_cast<double>(missing);
+    const std::uint64_t done = all - missing;
     constexpr std::size_t kWidth = 30;
     const auto filled = static_cast<std::size_t>(kWidth * done / all);
     err_ << fmt::format("\r\033[K[{:#<{}}{:.<{}}] {} of {} flights, {:.0f} s left", "", filled, "",
@@ -94,31 +100,80 @@ CampaignPlan tried(const std::vector<FileContent>& files, const std::string& fil
   }
 }
 
+/// Whether there is such a file; one that cannot be looked at is an error.
+bool is_there(const fs::path& path) {
+  std::error_code error;
+  const bool there = fs::exists(path, error);
+  if (error) throw FileError(path.string(), error.message());
+  return there;
+}
+
+/// The first key in which the plan in a folder is not the one that is asked for:
+/// ": what differs is shards, 8 there and 1 here".
+std::string difference_of(const fs::path& plan, const std::vector<FileContent>& files) {
+  const auto asked = std::find_if(files.begin(), files.end(),
+                                  [](const FileContent& file) { return file.name == kPlanName; });
+  const Json there = Json::parse(internal::read_file(plan.string(), std::size_t{1} << 30),
+                                 /*cb=*/nullptr, /*allow_exceptions=*/false);
+  if (!there.is_object()) return "";
+  const Json here = Json::parse(asked->bytes);
+  for (const auto& [key, value] : here.items()) {
+    if (there.contains(key) && there[key] == value) continue;
+    const bool numbers = there.contains(key) && there[key].is_primitive();
+    return ": what differs is " + key +
+           (numbers ? fmt::format(", {} there and {} here", there[key].dump(), value.dump()) : "");
+  }
+  return "";
+}
+
 /// Writes the plan into a folder that has none, or has the same.
 /// @return  whether it was there already
 bool init(const std::string& file, const std::string& folder, std::uint32_t shards) {
-  std::vector<FileContent> files = plan_files(file, shards);
+  const std::vector<FileContent> files = plan_files(file, shards);
   const fs::path plan = fs::path(folder) / kPlanName;
-  if (fs::exists(plan)) {
-    const auto same = std::all_of(files.begin(), files.end(), [&](const FileContent& content) {
+  if (is_there(plan)) {
+    for (const FileContent& content : files) {
       const fs::path path = fs::path(folder) / content.name;
-      return fs::exists(path) &&
-             internal::read_file(path.string(), std::size_t{1} << 30) == content.bytes;
-    });
-    if (!same)
-      throw InvalidInput(plan.string(),
-                         "is of another campaign, expected a folder of its own for each");
+      if (!is_there(path) ||
+          internal::read_file(path.string(), std::size_t{1} << 30) != content.bytes)
+        throw InvalidInput(plan.string(),
+                           fmt::format("is of another campaign{}, expected a folder of its own "
+                                       "for each",
+                                       difference_of(plan, files)));
+    }
     return true;
   }
   const CampaignPlan loaded = tried(files, file);
+  const std::vector<FileContent> scripts =
+      campaign_scripts(loaded, fs::absolute(folder).lexically_normal());
+  // The plan comes last: where it is, everything is.
+  write_files(folder, scripts, {}, interrupted);
+  for (const FileContent& script : scripts) {
+    const fs::path path = fs::path(folder) / script.name;
+    std::error_code error;
+    fs::permissions(path, fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
+                    fs::perm_options::add, error);
+    if (error) throw FileError(path.string(), error.message());
+  }
   write_files(folder, files, {}, interrupted);
-  write_files(folder, campaign_scripts(loaded, fs::absolute(folder).lexically_normal()), {},
-              interrupted);
-  for (const FileContent& script : campaign_scripts(loaded, folder))
-    fs::permissions(fs::path(folder) / script.name,
-                    fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
-                    fs::perm_options::add);
   return false;
+}
+
+/// --shards as it is counted.
+std::uint32_t shard_count(std::uint64_t shards, const char* verb) {
+  constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
+  if (shards > kMost)
+    refuse(verb, "--shards",
+           fmt::format("--shards is {}, expected at most as many as there are flights", shards));
+  return static_cast<std::uint32_t>(shards);
+}
+
+/// What `fly` would say of these flights, each once.
+void note_words(const CampaignPlan& plan, const Context& context) {
+  std::set<std::string> said;
+  for (const PlannedFlight& words : plan.words)
+    for (const std::string& note : words.notes)
+      if (said.insert(note).second) context.note("campaign: note: " + note);
 }
 
 void note_damage(const ShardWork& work, std::uint32_t shard, const Context& context) {
@@ -146,12 +201,11 @@ Verb init_verb() {
             return [options](Context& context) {
               need(options->file, "init", "FILE", "a campaign file and a folder");
               need(options->folder, "init", "DIR", "a folder for the plan");
-              if (options->shards > 0xffffffff)
-                refuse("init", "--shards", "--shards: more than flights can be numbered");
               const bool there =
-                  init(options->file, options->folder, static_cast<std::uint32_t>(options->shards));
+                  init(options->file, options->folder, shard_count(options->shards, "init"));
               const CampaignPlan plan = load_plan(options->folder);
               const Campaign& campaign = plan.campaign;
+              note_words(plan, context);
               if (context.json) {
                 context.out << internal::readable(Json{{"name", plan.name},
                                                        {"sha256", plan.hash},
@@ -202,13 +256,16 @@ Verb work_verb() {
                    fmt::format("--shard is {}, expected 0 to {}", options->shard, plan.shards - 1));
           const auto shard = static_cast<std::uint32_t>(options->shard);
           const CampaignFolder folder = folder_of(plan, options->folder);
-          const std::uint64_t before = shard_state(folder, shard).records;
+          const DrawRange draws = shard_draws(plan.campaign.flights, plan.shards, shard);
+          const std::uint64_t all = std::uint64_t{draws.end - draws.begin} * folder.cases;
           ShardWork work;
           {
             Progress progress(context);
             work = fly_shard(
                 plan.campaign, folder, shard, context.threads,
-                [&](std::uint64_t done, std::uint64_t all) { progress.show(done, all, before); },
+                [&](std::uint64_t flown, std::uint64_t missing) {
+                  progress.show(flown, missing, all);
+                },
                 interrupted);
           }
           note_damage(work, shard, context);
@@ -223,7 +280,7 @@ Verb work_verb() {
             context.out << (work.was_complete
                                 ? fmt::format("shard {} was complete: {} flights, verified\n",
                                               shard, work.found)
-                                : fmt::format("shard {}: {} flights flown, {} found\n", shard,
+                                : fmt::format("shard {}: {} flown, {} found\n", shard,
                                               work.flown, work.found));
         };
       }};
@@ -331,39 +388,42 @@ Verb run_verb() {
     std::string file, folder;
     std::uint64_t shards = 0;
   };
-  return {
-      "campaign run", "FILE DIR", "plan, fly and merge a campaign on this machine",
-      "quadtune campaign run campaigns/mambo-hover.toml out/campaign", [](CLI::App& app) -> Action {
-        auto options = std::make_shared<Options>();
-        app.add_option("FILE", options->file, "a campaign file (docs/formats.md)");
-        app.add_option("DIR", options->folder, "a new folder, or one where this was stopped");
-        add_count(app, "--shards", options->shards, 1, "as `campaign init`")->type_name("N");
-        return [options](Context& context) {
-          need(options->file, "run", "FILE", "a campaign file and a folder");
-          need(options->folder, "run", "DIR", "a folder for plan and flights");
-          (void)init(options->file, options->folder, static_cast<std::uint32_t>(options->shards));
-          const CampaignPlan plan = load_plan(options->folder);
-          const CampaignFolder folder = folder_of(plan, options->folder);
-          std::uint64_t before = 0, flown_before = 0;
-          for (std::uint32_t shard = 0; shard < plan.shards; ++shard)
-            before += shard_state(folder, shard).records;
-          {
-            Progress progress(context);
-            for (std::uint32_t shard = 0; shard < plan.shards; ++shard) {
-              const DrawRange draws = shard_draws(plan.campaign.flights, plan.shards, shard);
-              const ShardWork work = fly_shard(
-                  plan.campaign, folder, shard, context.threads,
-                  [&](std::uint64_t done, std::uint64_t) {
-                    progress.show(flown_before + done, plan.campaign.records(), before);
-                  },
-                  interrupted);
-              note_damage(work, shard, context);
-              flown_before += std::uint64_t{draws.end - draws.begin} * plan.campaign.cases.size();
-            }
-          }
-          tell(plan, merge_campaign(plan, options->folder, context), options->folder, context);
-        };
-      }};
+  return {"campaign run", "FILE DIR", "plan, fly and merge a campaign on this machine",
+          "quadtune campaign run campaigns/mambo-hover.toml out/campaign",
+          [](CLI::App& app) -> Action {
+            auto options = std::make_shared<Options>();
+            app.add_option("FILE", options->file, "a campaign file (docs/formats.md)");
+            app.add_option("DIR", options->folder, "a new folder, or one where this was stopped");
+            add_count(app, "--shards", options->shards, 1, "as `campaign init`")->type_name("N");
+            return [options](Context& context) {
+              need(options->file, "run", "FILE", "a campaign file and a folder");
+              need(options->folder, "run", "DIR", "a folder for plan and flights");
+              (void)init(options->file, options->folder, shard_count(options->shards, "run"));
+              const CampaignPlan plan = load_plan(options->folder);
+              note_words(plan, context);
+              const CampaignFolder folder = folder_of(plan, options->folder);
+              const std::uint64_t all = plan.campaign.records();
+              std::uint64_t missing = all, before = 0;  // before: flown here, of earlier shards
+              for (std::uint32_t shard = 0; shard < plan.shards; ++shard)
+                missing -= shard_state(folder, shard).records;
+              {
+                Progress progress(context);
+                for (std::uint32_t shard = 0; shard < plan.shards; ++shard) {
+                  const ShardWork work = fly_shard(
+                      plan.campaign, folder, shard, context.threads,
+                      [&](std::uint64_t flown, std::uint64_t) {
+                        // A worker beside this one may have flown, or lost, some of them since.
+                        const std::uint64_t together = before + flown;
+                        progress.show(together, missing - std::min(missing, together), all);
+                      },
+                      interrupted);
+                  note_damage(work, shard, context);
+                  before += work.flown;
+                }
+              }
+              tell(plan, merge_campaign(plan, options->folder, context), options->folder, context);
+            };
+          }};
 }
 
 Verb replay_verb() {
@@ -374,7 +434,7 @@ Verb replay_verb() {
   };
   return {"campaign replay", "DIR --flight N [--report FILE] [--log FILE]",
           "fly one flight of a campaign again and look at it",
-          "quadtune campaign replay out/campaign --flight 0 --report out/flight-0.html",
+          "quadtune campaign replay out/campaign --flight 4 --report out/flight-4.html",
           [](CLI::App& app) -> Action {
             auto options = std::make_shared<Options>();
             app.add_option("DIR", options->folder, "where `campaign init` wrote the plan");
@@ -419,6 +479,7 @@ Verb replay_verb() {
                 context.out << internal::readable(to_json(flown)) << "\n";
               else
                 context.out << to_text(flown);
+              if (!flown.passed) throw AnswerIsNo("campaign replay: " + reasons(flown).front());
             };
           }};
 }

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "quadtune/errors.hpp"
-#include "quadtune/internal/built_in.hpp"
+#include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
 #include "quadtune/internal/uncertainty_reader.hpp"
@@ -19,11 +19,30 @@ namespace {
 using internal::Range;
 using internal::TomlTable;
 
+/// Whether a word can only be a path.
+bool is_path(const std::string& word) {
+  return word.find('/') != std::string::npos || word.ends_with(".toml") || word.ends_with(".json");
+}
+
 /// What a word names beside the campaign's file: a path there, or a name of its own.
 std::string beside(const std::filesystem::path& folder, const std::string& word) {
-  const bool path = internal::looks_like_path(word) || word.ends_with(".json") ||
-                    std::filesystem::exists(folder / word);
+  std::error_code ignored;  // what cannot be looked at is left to who reads it
+  const bool path = is_path(word) || std::filesystem::is_regular_file(folder / word, ignored);
   return path ? (folder / word).string() : word;
+}
+
+/// Likewise of gains, which may lie in a folder.
+std::string gains_beside(const TomlTable& table, const std::filesystem::path& folder,
+                         const std::string& word) {
+  const std::vector<std::string> known = {"designed", "published"};
+  if (std::find(known.begin(), known.end(), word) != known.end()) return word;
+  std::error_code ignored;
+  if (!is_path(word) && !std::filesystem::exists(folder / word, ignored))
+    throw InvalidInput(table.where("gains"),
+                       fmt::format("no gains '{}', expected designed, published, or a file or a "
+                                   "folder beside this one{}",
+                                   internal::printable(word), internal::did_you_mean(word, known)));
+  return (folder / word).string();
 }
 
 /// Whether a name could stand in a file as such (TomlTable::word()).
@@ -48,7 +67,6 @@ CampaignDesign read_design(const TomlTable& table, const std::filesystem::path& 
   CampaignDesign design;
   design.where = table.where();
   const std::string gains = table.text_or("gains", "designed");
-  design.gains = gains == "designed" || gains == "published" ? gains : beside(folder, gains);
   design.name =
       table.has("name") ? table.word("name") : std::filesystem::path(gains).stem().string();
   // It names a file and a column's values.
@@ -56,6 +74,7 @@ CampaignDesign read_design(const TomlTable& table, const std::filesystem::path& 
     throw InvalidInput(table.where(), fmt::format("gains '{}' give the design no name, expected "
                                                   "name = \"…\" beside them",
                                                   internal::printable(gains)));
+  design.gains = gains_beside(table, folder, gains);
   design.controller = table.text_or("controller", "");
   design.integrator = table.text_or("integrator", "");
   return design;
@@ -120,6 +139,7 @@ CampaignRequest read_campaign(const std::filesystem::path& path) {
   CampaignRequest request;
   request.name = file.word("name");
   request.vehicle = beside(folder, file.text("vehicle"));
+  request.vehicle_where = file.where("vehicle");
   request.flights = static_cast<std::uint32_t>(file.integer("flights", 1, kMost));
   if (file.has("seed")) request.seed = static_cast<std::uint64_t>(file.integer("seed", 0, kMost));
   if (file.has("shards")) {

@@ -31,7 +31,8 @@ struct CampaignMission {
 
 struct CampaignRequest {
   std::string name;
-  std::string vehicle;  ///< name or path
+  std::string vehicle;        ///< name or path
+  std::string vehicle_where;  ///< "file:line"
   std::vector<CampaignDesign> designs;
   std::vector<CampaignMission> missions;
   Uncertainty uncertainty;

@@ -26,11 +26,11 @@ std::vector<CampaignRecord> all_records(const CampaignPlan& plan, const std::str
   std::vector<std::string> missing;
   for (std::uint32_t shard = 0; shard < plan.shards; ++shard) {
     if (interrupted()) throw Interrupted();
-    try {
-      for (CampaignRecord& record : read_shard(folder, shard)) records.push_back(std::move(record));
-    } catch (const FileError&) {
+    if (!shard_is_there(folder, shard)) {
       missing.push_back(fmt::format("{}", shard));
+      continue;
     }
+    for (CampaignRecord& record : read_shard(folder, shard)) records.push_back(std::move(record));
   }
   if (!missing.empty()) {
     constexpr std::size_t kNamed = 10;
@@ -78,10 +78,14 @@ MergedCampaign merge_campaign(const CampaignPlan& plan, const std::string& folde
   const std::size_t threads = internal::thread_count(context.threads);
   const Eigen::MatrixXd drawn = all_draws(plan.campaign, threads);
   merged.statistics = campaign_statistics(plan.campaign, drawn, records, threads);
-  const auto path = [&](const std::string& name) {
-    std::string file = (fs::path(folder) / name).string();
+  const auto path = [&](const std::string& name) { return (fs::path(folder) / name).string(); };
+  const auto written = [&](const std::string& file) {
     merged.files.push_back(file);
-    return file;
+    context.written.push_back(file);
+  };
+  const auto write = [&](const std::string& file, const std::string& bytes) {
+    write_file(file, bytes);
+    written(file);
   };
   const std::string csv = path("flights.csv"), database = path("campaign.sqlite");
   const auto write_table = [&](std::size_t which) {
@@ -92,17 +96,19 @@ MergedCampaign merge_campaign(const CampaignPlan& plan, const std::string& folde
   };
   internal::in_parallel(
       2, threads, [&] { return write_table; }, interrupted);
-  write_file(path("statistics.json"),
-             internal::readable(to_json(plan, merged.statistics, folder)) + "\n");
-  write_file(path("report.html"), campaign_html(plan, merged.statistics, records, folder));
+  written(csv);
+  written(database);
+  write(path("statistics.json"),
+        internal::readable(to_json(plan, merged.statistics, folder)) + "\n");
+  write(path("report.html"), campaign_html(plan, merged.statistics, records, folder));
   for (const std::uint64_t number : kept_flights(plan, records)) {
+    if (interrupted()) throw Interrupted();
     PlannedFlight flight = replayed_flight(plan, number);
     keep_log(flight, "campaign merge");
     const FlownFlight flown = fly_planned(std::move(flight));
     const std::string file = path(fmt::format("logs/flight-{}.mat", number));
-    write_file(file, log_bytes(flown.result.log, file));
+    write(file, log_bytes(flown.result.log, file));
   }
-  for (const std::string& file : merged.files) context.written.push_back(file);
   return merged;
 }
 

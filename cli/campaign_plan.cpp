@@ -5,14 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "campaign_file.hpp"
+#include "cascade_report.hpp"
 #include "design_flights.hpp"
+#include "design_flow.hpp"
 #include "flight_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/read_gains.hpp"
+#include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
@@ -30,7 +34,7 @@ constexpr char kPlanHashName[] = "plan.sha256";
 constexpr std::size_t kLimit = std::size_t{64} << 20;
 /// Simulated time of a shard where the file does not say how many there are [s]: some minutes of
 /// one processor.
-constexpr double kShardTime = 1e6;
+constexpr double kShardTime = 3e6;
 
 // --- the parts of a plan as JSON ---
 
@@ -163,13 +167,47 @@ auto told_of_file(const std::string& where, Function&& function) {
   }
 }
 
+/// The same for a name of no vehicle.
+Vehicle vehicle_of(const CampaignRequest& request) {
+  try {
+    return load_vehicle(request.vehicle);
+  } catch (const InvalidInput& error) {
+    if (error.where() == "vehicle") throw InvalidInput(request.vehicle_where, error.what());
+    throw;
+  }
+}
+
+/// Of the loop near its trim, sampled as it flies.
+double largest_pole(const Vehicle& vehicle, const Controller& controller,
+                    const std::string& where) {
+  if (const auto* cascade = std::get_if<CascadeController>(&controller))
+    return assess_written_cascade(vehicle, cascade->gains, where)
+        .cascade.poles.cwiseAbs()
+        .maxCoeff();
+  const auto& feedback = std::get<StateFeedbackController>(controller);
+  Gains gains = feedback.gains;
+  gains.dt = feedback.dt;
+  return closed_loop_poles(model_of(vehicle, gains).plant, gains).cwiseAbs().maxCoeff();
+}
+
+/// Thousands of flights that fall are not flown.
+void require_stable(const Vehicle& vehicle, const CampaignDesign& design,
+                    const Controller& controller) {
+  const double largest = largest_pole(vehicle, controller, design.where);
+  if (!(largest < 1))
+    throw NoSolution(fmt::format("{}: the design '{}' does not stabilize the vehicle '{}': the "
+                                 "largest |z| of its loop is {:.6g}, expected less than 1",
+                                 design.where, design.name, vehicle.name, largest),
+                     design.where);
+}
+
 class PlanMaker {
  public:
   PlanMaker(const std::filesystem::path& file, std::uint32_t shards)
       : request_(read_campaign(file)), shards_(shards) {}
 
   std::vector<FileContent> make() {
-    const Vehicle vehicle = load_vehicle(request_.vehicle);
+    const Vehicle vehicle = vehicle_of(request_);
     Json json = {{"format", kFormat},
                  {"format_version", kFormatVersion},
                  {"version", std::string(kVersion)},
@@ -246,6 +284,7 @@ class PlanMaker {
     const ChosenLaw law =
         told_of_file(design.where, [&] { return choose_law(arguments, vehicle, "campaign"); });
     entry["law"] = law.words;
+    require_stable(vehicle, design, law.controller);
     Controller controller = law.controller;
     entry["estimators"] = Json::array();
     for (const CampaignMission& m : request_.missions) {
@@ -282,22 +321,27 @@ Json parse_plan(const std::string& text, const std::string& where) {
   Json json;
   try {
     json = Json::parse(text);
-  } catch (const Json::exception& error) {
-    throw InvalidInput(where, "is no plan of a campaign: it is not JSON");
-  }
-  if (!json.is_object() || json.value("format", "") != kFormat)
-    throw InvalidInput(where, "is no plan of a campaign, expected what `campaign init` wrote");
-  const std::string version = json.value("version", "");
-  if (json.value("format_version", 0) != kFormatVersion || version != kVersion)
+  } catch (const Json::exception&) {
     throw InvalidInput(where,
-                       fmt::format("was written by version {}, this is {}: expected the same, "
-                                   "because another may fly differently",
-                                   internal::printable(version), kVersion));
+                       "is no plan of a campaign: it is not JSON, expected what `campaign init` "
+                       "wrote");
+  }
+  if (!json.is_object() || !json.contains("format") || json["format"] != kFormat)
+    throw InvalidInput(where, "is no plan of a campaign, expected what `campaign init` wrote");
+  if (!json.contains("version") || json["version"] != std::string(kVersion) ||
+      !json.contains("format_version") || json["format_version"] != kFormatVersion)
+    throw InvalidInput(
+        where, fmt::format("was written by version {}, this is {}: expected the same, because "
+                           "another may fly differently",
+                           json.contains("version") ? json["version"].dump() : "\"\"", kVersion));
   return json;
 }
 
 void check_inputs(const Json& json, const std::filesystem::path& folder, const std::string& where) {
-  for (const Json& input : member(json, "inputs", where)) {
+  const Json& inputs = member(json, "inputs", where);
+  if (!inputs.is_array())
+    throw InvalidInput(where, "was changed since it was written: inputs is no list, expected one");
+  for (const Json& input : inputs) {
     const auto name = member(input, "file", where).get<std::string>();
     const std::string path = (folder / std::filesystem::path(name).filename()).string();
     if (sha256_of_file(path) != member(input, "sha256", where).get<std::string>())
@@ -307,16 +351,30 @@ void check_inputs(const Json& json, const std::filesystem::path& folder, const s
   }
 }
 
+/// A number of the plan that counts: a conversion alone would take -1.5 for four thousand million.
+std::uint32_t count_of(const Json& json, const char* key, std::uint32_t least, std::uint32_t most,
+                       const std::string& where) {
+  const Json& value = member(json, key, where);
+  if (!value.is_number_unsigned() || value.get<std::uint64_t>() < least ||
+      value.get<std::uint64_t>() > most)
+    throw InvalidInput(where, fmt::format("was changed since it was written: {} is {}, expected {} "
+                                          "to {}",
+                                          key, value.dump(), least, most));
+  return value.get<std::uint32_t>();
+}
+
 CampaignPlan plan_of(const Json& json, const std::filesystem::path& folder,
                      const std::string& where) {
+  constexpr std::uint32_t kMost = std::numeric_limits<std::int32_t>::max();
   CampaignPlan plan;
   plan.name = member(json, "name", where).get<std::string>();
-  plan.shards = member(json, "shards", where).get<std::uint32_t>();
-  plan.keep = {member(member(json, "keep", where), "failures", where).get<int>(),
-               member(member(json, "keep", where), "sample", where).get<int>()};
+  const Json& keep = member(json, "keep", where);
+  plan.keep = {static_cast<int>(count_of(keep, "failures", 0, kMost, where)),
+               static_cast<int>(count_of(keep, "sample", 0, kMost, where))};
   Campaign& campaign = plan.campaign;
-  campaign.flights = member(json, "flights", where).get<std::uint32_t>();
-  campaign.seed = member(json, "seed", where).get<std::uint64_t>();
+  campaign.flights = count_of(json, "flights", 1, kMost, where);
+  plan.shards = count_of(json, "shards", 1, campaign.flights, where);
+  campaign.seed = count_of(json, "seed", 0, kMost, where);
   campaign.uncertainty = uncertainty_of(member(json, "uncertainty", where), where);
   const Json& body = member(json, "vehicle", where);
   const Vehicle vehicle = parse_vehicle(member(body, "text", where).get<std::string>(),
@@ -365,8 +423,8 @@ CampaignPlan load_plan(const std::filesystem::path& folder) {
     throw InvalidInput(path,
                        "was changed since it was written, expected it as it was; a changed "
                        "campaign needs a folder of its own");
-  check_inputs(json, folder, path);
   try {
+    check_inputs(json, folder, path);
     CampaignPlan plan = plan_of(json, folder, path);
     plan.hash = sha256(text);
     validate(plan.campaign, path);

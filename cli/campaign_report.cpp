@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "campaign_scripts.hpp"
 #include "flight_story.hpp"
@@ -46,16 +47,21 @@ Json to_json(const MetricSpread& m) {
           {"p99", to_json(m.percentile_99)}};
 }
 
+/// Limits of a mission by metric; NaN where there is none.
+double limit_of(const Mission& mission, Metric metric) {
+  for (const Limit& limit : mission.limits)
+    if (limit.metric == metric) return limit.most;
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string unit_shown(Metric metric) { return unit_of(metric) == "1" ? "" : unit_of(metric); }
+
+/// Whether an interval does not hold 0.
+bool surely_not_zero(const Estimated& e) { return e.low > 0 || e.high < 0; }
+
 std::string short_number(double x) {
   if (std::isinf(x)) return "never";
   return fmt::format("{:.3g}", x);
-}
-
-/// Limits of a mission by metric.
-std::string limit_of(const Mission& mission, Metric metric) {
-  for (const Limit& limit : mission.limits)
-    if (limit.metric == metric) return fmt::format("{:.3g}", limit.most);
-  return "";
 }
 
 /// What a reader looks for first; others are in the database.
@@ -73,12 +79,12 @@ std::string metrics_text(const CaseStatistics& of, const Mission& mission) {
                                  "median", "95 %", "99 %", "limit", "unit");
   for (const MetricSpread& m : of.metrics) {
     if (!shown(m.metric)) continue;
-    const std::string unit = unit_of(m.metric) == "1" ? "" : unit_of(m.metric);
+    const double limit = limit_of(mission, m.metric);
     std::string line =
         fmt::format("  {:<36} {:>10} {:>10} {:>10} {:>10} {:>10}  {}", label_of(m.metric),
                     short_number(m.percentile_5.value), short_number(m.median.value),
                     short_number(m.percentile_95.value), short_number(m.percentile_99.value),
-                    limit_of(mission, m.metric), unit);
+                    std::isnan(limit) ? "" : short_number(limit), unit_shown(m.metric));
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
   return text;
@@ -90,7 +96,7 @@ std::string sensitivities_text(const CaseStatistics& of) {
   std::vector<std::string> words;
   for (const Sensitivity& s : of.sensitivities) {
     if (words.size() == kMost) break;
-    if (s.correlation.low > 0 || s.correlation.high < 0)
+    if (surely_not_zero(s.correlation))
       words.push_back(fmt::format("  {:<22} {:<20} {:+.2f}  ({:+.2f} to {:+.2f})", s.quantity,
                                   s.figure, s.correlation.value, s.correlation.low,
                                   s.correlation.high));
@@ -117,17 +123,19 @@ std::string case_text(const CampaignPlan& plan, std::size_t index, const CaseSta
   return text;
 }
 
-std::string comparison_text(const CaseComparison& c) {
+std::string comparison_text(const CaseComparison& c, std::uint64_t flights) {
   std::string text =
       fmt::format("{} less {} in {}, on the same draws\n", c.second, c.first, c.mission);
   text += fmt::format("  {} flights pass with {} only, {} with {} only\n", c.only_second_passed,
                       c.second, c.only_first_passed, c.first);
   for (const CaseComparison::Difference& d : c.metrics) {
-    if (!shown(d.metric)) continue;
-    if (d.mean.low <= 0 && d.mean.high >= 0) continue;
-    const std::string unit = unit_of(d.metric) == "1" ? "" : " " + unit_of(d.metric);
-    text += fmt::format("  {:<36} {:+.3g}{} ({:+.3g} to {:+.3g})\n", label_of(d.metric),
-                        d.mean.value, unit, d.mean.low, d.mean.high);
+    if (!shown(d.metric) || !surely_not_zero(d.mean)) continue;
+    const std::string unit = unit_shown(d.metric);
+    text += fmt::format("  {:<36} {:+.3g}{}{} ({:+.3g} to {:+.3g})", label_of(d.metric),
+                        d.mean.value, unit.empty() ? "" : " ", unit, d.mean.low, d.mean.high);
+    // Where one of both has no figure the draw is left out, which may favour a design.
+    if (d.flights < flights) text += fmt::format(", of {} draws", d.flights);
+    text += "\n";
   }
   return text;
 }
@@ -155,14 +163,6 @@ std::string words_of(const UncertainNumber& number) {
   return unit == "1" ? text : fmt::format("{} [{}]", text, unit);
 }
 
-double bound_of(const Mission& mission, Metric metric) {
-  for (const Limit& limit : mission.limits)
-    if (limit.metric == metric) return limit.most;
-  return std::numeric_limits<double>::quiet_NaN();
-}
-
-std::string unit_shown(Metric metric) { return unit_of(metric) == "1" ? "" : unit_of(metric); }
-
 /// Rank correlations that are surely there: quantities down, figures across.
 PageTrends trends_of(const CampaignPlan& plan, const CaseStatistics& of) {
   PageTrends trends;
@@ -171,9 +171,8 @@ PageTrends trends_of(const CampaignPlan& plan, const CaseStatistics& of) {
   for (const UncertainNumber& number : plan.campaign.uncertainty.numbers)
     trends.quantities.push_back(number.quantity);
   for (const Sensitivity& s : of.sensitivities) {
-    const bool sure = s.correlation.low > 0 || s.correlation.high < 0;
     const auto metric = metric_of(s.figure);
-    if (!sure || (metric && !shown(*metric)) ||
+    if (!surely_not_zero(s.correlation) || (metric && !shown(*metric)) ||
         std::find(keys.begin(), keys.end(), s.figure) != keys.end())
       continue;
     keys.push_back(s.figure);
@@ -182,7 +181,7 @@ PageTrends trends_of(const CampaignPlan& plan, const CaseStatistics& of) {
   trends.values.assign(trends.quantities.size(), std::vector<double>(keys.size(), kNone));
   for (const Sensitivity& s : of.sensitivities) {
     const auto column = std::find(keys.begin(), keys.end(), s.figure);
-    if (column == keys.end() || !(s.correlation.low > 0 || s.correlation.high < 0)) continue;
+    if (column == keys.end() || !surely_not_zero(s.correlation)) continue;
     const auto row = std::find(trends.quantities.begin(), trends.quantities.end(), s.quantity);
     trends.values[static_cast<std::size_t>(row - trends.quantities.begin())]
                  [static_cast<std::size_t>(column - keys.begin())] = s.correlation.value;
@@ -212,7 +211,7 @@ PageCase page_case(const CampaignPlan& plan, std::size_t index, const CaseStatis
     if (shown(m.metric))
       page.metrics.push_back({label_of(m.metric), unit_shown(m.metric), m.percentile_5.value,
                               m.median.value, m.percentile_95.value, m.percentile_99.value,
-                              bound_of(plan.campaign.cases[index].setup.mission, m.metric)});
+                              limit_of(plan.campaign.cases[index].setup.mission, m.metric)});
   page.trends = trends_of(plan, of);
   for (const WorstFlight& worst : of.worst)
     page.worst.push_back({worst.why, replay_command(folder, worst.number)});
@@ -258,7 +257,7 @@ std::vector<PageDistribution> distributions_of(const CampaignPlan& plan,
       PageDistribution chart{label_of(metric),
                              cases[first].mission,
                              unit_shown(metric),
-                             bound_of(cases[first].setup.mission, metric),
+                             limit_of(cases[first].setup.mission, metric),
                              {}};
       for (std::size_t c = first; c < cases.size(); ++c) {
         if (!same(c)) continue;
@@ -279,9 +278,9 @@ PageComparison page_comparison(const CaseComparison& c) {
       "differs:",
       c.only_second_passed, c.second, c.only_first_passed, c.first);
   for (const CaseComparison::Difference& d : c.metrics)
-    if (shown(d.metric) && (d.mean.low > 0 || d.mean.high < 0))
-      page.differences.push_back(
-          {label_of(d.metric), unit_shown(d.metric), d.mean.value, d.mean.low, d.mean.high});
+    if (shown(d.metric) && surely_not_zero(d.mean))
+      page.differences.push_back({label_of(d.metric), unit_shown(d.metric), d.mean.value,
+                                  d.mean.low, d.mean.high, d.flights});
   return page;
 }
 
@@ -321,7 +320,7 @@ std::string to_text(const CampaignPlan& plan, const CampaignStatistics& statisti
   for (std::size_t i = 0; i < statistics.cases.size(); ++i)
     text += "\n" + case_text(plan, i, statistics.cases[i], folder);
   for (const CaseComparison& comparison : statistics.comparisons)
-    text += "\n" + comparison_text(comparison);
+    text += "\n" + comparison_text(comparison, plan.campaign.flights);
   return text;
 }
 

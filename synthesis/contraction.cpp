@@ -127,7 +127,7 @@ std::vector<std::vector<Index>> clusters(const Eigen::VectorXcd& values, double 
 /// A basis of what a cluster's eigenvectors span, in which the loop contracts at nearly its largest
 /// eigenvalue: eigenvectors themselves where they are one or a pair, else from a Lyapunov equation.
 MatrixXd cluster_basis(const MatrixXd& M, const Modes& modes, const std::vector<Index>& cluster) {
-  const MatrixXd vectors = modes.vectors(Eigen::all, cluster);
+  MatrixXd vectors = modes.vectors(Eigen::all, cluster);
   if (cluster.size() == 1) return vectors;
   if (cluster.size() == 2 && modes.values(cluster[0]).imag() != 0) return vectors;
   const MatrixXd basis = Eigen::HouseholderQR<MatrixXd>(vectors).householderQ() *

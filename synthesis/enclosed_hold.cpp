@@ -41,7 +41,8 @@ EnclosedHold enclosed_hold(const Enclosure& A, const NumberEnclosure& t) {
   Enclosure P = one;  // Σ X^j/(j+1)!, by Horner's scheme
   for (int j = kTerms; j >= 1; --j) P = one + X * P / (j + 1.0);
   // Beyond 1/2 (too many doublings, or numbers that are not finite) nothing is known.
-  P.rad.array() += r <= 0.5 ? remainder(r) : std::numeric_limits<double>::infinity();
+  const double left_out = r <= 0.5 ? remainder(r) : std::numeric_limits<double>::infinity();
+  P.rad.array() += left_out;
   EnclosedHold hold{one + X * P, h * P};
   for (; doublings > 0; --doublings) {
     hold.Gamma = hold.Gamma + hold.Phi * hold.Gamma;

@@ -25,7 +25,7 @@
                  cellOf(c.flights), cellOf(c.passed),
                  el('td', {class: 'number found'}, percent(c.rate)),
                  el('td', {class: 'number'}, percent(c.low)), el('td', {class: 'number'}, percent(c.high)),
-                 el('td', {}, c.ends.map(([end, count]) => `${count} ${end}`).join(', '))))));
+                 el('td', {class: 'ends'}, c.ends.map(([end, count]) => `${count} ${end}`).join(', '))))));
   }
 
   const titleOf = (c) => `${c.design} in ${c.mission}`;
@@ -69,11 +69,11 @@
       section(`comparison-${index}`, c.title,
         el('p', {class: 'hint'}, isolated(c.passes)),
         c.differences.length
-          ? table([head('Figure', false), head('Mean'), head('95 % from'), head('to'), head('Unit', false)],
+          ? table([head('Figure', false), head('Mean'), head('95 % from'), head('to'), head('Unit', false), head('Draws')],
                   c.differences.map((d) =>
                     el('tr', {}, el('th', {scope: 'row'}, isolated(d.label)),
                        el('td', {class: 'number found', title: d.mean}, number(d.mean, 3)),
-                       cellOf(d.low), cellOf(d.high), el('td', {}, isolated(d.unit)))))
+                       cellOf(d.low), cellOf(d.high), el('td', {}, isolated(d.unit)), cellOf(d.draws))))
           : el('p', {class: 'note'}, 'No figure differs surely.')));
   }
 
@@ -85,8 +85,9 @@
     main.append(section('distributions', 'How the figures are spread',
       el('p', {class: 'hint'}, 'Share of the flights below a value in %. Dashes: the mission\u2019s limit.'),
       designs.length > 1
-        ? el('div', {class: 'keys'},
-             designs.map((d, i) => el('span', {class: `key key-${i % 6 + 1}`}, isolated(d)))) : null,
+        ? el('div', {class: 'key-list designs'},
+             designs.map((d, i) => el('span', {class: 'key-item'},
+                                      el('i', {class: `line tone-series-${i % 6 + 1}`}), isolated(d)))) : null,
       host));
     for (const d of data.distributions)
       Cells.distribution(host, [isolated(d.label), d.unit ? el('span', {class: 'unit'}, ' [', isolated(d.unit), ']') : null,

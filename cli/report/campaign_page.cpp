@@ -57,8 +57,12 @@ json to_json(const PageDistribution& d) {
 json to_json(const PageComparison& c) {
   json of = {{"title", c.title}, {"passes", c.passes}, {"differences", json::array()}};
   for (const PageComparison::Difference& d : c.differences)
-    of["differences"].push_back(
-        {{"label", d.label}, {"unit", d.unit}, {"mean", d.mean}, {"low", d.low}, {"high", d.high}});
+    of["differences"].push_back({{"label", d.label},
+                                 {"unit", d.unit},
+                                 {"mean", d.mean},
+                                 {"low", d.low},
+                                 {"high", d.high},
+                                 {"draws", d.draws}});
   return of;
 }
 

@@ -65,6 +65,7 @@ struct PageComparison {
   struct Difference {
     std::string label = {}, unit = {};
     double mean = 0, low = 0, high = 0;
+    std::uint64_t draws = 0;  ///< in which both have the figure
   };
   std::vector<Difference> differences = {};
 };

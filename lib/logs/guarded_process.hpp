@@ -13,7 +13,7 @@ namespace quadtune::internal {
 /// What the process may use.
 struct ProcessLimits {
   std::size_t memory = 0;  ///< [bytes] of address space; not kept where a sanitizer needs it all
-  double time_s = 0;       ///< of the processor, and of silence
+  double time_s = 0;       ///< of the processor; silence may last five times as long
 };
 
 /// A child of this process that writes into a pipe. It ends with the object.

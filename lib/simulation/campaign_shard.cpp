@@ -60,9 +60,10 @@ using Records = std::map<std::uint64_t, CampaignRecord>;
 /// @return       what is wrong, "" where nothing is
 std::string take_file(const fs::path& path, const RecordHeader& expected, bool whole,
                       Records& records) {
-  std::string bytes;
   constexpr std::size_t kLimit = std::size_t{1} << 36;
-  bytes = internal::read_file(path.string(), kLimit);
+  const std::string bytes = internal::read_file(path.string(), kLimit);
+  // A worker that was killed may leave no more than the beginning of its part: that is no damage.
+  if (!whole && bytes.size() < kRecordHeaderSize) return "";
   const auto header = internal::read_header(bytes);
   if (!header)
     return fmt::format("{}: the first {} bytes are not as they were written",
@@ -80,8 +81,10 @@ std::string take_file(const fs::path& path, const RecordHeader& expected, bool w
     if (mine)
       records.emplace(record->number, *record);
     else if (damage.empty())
-      damage = fmt::format("{}: record {} of {} is not as it was written (wrong checksum)",
-                           path.filename().string(), k + 1, expected.count);
+      damage =
+          fmt::format("{}: record {} of {} {}", path.filename().string(), k + 1, expected.count,
+                      record ? fmt::format("is of flight {}, expected another", record->number)
+                             : "is not as it was written (wrong checksum)");
   }
   if (damage.empty() && whole && (at != bytes.size() || k != expected.count))
     damage = fmt::format("{}: it has {} bytes, expected {}", path.filename().string(), bytes.size(),
@@ -93,13 +96,12 @@ std::string take_file(const fs::path& path, const RecordHeader& expected, bool w
   throw FileError(path.string(), std::strerror(errno));
 }
 
-/// A file that is written from its beginning.
+/// A file of this worker alone, written from its beginning.
 class Writer {
  public:
-  Writer(fs::path path, int flags) : path_(std::move(path)) {
-    file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | flags, 0666);
-    if (file_ < 0) fail(path_);
-  }
+  Writer(fs::path path, int file) : path_(std::move(path)), file_(file) {}
+  Writer(Writer&& other) noexcept
+      : path_(std::move(other.path_)), file_(std::exchange(other.file_, -1)) {}
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
   ~Writer() {
@@ -114,19 +116,30 @@ class Writer {
       done += static_cast<std::size_t>(count);
     }
   }
+  /// Likewise; where that fails nothing is left of the file, which would only be in the way.
+  void write_or_remove(const std::string& bytes, bool synced) {
+    try {
+      write(bytes);
+      if (synced) sync_and_close();
+    } catch (const FileError&) {
+      std::error_code ignored;
+      fs::remove(path_, ignored);
+      throw;
+    }
+  }
   void sync_and_close() {
-    const int file = std::exchange(file_, -1);
-    const bool synced = ::fsync(file) == 0 || errno == EINVAL;
-    if (::close(file) != 0 || !synced) fail(path_);
+    // EINVAL: a file system that has nothing to sync.
+    if (::fsync(file_) != 0 && errno != EINVAL) fail(path_);
+    if (::close(std::exchange(file_, -1)) != 0) fail(path_);
   }
   [[nodiscard]] const fs::path& path() const { return path_; }
 
  private:
   fs::path path_;
-  int file_ = -1;
+  int file_;
 };
 
-/// A name that no other worker has: host and process, and a number where that was taken.
+/// A name that no other worker has: host and process, and a number where that is taken.
 Writer open_part(const CampaignFolder& folder, std::uint32_t shard) {
   char host[256] = "host";
   if (::gethostname(host, sizeof host - 1) != 0) std::strcpy(host, "host");
@@ -136,29 +149,37 @@ Writer open_part(const CampaignFolder& folder, std::uint32_t shard) {
   for (int count = 0;; ++count) {
     const fs::path path =
         folder.path / fmt::format("{}.{}-{}-{}.part", stem(shard), name, ::getpid(), count);
-    if (!fs::exists(path)) return Writer(path, O_EXCL);
+    const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file >= 0) return {path, file};
+    if (errno != EEXIST) fail(path);
   }
 }
 
 /// All that can be used of what lies in the folder.
-Records found_records(const CampaignFolder& folder, std::uint32_t shard,
-                      std::vector<std::string>& damage) {
-  const RecordHeader expected = header_of(folder, shard);
+struct Found {
   Records records;
-  const fs::path file = file_of(folder, shard);
-  if (fs::exists(file))
-    if (const std::string what = take_file(file, expected, true, records); !what.empty())
-      damage.push_back(what);
-  for (const fs::path& part : parts_of(folder, shard)) {
+  std::vector<std::string> damage;
+  std::vector<fs::path> parts;
+  bool complete = false;  ///< the shard's file is there, and every record in it is right
+};
+Found find_records(const CampaignFolder& folder, std::uint32_t shard) {
+  const RecordHeader expected = header_of(folder, shard);
+  Found found;
+  const auto take = [&](const fs::path& path, bool whole) {
+    const std::string what = take_file(path, expected, whole, found.records);
+    if (!what.empty()) found.damage.push_back(what);
+    return what.empty();
+  };
+  if (shard_is_there(folder, shard)) found.complete = take(file_of(folder, shard), true);
+  found.parts = parts_of(folder, shard);
+  for (const fs::path& part : found.parts) {
     try {
-      // A worker that was killed leaves a record that ends in the middle: that is no damage.
-      const std::string what = take_file(part, expected, false, records);
-      if (!what.empty() && fs::file_size(part) >= kRecordHeaderSize) damage.push_back(what);
+      (void)take(part, false);
     } catch (const FileError&) {
       // Another worker finished and took it away.
     }
   }
-  return records;
+  return found;
 }
 
 /// Draws of which a record is missing.
@@ -180,6 +201,17 @@ std::string bytes_of(const std::vector<CampaignRecord>& records) {
   return bytes;
 }
 
+/// Makes what was renamed last, even if the power goes.
+void sync_folder(const fs::path& folder) {
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file < 0) fail(folder);
+  const bool synced = ::fsync(file) == 0 || errno == EINVAL;
+  const int reason = errno;
+  ::close(file);
+  errno = reason;
+  if (!synced) fail(folder);
+}
+
 /// The shard's file, all of it or not at all; then the parts are of no more use.
 void finish(const CampaignFolder& folder, std::uint32_t shard, const RecordHeader& header,
             const Records& records) {
@@ -188,16 +220,17 @@ void finish(const CampaignFolder& folder, std::uint32_t shard, const RecordHeade
   internal::append(header, bytes);
   for (const auto& [number, record] : records) internal::append(record, bytes);
   Writer writer = open_part(folder, shard);
-  writer.write(bytes);
-  writer.sync_and_close();
+  writer.write_or_remove(bytes, /*synced=*/true);
   const fs::path file = file_of(folder, shard);
   if (::rename(writer.path().c_str(), file.c_str()) != 0) {
     // A worker that finished first may have taken the part away.
-    std::vector<std::string> damage;
+    const int reason = errno;
     Records other;
-    if (errno != ENOENT || !fs::exists(file) || !take_file(file, header, true, other).empty())
-      fail(writer.path());
+    if (reason != ENOENT || !shard_is_there(folder, shard) ||
+        !take_file(file, header, true, other).empty())
+      throw FileError(writer.path().string(), std::strerror(reason));
   }
+  sync_folder(folder.path);
   std::error_code ignored;
   for (const fs::path& part : parts_of(folder, shard)) fs::remove(part, ignored);
 }
@@ -207,13 +240,12 @@ void finish(const CampaignFolder& folder, std::uint32_t shard, const RecordHeade
 ShardState shard_state(const CampaignFolder& folder, std::uint32_t shard) {
   ShardState state;
   state.expected = header_of(folder, shard).count;
-  state.records = found_records(folder, shard, state.damage).size();
-  const std::vector<fs::path> parts = parts_of(folder, shard);
-  state.workers = static_cast<int>(parts.size());
-  Records own;
-  state.complete = fs::exists(file_of(folder, shard)) &&
-                   take_file(file_of(folder, shard), header_of(folder, shard), true, own).empty();
-  for (const fs::path& part : parts) {
+  Found found = find_records(folder, shard);
+  state.complete = found.complete;
+  state.records = found.records.size();
+  state.damage = std::move(found.damage);
+  state.workers = static_cast<int>(found.parts.size());
+  for (const fs::path& part : found.parts) {
     std::error_code gone;
     const auto time = fs::last_write_time(part, gone);
     if (gone) continue;
@@ -222,6 +254,11 @@ ShardState shard_state(const CampaignFolder& folder, std::uint32_t shard) {
     if (state.last_written < 0 || ago < state.last_written) state.last_written = std::max(ago, 0.0);
   }
   return state;
+}
+
+bool shard_is_there(const CampaignFolder& folder, std::uint32_t shard) {
+  std::error_code ignored;  // what cannot be looked at, reading it says
+  return fs::symlink_status(file_of(folder, shard), ignored).type() != fs::file_type::not_found;
 }
 
 std::vector<CampaignRecord> read_shard(const CampaignFolder& folder, std::uint32_t shard) {
@@ -243,10 +280,11 @@ ShardWork fly_shard(const Campaign& campaign, const CampaignFolder& folder, std:
                     const std::function<bool()>& interrupted) {
   ShardWork work;
   const RecordHeader header = header_of(folder, shard);
-  Records records = found_records(folder, shard, work.damage);
+  Found found = find_records(folder, shard);
+  Records& records = found.records;
+  work.damage = std::move(found.damage);
   work.found = records.size();
-  if (records.size() == header.count && work.damage.empty() && fs::exists(file_of(folder, shard)) &&
-      parts_of(folder, shard).empty()) {
+  if (found.complete && found.parts.empty()) {
     work.was_complete = true;
     return work;
   }
@@ -255,7 +293,7 @@ ShardWork fly_shard(const Campaign& campaign, const CampaignFolder& folder, std:
     Writer part = open_part(folder, shard);
     std::string bytes;
     internal::append(header, bytes);
-    part.write(bytes);
+    part.write_or_remove(bytes, /*synced=*/false);
     for (std::size_t i = 0; i < missing.size();) {
       // As many as follow one another.
       std::size_t end = i + 1;
@@ -267,7 +305,7 @@ ShardWork fly_shard(const Campaign& campaign, const CampaignFolder& folder, std:
       for (const CampaignRecord& record : flown)
         if (records.emplace(record.number, record).second) ++work.flown;
       i = end;
-      if (progress) progress(records.size(), header.count);
+      if (progress) progress(work.flown, header.count - records.size());
     }
   }
   finish(folder, shard, header, records);

@@ -151,8 +151,12 @@ WorstLimit worst_limit(const FlightSetup& setup, const CampaignRecord& record) {
 
 std::string words_of(const Limit& limit, const CampaignRecord& record) {
   const std::string unit = unit_of(limit.metric) == "1" ? "" : " " + unit_of(limit.metric);
-  return fmt::format("{} {:.3g}{} of {:.3g}{}", name_of(limit.metric), record.metrics[limit.metric],
-                     unit, limit.most, unit);
+  const double value = record.metrics[limit.metric];
+  if (!std::isfinite(value))
+    return fmt::format("{} {}, limit {:.3g}{}", name_of(limit.metric),
+                       std::isnan(value) ? "not measured" : "never reached", limit.most, unit);
+  return fmt::format("{} {:.3g}{} of {:.3g}{}", name_of(limit.metric), value, unit, limit.most,
+                     unit);
 }
 
 std::vector<WorstFlight> worst_of(const FlightSetup& setup, const CaseView& view) {

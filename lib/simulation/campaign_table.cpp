@@ -59,8 +59,6 @@ std::string metric_column(Metric metric) {
   return name;
 }
 
-std::string words_of(FlightEnd end) { return to_string(end); }
-
 void ask(const std::function<bool()>& interrupted, std::size_t row) {
   if (row % kRows == 0 && interrupted && interrupted()) throw Interrupted();
 }
@@ -198,7 +196,7 @@ void write_campaign_csv(const fs::path& target, const Campaign& campaign,
                    of.mission);
     for (const double x : drawn.col(flight)) put(x);
     fmt::format_to(std::back_inserter(text), ",{},{},{}", record.passed ? 1 : 0,
-                   words_of(record.end), record.reason);
+                   to_string(record.end), record.reason);
     put(record.end_time);
     for (const double x : record.metrics.value) put(x);
     text.push_back('\n');
@@ -241,7 +239,7 @@ void write_campaign_database(const fs::path& target, const Campaign& campaign,
       row.put(of.mission);
       for (const double x : drawn.col(flight)) row.put(x);
       row.put(std::int64_t{record.passed});
-      row.put(words_of(record.end));
+      row.put(to_string(record.end));
       row.put(record.reason);
       row.put(record.end_time);
       for (const double x : record.metrics.value) row.put(x);

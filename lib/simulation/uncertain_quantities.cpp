@@ -38,6 +38,11 @@ class Table {
   }
 };
 
+/// Wind moves a vehicle by its drag alone.
+bool has_drag(const Parts& p) {
+  return !p.flown.drag.cda.isZero(0) || !p.flown.drag.linear.isZero(0);
+}
+
 void add_body(Table& table) {
   table.ratio("mass", "mass of the vehicle", [](Parts& p, double x) {
     p.flown.mass *= x;
@@ -62,7 +67,7 @@ void add_body(Table& table) {
   table.ratio("drag", "drag of the body", [](Parts& p, double x) {
     p.flown.drag.cda *= x;
     p.flown.drag.linear *= x;
-    return !p.flown.drag.cda.isZero(0) || !p.flown.drag.linear.isZero(0);
+    return has_drag(p);
   });
 }
 
@@ -119,27 +124,27 @@ void add_air(Table& table) {
                    fmt::format("mean wind towards {}", directions[axis]),
                    [axis](Parts& p, double x) {
                      p.environment.wind.mean(axis) += x;
-                     return true;
+                     return has_drag(p);
                    });
   for (int axis = 0; axis < 3; ++axis)
     table.addition(fmt::format("gust_{}", directions[axis]), "m/s", kStrongestWind,
                    fmt::format("strongest wind of the gust towards {}", directions[axis]),
                    [axis](Parts& p, double x) {
                      p.environment.wind.gust.velocity(axis) += x;
-                     return true;
+                     return has_drag(p);
                    });
   table.value("gust_at", "s", 0, 86400, "when the gust begins", [](Parts& p, double x) {
     p.environment.wind.gust.start = x;
-    return true;
+    return has_drag(p);
   });
   table.value("gust_length", "s", 0.01, 86400, "how long the gust lasts", [](Parts& p, double x) {
     p.environment.wind.gust.length = x;
-    return true;
+    return has_drag(p);
   });
   table.value("turbulence", "m/s", 0, kStrongestWind, "wind at 6 m that drives the turbulence",
               [](Parts& p, double x) {
                 p.environment.wind.turbulence = x;
-                return true;
+                return has_drag(p);
               });
 }
 

@@ -119,9 +119,10 @@ void check(const Distribution& d, const UncertainQuantity& quantity, const std::
   }
   if (low < quantity.least || high > quantity.greatest)
     refuse(
-        fmt::format("draws from {:.6g} to {:.6g} {}, expected within {:.6g} to {:.6g}; least "
+        fmt::format("draws from {:.6g} to {:.6g}{}, expected within {:.6g} to {:.6g}; least "
                     "and most limit a distribution",
-                    low, high, quantity.unit, quantity.least, quantity.greatest));
+                    low, high, quantity.unit == "1" ? "" : " " + quantity.unit, quantity.least,
+                    quantity.greatest));
 }
 
 void check_correlation(const Uncertainty& uncertainty, const std::string& where) {

@@ -83,8 +83,10 @@ std::size_t position_of(const Uncertainty& uncertainty, const std::string& name,
     known.push_back(number.quantity);
   }
   throw InvalidInput(where,
-                     fmt::format("'{}' does not vary, expected some of {}{}", printable(name),
-                                 fmt::join(known, ", "), did_you_mean(name, known)));
+                     fmt::format("'{}' does not vary, expected {}{}", printable(name),
+                                 known.empty() ? "a [[vary]] for it"
+                                               : fmt::format("some of {}", fmt::join(known, ", ")),
+                                 did_you_mean(name, known)));
 }
 
 void read_correlation(const TomlTable& table, Uncertainty& uncertainty) {
@@ -100,10 +102,14 @@ void read_correlation(const TomlTable& table, Uncertainty& uncertainty) {
           position_of(uncertainty, names[i], table.where("quantities", i)));
       const auto b = static_cast<Eigen::Index>(
           position_of(uncertainty, names[j], table.where("quantities", j)));
-      if (a == b || uncertainty.correlation(a, b) != 0)
+      if (a == b)
+        throw InvalidInput(table.where("quantities", i),
+                           fmt::format("{} stands twice, expected each quantity once", names[i]));
+      if (uncertainty.correlation(a, b) != 0)
         throw InvalidInput(
             table.where("quantities", i),
-            fmt::format("the correlation of {} and {} is given twice", names[j], names[i]));
+            fmt::format("the correlation of {} and {} is given twice, expected each pair once",
+                        names[j], names[i]));
       uncertainty.correlation(a, b) = uncertainty.correlation(b, a) = value;
     }
 }

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# A small campaign and its bytes from one process, for tests of the engines of clusters.
+# A small campaign and its bytes from one process, for tests of the engines of clusters and of disks.
 # Sourced with: program, work.
 
 work=${work:?}

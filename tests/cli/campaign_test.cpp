@@ -12,6 +12,7 @@
 #include <random>
 #include <thread>
 
+#include "quadtune/exports/file_set.hpp"
 #include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
 #include "sanitized.hpp"
@@ -125,7 +126,10 @@ TEST_F(Campaign, FliesOneOfThemAgain) {
   const ProgramResult result =
       run_program({"campaign", "replay", path("out"), "--flight", "5", "--json", "--report",
                    path("flight.html"), "--log", path("flight.csv")});
-  ASSERT_EQ(result.status, 0) << result.err;
+  // One second is too short to settle: the flight fails, and is told as such.
+  ASSERT_EQ(result.status, 1) << result.err;
+  EXPECT_THAT(result.err, StartsWith("campaign replay: "));
+  EXPECT_EQ(Json::parse(result.out)["verdict"], "fail");
   EXPECT_TRUE(fs::exists(path("flight.html")));
   EXPECT_TRUE(fs::exists(path("flight.csv")));
   // Its figures are those of the table, digit for digit.
@@ -136,6 +140,17 @@ TEST_F(Campaign, FliesOneOfThemAgain) {
   EXPECT_THAT(line, StartsWith("5,5,published,hover,"));
   const double tilt = Json::parse(result.out)["metrics"]["tilt_max_rad"];
   EXPECT_THAT(line, HasSubstr(fmt::format(",{},", tilt)));
+}
+
+// As `quadtune fly` does: 0 for a flight that passes.
+TEST_F(Campaign, AFlightThatPassesEndsWith0) {
+  std::string text = replaced(kCampaign, "duration_s = 1", "duration_s = 20");
+  text = replaced(text, "gains = \"published\"", "gains = \"designed\"");
+  text = replaced(text, "flights = 24", "flights = 1");
+  ASSERT_EQ(run_program({"campaign", "init", write(text), path("out")}).status, 0);
+  const ProgramResult result = run_program({"campaign", "replay", path("out"), "--flight", "0"});
+  EXPECT_EQ(result.status, 0) << result.out;
+  EXPECT_EQ(result.err, "");
 }
 
 TEST_F(Campaign, StatusTellsWhatIsThere) {
@@ -163,7 +178,7 @@ TEST_F(Campaign, StatusTellsWhatIsThere) {
   EXPECT_FALSE(fs::exists(path("out/flights.csv")));
   const ProgramResult work = run_program({"campaign", "work", path("out"), "--shard", "2"});
   EXPECT_EQ(work.status, 0);
-  EXPECT_THAT(work.out, HasSubstr("shard 2: 1 flights flown, 5 found"));
+  EXPECT_THAT(work.out, HasSubstr("shard 2: 1 flown, 5 found"));
   EXPECT_THAT(work.err, HasSubstr("record 1 of 6 is not as it was written (wrong checksum): flown "
                                   "again"));
   EXPECT_THAT(run_program({"campaign", "merge", path("out")}).err,
@@ -178,7 +193,15 @@ TEST_F(Campaign, APlanDoesNotChange) {
       run_program({"campaign", "init", write(replaced(kCampaign, "seed = 4", "seed = 5"), "d.toml"),
                    path("out")});
   EXPECT_EQ(result.status, 3);
-  EXPECT_THAT(result.err, HasSubstr("is of another campaign, expected a folder of its own"));
+  EXPECT_THAT(result.err, HasSubstr("is of another campaign: what differs is seed, 4 there and 5 "
+                                    "here, expected a folder of its own"));
+  EXPECT_THAT(run_program({"campaign", "run", write(), path("out"), "--shards", "2"}).err,
+              HasSubstr("what differs is shards, 1 there and 2 here"));
+  EXPECT_THAT(
+      run_program({"campaign", "run",
+                   write(replaced(kCampaign, "deviation = 0.05", "deviation = 0.06")), path("out")})
+          .err,
+      HasSubstr("what differs is uncertainty, expected a folder"));
   const std::string plan = bytes("out/plan.json");
   directory_.write("out/plan.json", replaced(plan, "\"seed\": 4", "\"seed\": 5"));
   for (const std::vector<std::string>& args :
@@ -195,6 +218,39 @@ TEST_F(Campaign, APlanDoesNotChange) {
   directory_.write("out/plan.json", "{}");
   EXPECT_THAT(run_program({"campaign", "status", path("out")}).err,
               HasSubstr("is no plan of a campaign"));
+  for (const char* other : {"{\"format\": 3}", "[1, 2]", "[1", "3"}) {
+    directory_.write("out/plan.json", other);
+    result = run_program({"campaign", "status", path("out")});
+    EXPECT_EQ(result.status, 3) << other;
+    EXPECT_THAT(result.err, HasSubstr("is no plan of a campaign")) << other;
+  }
+  for (const char* version : {"3", "null", "\"0.0.1\""}) {
+    directory_.write(
+        "out/plan.json",
+        fmt::format(R"({{"format": "quadtune campaign plan", "version": {}}})", version));
+    result = run_program({"campaign", "status", path("out")});
+    EXPECT_EQ(result.status, 3) << version;
+    EXPECT_THAT(result.err, HasSubstr(fmt::format("was written by version {}, this is", version)));
+  }
+}
+
+// A key of another kind, or a number that counts nothing, though the plan's hash is right.
+TEST_F(Campaign, APlanOfOtherKindsIsRefused) {
+  ASSERT_EQ(run_program({"campaign", "init", write(), path("out")}).status, 0);
+  const Json plan = Json::parse(bytes("out/plan.json"));
+  for (const auto& [key, value] : plan.items()) {
+    if (key == "format" || key == "format_version" || key == "version") continue;
+    for (const Json& other : {Json("x"), Json(-1.5), Json::array({1}), Json(nullptr)}) {
+      if (other.type() == value.type()) continue;
+      Json changed = plan;
+      changed[key] = other;
+      const std::string text = changed.dump();
+      directory_.write("out/plan.json", text);
+      directory_.write("out/plan.sha256", sha256(text) + "\n");
+      const ProgramResult result = run_program({"campaign", "status", path("out")});
+      EXPECT_EQ(result.status, 3) << key << " " << other.dump() << "\n" << result.out;
+    }
+  }
 }
 
 // The lines of docs/cli.md that are not left out there.
@@ -282,8 +338,12 @@ TEST_F(Campaign, RefusesBadFiles) {
       {"campaign", "init", write(with("\"published\"", "\"no/gains.json\"")), path("refused")});
   EXPECT_EQ(missing.status, 5);
   EXPECT_THAT(missing.err, HasSubstr("no/gains.json"));
+  EXPECT_THAT(
+      refusal(with("\"published\"", "\"publishd\"")),
+      HasSubstr("c.toml:7: no gains 'publishd', expected designed, published, or a file or a "
+                "folder beside this one; did you mean 'published'?"));
   EXPECT_THAT(refusal(with("vehicle = \"mambo\"", "vehicle = \"mamba\"")),
-              HasSubstr("did you mean 'mambo'?"));
+              AllOf(HasSubstr("c.toml:3: "), HasSubstr("did you mean 'mambo'?")));
   EXPECT_THAT(refusal(with("duration_s = 1", "duration_s = 1\nwind = \"storm\"")),
               AllOf(HasSubstr("c.toml:8: "), HasSubstr("storm")));
   EXPECT_THAT(refusal(with("[[design]]\n",
@@ -300,6 +360,50 @@ TEST_F(Campaign, RefusesBadFiles) {
               HasSubstr("published in hover: gps_noise: the vehicle 'mambo' has nothing that it "
                         "changes"));
   EXPECT_THAT(refusal(with("failures = 1", "failures = -1")), HasSubstr("failures"));
+  EXPECT_THAT(refusal(with("quantity = \"gyroscope_noise\"\nlog_normal",
+                           "quantity = \"wind_north\"\nnormal")),
+              HasSubstr("wind_north: the vehicle 'mambo' has nothing that it changes"));
+}
+
+// Gains that let the vehicle fall are not flown a thousand times.
+TEST_F(Campaign, RefusesADesignThatDoesNotStabilize) {
+  const std::string design = std::string(QUADTUNE_SOURCE_DIR) + "/designs/mambo-hover.toml";
+  ASSERT_EQ(run_program({"design", design, "-o", path("mambo"), "--force"}).status, 0);
+  ASSERT_EQ(run_program({"export", path("mambo"), "--to", "json", "-o", path("right")}).status, 0);
+  const std::string text =
+      replaced(kCampaign, "gains = \"published\"", "gains = \"right/gains.json\"");
+  EXPECT_EQ(run_program({"campaign", "init", write(text), path("out")}).status, 0);
+  Json gains = Json::parse(bytes("right/gains.json"));
+  for (Json& row : gains["gains"]["K"])
+    for (Json& entry : row) entry = -entry.get<double>();
+  directory_.write("turned.json", gains.dump());
+  const ProgramResult result =
+      run_program({"campaign", "init", write(replaced(text, "right/gains.json", "turned.json")),
+                   path("other")});
+  EXPECT_EQ(result.status, 4);
+  EXPECT_THAT(
+      result.err,
+      AllOf(HasSubstr("c.toml:6: the design 'turned' does not stabilize the vehicle 'mambo': "
+                      "the largest |z| of its loop is 1."),
+            HasSubstr("expected less than 1")));
+  EXPECT_FALSE(fs::exists(path("other")));
+}
+
+// A folder beside the file that has the name of a vehicle or a mission is neither.
+TEST_F(Campaign, FoldersAreNoVehicles) {
+  fs::create_directory(path("mambo"));
+  fs::create_directory(path("hover"));
+  EXPECT_EQ(run_program({"campaign", "init", write(), path("out")}).status, 0);
+}
+
+TEST_F(Campaign, NotesWhatFlyWouldNote) {
+  const std::string text =
+      replaced(replaced(kCampaign, "\"mambo\"", "\"crazyflie\""), "published", "designed");
+  const ProgramResult result = run_program({"campaign", "init", write(text), path("out")});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.err,
+            "campaign: note: the file of 'crazyflie' has no [sensors]: typical ones of small "
+            "vehicles are flown\n");
 }
 
 TEST_F(Campaign, RefusesBadCommandLines) {
@@ -323,7 +427,15 @@ TEST_F(Campaign, RefusesBadCommandLines) {
           "expected a name that ends in .html");
   refuses({"campaign", "run", write(), path("other"), "--shards", "25"}, 2,
           "--shards is 25, expected at most 24");
+  refuses({"campaign", "run", write(), path("other"), "--shards", "4294967297"}, 2,
+          "--shards is 4294967297, expected at most as many as there are flights");
   refuses({"campaign", "merge", path("out")}, 3, "shard 0 is not complete");
+  // What cannot be read is not said to be missing.
+  fs::create_directory(path("out/00000.flights"));
+  refuses({"campaign", "merge", path("out")}, 5, "00000.flights: Is a directory");
+  refuses({"campaign", "status", path("out")}, 5, "00000.flights: Is a directory");
+  fs::create_symlink("loop", path("loop"));
+  refuses({"campaign", "init", write(), path("loop")}, 5, "loop");
 }
 
 /// Runs a worker in a process of its own.
@@ -386,7 +498,7 @@ TEST_F(Campaign, AFullDiskIsNamedAndLosesNothing) {
   EXPECT_EQ(WEXITSTATUS(status), 5);
   const ProgramResult again = run_program({"campaign", "work", path("out"), "--shard", "0"});
   EXPECT_THAT(again.out, HasSubstr("shard 0: "));
-  EXPECT_THAT(again.out, Not(HasSubstr("2000 flights flown, 0 found")));
+  EXPECT_THAT(again.out, Not(HasSubstr("2000 flown, 0 found")));
   EXPECT_EQ(again.status, 0);
   EXPECT_EQ(run_program({"campaign", "merge", path("out")}).status, 0);
 }

@@ -129,7 +129,7 @@ TEST(CampaignStatistics, FindsWhatFlightsDependOn) {
     const Eigen::VectorXd drawn = draw(campaign.uncertainty, campaign.seed, flight);
     for (std::uint64_t c = 0; c < 2; ++c) {
       CampaignRecord record;
-      record.number = flight * 2 + c;
+      record.number = std::uint64_t{flight} * 2 + c;
       record.passed = c == 1 || drawn(0) < 1.05;
       record.end = record.passed ? FlightEnd::completed : FlightEnd::safety_exit;
       record.end_time = record.passed ? 100 : 2 / drawn(0);
@@ -176,6 +176,31 @@ TEST(CampaignStatistics, FindsWhatFlightsDependOn) {
       EXPECT_NEAR(d.mean.value, 0.02, 1e-12);
       EXPECT_NEAR(d.mean.high - d.mean.low, 0, 1e-12);
     }
+}
+
+// What a limit is broken by is told in words where it is no number.
+TEST(CampaignStatistics, TellsTheWorstOfFiguresThatWereNotReached) {
+  Campaign campaign;
+  CampaignCase of;
+  of.design = "one";
+  of.mission = "hover";
+  of.setup.mission = load_mission("hover");
+  of.setup.mission.limits = {{Metric::settling_time, 10}, {Metric::tracking_max, 0.3}};
+  campaign.cases = {of};
+  campaign.flights = 3;
+  std::vector<CampaignRecord> records(3);
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    records[i].number = i;
+    records[i].metrics[Metric::tracking_max] = 0.2;
+  }
+  records[1].metrics[Metric::settling_time] = kInfinity;
+  records[2].metrics[Metric::settling_time] = 12;
+  const CampaignStatistics statistics = campaign_statistics(campaign, all_draws(campaign), records);
+  const std::vector<WorstFlight>& worst = statistics.cases[0].worst;
+  ASSERT_EQ(worst.size(), 3);
+  EXPECT_EQ(worst[0].why, "settling_time not measured, limit 10 s");
+  EXPECT_EQ(worst[1].why, "settling_time never reached, limit 10 s");
+  EXPECT_EQ(worst[2].why, "settling_time 12 s of 10 s");
 }
 
 // A figure that some flights lack: its correlations are those of the others alone, whatever the

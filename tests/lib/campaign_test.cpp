@@ -260,6 +260,15 @@ TEST(Campaign, DamageIsNamedAndFlownAgain) {
   EXPECT_EQ(work.found, 3);
   EXPECT_EQ(directory.read("00000.flights"), right);
 
+  // A right record in another's place.
+  directory.write("00000.flights", right.substr(0, 64 + 3 * kRecord) + right.substr(64, kRecord) +
+                                       right.substr(64 + 4 * kRecord));
+  EXPECT_THAT(shard_state(folder, 0).damage,
+              ElementsAre("00000.flights: record 4 of 16 is of flight 0, expected another"));
+  work = fly_shard(campaign, folder, 0, 1);
+  EXPECT_EQ(work.found, 15);
+  EXPECT_EQ(directory.read("00000.flights"), right);
+
   directory.write("00000.flights", right + right.substr(64, kRecord));
   EXPECT_THAT(shard_state(folder, 0).damage, SizeIs(1));
   work = fly_shard(campaign, folder, 0, 1);
@@ -277,6 +286,55 @@ TEST(Campaign, DamageIsNamedAndFlownAgain) {
   EXPECT_EQ(work.flown, 16);
   EXPECT_EQ(directory.read("00000.flights"), right);
   expect_same(all_records(folder), expected);
+}
+
+// A worker that is killed may leave any beginning of its part: none is damage, and each whole
+// record counts.
+TEST(Campaign, ABeginningOfAPartIsNoDamage) {
+  const Campaign campaign = small_campaign(4);
+  const TemporaryDirectory directory;
+  const CampaignFolder folder = folder_of(directory, campaign, 1);
+  (void)fly_shard(campaign, folder, 0, 1);
+  const std::string right = directory.read("00000.flights");
+  fs::remove(directory.path() / "00000.flights");
+  for (const std::size_t size : {0U, 10U, 64U, 70U, 64U + 2 * 224U, 64U + 2 * 224U + 223U}) {
+    directory.write("00000.host-1-0.part", right.substr(0, size));
+    const ShardState state = shard_state(folder, 0);
+    EXPECT_THAT(state.damage, IsEmpty()) << size;
+    EXPECT_EQ(state.records, size < 64 ? 0 : (size - 64) / 224) << size;
+    EXPECT_EQ(state.workers, 1) << size;
+    EXPECT_FALSE(state.complete) << size;
+  }
+  EXPECT_EQ(fly_shard(campaign, folder, 0, 1).found, 2);
+  EXPECT_EQ(directory.read("00000.flights"), right);
+}
+
+TEST(Campaign, AFileThatCannotBeReadIsNotOneThatIsMissing) {
+  const Campaign campaign = small_campaign(2);
+  const TemporaryDirectory directory;
+  const CampaignFolder folder = folder_of(directory, campaign, 1);
+  EXPECT_FALSE(shard_is_there(folder, 0));
+  fs::create_directory(directory.path() / "00000.flights");
+  EXPECT_TRUE(shard_is_there(folder, 0));
+  EXPECT_THROW((void)shard_state(folder, 0), FileError);
+  EXPECT_THROW((void)fly_shard(campaign, folder, 0, 1), FileError);
+}
+
+TEST(Campaign, AWorkerTellsWhatIsMissing) {
+  const Campaign campaign = small_campaign(600, 0.2);
+  const TemporaryDirectory directory;
+  const CampaignFolder folder = folder_of(directory, campaign, 1);
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> told;
+  const auto tell = [&](std::uint64_t flown, std::uint64_t missing) {
+    told.emplace_back(flown, missing);
+  };
+  bool stop = false;
+  EXPECT_THROW((void)fly_shard(
+                   campaign, folder, 0, 1, [&](std::uint64_t, std::uint64_t) { stop = true; },
+                   [&] { return stop; }),
+               Interrupted);
+  (void)fly_shard(campaign, folder, 0, 1, tell);
+  EXPECT_THAT(told, ElementsAre(std::pair(512U, 176U), std::pair(688U, 0U)));
 }
 
 TEST(Campaign, RecordsOfAnotherPlanAreNotTaken) {

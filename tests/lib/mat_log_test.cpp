@@ -156,7 +156,7 @@ TEST(GuardedProcess, TellsHowItEnded) {
 
   GuardedProcess idle({std::size_t{4} << 30U, 0.1}, [](int) { ::pause(); });
   EXPECT_FALSE(idle.read(&byte, 1));
-  EXPECT_EQ(idle.why_ended(), "took longer than 0.2 s");
+  EXPECT_EQ(idle.why_ended(), "took longer than 0.5 s");
 }
 
 }  // namespace

@@ -249,6 +249,12 @@ TEST(Uncertainty, RefusesWhatTheVehicleLacks) {
               ThrowsMessage<InvalidInput>(StrEq("gps_noise: the vehicle 'mambo' has nothing that "
                                                 "it changes, expected a quantity of what it has")));
   EXPECT_THAT(applied("thrust_5"), ThrowsMessage<InvalidInput>(HasSubstr("thrust_5: ")));
+  // Wind moves a vehicle by its drag alone, and the Mambo's file has none.
+  for (const char* name :
+       {"drag", "wind_north", "gust_down", "gust_at", "gust_length", "turbulence"})
+    EXPECT_THAT(applied(name),
+                ThrowsMessage<InvalidInput>(HasSubstr("has nothing that it changes")))
+        << name;
   setup.real_sensors = false;
   EXPECT_THAT(applied("gyroscope_noise"),
               ThrowsMessage<InvalidInput>(HasSubstr("the flight has ideal sensors")));
@@ -331,6 +337,8 @@ TEST(UncertaintyFile, RefusesWhatIsNoDistribution) {
   const std::string mass = "[[vary]]\nquantity = \"mass\"\n";
   refuses("[[vary]]\nquantity = \"mas\"\nnormal = {deviation = 1}\n",
           "f.toml:2: no quantity 'mas', expected one of those in docs/formats.md");
+  refuses("[[vary]]\nquantity = \"gust_at\"\nuniform = {low = -1, high = 2}\n",
+          "gust_at: draws from -1 to 2 s, expected within 0 to 86400");
   refuses("[[vary]]\nquantity = \"inertia_w\"\n", "did you mean 'inertia_x'?");
   refuses(mass, "f.toml:1: [[vary]] 1 has no distribution, expected one of normal");
   refuses(mass + "normal = {deviation = 0.1}\nuniform = {low = 0.9, high = 1}\n",
@@ -340,7 +348,7 @@ TEST(UncertaintyFile, RefusesWhatIsNoDistribution) {
   refuses(mass + "uniform = {low = 1.2, high = 0.8}\n",
           "mass: low is 1.2 and high is 0.8, expected low at most high");
   refuses(mass + "normal = {deviation = 0.5}\n",
-          "mass: draws from -3 to 5 1, expected within 0.01 to 100; least and most limit");
+          "mass: draws from -3 to 5, expected within 0.01 to 100; least and most limit");
   refuses(mass + "normal = {deviation = 0.1, least = 1.1, most = 0.9}\n",
           "least is 1.1 and most is 0.9, expected least below most");
   refuses(mass + "normal = {deviation = 0.01, least = 2}\n", "leave nothing of the distribution");
@@ -364,7 +372,11 @@ TEST(UncertaintyFile, RefusesWhatIsNoDistribution) {
   refuses(three +
               "[[correlation]]\nquantities = [\"mass\", \"thrust\"]\nvalue = 0.1\n"
               "[[correlation]]\nquantities = [\"thrust\", \"mass\"]\nvalue = 0.1\n",
-          "the correlation of thrust and mass is given twice");
+          "the correlation of thrust and mass is given twice, expected each pair once");
+  refuses(three + "[[correlation]]\nquantities = [\"mass\", \"mass\"]\nvalue = 0.1\n",
+          "f.toml:11: mass stands twice, expected each quantity once");
+  refuses("[[correlation]]\nquantities = [\"mass\", \"thrust\"]\nvalue = 0.1\n",
+          "f.toml:2: 'thrust' does not vary, expected a [[vary]] for it");
 }
 
 }  // namespace

@@ -60,22 +60,29 @@ struct CampaignRecord {
 };
 
 /// What is kept of a result.
+/// @param setup  that was flown: its mission is what the flight is held against
 [[nodiscard]] CampaignRecord record_of(std::uint64_t number, const FlightSetup& setup,
                                        const FlightResult& result);
 
 /// Flies draws `begin` to `end` - 1 in every case.
-/// @param threads  as fly_all()
-/// @return         in the order of their numbers; the same bytes for any threads, and for any way
-///                 in which draws are shared among calls
+/// @param begin, end   begin ≤ end ≤ `campaign.flights`
+/// @param threads      as fly_all()
+/// @param interrupted  likewise
+/// @return             in the order of their numbers; the same bytes for any threads, and for any
+///                     way in which draws are shared among calls
+/// @throws InvalidInput, Interrupted  as fly_all()
 [[nodiscard]] std::vector<CampaignRecord> fly_draws(const Campaign& campaign, std::uint32_t begin,
                                                     std::uint32_t end, std::size_t threads = 0,
                                                     const std::function<bool()>& interrupted = {});
 
-/// The draws of shard `shard` of `shards`: as many in each, but for one.
+/// Draws `begin` to `end` - 1.
 struct DrawRange {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
 };
+/// The draws of a shard: as many in each, or one more.
+/// @param shards  ≥ 1
+/// @param shard   from 0, less than `shards`
 [[nodiscard]] DrawRange shard_draws(std::uint32_t flights, std::uint32_t shards,
                                     std::uint32_t shard);
 

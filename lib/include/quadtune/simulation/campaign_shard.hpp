@@ -31,7 +31,12 @@ struct ShardState {
   int workers = 0;                  ///< parts, each of a worker that flies or flew
   double last_written = -1;         ///< [s] ago; of the newest part; negative: there is none
 };
+/// @param shard  from 0, less than the folder's `shards`, here and below
+/// @throws FileError  where the shard's file is there and cannot be read
 [[nodiscard]] ShardState shard_state(const CampaignFolder& folder, std::uint32_t shard);
+
+/// Whether the shard's file is there, complete when it was written. No record of it is read.
+[[nodiscard]] bool shard_is_there(const CampaignFolder& folder, std::uint32_t shard);
 
 /// The records of a complete shard.
 /// @throws InvalidInput  naming the file and the record that is wrong
@@ -47,15 +52,17 @@ struct ShardWork {
   std::vector<std::string> damage;  ///< what was found wrong, and flown again
 };
 
-/// How far a worker is: flights done of all in the shard.
-using ShardProgress = std::function<void(std::uint64_t done, std::uint64_t all)>;
+/// How far a worker is: flights that it flew, and those of the shard that are missing yet.
+using ShardProgress = std::function<void(std::uint64_t flown, std::uint64_t missing)>;
 
 /// Flies what is missing of a shard. Records are appended to a file of this worker as they come;
 /// when all are there they are written in order beside the shard's file and take its place at once.
 /// Records that other workers left are used where their checksums are right. Two workers at once
 /// both do all of it, and leave the same bytes.
-/// @throws FileError    with the path and the system's reason; what was flown stays in the part
-/// @throws Interrupted  likewise
+/// @param threads     as fly_all()
+/// @throws FileError     with the path and the system's reason; what was flown stays in the part
+/// @throws Interrupted   likewise
+/// @throws InvalidInput  as fly_all()
 ShardWork fly_shard(const Campaign& campaign, const CampaignFolder& folder, std::uint32_t shard,
                     std::size_t threads = 0, const ShardProgress& progress = {},
                     const std::function<bool()>& interrupted = {});

@@ -27,14 +27,15 @@ struct Estimated {
 
 /// The q-quantile of a sample in order, with an interval between two of its values that holds
 /// whatever the distribution (by the binomial distribution of how many lie below).
-/// @param sorted  n ≥ 1 values in increasing order, infinite ones allowed; the interval ends at ±∞
-///                where n is too small for one of 95 %
+/// @param sorted  n ≥ 1 values in increasing order, infinite ones allowed, no NaN; the interval
+/// ends
+///                at ±∞ where n is too small for one of 95 %
 /// @param q       0 < q < 1
 [[nodiscard]] Estimated quantile(std::span<const double> sorted, double q);
 
 /// Spearman's rank correlation, ties at their mean rank, with an interval by Fisher's transform and
 /// the variance of Bonett and Wright (2000). NaN where one of both does not vary, or n < 4.
-/// @param x, y  n values each, infinite ones allowed
+/// @param x, y  n values each, infinite ones allowed, no NaN
 [[nodiscard]] Estimated rank_correlation(std::span<const double> x, std::span<const double> y);
 
 /// One figure over the flights that have it.
@@ -42,7 +43,7 @@ struct MetricSpread {
   Metric metric = Metric::duration;
   std::uint64_t flights = 0;  ///< in which it is a number; infinite where it was not reached
   double mean = 0;            ///< infinite where one is
-  double deviation = 0;       ///< standard, of the flights
+  double deviation = 0;       ///< standard, of the flights; infinite likewise, NaN of one flight
   double least = 0, greatest = 0;
   Estimated median, percentile_5, percentile_95, percentile_99;
 };

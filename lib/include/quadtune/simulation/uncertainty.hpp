@@ -55,8 +55,9 @@ struct Distribution {
   friend bool operator==(const Distribution&, const Distribution&) = default;
 };
 
-/// The number at a standard normal one: increasing in z, and for z distributed normally distributed
-/// as asked.
+/// The number at a standard normal one: not decreasing in z, and distributed as asked where z is
+/// standard normal.
+/// @param distribution  as validate() accepts it
 [[nodiscard]] double value_at(const Distribution& distribution, double z);
 
 /// One quantity and its distribution.
@@ -87,8 +88,9 @@ void validate(const Uncertainty& uncertainty, const std::string& where);
                                    std::uint32_t flight);
 
 /// Gives a flight its numbers. What law and estimator believe stays as it is.
-/// @param drawn  (n)
-/// @throws InvalidInput  for a quantity of a sensor, a battery or a rotor that the vehicle lacks.
+/// @param drawn  (n) in the order of `numbers`
+/// @throws InvalidInput  for a quantity of a sensor, a battery or a rotor that the vehicle lacks,
+///                       of the wind where it has no drag, of a sensor in a flight with ideal ones.
 void apply(const Uncertainty& uncertainty, const Eigen::Ref<const Eigen::VectorXd>& drawn,
            FlightSetup& setup);
 
