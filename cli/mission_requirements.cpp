@@ -91,13 +91,13 @@ void add_limits(const MarginLimits& limits, const NamedMargins& loop,
                 std::vector<DesignLimit>& all) {
   const LoopMargins& m = loop.margins;
   const auto add = [&](const char* what, double value, const std::optional<double>& bound,
-                       bool at_least) {
+                       bool at_least, double least = 0) {
     if (bound)
       all.push_back({fmt::format("{} of {}", what, loop.name),
-                     m.stable ? value : std::numeric_limits<double>::quiet_NaN(), *bound,
-                     at_least});
+                     m.stable ? value : std::numeric_limits<double>::quiet_NaN(), *bound, at_least,
+                     least});
   };
-  add("Ms", m.Ms, limits.Ms_max, false);
+  add("Ms", m.Ms, limits.Ms_max, false, 1);
   add("phase margin", m.phase_margin, limits.phase_min, true);
   add("gain margin", m.gain_margin, limits.gain_min, true);
   add("delay margin", m.delay_margin, limits.delay_min, true);

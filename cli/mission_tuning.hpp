@@ -18,17 +18,17 @@ struct Context;
 struct MissionTuningArguments {
   std::string vehicle;  ///< name or file
   std::vector<std::string> missions;
-  std::string requirements, estimator, sensors, wind = "calm";
+  std::string requirements, estimator, sensors, wind;  ///< empty where they did not come
   std::optional<double> duration;
-  double budget = 60;  ///< [s]
-  std::uint64_t evaluations = 100000, draws = 4, proof = 24;
+  double budget = 60;                                         ///< [s]
+  std::uint64_t evaluations = 100000, draws = 0, proof = 24;  ///< 0 draws: it was not said
   std::string measure;
-  std::string file;
+  std::string file, report;
   bool force = false;
 };
 
 /// --mission, --requirements, --budget, --evaluations, --monte-carlo, --proof, --measure,
-/// --estimator, --sensors, --wind, --duration, -o, --force.
+/// --estimator, --sensors, --wind, --duration, -o, --force, --report.
 void add_mission_tuning_options(CLI::App& app, MissionTuningArguments& arguments);
 
 /// A design as the search has it and as it is told.
@@ -37,11 +37,20 @@ struct TunedDesign {
   std::vector<NamedMargins> margins;
 };
 
+/// One of the numbers that are tuned.
+struct TunedNumber {
+  std::string of;    ///< e.g. a loop; may be empty
+  std::string name;  ///< e.g. "Kp"
+  std::string unit;
+  double value = 0;
+};
+
 /// Another controller to hold the result against.
 struct Rival {
   std::string name;
   Controller controller;
   std::vector<NamedMargins> margins;
+  std::vector<TunedNumber> numbers;
 };
 
 /// What is tuned.
@@ -54,14 +63,17 @@ struct MissionTuning {
   Eigen::VectorXd start;
   std::function<TunedDesign(const Eigen::VectorXd&)> design;
   std::optional<Rival> rival;
+  std::string gains_title;  ///< of the table of `numbers`
+  std::function<std::vector<TunedNumber>(const Eigen::VectorXd&)> numbers;
   /// Gains as text, JSON and as a file that `quadtune design` reads.
   std::function<std::string(const Eigen::VectorXd& before, const Eigen::VectorXd& after)> text;
   std::function<internal::Json(const Eigen::VectorXd&)> json;
   std::function<std::string(const Eigen::VectorXd&, const std::string& comment)> file;
 };
 
-/// Searches, proves, tells, and writes where something better was found.
-/// @throws AnswerIsNo  where nothing better was found
+/// Searches, proves, tells, and writes where something better was found; a page whatever was found.
+/// @throws AnswerIsNo   where nothing better was found
+/// @throws Interrupted  after it told and wrote the best found, where a signal ended the search
 void run_mission_tuning(const MissionTuning& tuning, const MissionTuningArguments& arguments,
                         Context& context);
 

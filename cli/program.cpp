@@ -225,7 +225,7 @@ std::string what_is_written(const Context& context) {
 /// One line on the error stream and, for scripts, one object on the output.
 int fail(const Context& context, int status, const std::string& message, const std::string& where) {
   context.err << one_line(message) << "\n";
-  if (context.json) {
+  if (context.json && !context.answered) {
     const nlohmann::ordered_json error = {
         {"error", {{"code", status}, {"message", one_line(message)}, {"where", where}}}};
     context.out << error.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
@@ -235,7 +235,8 @@ int fail(const Context& context, int status, const std::string& message, const s
 
 }  // namespace
 
-void write_file(const std::string& file, const std::string& bytes) {
+void write_file(const std::string& file, const std::string& bytes,
+                const std::function<bool()>& stop) {
   std::filesystem::path path = std::filesystem::absolute(file);
   std::error_code ignored;  // what cannot be looked at, write_files() names with its reason
   const std::filesystem::file_status status = std::filesystem::status(path, ignored);
@@ -252,7 +253,7 @@ void write_file(const std::string& file, const std::string& bytes) {
   if (std::filesystem::is_symlink(std::filesystem::symlink_status(path, ignored)) &&
       std::filesystem::exists(status))
     path = std::filesystem::canonical(path, ignored);
-  write_files(path.parent_path(), {{path.filename().string(), bytes}}, {}, interrupted);
+  write_files(path.parent_path(), {{path.filename().string(), bytes}}, {}, stop);
 }
 
 bool interrupted() { return stop_asked.load(); }

@@ -71,6 +71,7 @@ struct Context {
   std::size_t threads = 0;                ///< to use; 0: one for each processor
   std::uint64_t seed = 1;                 ///< of everything random
   std::string command = {};               ///< the command line, for what is written
+  bool answered = false;  ///< the JSON object is on `out`: an error that follows adds no second
 
   /// One line on the error stream that is not an error; silent with --quiet.
   void note(const std::string& line) const;
@@ -98,13 +99,15 @@ struct Verb {
 int run(const std::vector<std::string>& args, std::istream& in, std::ostream& out,
         std::ostream& err);
 
-/// Writes one file whole or not at all; a missing directory is made. A link stays one, and a device
-/// or a pipe is written to as it is.
-/// @throws FileError, Interrupted  as write_files()
-void write_file(const std::string& file, const std::string& bytes);
-
 /// True once SIGINT, SIGTERM or SIGHUP came; long work and file writing poll it.
 [[nodiscard]] bool interrupted();
+
+/// Writes one file whole or not at all; a missing directory is made. A link stays one, and a device
+/// or a pipe is written to as it is.
+/// @param stop  asked before it is put in place; none: it is written although a signal came
+/// @throws FileError, Interrupted  as write_files()
+void write_file(const std::string& file, const std::string& bytes,
+                const std::function<bool()>& stop = interrupted);
 void install_signal_handlers();
 
 Verb design_verb();

@@ -91,6 +91,7 @@ void run(const CLI::App& app, Options options, Context& context) {
   if (options.gains.empty()) {
     options.missions.vehicle = options.problem.plant.vehicle;
     options.problem.has_dt = app.get_option("--dt")->count() > 0;
+    if (app.get_option("--method")->count() == 0) options.problem.method.clear();
     if (options.missions.missions.empty() && options.missions.requirements.empty())
       refuse("--mission",
              "expected --mission NAME or --requirements FILE to tune weights over missions, or "
@@ -98,12 +99,17 @@ void run(const CLI::App& app, Options options, Context& context) {
     for (const char* option : {"--tie", "--tolerance", "--starts"})
       if (app.get_option(option)->count() > 0)
         refuse(option, fmt::format("{} is for --match-gains, expected none", option));
+    if (options.problem.Q.empty() && options.problem.R.empty() &&
+        app.get_option("--inputs")->count() > 0 && options.problem.plant.inputs != "wrench")
+      refuse("--inputs",
+             "--inputs came without --Q and --R, expected none or wrench because weights by "
+             "Bryson's rule are of it");
     run_lqr_missions(options.problem, options.missions, options.separate, context);
     return;
   }
   for (const char* option :
        {"--mission", "--requirements", "--budget", "--evaluations", "--monte-carlo", "--proof",
-        "--measure", "--estimator", "--sensors", "--wind", "--duration", "--separate"})
+        "--measure", "--estimator", "--sensors", "--wind", "--duration", "--separate", "--report"})
     if (app.get_option(option)->count() > 0)
       refuse(option, fmt::format("{} is for missions, expected none beside --match-gains", option));
   if (!(options.tolerance > 0))
@@ -164,7 +170,8 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("LIST");
   app.add_option("--integral", options.problem.integral, "states to integrate")->type_name("LIST");
   app.add_option("--method", options.problem.method,
-                 "continuous (default), discrete (weights per step) or sampled (exact cost)")
+                 "continuous (default with --match-gains), discrete (weights per step) or sampled "
+                 "(exact cost; default over missions)")
       ->type_name("NAME");
   add_number(app, "--dt", options.problem.dt, "sample period [s]")->type_name("T");
   app.add_option("--tie", options.ties,

@@ -12,6 +12,7 @@
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/built_in.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/synthesis/diagonal_lqr.hpp"
 #include "standard_lqr.hpp"
 
@@ -44,11 +45,17 @@ struct Group {
   std::vector<Eigen::Index> weights;
 };
 
+/// @param problem  `method` is empty where it was not said
 LqrArguments with_defaults(LqrArguments problem) {
   problem.verb = "tune lqr";
+  if (problem.plant.at != "hover")
+    throw UsageError(fmt::format("quadtune tune lqr: --at is '{}', expected hover because missions "
+                                 "are flown with gains about it",
+                                 internal::printable(problem.plant.at)),
+                     "--at");
   if (problem.Q.empty() && problem.R.empty()) problem.plant.inputs = "wrench";
-  if (!problem.has_dt) {
-    problem.method = "sampled";
+  if (problem.method.empty()) problem.method = "sampled";
+  if (!problem.has_dt && problem.method != "continuous") {
     problem.dt = kUsualPeriod;
     problem.has_dt = true;
   }
@@ -80,6 +87,8 @@ class LqrTuning {
     for (const Group& group : groups_) tuning.names.push_back(group.name);
     tuning.start = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(groups_.size()));
     tuning.design = [this](const Eigen::VectorXd& x) { return design(x); };
+    tuning.gains_title = "Weights";
+    tuning.numbers = [this](const Eigen::VectorXd& x) { return numbers(x); };
     tuning.text = [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return text(a, b); };
     tuning.json = [this](const Eigen::VectorXd& x) { return json(x); };
     tuning.file = [this](const Eigen::VectorXd& x, const std::string& c) { return file(x, c); };
@@ -174,6 +183,15 @@ class LqrTuning {
     return text;
   }
 
+  [[nodiscard]] std::vector<TunedNumber> numbers(const Eigen::VectorXd& x) const {
+    const Eigen::VectorXd w = weights(x);
+    std::vector<TunedNumber> all;
+    for (Eigen::Index i = 0; i < w.size(); ++i)
+      all.push_back(
+          {i < lqr_->states() ? "Q" : "R", lqr_->names()[static_cast<std::size_t>(i)], "", w(i)});
+    return all;
+  }
+
   [[nodiscard]] Json json(const Eigen::VectorXd& x) const {
     const Eigen::VectorXd w = weights(x);
     Json json = {{"weights", Json::object()}};
@@ -196,11 +214,11 @@ class LqrTuning {
     };
     std::string text = fmt::format(
         "# {}\nname = \"tuned-{}\"\nvehicle = \"{}\"\n\n[trim]\nat = \"hover\"\nyaw_rad = {}\n\n"
-        "[lqr]\nconvention = \"{}\"\ninputs = \"{}\"\nstates = \"full\"\nQ = {}\nR = {}\n",
+        "[lqr]\nconvention = \"{}\"\ninputs = \"{}\"\nstates = [\"{}\"]\nQ = {}\nR = {}\n",
         comment, plant_.vehicle.name,
         internal::looks_like_path(word) ? std::filesystem::absolute(word).string() : word,
-        problem_.plant.yaw, found.convention, to_string(found.input_kind), list(found.Q),
-        list(found.R));
+        problem_.plant.yaw, found.convention, to_string(found.input_kind),
+        fmt::join(found.states, "\", \""), list(found.Q), list(found.R));
     if (!found.integrals.empty())
       text += fmt::format("integral = [\"{}\"]\nQ_integral = {}\n",
                           fmt::join(found.integrals, "\", \""), list(found.Q_integral));

@@ -99,8 +99,20 @@ class PidTuning {
   [[nodiscard]] std::optional<Rival> rival() const {
     if (!vehicle_.published_cascade) return std::nullopt;
     const CascadeGains& gains = vehicle_.published_cascade->gains;
+    CascadeSpecification specification = specification_;
+    specification.dt = gains.dt;
     return Rival{"published", CascadeController{gains},
-                 margins_of(assess_cascade(hover_, specification_, gains))};
+                 margins_of(assess_cascade(hover_, specification, gains)), numbers(gains)};
+  }
+
+  [[nodiscard]] static std::vector<TunedNumber> numbers(const CascadeGains& gains) {
+    std::vector<TunedNumber> all;
+    for (const PidLoop& loop : gains.loops) {
+      all.push_back({loop.name, "Kp", loop.unit, loop.Kp});
+      all.push_back({loop.name, "Ki", loop.unit + " / s", loop.Ki});
+      all.push_back({loop.name, "Kd", loop.unit + " \u00b7 s", loop.Kd});
+    }
+    return all;
   }
 
   [[nodiscard]] std::string text(const Eigen::VectorXd& before,
@@ -159,6 +171,8 @@ class PidTuning {
     tuning.start = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(knobs_.size()));
     tuning.design = [this](const Eigen::VectorXd& x) { return design(x); };
     tuning.rival = rival();
+    tuning.gains_title = "Gains";
+    tuning.numbers = [this](const Eigen::VectorXd& x) { return numbers(controller(x).gains); };
     tuning.text = [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return text(a, b); };
     tuning.json = [this](const Eigen::VectorXd& x) { return json(x); };
     tuning.file = [this](const Eigen::VectorXd& x, const std::string& c) { return file(x, c); };

@@ -10,7 +10,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <utility>
 
 #include "quadtune/errors.hpp"
 
@@ -26,8 +28,14 @@ constexpr double kNoDesign = 2 * MissionTrial::kFailure;
 /// How far within its limits a point is to stay, as a share: fresh draws are not those of the
 /// search.
 constexpr double kDistance = 0.01;
+/// Of a limit that leaves next to no room above the least value.
+constexpr double kLeastRoom = 0.01;
 /// What nobody would change gains for [%].
 constexpr double kLeastGain = 0.1;
+/// A limit binds where the point is nearer than this to where it may go, as a share.
+constexpr double kEdge = 0.005;
+/// Draws of the proof after an interrupt: nobody wants to wait then.
+constexpr std::uint32_t kHurriedProof = 100;
 /// Share of the time for the global part.
 constexpr double kGlobalShare = 0.45;
 
@@ -44,11 +52,6 @@ struct Tried {
   TrialOutcome outcome;
   Eigen::VectorXd excess;  ///< of all limits, ≤ 0 where kept
   double cost = kNoDesign;
-
-  [[nodiscard]] double penalized() const {
-    return cost + kPenalty * (excess.array() + kDistance).cwiseMax(0).sum();
-  }
-  [[nodiscard]] double worst() const { return excess.size() > 0 ? excess.maxCoeff() : 0; }
 };
 
 class Search {
@@ -62,9 +65,12 @@ class Search {
       throw InvalidInput("search",
                          "the design that it begins with has no solution or is not "
                          "stable");
-    // A limit that the start passes already is one to come nearer to, not one that ends the search.
+    // A limit that the start passes already is one to come nearer to, not one that ends the search;
+    // one that it is at may stay there.
     slack_ = start_.excess.cwiseMax(-kDistance);
-    best_ = start_;
+    target_ = (slack_.array() > kLimitTolerance).select(-kDistance, slack_);
+    best_ = now_ = start_;
+    told();
     go(NLOPT_GN_CRS2_LM, kGlobalShare);
     // Twice, since its first steps are wide.
     for (const double until : {0.75, 1.0}) go(NLOPT_LN_COBYLA, until);
@@ -88,10 +94,11 @@ class Search {
     point.design = space_.point(x);
     const Eigen::Index limits = start_.excess.size();
     if (!point.design.controller) {
-      point.excess = Eigen::VectorXd::Ones(limits);
+      point.excess =
+          Eigen::VectorXd::Constant(limits, excess_of(std::numeric_limits<double>::infinity()));
       return point;
     }
-    point.outcome = trial_.fly(*point.design.controller);
+    point.outcome = trial_.fly(*point.design.controller, options_.stop);
     point.cost = point.outcome.cost;
     std::vector<double> excess;
     for (const DesignLimit& limit : point.design.limits) excess.push_back(limit.excess());
@@ -102,11 +109,22 @@ class Search {
 
   /// Whether a point keeps all limits, or passes none farther than the start does.
   [[nodiscard]] bool allowed(const Tried& point) const {
-    return (point.excess - slack_).maxCoeff() <= 1e-9 || point.excess.size() == 0;
+    return (point.excess - slack_).maxCoeff() <= kLimitTolerance || point.excess.size() == 0;
   }
   [[nodiscard]] bool better(const Tried& a, const Tried& b) const {
     if (allowed(a) != allowed(b)) return allowed(a);
-    return a.penalized() < b.penalized();
+    return penalized(a) < penalized(b);
+  }
+  /// The cost with what is to be paid for limits that are passed.
+  [[nodiscard]] double penalized(const Tried& point) const {
+    return point.cost + kPenalty * (point.excess - target_).cwiseMax(0).sum();
+  }
+  /// The same for those alone that the start passes: the others are constraints.
+  [[nodiscard]] double constrained(const Tried& point) const {
+    return point.cost + kPenalty * (slack_.array() > kLimitTolerance)
+                                       .select(point.excess - target_, 0.0)
+                                       .cwiseMax(0)
+                                       .sum();
   }
 
   const Tried& at(const Eigen::VectorXd& x) {
@@ -123,19 +141,31 @@ class Search {
       return now_.x.size() ? now_ : start_;
     }
     if (better(now_, best_)) best_ = now_;
-    if (options_.progress)
-      options_.progress(best_.cost, evaluations_, std::max(options_.seconds - seconds(), 0.0));
+    told();
     return now_;
+  }
+
+  /// What the point `now_` was, for the record and for who waits.
+  void told() {
+    steps_.push_back(
+        {now_.design.controller ? now_.cost : std::nan(""), allowed(now_), best_.cost});
+    if (!options_.progress) return;
+    const double spent = seconds();
+    const double rest = spent / evaluations_ * (options_.evaluations - evaluations_);
+    options_.progress(best_.cost, evaluations_,
+                      std::max(std::min(options_.seconds - spent, rest), 0.0));
   }
 
   static Eigen::VectorXd vector(unsigned n, const double* x) {
     return Eigen::Map<const Eigen::VectorXd>(x, n);
   }
   static double penalized(unsigned n, const double* x, double*, void* search) {
-    return static_cast<Search*>(search)->at(vector(n, x)).penalized();
+    auto& self = *static_cast<Search*>(search);
+    return self.penalized(self.at(vector(n, x)));
   }
-  static double cost(unsigned n, const double* x, double*, void* search) {
-    return static_cast<Search*>(search)->at(vector(n, x)).cost;
+  static double constrained(unsigned n, const double* x, double*, void* search) {
+    auto& self = *static_cast<Search*>(search);
+    return self.constrained(self.at(vector(n, x)));
   }
   static void excesses(unsigned m, double* result, unsigned n, const double* x, double*,
                        void* search) {
@@ -162,7 +192,7 @@ class Search {
     nlopt_set_maxeval(opt, points);
     const bool local = algorithm == NLOPT_LN_COBYLA;
     if (local) {
-      nlopt_set_min_objective(opt, cost, this);
+      nlopt_set_min_objective(opt, constrained, this);
       if (slack_.size() > 0) {
         const Eigen::VectorXd tolerance = Eigen::VectorXd::Constant(slack_.size(), 1e-6);
         nlopt_add_inequality_mconstraint(opt, static_cast<unsigned>(slack_.size()), excesses, this,
@@ -175,6 +205,7 @@ class Search {
       nlopt_set_min_objective(opt, penalized, this);
       nlopt_set_population(opt, 4 * (n + 1));
     }
+    now_ = best_;
     Eigen::VectorXd x = best_.x;
     double value = 0;
     current_ = opt;
@@ -186,70 +217,117 @@ class Search {
   MissionSearchResult judged() {
     MissionSearchResult result;
     result.evaluations = evaluations_;
+    result.steps = std::move(steps_);
     result.before = start_.outcome;
-    result.best = space_.start;
-    result.design = start_.design;
-    result.after = start_.outcome;
-    if (end_ != SearchEnd::interrupted && converged_) end_ = SearchEnd::converged;
-    result.end = end_;
-    if (best_.x == start_.x) {
-      result.reason = "no point that keeps the limits costs less than the start";
-      result.seconds = seconds();
-      return result;
-    }
-    // Draws that the search has not seen: it may have found what is good for its own alone.
-    const std::uint32_t first = trial_.request().draws, count = options_.proof_draws;
-    result.proof_before = trial_.fly(*start_.design.controller, first, count);
-    result.proof_after = trial_.fly(*best_.design.controller, first, count);
-    result.difference = paired_difference(result.proof_before.costs, result.proof_after.costs);
-    result.seconds = seconds();
-    if (!(percent(result, result.difference.high) > kLeastGain)) {
-      result.reason = fmt::format(
-          "on {} fresh draws the best point costs {:+.3g} ({:+.3g} to {:+.3g}) more than the "
-          "start: not surely {} % less",
-          count, result.difference.value, result.difference.low, result.difference.high,
-          kLeastGain);
-      return result;
-    }
-    for (std::size_t i = 0; i < result.proof_after.limits.size(); ++i) {
-      const TrialLimit& now = result.proof_after.limits[i];
-      const TrialLimit& then = result.proof_before.limits[i];
-      if (now.excess() > std::max(then.excess(), 0.0) + 1e-9) {
-        result.reason = fmt::format(
-            "on {} fresh draws it passes {} of {}: {:.4g}, expected at "
-            "most {:.4g}",
-            count, name_of(now.metric), now.mission, now.value, now.most);
-        return result;
-      }
-    }
-    if (result.proof_after.failed > result.proof_before.failed) {
-      result.reason = fmt::format("{} of {} fresh flights end early, with the start {}",
-                                  result.proof_after.failed, result.proof_after.flights,
-                                  result.proof_before.failed);
-      return result;
-    }
-    result.accepted = true;
-    result.reason = fmt::format("on {} fresh draws it costs {:.1f} % less ({:.1f} to {:.1f} %)",
-                                count, percent(result, result.difference.value),
-                                percent(result, result.difference.high),
-                                percent(result, result.difference.low));
-    result.best = best_.x;
-    result.design = best_.design;
     result.after = best_.outcome;
-    for (const DesignLimit& limit : result.design.limits)
-      if (std::abs(limit.excess()) <= 0.02) result.binding.push_back(limit.name);
-    for (const TrialLimit& limit : result.after.limits)
-      if (std::abs(limit.excess()) <= 0.02)
-        result.binding.push_back(fmt::format("{} of {}", name_of(limit.metric), limit.mission));
+    result.best = space_.start;
+    result.candidate = best_.x;
+    if (end_ != SearchEnd::interrupted && converged_) end_ = SearchEnd::converged;
+    for (const auto& [name, i] : names(best_))
+      if (best_.x != start_.x && best_.excess(i) <= kLimitTolerance &&
+          best_.excess(i) >= target_(i) - kEdge)
+        result.binding.push_back(name);
+    try {
+      prove(result);
+    } catch (const Interrupted&) {
+      end_ = SearchEnd::interrupted;
+      result.proof_before = result.proof_after = {};
+      result.reason = "interrupted before what was found was proved";
+    }
+    if (result.accepted) result.best = best_.x;
+    const Tried& taken = result.accepted ? best_ : start_;
+    const TrialOutcome& flown = result.accepted ? result.proof_after : result.proof_before;
+    const auto design_limits = std::ssize(taken.design.limits);
+    for (const auto& [name, i] : names(taken)) {
+      const bool proved = i >= design_limits && !flown.limits.empty();
+      const double excess = proved
+                                ? flown.limits[static_cast<std::size_t>(i - design_limits)].excess()
+                                : taken.excess(i);
+      if (excess > kLimitTolerance) result.broken.push_back(name);
+    }
+    result.end = end_;
+    result.seconds = seconds();
     return result;
   }
 
-  /// A fall of the cost as a share of the start's.
-  static double percent(const MissionSearchResult& result, double difference) {
-    double before = 0;
-    for (const double cost : result.proof_before.costs)
-      before += cost / static_cast<double>(result.proof_before.costs.size());
-    return -100 * difference / before;
+  /// The limits of a point by name, with their places.
+  static std::vector<std::pair<std::string, Eigen::Index>> names(const Tried& point) {
+    std::vector<std::pair<std::string, Eigen::Index>> all;
+    for (const DesignLimit& limit : point.design.limits)
+      all.emplace_back(limit.name, std::ssize(all));
+    for (const TrialLimit& limit : point.outcome.limits)
+      all.emplace_back(fmt::format("{} of {}", name_of(limit.metric), limit.mission),
+                       std::ssize(all));
+    return all;
+  }
+
+  /// Flies start and best on draws that the search has not seen: it may have found what is good for
+  /// its own alone.
+  void prove(MissionSearchResult& result) {
+    const bool hurried = end_ == SearchEnd::interrupted;
+    const std::uint32_t first = trial_.request().draws;
+    const std::uint32_t count =
+        hurried ? std::min(options_.proof_draws, kHurriedProof) : options_.proof_draws;
+    const auto fresh = [&](const Tried& point) {
+      return trial_.fly(*point.design.controller, first, count,
+                        hurried ? MissionTrial::Stop{} : options_.stop);
+    };
+    const bool same = best_.x == start_.x;
+    const TrialOutcome then = fresh(start_), now = same ? then : fresh(best_);
+    result.proof_before = then;
+    result.proof_after = now;
+    result.difference = paired_difference(then.costs, now.costs);
+    double mean = 0;
+    for (const double cost : then.costs) mean += cost / count;
+    result.less = -100 * result.difference.value / mean;
+    result.less_low = -100 * result.difference.high / mean;
+    result.less_high = -100 * result.difference.low / mean;
+    result.reason =
+        same ? "no point that keeps the limits costs less than the start" : refused(result, count);
+    if (!result.reason.empty()) return;
+    result.accepted = true;
+    const std::string cost = fmt::format(
+        "on {} fresh draws it costs {:.1f} % {} ({:.1f} to {:.1f} %)", count, std::abs(result.less),
+        result.less < 0 ? "more" : "less", result.less < 0 ? -result.less_high : result.less_low,
+        result.less < 0 ? -result.less_low : result.less_high);
+    result.repaired = repaired(result);
+    result.reason = result.repaired ? "it keeps all limits, as the start does not; " + cost : cost;
+  }
+
+  /// Whether the best point keeps all limits on fresh draws and the start does not.
+  [[nodiscard]] bool repaired(const MissionSearchResult& result) const {
+    const auto keeps = [](const Tried& point, const TrialOutcome& proof) {
+      return proof.keeps_limits() &&
+             std::all_of(
+                 point.design.limits.begin(), point.design.limits.end(),
+                 [](const DesignLimit& limit) { return limit.excess() <= kLimitTolerance; });
+    };
+    return keeps(best_, result.proof_after) && !keeps(start_, result.proof_before);
+  }
+
+  /// Why the fresh draws speak against the best point; empty where they do not.
+  [[nodiscard]] std::string refused(const MissionSearchResult& result, std::uint32_t count) const {
+    const TrialOutcome &then = result.proof_before, &now = result.proof_after;
+    for (std::size_t i = 0; i < now.limits.size(); ++i)
+      if (now.limits[i].excess() > std::max(then.limits[i].excess(), 0.0) + kLimitTolerance)
+        return fmt::format("on {} fresh draws it passes {} of {}: {:.4g}, expected at most {:.4g}",
+                           count, name_of(now.limits[i].metric), now.limits[i].mission,
+                           now.limits[i].value, std::max(now.limits[i].most, then.limits[i].value));
+    if (now.failed > then.failed)
+      return fmt::format("{} of {} fresh flights end early, with the start {}", now.failed,
+                         now.flights, then.failed);
+    if (repaired(result)) return {};
+    if (!(result.less_low > kLeastGain))
+      return fmt::format(
+          "on {} fresh draws it costs {:.3g} % less than the start ({:.3g} to {:.3g} %): not "
+          "surely "
+          "{} % less",
+          count, result.less, result.less_low, result.less_high, kLeastGain);
+    // The mean is surely less; what was asked for may be another number.
+    if (now.cost > then.cost)
+      return fmt::format("on {} fresh draws the {} of its cost is {:.4g}, of the start's {:.4g}",
+                         count, to_string(trial_.request().measure), now.cost, then.cost);
+    return {};
   }
 
   const DesignSpace& space_;
@@ -257,7 +335,9 @@ class Search {
   const MissionSearchOptions& options_;
   Clock::time_point begin_;
   Tried start_, best_, now_;
-  Eigen::VectorXd slack_;
+  Eigen::VectorXd slack_;   ///< how far each limit may be passed
+  Eigen::VectorXd target_;  ///< from where on that costs
+  std::vector<SearchStep> steps_;
   int evaluations_ = 0;
   bool converged_ = false;
   SearchEnd end_ = SearchEnd::budget;
@@ -267,9 +347,9 @@ class Search {
 }  // namespace
 
 double DesignLimit::excess() const {
-  if (!std::isfinite(value)) return at_least && value > 0 ? -1 : 1;
-  const double size = std::max(std::abs(bound), 1e-12);
-  return std::clamp((at_least ? bound - value : value - bound) / size, -1.0, 1.0);
+  if (at_least && value == std::numeric_limits<double>::infinity()) return -1;
+  const double size = std::max(std::abs(bound - least), kLeastRoom);
+  return excess_of((at_least ? bound - value : value - bound) / size);
 }
 
 std::string to_string(SearchEnd end) {

@@ -84,35 +84,41 @@ void validate(const TrialRequest& request, const std::string& where) {
   }
 }
 
-double TrialLimit::excess() const {
-  if (!std::isfinite(value)) return 1;
-  return most > 0 ? std::min(value / most - 1, 1.0) : value;
+double excess_of(double share) {
+  if (!std::isfinite(share)) return 2;
+  return share > 1 ? 2 - 1 / share : std::max(share, -1.0);
 }
+
+double TrialLimit::excess() const { return excess_of(most > 0 ? value / most - 1 : value); }
 
 bool TrialOutcome::keeps_limits() const {
   return std::all_of(limits.begin(), limits.end(),
-                     [](const TrialLimit& limit) { return limit.excess() <= 0; });
+                     [](const TrialLimit& limit) { return limit.excess() <= kLimitTolerance; });
 }
 
 MissionTrial::MissionTrial(TrialRequest request, const Controller& reference, std::size_t threads,
-                           std::function<bool()> interrupted)
-    : request_(std::move(request)), threads_(threads), interrupted_(std::move(interrupted)) {
+                           const Stop& interrupted)
+    : request_(std::move(request)), threads_(threads) {
   validate(request_, "trial");
-  const std::vector<FlightResult> flown = results(reference, 0, request_.draws);
+  const std::vector<FlightResult> flown = results(reference, 0, request_.draws, interrupted);
   for (std::size_t m = 0; m < request_.missions.size(); ++m) {
     require_cost(m, flown);
-    std::vector<double>& scales = scales_.emplace_back();
+    std::vector<Scale>& scales = scales_.emplace_back();
     for (const CostTerm& term : request_.cost) {
       double sum = 0;
-      int count = 0;
+      int count = 0, lacking = 0, completed = 0;
       for (std::uint32_t d = 0; d < request_.draws; ++d) {
         const FlightResult& result = flown[m * request_.draws + d];
         const double value = result.metrics[term.metric];
-        if (ended_early(result) || !std::isfinite(value)) continue;
+        if (ended_early(result)) continue;
+        ++completed;
+        if (std::isnan(value)) ++lacking;
+        if (!std::isfinite(value)) continue;
         sum += value;
         ++count;
       }
-      scales.push_back(count > 0 && sum / count > kLeastScale ? sum / count : 1);
+      scales.push_back({count > 0 && sum / count > kLeastScale ? sum / count : 1,
+                        completed == 0 || lacking<completed, completed> 0});
     }
   }
 }
@@ -136,19 +142,24 @@ void MissionTrial::require_cost(std::size_t mission, const std::vector<FlightRes
 }
 
 std::vector<FlightResult> MissionTrial::results(const Controller& controller, std::uint32_t first,
-                                                std::uint32_t count) const {
+                                                std::uint32_t count,
+                                                const Stop& interrupted) const {
   std::vector<FlightSetup> setups;
   setups.reserve(request_.missions.size() * count);
-  for (const TrialMission& mission : request_.missions)
-    for (std::uint32_t d = first; d < first + count; ++d) {
-      FlightSetup& setup = setups.emplace_back(mission.setup);
-      setup.controller = controller;
-      setup.seed = request_.seed;
-      setup.flight = d;
-      if (!request_.uncertainty.numbers.empty())
-        apply(request_.uncertainty, draw(request_.uncertainty, request_.seed, d), setup);
-    }
-  return fly_all(setups, threads_, interrupted_);
+  for (std::size_t m = 0; m < request_.missions.size(); ++m)
+    for (std::uint32_t d = first; d < first + count; ++d) setups.push_back(setup(controller, m, d));
+  return fly_all(setups, threads_, interrupted);
+}
+
+FlightSetup MissionTrial::setup(const Controller& controller, std::size_t mission,
+                                std::uint32_t draw) const {
+  FlightSetup setup = request_.missions[mission].setup;
+  setup.controller = controller;
+  setup.seed = request_.seed;
+  setup.flight = draw;
+  if (!request_.uncertainty.numbers.empty())
+    apply(request_.uncertainty, quadtune::draw(request_.uncertainty, request_.seed, draw), setup);
+  return setup;
 }
 
 double MissionTrial::cost_of(std::size_t mission, const FlightResult& result) const {
@@ -159,24 +170,23 @@ double MissionTrial::cost_of(std::size_t mission, const FlightResult& result) co
   double cost = 0, weights = 0;
   for (std::size_t t = 0; t < request_.cost.size(); ++t) {
     const CostTerm& term = request_.cost[t];
-    if (term.weight == 0) continue;
     const double value = result.metrics[term.metric];
-    // What a mission does not have costs nothing; what was never reached costs much.
+    const Scale& scale = scales_[mission][t];
+    if (!scale.counts || (!scale.known && std::isnan(value))) continue;
     weights += term.weight;
-    if (std::isnan(value)) continue;
-    cost += term.weight *
-            (std::isinf(value) ? kFailure : std::min(value / scales_[mission][t], kFailure));
+    cost +=
+        term.weight * (std::isfinite(value) ? std::min(value / scale.unit, kFailure) : kFailure);
   }
-  return cost / weights;
+  return weights > 0 ? cost / weights : 0;
 }
 
-TrialOutcome MissionTrial::fly(const Controller& controller) const {
-  return fly(controller, 0, request_.draws);
+TrialOutcome MissionTrial::fly(const Controller& controller, const Stop& interrupted) const {
+  return fly(controller, 0, request_.draws, interrupted);
 }
 
 TrialOutcome MissionTrial::fly(const Controller& controller, std::uint32_t first,
-                               std::uint32_t count) const {
-  const std::vector<FlightResult> flown = results(controller, first, count);
+                               std::uint32_t count, const Stop& interrupted) const {
+  const std::vector<FlightResult> flown = results(controller, first, count, interrupted);
   const std::size_t missions = request_.missions.size();
   TrialOutcome outcome;
   outcome.costs.assign(count, 0);

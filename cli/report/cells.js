@@ -147,7 +147,15 @@ const Cells = (() => {
     const ends = curves.flatMap(({x}) => [x[0], x[x.length - 1]]).filter((v) => v !== null);
     if (limit !== null) ends.push(limit);
     const least = Math.min(...ends), most = Math.max(...ends);
+    // A design that is far worse would press the others against the edge; see profile().
+    const wide = least > 0 && most > 30 * least;
     const margin = 0.04 * (most - least || Math.abs(most) || 1);
+    // To one digit outwards: a logarithmic axis begins with a number that is read.
+    const digit = (v, round) => {
+      const decade = 10 ** Math.floor(Math.log10(v));
+      return round(v / decade) * decade;
+    };
+    const range = wide ? [digit(least, Math.floor), digit(most, Math.ceil)] : [least - margin, most + margin];
     // One axis for all: each curve's shares at the values of all.
     const xs = [...new Set(curves.flatMap(({x}) => x.filter((v) => v !== null)))].sort((a, b) => a - b);
     const shares = curves.map(({x, reached}) => {
@@ -155,7 +163,7 @@ const Cells = (() => {
       return xs.map((v) => share.get(v) ?? null);
     });
     add(host, caption, {
-      scales: {x: {time: false, range: [least - margin, most + margin]}, y: {range: [0, 100]}},
+      scales: {x: {time: false, distr: wide ? 3 : 1, log: 10, range: () => range}, y: {range: [0, 100]}},
       axes: [axis({size: 24, space: 50}), axis({size: 46, space: 24, incrs: [10, 20, 25, 50, 100]})],
       hooks: {
         draw: [(u) => {
@@ -174,6 +182,28 @@ const Cells = (() => {
     }, [xs, ...shares]);
   }
 
+  /** The least cost so far over the evaluations of a search, a line of steps, and what was tried, dots. */
+  function search(host, caption, {evaluation, best, tried}) {
+    // What flies away costs a hundred times as much: the axis is for what competes.
+    const least = Math.min(...best.filter((v) => v !== null));
+    const most = Math.max(...best.filter((v) => v !== null));
+    const margin = 0.1 * Math.max(most - least, 0.02 * Math.abs(most)) || 1;
+    const wide = least > 0 && most > 20 * least;  // a start that flies away
+    const last = evaluation[evaluation.length - 1];
+    add(host, caption, {
+      scales: {x: {time: false, range: [0, Math.max(last, 2)]},
+               y: wide ? {distr: 3, log: 10, range: [0.8 * least, 1.5 * most]}
+                       : {range: [least - 2 * margin, most + 4 * margin]}},
+      axes: [axis({size: 24, space: 50, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000, 50000, 100000]}),
+             axis({size: 52, space: 24})],
+      series: [{},
+               {stroke: () => color('muted'), paths: () => null,
+                points: {show: true, size: 3, width: 0, fill: () => color('muted')}},
+               {stroke: () => color('series-1'), width: 2, points: {show: false},
+                paths: uPlot.paths.stepped({align: 1})}],
+    }, [evaluation, tried, best]);
+  }
+
   let printing = false;
   const observer = new ResizeObserver(() => {
     if (printing) return;
@@ -187,6 +217,7 @@ const Cells = (() => {
     correlation,
     profile,
     distribution,
+    search,
     count: () => drawn.size,
     restyle: () => { for (const {u} of all) u.redraw(false, true); },
     print(on) {

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune tune pid and tune lqr over missions, as a user runs them.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
+#include <chrono>
+#include <csignal>
 #include <filesystem>
+#include <thread>
 
+#include "program.hpp"
 #include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
 #include "temporary_directory.hpp"
@@ -73,6 +79,10 @@ TEST(TuneMissions, PidTellsStartFoundAndPublished) {
             json["published"]["missions"][0]["mean"]["tracking_rms"]);
   for (std::size_t i = 0; i < 6; ++i)
     EXPECT_LE(json["margins"]["after"][i]["Ms"], json["margins"]["published"][i]["Ms"]);
+  const bool taken = json["accepted"];
+  const double Kp = json[taken ? "gains" : "not_taken"][0]["Kp"];
+  EXPECT_THAT(directory.read("tuned.toml"), HasSubstr(fmt::format("x = {{ Kp = {}, ", Kp)));
+  EXPECT_EQ(directory.read("tuned.toml").starts_with("# NOT TAKEN. By quadtune"), !taken);
   const ProgramResult design =
       run_program({"design", file, "-o", (directory.path() / "out").string()});
   EXPECT_EQ(design.status, 0) << design.err;
@@ -125,6 +135,67 @@ TEST(TuneMissions, KeepsRequirements) {
   }
 }
 
+// The start is told by the draws that published gains are told by, also where it stays.
+TEST(TuneMissions, ColumnsAreOfTheSameDraws) {
+  const ProgramResult result = run_program(
+      {"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--duration", "12",
+       "--evaluations", "1", "--monte-carlo", "1", "--proof", "3", "--json"});
+  EXPECT_EQ(result.status, 1) << result.err;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["before"]["flights"], 3);
+  EXPECT_EQ(json["before"], json["published"]);
+  EXPECT_THAT(json["broken"].dump(), HasSubstr("tracking_rms of hover"));
+}
+
+TEST(TuneMissions, WritesTheStatesOfItsProblem) {
+  const TemporaryDirectory directory;
+  const std::string file = (directory.path() / "tuned.toml").string();
+  const ProgramResult result =
+      run_program({"tune", "lqr",           "mambo", "--mission", "hover",       "--duration",
+                   "12",   "--sensors",     "ideal", "--states",  "no-position", "--Q",
+                   "1",    "--R",           "1",     "--method",  "discrete",    "--evaluations",
+                   "2",    "--monte-carlo", "1",     "--proof",   "2",           "-o",
+                   file,   "--force"});
+  EXPECT_THAT(result.status, ::testing::AnyOf(0, 1)) << result.err;
+  EXPECT_THAT(directory.read("tuned.toml"), HasSubstr("method = \"discrete\""));
+  const ProgramResult design =
+      run_program({"design", file, "-o", (directory.path() / "out").string()});
+  EXPECT_EQ(design.status, 0) << design.err;
+}
+
+/// Ends the process with the status of a search that a signal comes into.
+[[noreturn]] void be_interrupted(const std::string& folder) {
+  cli::install_signal_handlers();
+  std::thread([] {
+    std::this_thread::sleep_for(std::chrono::seconds(3));
+    ::kill(::getpid(), SIGINT);
+  }).detach();
+  const ProgramResult result =
+      run_program({"tune", "pid", "mambo", "--mission", "hover", "--duration", "12",
+                   "--monte-carlo", "1", "--proof", "2", "--budget", "600", "--json", "--force",
+                   "-o", folder + "/tuned.toml", "--report", folder + "/tuned.html"});
+  const bool told = !Json::parse(result.out, nullptr, false).is_discarded() &&
+                    Json::parse(result.out)["end"] == "interrupted";
+  ::_exit(told ? result.status : 99);
+}
+
+// What was found was once lost where a file was to be written.
+TEST(TuneMissions, AnInterruptLeavesTheBestFound) {
+  const TemporaryDirectory directory;
+  EXPECT_EXIT(be_interrupted(directory.path().string()), ::testing::ExitedWithCode(130), "");
+  EXPECT_THAT(directory.read("tuned.toml"), HasSubstr("[cascade]"));
+  EXPECT_THAT(directory.read("tuned.html"), HasSubstr("interrupted"));
+}
+
+TEST(TuneMissions, ASearchIsNotLostWithItsFile) {
+  const ProgramResult result = run_program(
+      {"tune", "pid", "mambo", "--mission", "hover", "--duration", "12", "--evaluations", "2",
+       "--monte-carlo", "1", "--proof", "2", "--json", "--force", "-o", "/dev/null/tuned.toml"});
+  EXPECT_EQ(result.status, 5);
+  EXPECT_THAT(result.err, HasSubstr("/dev/null"));
+  EXPECT_EQ(Json::parse(result.out)["gains"].size(), 6);
+}
+
 TEST(TuneMissions, RefusesInOneLine) {
   const TemporaryDirectory directory;
   const auto refuses = [](const std::vector<std::string>& args, int status,
@@ -146,6 +217,30 @@ TEST(TuneMissions, RefusesInOneLine) {
   refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--duration", "2",
            "--budget", "1"},
           3, "the mission 'hover' measures no figure of the cost in 2 s");
+  refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--monte-carlo",
+           "4294967296"},
+          2, "--monte-carlo is 4294967296, expected at most 100000");
+  refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--report",
+           "page.txt"},
+          2, "--report is 'page.txt', expected a name that ends in .html");
+  refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--report",
+           "a.html", "-o", "a.html"},
+          2, "--report and -o are one file, expected two");
+  const std::string whole = directory.write("whole.toml", kRequirements).string();
+  for (const auto& [option, value] :
+       {std::pair("--duration", "15"), std::pair("--wind", "calm"), std::pair("--sensors", "ideal"),
+        std::pair("--estimator", "truth")})
+    refuses(
+        {"tune", "pid", "mambo", "--gains", "published", "--requirements", whole, option, value}, 2,
+        std::string(option) + " came beside requirements that have [[mission]]");
+  refuses({"tune", "lqr", "mambo", "--mission", "hover", "--at", "line"}, 2,
+          "--at is 'line', expected hover");
+  refuses({"tune", "lqr", "mambo", "--mission", "hover", "--method", "continuous"}, 2,
+          "--method continuous came, expected discrete or sampled");
+  refuses({"tune", "lqr", "mambo", "--mission", "hover", "--inputs", "rotor-speed"}, 2,
+          "--inputs came without --Q and --R");
+  refuses({"tune", "lqr", "mambo", "--match-gains", "K.txt", "--report", "a.html"}, 2,
+          "--report is for missions");
   refuses({"tune", "lqr", "mambo"}, 2, "expected --mission NAME or --requirements FILE");
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--tie", "x,y"}, 2,
           "--tie is for --match-gains");

@@ -97,7 +97,7 @@ TEST(MissionTrial, WhatEndsEarlyCostsMuchAndKeepsNoLimit) {
   EXPECT_GT(outcome.cost, MissionTrial::kFailure);
   ASSERT_EQ(outcome.limits.size(), 1);
   EXPECT_EQ(outcome.limits[0].value, kInfinity);
-  EXPECT_EQ(outcome.limits[0].excess(), 1);
+  EXPECT_EQ(outcome.limits[0].excess(), 2);
   EXPECT_FALSE(outcome.keeps_limits());
 }
 
@@ -108,8 +108,56 @@ TEST(TrialLimit, ExcessIsAShareOfTheLimit) {
   const DesignLimit margin{"phase", 30, 40, true}, peak{"Ms", 1.5, 1.4, false};
   EXPECT_NEAR(margin.excess(), 0.25, 1e-15);
   EXPECT_NEAR(peak.excess(), 0.1 / 1.4, 1e-15);
-  EXPECT_EQ((DesignLimit{"Ms", std::nan(""), 1.4, false}.excess()), 1);
+  EXPECT_EQ((DesignLimit{"Ms", std::nan(""), 1.4, false}.excess()), 2);
   EXPECT_EQ((DesignLimit{"delay", kInfinity, 0.1, true}.excess()), -1);
+  // No Ms is below 1: 1.38 leaves a twentieth of the room of 1.4.
+  EXPECT_NEAR((DesignLimit{"Ms", 1.38, 1.4, false, 1}.excess()), -0.05, 1e-15);
+}
+
+// A design to the limit itself, as by `quadtune pid --Ms-max`, keeps it.
+TEST(TrialLimit, RoundingBreaksNone) {
+  TrialOutcome outcome;
+  outcome.limits = {{"m", Metric::tilt_max, 0.5 + 1e-7, 0.5}};
+  EXPECT_TRUE(outcome.keeps_limits());
+  outcome.limits[0].value = 0.501;
+  EXPECT_FALSE(outcome.keeps_limits());
+}
+
+// What is passed by far could once not be told from what is passed farther.
+TEST(TrialLimit, TheFartherAlwaysExceedsMore) {
+  double before = -2;
+  for (const double share : {-1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 5.0, 100.0}) {
+    EXPECT_GT(excess_of(share), before) << share;
+    before = excess_of(share);
+  }
+  EXPECT_GT(excess_of(kInfinity), before);
+  EXPECT_EQ(excess_of(std::nan("")), excess_of(kInfinity));
+}
+
+TEST(MissionTrial, WhatOnlyTheReferenceHasIsNotFreeForOthers) {
+  TrialRequest asked = request(2);
+  asked.missions[0] = {"landing", short_step(), {}};
+  asked.missions[0].setup.mission = load_mission("take-off-and-land");
+  asked.missions[0].setup.duration = 0;
+  asked.cost = {{Metric::touchdown_speed, 1}};
+  const CascadeController designed = testing::designed_mambo_cascade();
+  const MissionTrial trial(asked, designed, 1);
+  EXPECT_NEAR(trial.fly(designed).cost, 1, 1e-12);
+  // Without weight on the altitude it stays up and never touches the ground.
+  CascadeController hovering = designed;
+  for (PidLoop& loop : hovering.gains.loops)
+    if (loop.name == "altitude") loop.Kp = loop.Ki = 0;
+  const TrialOutcome outcome = trial.fly(hovering);
+  EXPECT_EQ(outcome.failed, 0);
+  for (const double cost : outcome.costs) EXPECT_GE(cost, MissionTrial::kFailure);
+}
+
+TEST(MissionTrial, StopsWhenAsked) {
+  const CascadeController designed = testing::designed_mambo_cascade();
+  const auto stop = [] { return true; };
+  EXPECT_THROW(MissionTrial(request(), designed, 1, stop), Interrupted);
+  const MissionTrial trial(request(), designed, 1);
+  EXPECT_THROW((void)trial.fly(designed, stop), Interrupted);
 }
 
 TEST(MissionTrial, RefusesWhatCannotBeTried) {
@@ -207,6 +255,51 @@ TEST(MissionSearch, ALimitBinds) {
   EXPECT_THAT(result.binding, ElementsAre("x within"));
 }
 
+// Points that were nearer to the inside of limits once passed for better, whatever they cost.
+TEST(MissionSearch, ALimitThatTheStartIsAtPullsNothing) {
+  DesignSpace tight = space(-1.2);
+  tight.point = [inner = tight.point](const Eigen::VectorXd& x) {
+    DesignPoint point = inner(x);
+    point.limits.assign(6, {"tight", 1 + 0.2 * (x(0) + 1.2), 1 + 1e-6, false});
+    return point;
+  };
+  const MissionTrial trial(tracking(), *tight.point(tight.start).controller, 2);
+  MissionSearchOptions options;
+  options.seconds = 600;
+  options.evaluations = 60;
+  options.proof_draws = 3;
+  const MissionSearchResult result = search_missions(tight, trial, options);
+  ASSERT_EQ(std::ssize(result.steps), result.evaluations);
+  for (const SearchStep& step : result.steps) EXPECT_LE(step.best, result.before.cost);
+  EXPECT_LE(result.after.cost, result.before.cost);
+}
+
+TEST(MissionSearch, WhatKeepsTheLimitsIsBetterThanWhatDoesNot) {
+  // The start passes a limit by far, and what keeps it costs more.
+  DesignSpace passed = space(0);
+  passed.point = [inner = passed.point](const Eigen::VectorXd& x) {
+    DesignPoint point = inner(x);
+    point.limits = {{"x within", 10 + 10 * x(0), 1, false}};
+    return point;
+  };
+  const MissionTrial trial(tracking(), *passed.point(passed.start).controller, 2);
+  MissionSearchOptions options;
+  options.seconds = 600;
+  options.evaluations = 150;
+  options.proof_draws = 4;
+  const MissionSearchResult result = search_missions(passed, trial, options);
+  EXPECT_TRUE(result.accepted) << result.reason;
+  EXPECT_LE(result.best(0), -0.9);
+  EXPECT_THAT(result.reason, HasSubstr("it keeps all limits, as the start does not"));
+  EXPECT_THAT(result.broken, ElementsAre());
+  // Where nothing can keep it, the result says so, and it is passed no farther.
+  passed.reach = 0.3;
+  const MissionSearchResult still = search_missions(passed, trial, options);
+  EXPECT_LE(still.best(0), 0);
+  EXPECT_LE(still.candidate(0), 0);
+  EXPECT_THAT(still.broken, ElementsAre("x within"));
+}
+
 TEST(MissionSearch, NeverReturnsAnythingWorse) {
   // All other points fly away.
   DesignSpace alone = space(0);
@@ -239,12 +332,34 @@ TEST(MissionSearch, StopsWithTheBestFound) {
   const DesignSpace sluggish = space(-1.2);
   const MissionTrial trial(tracking(), *sluggish.point(sluggish.start).controller, 2);
   MissionSearchOptions options;
-  int asked = 0;
-  options.stop = [&] { return ++asked > 40; };
+  int tried = 0;
+  options.progress = [&](double, int evaluations, double left) {
+    tried = evaluations;
+    EXPECT_LE(left, options.seconds);
+  };
+  options.stop = [&] { return tried >= 40; };
   options.proof_draws = 6;
   const MissionSearchResult result = search_missions(sluggish, trial, options);
   EXPECT_EQ(result.end, SearchEnd::interrupted);
   EXPECT_LT(result.after.cost, result.before.cost);
+}
+
+TEST(MissionSearch, WhatIsNotProvedIsNotTaken) {
+  const DesignSpace sluggish = space(-1.2);
+  const MissionTrial trial(tracking(), *sluggish.point(sluggish.start).controller, 2);
+  MissionSearchOptions options;
+  options.seconds = 600;
+  options.evaluations = 40;
+  int tried = 0;
+  const int all = search_missions(sluggish, trial, options).evaluations;
+  options.progress = [&](double, int evaluations, double) { tried = evaluations; };
+  options.stop = [&] { return tried == all; };  // in the proof
+  const MissionSearchResult result = search_missions(sluggish, trial, options);
+  EXPECT_EQ(result.end, SearchEnd::interrupted);
+  EXPECT_FALSE(result.accepted);
+  EXPECT_EQ(result.best, sluggish.start);
+  EXPECT_NE(result.candidate, sluggish.start);
+  EXPECT_THAT(result.reason, HasSubstr("interrupted before what was found was proved"));
 }
 
 TEST(MissionSearch, RefusesAStartWithoutAController) {

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <set>
 #include <string>
 #include <utility>
@@ -47,6 +49,40 @@ class Browser : public ::testing::Test {
     EXPECT_TRUE(result.in_time) << "the browser did not end";
     EXPECT_EQ(result.status, 0);
     return result.out;
+  }
+
+  /// What a page asks the network for.
+  std::set<std::string> asked_for(const std::string& html) const {
+    const std::string log = (place_.path() / "requests.json").string();
+    (void)opened(html, {"--log-net-log=" + log});
+    std::set<std::string> asked = requests(place_.read("requests.json"));
+    std::filesystem::remove(log);
+    return asked;
+  }
+
+  /// The page after its scripts, the number of elements that a text must not become in `elements`.
+  std::string opened_and_counted(const std::string& html) const {
+    return opened(
+        with_script(html,
+                    "document.documentElement.dataset.elements = document.querySelectorAll("
+                    "'main img, main script, main b[onclick], main iframe, main a').length"));
+  }
+
+  /// How wide a page is in a window of a telephone's width, 390 px.
+  std::string narrow_width(const std::string& html) const {
+    write(with_script(html, "parent.postMessage(document.documentElement.scrollWidth, '*')"),
+          "inner.html");
+    return root_data(opened(in_frame("inner.html", 390, 800)), "inside");
+  }
+
+  /// With QUADTUNE_UPDATE_DOCS=1 in the environment the picture becomes that of the documentation.
+  void take_picture_for_docs(const std::string& html, const std::string& name, int height) const {
+    const std::string png = (place_.path() / name).string();
+    EXPECT_EQ(take_picture(write(html), png, 1400, height).status, 0);
+    EXPECT_GT(std::filesystem::file_size(png), 60'000U);  // a page without anything: about 10 kB
+    if (std::getenv("QUADTUNE_UPDATE_DOCS") != nullptr)
+      std::filesystem::copy_file(png, std::string(QUADTUNE_SOURCE_DIR "/docs/images/") + name,
+                                 std::filesystem::copy_options::overwrite_existing);
   }
 
   TemporaryDirectory place_;

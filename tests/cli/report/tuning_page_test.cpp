@@ -151,19 +151,12 @@ TEST_F(Browser, DrawsATuning) {
 }
 
 TEST_F(Browser, ATuningLoadsNothing) {
-  const std::string log = (place_.path() / "requests.json").string();
-  for (const std::string& html : {example(), with_script(example(), "")}) {
-    (void)opened(html, {"--log-net-log=" + log});
-    EXPECT_THAT(requests(place_.read("requests.json")), IsEmpty());
-    std::filesystem::remove(log);
-  }
+  EXPECT_THAT(asked_for(example()), IsEmpty());
+  EXPECT_THAT(asked_for(with_script(example(), "")), IsEmpty());
 }
 
 TEST_F(Browser, HostileTextsOfATuningStayTexts) {
-  const std::string page =
-      opened(with_script(cli::html(hostile_page()),
-                         "document.documentElement.dataset.elements = document.querySelectorAll("
-                         "'main img, main script, main b[onclick], main iframe, main a').length"));
+  const std::string page = opened_and_counted(cli::html(hostile_page()));
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "broken"), "(none)");
   EXPECT_EQ(root_data(page, "plots"), "2");
@@ -179,11 +172,8 @@ TEST_F(Browser, ShowsATuningOfNothing) {
 }
 
 TEST_F(Browser, ATuningFitsIntoANarrowWindow) {
-  for (const std::string& html : {example(), cli::html(hostile_page())}) {
-    write(with_script(html, "parent.postMessage(document.documentElement.scrollWidth, '*')"),
-          "inner.html");
-    EXPECT_EQ(root_data(opened(in_frame("inner.html", 390, 800)), "inside"), "390");
-  }
+  EXPECT_EQ(narrow_width(example()), "390");
+  EXPECT_EQ(narrow_width(cli::html(hostile_page())), "390");
 }
 
 // Keys show and hide, paper is white, and what is hidden at first can be shown.
@@ -205,14 +195,8 @@ TEST_F(Browser, KeysOfATuningShowAndHide) {
   EXPECT_EQ(root_data(page, "paper"), "light");
 }
 
-// With QUADTUNE_UPDATE_DOCS=1 in the environment the picture becomes that of the documentation.
 TEST_F(Browser, TakesAPictureOfATuning) {
-  const std::string png = (place_.path() / "tuning.png").string();
-  EXPECT_EQ(take_picture(write(example()), png, 1400, 1350).status, 0);
-  EXPECT_GT(std::filesystem::file_size(png), 60'000U);
-  if (std::getenv("QUADTUNE_UPDATE_DOCS") != nullptr)
-    std::filesystem::copy_file(png, QUADTUNE_SOURCE_DIR "/docs/images/tuning-report.png",
-                               std::filesystem::copy_options::overwrite_existing);
+  take_picture_for_docs(example(), "tuning-report.png", 1350);
 }
 
 }  // namespace

@@ -18,8 +18,9 @@ struct DesignLimit {
   double value = 0;
   double bound = 0;
   bool at_least = false;  ///< the bound is the least value, else the greatest
+  double least = 0;       ///< that any design has: 1 of an Ms
 
-  /// ≤ 0 where it is kept, as a share of the bound; 1 for what is not finite
+  /// As excess_of() its share of the bound's distance from `least`; an infinite margin keeps any.
   [[nodiscard]] double excess() const;
 };
 
@@ -38,37 +39,51 @@ struct DesignSpace {
 };
 
 struct MissionSearchOptions {
-  double seconds = 60;             ///< of computing, > 0; kept to a flight's time
+  double seconds = 60;             ///< of the search, > 0; kept to an evaluation's time
   int evaluations = 100000;        ///< at most
   std::uint32_t proof_draws = 24;  ///< fresh ones, ≥ 2, on which start and best are compared
-  /// Called after each point: the best cost, points tried, seconds left.
+  /// Called after each point: the best cost, points tried, seconds left at most.
   std::function<void(double best, int evaluations, double left)> progress;
-  /// Asked often; true ends the search with the best found.
+  /// Asked often; true ends the search with the best found, which is proved on 100 draws at most.
+  /// In the proof it ends that: then nothing is proved, and the start stays.
   std::function<bool()> stop;
+};
+
+/// One point of the search, in the order in which they were tried.
+struct SearchStep {
+  double cost = 0;       ///< on the draws of the search; NaN without a controller
+  bool allowed = false;  ///< it passes no limit, or none farther than the start
+  double best = 0;       ///< cost of the best point so far
 };
 
 /// How a search ended.
 enum class SearchEnd { budget, converged, interrupted };
 [[nodiscard]] std::string to_string(SearchEnd end);
 
-/// Never worse than the start: where the best point is not better than it by 0.1 % beyond the
-/// interval of the fresh draws, or breaks a limit that the start keeps, `accepted` is false and the
-/// start is what counts.
+/// Never worse than the start. The best point is accepted where it costs less than the start by
+/// 0.1 % beyond the interval of the fresh draws, and no more by the trial's measure; or where it
+/// keeps all limits on them and the start does not. Not where it passes a limit there that the
+/// start keeps, or farther than the start, nor where more flights end early.
 struct MissionSearchResult {
   bool accepted = false;
-  std::string reason;                      ///< why, in words
-  Eigen::VectorXd best;                    ///< (n); the start where nothing was accepted
-  DesignPoint design;                      ///< of `best`
-  TrialOutcome before, after;              ///< on the draws of the search
-  TrialOutcome proof_before, proof_after;  ///< on fresh draws
-  Estimated difference;                    ///< of the costs, after - before, on fresh draws
-  std::vector<std::string> binding;        ///< limits that are within 2 % of their bound
+  bool repaired = false;       ///< accepted, and keeps all limits where the start does not
+  std::string reason;          ///< why, in words
+  Eigen::VectorXd best;        ///< (n) what counts: the start where nothing was accepted
+  Eigen::VectorXd candidate;   ///< (n) the best point of the search, accepted or not
+  TrialOutcome before, after;  ///< of start and candidate on the draws of the search
+  TrialOutcome proof_before, proof_after;        ///< on fresh draws
+  Estimated difference;                          ///< of the costs, after - before, on fresh draws
+  double less = 0, less_low = 0, less_high = 0;  ///< that difference as a fall of the cost [%]
+  std::vector<std::string> binding;  ///< limits that the candidate is as near to as it may be
+  std::vector<std::string> broken;   ///< limits that `best` passes, on fresh draws
+  std::vector<SearchStep> steps;
   int evaluations = 0;
   double seconds = 0;
   SearchEnd end = SearchEnd::budget;
 };
 
 /// @throws InvalidInput  for a start without a controller, or options out of range
+/// @throws Interrupted   where `stop` came before the start was flown
 [[nodiscard]] MissionSearchResult search_missions(const DesignSpace& space,
                                                   const MissionTrial& trial,
                                                   const MissionSearchOptions& options);

@@ -61,9 +61,16 @@ struct TrialLimit {
   double value = 0;  ///< infinite where a flight ended early or never came there
   double most = 0;
 
-  /// ≤ 0 where it is kept; 1 where it is passed by as much again, and for what is infinite.
+  /// As excess_of() its share of the limit, or itself where that is 0.
   [[nodiscard]] double excess() const;
 };
+
+/// How far a limit is passed, so that the farther is always the greater: `share` from -1 to 1, 1
+/// for what is passed by as much again; beyond that 2 - 1/share, 2 for what is not finite.
+[[nodiscard]] double excess_of(double share);
+
+/// An excess up to which a limit is kept: what rounding, and a design to the limit itself, leave.
+inline constexpr double kLimitTolerance = 1e-5;
 
 /// What became of one controller.
 struct TrialOutcome {
@@ -78,35 +85,48 @@ struct TrialOutcome {
 };
 
 /// Flies controllers for a request. A flight that ends early costs kFailure and more, the earlier
-/// the more.
+/// the more; so does a figure that was never reached, or that the reference has and a flight lacks.
 class MissionTrial {
  public:
+  using Stop = std::function<bool()>;  ///< asked now and then; true ends it with Interrupted
   static constexpr double kFailure = 100;
 
   /// @param reference  each figure of the cost is measured by what it is with this controller, on
-  ///                   the mean of the first draws that fly to the end; by itself where none does
+  ///                   the mean of the first draws that fly to the end; by itself where none does.
+  ///                   A figure that these flights do not have does not count in their mission
   /// @throws InvalidInput  as validate(); for a mission that measures nothing of the cost
+  /// @throws Interrupted
   MissionTrial(TrialRequest request, const Controller& reference, std::size_t threads = 0,
-               std::function<bool()> interrupted = {});
+               const Stop& interrupted = {});
 
   /// Draws `first` to `first + count` - 1; the request's first draws unless said.
   /// @throws Interrupted
-  [[nodiscard]] TrialOutcome fly(const Controller& controller) const;
+  [[nodiscard]] TrialOutcome fly(const Controller& controller, const Stop& interrupted = {}) const;
   [[nodiscard]] TrialOutcome fly(const Controller& controller, std::uint32_t first,
-                                 std::uint32_t count) const;
+                                 std::uint32_t count, const Stop& interrupted = {}) const;
+
+  /// One flight of these: a mission by its place, a draw by its number.
+  [[nodiscard]] FlightSetup setup(const Controller& controller, std::size_t mission,
+                                  std::uint32_t draw) const;
 
   [[nodiscard]] const TrialRequest& request() const { return request_; }
 
  private:
   [[nodiscard]] std::vector<FlightResult> results(const Controller& controller, std::uint32_t first,
-                                                  std::uint32_t count) const;
+                                                  std::uint32_t count,
+                                                  const Stop& interrupted) const;
   void require_cost(std::size_t mission, const std::vector<FlightResult>& flown) const;
   [[nodiscard]] double cost_of(std::size_t mission, const FlightResult& result) const;
 
   TrialRequest request_;
   std::size_t threads_;
-  std::function<bool()> interrupted_;
-  std::vector<std::vector<double>> scales_;  ///< of each mission's terms
+  /// What a term is measured by in a mission.
+  struct Scale {
+    double unit = 1;
+    bool counts = true;  ///< the reference's flights have the figure
+    bool known = true;   ///< some flew to the end, and so can tell
+  };
+  std::vector<std::vector<Scale>> scales_;  ///< of each mission's terms
 };
 
 /// Mean of the differences second - first, draw by draw, with its interval of 95 %.

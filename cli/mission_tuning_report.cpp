@@ -1,0 +1,471 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mission_tuning_report.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "flight_story.hpp"
+#include "print.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+using internal::Json;
+using Report = MissionTuningReport;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+/// What the column of the best point is called.
+std::string found_word(const Report& report) {
+  return report.result.accepted ? "found" : "not taken";
+}
+
+/// On fresh draws, where there was a proof.
+bool proved(const Report& report) { return !report.result.proof_before.costs.empty(); }
+const TrialOutcome& outcome_before(const Report& report) {
+  return proved(report) ? report.result.proof_before : report.result.before;
+}
+const TrialOutcome& outcome_after(const Report& report) {
+  return proved(report) ? report.result.proof_after : report.result.after;
+}
+
+/// A figure of a mission, with its values at start, at the best point and of the rival.
+struct Figure {
+  std::size_t mission = 0;
+  Metric metric = Metric::duration;
+  std::vector<double> values;
+};
+
+/// What is told of missions: figures that some flight has; after the usual ones those of the cost
+/// and of limits.
+std::vector<Figure> figures_of(const Report& report) {
+  std::vector<const TrialOutcome*> outcomes = {&outcome_before(report), &outcome_after(report)};
+  if (report.rival) outcomes.push_back(&*report.rival);
+  std::vector<Figure> figures;
+  for (std::size_t m = 0; m < report.request.missions.size(); ++m) {
+    std::vector<Metric> told = {Metric::tracking_rms, Metric::tracking_max, Metric::settling_time,
+                                Metric::overshoot,    Metric::tilt_max,     Metric::saturation_time,
+                                Metric::energy};
+    const auto tell = [&](Metric metric) {
+      if (std::find(told.begin(), told.end(), metric) == told.end()) told.push_back(metric);
+    };
+    for (const CostTerm& term : report.request.cost)
+      if (term.weight > 0) tell(term.metric);
+    for (const Limit& limit : report.request.missions[m].limits) tell(limit.metric);
+    for (const Metric metric : told) {
+      Figure figure{m, metric, {}};
+      for (const TrialOutcome* outcome : outcomes)
+        figure.values.push_back(outcome->means[m][metric]);
+      if (!std::isnan(figure.values[0]) || !std::isnan(figure.values[1]))
+        figures.push_back(std::move(figure));
+    }
+  }
+  return figures;
+}
+
+// --- text ---
+
+std::string missions_text(const Report& report) {
+  const TrialOutcome &before = outcome_before(report), &after = outcome_after(report);
+  const auto rival = [&](const std::string& cell) {
+    return report.rival ? fmt::format("{:>11}", cell) : std::string();
+  };
+  std::string text = fmt::format("{:<16}{:<36}{:>11}{:>11}{}  {}\n", "mission", "figure, mean",
+                                 "start", found_word(report), rival("published"), "unit");
+  const auto cell = [](double x) {
+    return std::isnan(x) ? std::string("-") : std::isinf(x) ? "never" : fmt::format("{:.4g}", x);
+  };
+  for (const Figure& figure : figures_of(report)) {
+    const std::string unit = unit_text(unit_of(figure.metric));
+    const std::string line =
+        fmt::format("{:<16}{:<36}{:>11}{:>11}{}  {}", report.request.missions[figure.mission].name,
+                    label_of(figure.metric), cell(figure.values[0]), cell(figure.values[1]),
+                    rival(cell(figure.values.back())), unit);
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  text += fmt::format("{:<52}{:>11.4g}{:>11.4g}{}\n", "cost", before.cost, after.cost,
+                      report.rival ? fmt::format("{:>11.4g}", report.rival->cost) : "");
+  text += fmt::format("{:<52}{:>11}{:>11}{}  of {}", "flights that end early", before.failed,
+                      after.failed, report.rival ? fmt::format("{:>11}", report.rival->failed) : "",
+                      before.flights);
+  return text;
+}
+
+std::string margins_text(const Report& report) {
+  const std::vector<NamedMargins>* rival =
+      report.tuning.rival ? &report.tuning.rival->margins : nullptr;
+  std::string text = fmt::format(
+      "{:<10}{:>10}{:>11}{}{:>14}{:>12}{:>12}\n", "loop", "Ms: start", found_word(report),
+      rival ? fmt::format("{:>11}", "published") : "", "phase [deg]", "gain [dB]", "delay [ms]");
+  const auto cell = [](double x) {
+    return std::isfinite(x) ? fmt::format("{:.4g}", x) : std::string("-");
+  };
+  for (std::size_t i = 0; i < report.after.size(); ++i) {
+    const LoopMargins& m = report.after[i].margins;
+    text += fmt::format("{:<10}{:>10.4g}{:>11.4g}{}{:>14}{:>12}{:>12}\n", report.after[i].name,
+                        report.before[i].margins.Ms, m.Ms,
+                        rival ? fmt::format("{:>11.4g}", (*rival)[i].margins.Ms) : "",
+                        cell(m.phase_margin * 180 / std::numbers::pi),
+                        cell(20 * std::log10(m.gain_margin)), cell(1000 * m.delay_margin));
+  }
+  text.pop_back();
+  return text;
+}
+
+// --- JSON ---
+
+Json margins_json(const std::vector<NamedMargins>& loops) {
+  Json json = Json::array();
+  for (const NamedMargins& loop : loops)
+    json.push_back(
+        {{"loop", loop.name},
+         {"Ms", finite_or_null(loop.margins.Ms)},
+         {"phase_margin_deg", finite_or_null(loop.margins.phase_margin * 180 / std::numbers::pi)},
+         {"gain_margin_db", finite_or_null(20 * std::log10(loop.margins.gain_margin))},
+         {"delay_margin_s", finite_or_null(loop.margins.delay_margin)}});
+  return json;
+}
+
+Json outcome_json(const Report& report, const TrialOutcome& outcome) {
+  Json missions = Json::array();
+  for (std::size_t m = 0; m < outcome.means.size(); ++m) {
+    Json metrics = Json::object();
+    for (std::size_t i = 0; i < kMetrics; ++i)
+      metrics[name_of(static_cast<Metric>(i))] = finite_or_null(outcome.means[m].value[i]);
+    missions.push_back({{"mission", report.request.missions[m].name}, {"mean", metrics}});
+  }
+  Json limits = Json::array();
+  for (const TrialLimit& limit : outcome.limits)
+    limits.push_back({{"mission", limit.mission},
+                      {"metric", name_of(limit.metric)},
+                      {"value", finite_or_null(limit.value)},
+                      {"at_most", limit.most},
+                      {"ok", limit.excess() <= kLimitTolerance}});
+  return {{"cost", outcome.cost},
+          {"flights", outcome.flights},
+          {"ended_early", outcome.failed},
+          {"missions", missions},
+          {"limits", limits}};
+}
+
+// --- the page ---
+
+PageCompared row(std::string of, std::string label, std::string unit, std::vector<double> values) {
+  PageCompared compared;
+  compared.of = std::move(of);
+  compared.label = std::move(label);
+  compared.unit = std::move(unit);
+  compared.values = std::move(values);
+  return compared;
+}
+
+bool binds(const Report& report, const std::string& limit) {
+  const std::vector<std::string>& all = report.result.binding;
+  return std::find(all.begin(), all.end(), limit) != all.end();
+}
+
+PageComparedTable missions_table(const Report& report) {
+  PageComparedTable table;
+  table.id = "missions";
+  table.title = "Missions";
+  const TrialOutcome &before = outcome_before(report), &after = outcome_after(report);
+  const std::string draws = fmt::format("{} {} draws", before.costs.size(),
+                                        proved(report) ? "fresh" : "of the search\u2019s");
+  table.hint = fmt::format("Means over {}, the same for each column; a limit is for the {}.", draws,
+                           to_string(report.request.measure));
+  if (before.failed + after.failed + (report.rival ? report.rival->failed : 0) > 0)
+    table.hint += " A flight that ends early keeps no limit; its figures are of what it flew.";
+  const auto values = [&](const auto& of) {
+    std::vector<double> all = {of(before), of(after)};
+    if (report.rival) all.push_back(of(*report.rival));
+    return all;
+  };
+  PageCompared cost = row("All", "cost, " + to_string(report.request.measure) + " of the draws", "",
+                          values([](const TrialOutcome& outcome) { return outcome.cost; }));
+  cost.main = true;
+  table.rows.push_back(std::move(cost));
+  PageCompared early =
+      row("All", "flights that end early", fmt::format("of {}", before.flights),
+          values([](const TrialOutcome& o) { return static_cast<double>(o.failed); }));
+  table.rows.push_back(std::move(early));
+  for (const Figure& figure : figures_of(report)) {
+    const TrialMission& mission = report.request.missions[figure.mission];
+    PageCompared compared = row(mission.name, label_of(figure.metric),
+                                unit_text(unit_of(figure.metric)), figure.values);
+    const auto limit = std::find_if(mission.limits.begin(), mission.limits.end(),
+                                    [&](const Limit& l) { return l.metric == figure.metric; });
+    if (limit != mission.limits.end()) {
+      // Two missions may have one name, as in calm and in wind: limits are mission by mission.
+      auto at = static_cast<std::size_t>(limit - mission.limits.begin());
+      for (std::size_t m = 0; m < figure.mission; ++m)
+        at += report.request.missions[m].limits.size();
+      compared.limit = limit->most;
+      for (const TrialOutcome* outcome : {&before, &after, report.rival ? &*report.rival : nullptr})
+        if (outcome != nullptr)
+          compared.broken.push_back(outcome->limits[at].excess() > kLimitTolerance);
+      compared.binds = binds(report, fmt::format("{} of {}", name_of(figure.metric), mission.name));
+    }
+    table.rows.push_back(std::move(compared));
+  }
+  return table;
+}
+
+PageComparedTable margins_table(const Report& report) {
+  PageComparedTable table;
+  table.id = "margins";
+  table.title = "Margins of the loops";
+  table.hint = "Of the vehicle as its file has it.";
+  struct Kind {
+    const char* name;
+    const char* label;
+    const char* unit;
+    double (*value)(const LoopMargins&);
+    double (*shown)(double);
+  };
+  constexpr Kind kinds[] = {
+      {"Ms", "Ms", "", [](const LoopMargins& m) { return m.Ms; }, [](double x) { return x; }},
+      {"phase margin", "phase", "deg", [](const LoopMargins& m) { return m.phase_margin; },
+       [](double x) { return x * 180 / std::numbers::pi; }},
+      {"gain margin", "gain", "dB", [](const LoopMargins& m) { return m.gain_margin; },
+       [](double x) { return 20 * std::log10(x); }},
+      {"delay margin", "delay", "ms", [](const LoopMargins& m) { return m.delay_margin; },
+       [](double x) { return 1000 * x; }}};
+  for (std::size_t i = 0; i < report.after.size(); ++i)
+    for (const Kind& kind : kinds) {
+      std::vector<double> plain;
+      for (const std::vector<NamedMargins>* of :
+           {&report.before, &report.after,
+            report.tuning.rival ? &report.tuning.rival->margins : nullptr})
+        if (of != nullptr && i < of->size())
+          plain.push_back((*of)[i].margins.stable ? kind.value((*of)[i].margins) : kNaN);
+      std::vector<double> values;
+      for (const double x : plain) values.push_back(kind.shown(x));
+      PageCompared compared = row(report.after[i].name, kind.label, kind.unit, values);
+      const std::string name = fmt::format("{} of {}", kind.name, report.after[i].name);
+      // Of two limits, of all loops and of this one, the stricter counts.
+      const DesignLimit* limit = nullptr;
+      for (const DesignLimit& one : report.limits)
+        if (one.name == name && (limit == nullptr || (one.at_least ? one.bound > limit->bound
+                                                                   : one.bound < limit->bound)))
+          limit = &one;
+      if (limit != nullptr) {
+        compared.limit = kind.shown(limit->bound);
+        compared.at_least = limit->at_least;
+        for (const double x : plain) {
+          DesignLimit held = *limit;
+          held.value = x;
+          compared.broken.push_back(held.excess() > kLimitTolerance);
+        }
+        compared.binds = binds(report, name);
+      }
+      table.rows.push_back(std::move(compared));
+    }
+  return table;
+}
+
+PageComparedTable gains_table(const Report& report) {
+  PageComparedTable table;
+  table.id = "gains";
+  table.title = report.tuning.gains_title;
+  const std::vector<TunedNumber> before = report.tuning.numbers(report.tuning.start),
+                                 after = report.tuning.numbers(report.result.candidate);
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    std::vector<double> values = {before[i].value, after[i].value};
+    if (report.tuning.rival) {
+      const std::vector<TunedNumber>& all = report.tuning.rival->numbers;
+      const auto same = std::find_if(all.begin(), all.end(), [&](const TunedNumber& number) {
+        return number.of == after[i].of && number.name == after[i].name;
+      });
+      values.push_back(same == all.end() ? kNaN : same->value);
+    }
+    table.rows.push_back(row(after[i].of, after[i].name, after[i].unit, std::move(values)));
+  }
+  return table;
+}
+
+PageSearch search_of(const MissionSearchResult& result) {
+  constexpr std::size_t kMostPoints = 2000;
+  PageSearch search;
+  const std::vector<SearchStep>& steps = result.steps;
+  const std::size_t stride = steps.size() / kMostPoints + 1;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const bool improved = i == 0 || i + 1 == steps.size() || steps[i].best != steps[i - 1].best;
+    if (!improved && i % stride != 0) continue;
+    search.evaluation.push_back(static_cast<double>(i + 1));
+    search.best.push_back(steps[i].best);
+    search.tried.push_back(steps[i].allowed ? steps[i].cost : kNaN);
+  }
+  return search;
+}
+
+/// Distances from the reference over time [m], by the flight's log.
+struct Distance {
+  std::vector<double> time, value;
+
+  /// The last value at or before a time; NaN after the flight.
+  [[nodiscard]] double at(double t) const {
+    if (time.empty() || t > time.back() + 1e-9) return kNaN;
+    const auto after = std::upper_bound(time.begin(), time.end(), t + 1e-9);
+    return after == time.begin() ? kNaN : value[static_cast<std::size_t>(after - time.begin()) - 1];
+  }
+};
+
+Distance distance_of(const LogTable& log) {
+  Distance distance;
+  if (log.columns.empty()) return distance;
+  distance.time = log.columns.front().values;
+  distance.value.assign(distance.time.size(), 0);
+  for (const char* axis : {"px", "py", "pz"}) {
+    const LogColumn* was = log.find(std::string("x.") + axis);
+    const LogColumn* asked = log.find(std::string("reference.") + axis);
+    if (was == nullptr || asked == nullptr) return {};
+    for (std::size_t i = 0; i < distance.value.size(); ++i)
+      distance.value[i] = std::hypot(distance.value[i], was->values[i] - asked->values[i]);
+  }
+  return distance;
+}
+
+/// Flies each mission with each controller and draws how far it is from its reference.
+std::vector<PageFlown> flown(const Report& report, const std::vector<std::string>& names,
+                             const MissionTrial& trial, const MissionTrial::Stop& stop) {
+  constexpr double kMostRows = 2e6;  // of a log in memory
+  constexpr double kLeast = 1e-4;    // [m]; the axis is logarithmic
+  std::vector<Controller> controllers = {
+      *report.tuning.design(report.tuning.start).point.controller,
+      *report.tuning.design(report.result.candidate).point.controller};
+  if (report.tuning.rival) controllers.push_back(report.tuning.rival->controller);
+  std::vector<PageFlown> all;
+  for (std::size_t m = 0; m < report.request.missions.size(); ++m) {
+    std::vector<Distance> distances;
+    for (const Controller& controller : controllers) {
+      FlightSetup setup = trial.setup(controller, m, report.request.draws);
+      if (duration_of(setup) / control_period(setup) > kMostRows) return all;
+      setup.log = true;
+      distances.push_back(distance_of(fly(setup, stop).log));
+    }
+    const Distance& longest =
+        *std::max_element(distances.begin(), distances.end(), [](const auto& a, const auto& b) {
+          return a.time.empty() || (!b.time.empty() && a.time.back() < b.time.back());
+        });
+    PageFlown& page = all.emplace_back();
+    page.plot = {
+        "Distance from the reference, " + report.request.missions[m].name, "m", {}, 1, true};
+    page.log.columns.push_back({"t", "s", longest.time});
+    for (std::size_t c = 0; c < distances.size(); ++c) {
+      LogColumn column{fmt::format("c{}", c), "m", {}};
+      for (const double t : longest.time) {
+        const double distance = distances[c].at(t);
+        column.values.push_back(std::isnan(distance) ? distance : std::max(distance, kLeast));
+      }
+      page.plot.series.push_back({names[c], column.name});
+      page.log.columns.push_back(std::move(column));
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+std::string to_text(const Report& report) {
+  const MissionSearchResult& r = report.result;
+  std::string gains = report.tuning.text(report.tuning.start, r.candidate);
+  if (!r.accepted && r.candidate != report.tuning.start)
+    gains = "start and what was not taken\n" + gains;
+  std::string text = section("gains", gains);
+  text += section("missions", missions_text(report));
+  text += section("margins", margins_text(report));
+  if (!r.binding.empty()) text += section("binding", fmt::format("{}", fmt::join(r.binding, "\n")));
+  if (!r.broken.empty()) text += section("broken", fmt::format("{}", fmt::join(r.broken, "\n")));
+  return text + section("verdict",
+                        fmt::format("{}: {}\n{}{} evaluations in {:.3g} s, ended by {}",
+                                    r.accepted ? "better" : "the start stays", r.reason,
+                                    r.broken.empty()
+                                        ? ""
+                                        : fmt::format("breaks {} of the limits\n", r.broken.size()),
+                                    r.evaluations, r.seconds, to_string(r.end)));
+}
+
+Json to_json(const Report& report) {
+  const MissionSearchResult& r = report.result;
+  Json json = {
+      {"accepted", r.accepted},
+      {"reason", r.reason},
+      {"gains", report.tuning.json(r.best)},
+      {"cost", {{"before", r.before.cost}, {"after", r.after.cost}}},
+      {"before", outcome_json(report, outcome_before(report))},
+      {"after", outcome_json(report, outcome_after(report))},
+      {"difference",
+       {{"mean", finite_or_null(r.difference.value)},
+        {"low", finite_or_null(r.difference.low)},
+        {"high", finite_or_null(r.difference.high)}}},
+      {"margins", {{"before", margins_json(report.before)}, {"after", margins_json(report.after)}}},
+      {"binding", r.binding},
+      {"broken", r.broken},
+      {"evaluations", r.evaluations},
+      {"seconds", r.seconds},
+      {"end", to_string(r.end)}};
+  if (!r.accepted && r.candidate != report.tuning.start)
+    json["not_taken"] = report.tuning.json(r.candidate);
+  if (report.rival) {
+    json["published"] = outcome_json(report, *report.rival);
+    json["margins"]["published"] = margins_json(report.tuning.rival->margins);
+  }
+  return json;
+}
+
+GainsPage page_of(const Report& report, const MissionTrial& trial, const MissionTrial::Stop& stop) {
+  const MissionSearchResult& r = report.result;
+  GainsPage page;
+  std::vector<std::string> missions;
+  for (const TrialMission& mission : report.request.missions) missions.push_back(mission.name);
+  page.title = fmt::format("{} over {}", report.tuning.vehicle.name, fmt::join(missions, ", "));
+  page.verdict = r.accepted ? ReportVerdict::pass : ReportVerdict::fail;
+  page.counts = fmt::format("Cost {:.4g} \u2192 {:.4g}", outcome_before(report).cost,
+                            outcome_after(report).cost);
+  if (proved(report) && r.candidate != report.tuning.start)
+    page.counts +=
+        fmt::format("; mean of {} fresh draws {:.3g} % {}, 95 % interval {:.3g} to {:.3g} %",
+                    r.proof_before.costs.size(), std::abs(r.less), r.less < 0 ? "more" : "less",
+                    r.less < 0 ? -r.less_high : r.less_low, r.less < 0 ? -r.less_low : r.less_high);
+  if (!r.accepted) page.reasons.push_back("The start stays: " + r.reason + ".");
+  if (r.repaired) page.reasons.push_back("It keeps all limits, as the start does not.");
+  if (!r.binding.empty())
+    page.reasons.push_back(fmt::format("What binds: {}.", fmt::join(r.binding, ", ")));
+  if (!r.broken.empty())
+    page.reasons.push_back(fmt::format("Broken all the same: {}.", fmt::join(r.broken, ", ")));
+  page.columns = {"start", found_word(report)};
+  if (report.tuning.rival) page.columns.push_back(report.tuning.rival->name);
+  page.tables = {missions_table(report), margins_table(report), gains_table(report)};
+  page.search = search_of(r);
+  page.flown = flown(report, page.columns, trial, stop);
+  std::vector<std::string> cost;
+  for (const CostTerm& term : report.request.cost)
+    if (term.weight > 0)
+      cost.push_back(fmt::format("{:g} \u00d7 {}", term.weight, label_of(term.metric)));
+  page.about = {{"start", report.tuning.law},
+                {"cost", fmt::format("{}; each as a share of the start\u2019s, mission by mission",
+                                     fmt::join(cost, " + "))},
+                {"measure", report.request.measure == RobustMeasure::quantile
+                                ? fmt::format("{:g} quantile of {} draws", report.request.share,
+                                              report.request.draws)
+                                : fmt::format("{} of {} draws", to_string(report.request.measure),
+                                              report.request.draws)},
+                {"search", fmt::format("{} evaluations in {:.3g} s, ended by {}", r.evaluations,
+                                       r.seconds, to_string(r.end))},
+                {"searched", fmt::format("{}", fmt::join(report.tuning.names, "; "))}};
+  std::vector<std::string> varied;
+  for (const auto& number : report.request.uncertainty.numbers) varied.push_back(number.quantity);
+  page.about.emplace_back(
+      "drawn", varied.empty() ? "noise and wind"
+                              : fmt::format("{}; noise and wind", fmt::join(varied, ", ")));
+  return page;
+}
+
+}  // namespace quadtune::cli
