@@ -280,8 +280,8 @@ Verb work_verb() {
             context.out << (work.was_complete
                                 ? fmt::format("shard {} was complete: {} flights, verified\n",
                                               shard, work.found)
-                                : fmt::format("shard {}: {} flown, {} found\n", shard,
-                                              work.flown, work.found));
+                                : fmt::format("shard {}: {} flown, {} found\n", shard, work.flown,
+                                              work.found));
         };
       }};
 }
