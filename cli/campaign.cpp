@@ -388,16 +388,22 @@ Verb run_verb() {
     std::string file, folder;
     std::uint64_t shards = 0;
   };
-  return {"campaign run", "FILE DIR", "plan, fly and merge a campaign on this machine",
+  return {"campaign run", "FILE [DIR]", "plan, fly and merge a campaign on this machine",
           "quadtune campaign run campaigns/mambo-hover.toml out/campaign",
           [](CLI::App& app) -> Action {
             auto options = std::make_shared<Options>();
             app.add_option("FILE", options->file, "a campaign file (docs/formats.md)");
-            app.add_option("DIR", options->folder, "a new folder, or one where this was stopped");
+            app.add_option("DIR", options->folder,
+                           "a new folder, or one where this was stopped; if absent the file's "
+                           "name with -campaign, here");
             add_count(app, "--shards", options->shards, 1, "as `campaign init`")->type_name("N");
             return [options](Context& context) {
-              need(options->file, "run", "FILE", "a campaign file and a folder");
-              need(options->folder, "run", "DIR", "a folder for plan and flights");
+              need(options->file, "run", "FILE", "a campaign file");
+              if (options->folder.empty()) {
+                options->folder = fs::path(options->file).stem().string() + "-campaign";
+                context.note(fmt::format("campaign run: note: plan, flights and tables go into {}",
+                                         options->folder));
+              }
               (void)init(options->file, options->folder, shard_count(options->shards, "run"));
               const CampaignPlan plan = load_plan(options->folder);
               note_words(plan, context);

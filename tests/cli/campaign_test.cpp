@@ -153,6 +153,18 @@ TEST_F(Campaign, AFlightThatPassesEndsWith0) {
   EXPECT_EQ(result.err, "");
 }
 
+TEST_F(Campaign, RunNamesItsFolderItself) {
+  const std::string file = write();
+  const std::string expected = fs::path(file).stem().string() + "-campaign";
+  const fs::path here = fs::current_path();
+  fs::current_path(path(""));
+  const ProgramResult result = run_program({"campaign", "run", file});
+  fs::current_path(here);
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("note: plan, flights and tables go into " + expected));
+  EXPECT_TRUE(fs::exists(fs::path(path(expected)) / "flights.csv"));
+}
+
 TEST_F(Campaign, StatusTellsWhatIsThere) {
   ASSERT_EQ(run_program({"campaign", "init", write(), path("out"), "--shards", "4"}).status, 0);
   EXPECT_THAT(run_program({"campaign", "status", path("out")}).out,
