@@ -74,6 +74,7 @@ std::string quoted(const std::string& text) {
 
 std::string words(const std::vector<std::string>& names) {
   std::vector<std::string> all;
+  all.reserve(names.size());
   for (const std::string& name : names) all.push_back(quoted(name));
   return fmt::format("[{}]", fmt::join(all, ", "));
 }

@@ -42,6 +42,7 @@ Gains published_gains(const Design& design, const std::string& path) {
 
 std::vector<std::string> names_of(const std::vector<Signal>& signals) {
   std::vector<std::string> result;
+  result.reserve(signals.size());
   for (const Signal& signal : signals) result.push_back(signal.name);
   return result;
 }

@@ -135,6 +135,7 @@ std::vector<DesignLimit> margin_limits(const MissionRequirements& requirements,
                                        const std::vector<NamedMargins>& loops,
                                        const std::vector<NamedMargins>& start) {
   std::vector<std::string> known;
+  known.reserve(loops.size());
   for (const NamedMargins& loop : loops) known.push_back(loop.name);
   for (const auto& [name, limits] : requirements.loops)
     if (std::find(known.begin(), known.end(), name) == known.end())

@@ -246,6 +246,7 @@ PageComparedTable margins_table(const Report& report) {
         if (of != nullptr && i < of->size())
           plain.push_back((*of)[i].margins.stable ? kind.value((*of)[i].margins) : kNaN);
       std::vector<double> values;
+      values.reserve(plain.size());
       for (const double x : plain) values.push_back(kind.shown(x));
       PageCompared compared = row(report.after[i].name, kind.label, kind.unit, values);
       const std::string name = fmt::format("{} of {}", kind.name, report.after[i].name);

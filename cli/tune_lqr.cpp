@@ -40,6 +40,7 @@ struct Options {
 
 std::string list_of(const std::vector<Signal>& signals) {
   std::vector<std::string> words;
+  words.reserve(signals.size());
   for (const Signal& signal : signals) words.push_back(signal.name);
   return fmt::format("{}", fmt::join(words, ","));
 }

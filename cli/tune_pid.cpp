@@ -27,6 +27,7 @@ struct LoopGroup {
 std::vector<LoopGroup> groups(bool separate) {
   if (separate) {
     std::vector<LoopGroup> all;
+    all.reserve(std::size(kAllCascadeAxes));
     for (const CascadeAxis axis : kAllCascadeAxes) all.push_back({to_string(axis), {axis}});
     return all;
   }

@@ -56,7 +56,7 @@ template <int N>
     even[i] = Four{};
     odd[i] = Four{};
   }
-  int q = 0;
+  std::ptrdiff_t q = 0;
   for (; q + 1 < columns; q += 2) {
     const Four a = all_four(x[q]), b = all_four(x[q + 1]);
     for (int i = 0; i < N / 4; ++i) {
@@ -76,19 +76,19 @@ template <int N>
   Four sum[4][N / 4];
   for (int i = 0; i < N / 4; ++i) {
     sum[0][i] = fours(b)[i] + fours(A)[i] * all_four(x[0]);
-    for (int s = 1; s < 4; ++s) sum[s][i] = fours(A + s * N)[i] * all_four(x[s]);
+    for (std::ptrdiff_t s = 1; s < 4; ++s) sum[s][i] = fours(A + s * N)[i] * all_four(x[s]);
   }
-  for (int q = 4; q < N; q += 4)
-    for (int s = 0; s < 4; ++s)
+  for (std::ptrdiff_t q = 4; q < N; q += 4)
+    for (std::ptrdiff_t s = 0; s < 4; ++s)
       for (int i = 0; i < N / 4; ++i) sum[s][i] += fours(A + (q + s) * N)[i] * all_four(x[q + s]);
   for (int i = 0; i < N / 4; ++i) fours(y)[i] = (sum[0][i] + sum[1][i]) + (sum[2][i] + sum[3][i]);
 }
 
 /// y = A x, A of `rows` rows, a multiple of four.
 inline void multiply(const double* A, int rows, const double* x, int columns, double* y) {
-  for (int i = 0; i < rows; i += 4) {
+  for (std::ptrdiff_t i = 0; i < rows; i += 4) {
     Four even{}, odd{};
-    int q = 0;
+    std::ptrdiff_t q = 0;
     for (; q + 1 < columns; q += 2) {
       even += *fours(A + q * rows + i) * all_four(x[q]);
       odd += *fours(A + (q + 1) * rows + i) * all_four(x[q + 1]);
@@ -104,11 +104,11 @@ template <int N, int count>
 [[gnu::always_inline]] inline void multiply_each(const double* A, int stride, const double* x,
                                                  int from, int columns, double* y, int to) {
   Four sum[count][N / 4] = {};
-  for (int q = 0; q < columns; ++q)
-    for (int c = 0; c < count; ++c)
+  for (std::ptrdiff_t q = 0; q < columns; ++q)
+    for (std::ptrdiff_t c = 0; c < count; ++c)
       for (int i = 0; i < N / 4; ++i)
         sum[c][i] += fours(A + q * stride)[i] * all_four(x[c * from + q]);
-  for (int c = 0; c < count; ++c)
+  for (std::ptrdiff_t c = 0; c < count; ++c)
     for (int i = 0; i < N / 4; ++i) fours(y + c * to)[i] = sum[c][i];
 }
 
@@ -118,31 +118,31 @@ template <int count>
                                                           const double* x, int from, int columns,
                                                           double* y, int to) {
   Eight sum[count] = {};
-  for (int q = 0; q < columns; ++q) {
+  for (std::ptrdiff_t q = 0; q < columns; ++q) {
     const Eight a = *reinterpret_cast<const Eight*>(A + q * stride);
-    for (int c = 0; c < count; ++c) {
+    for (std::ptrdiff_t c = 0; c < count; ++c) {
       const double b = x[c * from + q];
       sum[c] += a * Eight{b, b, b, b, b, b, b, b};
     }
   }
-  for (int c = 0; c < count; ++c) *reinterpret_cast<Eight*>(y + c * to) = sum[c];
+  for (std::ptrdiff_t c = 0; c < count; ++c) *reinterpret_cast<Eight*>(y + c * to) = sum[c];
 }
 
 /// Columns j … j + width - 1 of A B, from row 4 first on; b(q, j) is an entry of B.
 template <int N, int width, int first, class Entry>
-[[gnu::always_inline]] inline void multiply_columns(const double* A, const Entry& b, int j,
-                                                    double* result) {
+[[gnu::always_inline]] inline void multiply_columns(const double* A, const Entry& b,
+                                                    std::ptrdiff_t j, double* result) {
   constexpr int rows = N / 4 - first;
   Four sum[width][rows] = {};
-  for (int q = 0; q < N; ++q) {
+  for (std::ptrdiff_t q = 0; q < N; ++q) {
     Four a[rows];
     for (int i = 0; i < rows; ++i) a[i] = fours(A + q * N)[first + i];
-    for (int w = 0; w < width; ++w) {
+    for (std::ptrdiff_t w = 0; w < width; ++w) {
       const Four factor = all_four(b(q, j + w));
       for (int i = 0; i < rows; ++i) sum[w][i] += a[i] * factor;
     }
   }
-  for (int w = 0; w < width; ++w)
+  for (std::ptrdiff_t w = 0; w < width; ++w)
     for (int i = 0; i < rows; ++i) fours(result + (j + w) * N)[first + i] = sum[w][i];
 }
 
@@ -152,10 +152,10 @@ void propagate(const Square<N>& F, Square<N>& P, const Square<N>* Q) {
   // As many columns at once as leave their sums in registers.
   constexpr int width = N <= 12 ? 4 : 2;
   Square<N> FP;
-  for (int j = 0; j < N; j += width)
+  for (std::ptrdiff_t j = 0; j < N; j += width)
     multiply_columns<N, width, 0>(
-        F.at, [&](int q, int c) { return P(q, c); }, j, FP.at);
-  const auto transposed = [&](int q, int c) { return F(c, q); };
+        F.at, [&](std::ptrdiff_t q, std::ptrdiff_t c) { return P(q, c); }, j, FP.at);
+  const auto transposed = [&](std::ptrdiff_t q, std::ptrdiff_t c) { return F(c, q); };
   [&]<int... block>(std::integer_sequence<int, block...>) {
     (multiply_columns<N, width, block * width / 4>(FP.at, transposed, block * width, P.at), ...);
   }

@@ -533,7 +533,7 @@ class DenseFilter {
     const auto padded = static_cast<int>(gains.precision.size());
     const auto ny = static_cast<int>(record_.ny);
     alignas(64) double known[count][N + kMostOutputs], pushed[count][N], u[count][kMostOutputs];
-    for (int q = 0; q < count; ++q)
+    for (std::ptrdiff_t q = 0; q < count; ++q)
       for (int i = 0; i < padded; i += 4)
         *fours(known[q] + N + i) = *fours(tape + (count - 1 - q) * padded + i);
     multiply_each<N, count>(gains.before.data() + N * N, N, known[0] + N, N + kMostOutputs, ny,

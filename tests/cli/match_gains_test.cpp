@@ -46,7 +46,7 @@ class MatchGainsVerb : public ::testing::Test {
  protected:
   /// gains.json of the uquad's hover, every digit of it, with these options of `lqr`.
   std::string export_of(const std::string& design) {
-    const std::string directory = (folder_.path() / "export").string();
+    std::string directory = (folder_.path() / "export").string();
     const ProgramResult result = run_program({"design", design, "-o", directory, "--quiet"});
     EXPECT_EQ(result.status, 0) << result.err;
     return directory;
@@ -219,7 +219,8 @@ TEST_F(MatchGainsVerb, RefusesInOneLine) {
     more.insert(more.begin(), {"tune", "lqr", "uquad", "--match-gains", kDesign});
     return more;
   };
-  refused({"tune", "lqr", "uquad"}, 2, "quadtune tune lqr: expected --mission NAME or --requirements FILE");
+  refused({"tune", "lqr", "uquad"}, 2,
+          "quadtune tune lqr: expected --mission NAME or --requirements FILE");
   refused({"tune", "lqr", "--match-gains", kDesign}, 2, "quadtune tune lqr: expected a vehicle");
   refused({"tune", "lqr", "uquad", "--match-gains", "no.json"}, 5, "no.json: No such file");
   refused({"tune", "lqr", "mambo", "--match-gains", kDesign}, 3,
@@ -241,7 +242,7 @@ TEST_F(MatchGainsVerb, RefusesInOneLine) {
   std::ifstream stream(kDesign);
   std::string turned(std::istreambuf_iterator<char>(stream), {});
   for (std::size_t at = turned.find("[published]");
-       (at = turned.find("-", at + 1)) != std::string::npos;)
+       (at = turned.find('-', at + 1)) != std::string::npos;)
     turned[at] = ' ';
   const std::string file = folder_.write("turned.toml", turned).string();
   refused({"tune", "lqr", "uquad", "--match-gains", file}, 4,

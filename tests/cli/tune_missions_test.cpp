@@ -163,17 +163,22 @@ TEST(TuneMissions, WritesTheStatesOfItsProblem) {
   EXPECT_EQ(design.status, 0) << design.err;
 }
 
-/// Ends the process with the status of a search that a signal comes into.
+/// Ends the process with the status of a search that a signal comes into: after twice the time that
+/// a search of one point takes from its start to its end.
 [[noreturn]] void be_interrupted(const std::string& folder) {
+  std::vector<std::string> args = {
+      "tune", "pid",     "mambo", "--mission", "hover", "--duration", "12",     "--monte-carlo",
+      "1",    "--proof", "2",     "--budget",  "600",   "--json",     "--force"};
+  const auto begin = std::chrono::steady_clock::now();
+  (void)run_program(with(args, {"--evaluations", "1"}));
+  const auto one = std::chrono::steady_clock::now() - begin;
   cli::install_signal_handlers();
-  std::thread([] {
-    std::this_thread::sleep_for(std::chrono::seconds(3));
+  std::thread([one] {
+    std::this_thread::sleep_for(2 * one + std::chrono::milliseconds(300));
     ::kill(::getpid(), SIGINT);
   }).detach();
   const ProgramResult result =
-      run_program({"tune", "pid", "mambo", "--mission", "hover", "--duration", "12",
-                   "--monte-carlo", "1", "--proof", "2", "--budget", "600", "--json", "--force",
-                   "-o", folder + "/tuned.toml", "--report", folder + "/tuned.html"});
+      run_program(with(args, {"-o", folder + "/tuned.toml", "--report", folder + "/tuned.html"}));
   const bool told = !Json::parse(result.out, nullptr, false).is_discarded() &&
                     Json::parse(result.out)["end"] == "interrupted";
   ::_exit(told ? result.status : 99);
