@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quadtune/estimation/model_needs.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "quadtune/estimation/filter_file.hpp"
@@ -134,7 +135,7 @@ TEST(ModelNeeds, EveryBuiltInModelIsFedByALogOfItsOwnNames) {
       for (const Signal& output : sensor.outputs) add(output);
     const TemporaryDirectory folder;
     const std::string path =
-        folder.write("log.csv", head + "\n" + first + "\n" + second + "\n").string();
+        folder.write("log.csv", fmt::format("{}\n{}\n{}\n", head, first, second)).string();
     EXPECT_TRUE(needs_of_model(model, survey_log(*open_log(path))).feeds) << model.name;
     const LogChannels channels = read_log_channels(path, names);
     std::vector<ChannelUse> uses;
