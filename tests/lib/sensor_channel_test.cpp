@@ -267,6 +267,7 @@ TEST(SensorChannel, EachLaneIsTheSensorAlone) {
   faults[3].limit = 0.5;
   SensorChannel<4, 3> together(faults, 8);
   std::vector<Three> alone;
+  alone.reserve(4);
   for (const SensorFaults& f : faults) alone.emplace_back(std::array<SensorFaults, 1>{f}, 8);
   Sample<Vector3<Pack<4>>, Pack<4>> sample;
   sample.value.setConstant(Pack<4>(0));
