@@ -67,14 +67,15 @@ AllanCovariance::AllanCovariance(std::size_t samples, std::size_t m1, std::size_
   std::erase_if(corners, [&](double lag) { return lag <= first || lag >= last; });
   corners.insert(corners.begin(), first);
   corners.push_back(last);
-  constexpr double kSteps = 32;
+  constexpr int kSteps = 32;
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
     const double length = corners[i + 1] - corners[i];
     if (length <= kSteps) {
-      for (double lag = corners[i]; lag < corners[i + 1]; ++lag) add(lag, 1, false);
+      const auto count = static_cast<int>(std::ceil(length));
+      for (int k = 0; k < count; ++k) add(corners[i] + k, 1, false);
     } else {  // the midpoint rule
-      for (double k = 0.5; k < kSteps; ++k)
-        add(corners[i] + k * length / kSteps, length / kSteps, false);
+      for (int k = 0; k < kSteps; ++k)
+        add(corners[i] + (k + 0.5) * length / kSteps, length / kSteps, false);
     }
   }
   // cov = 2 Σ pairs(lag) r(lag)² / (terms · 2τ²)(terms · 2τ²)

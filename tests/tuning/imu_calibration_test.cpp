@@ -176,7 +176,8 @@ TEST(CalibrateImu, IntervalsHoldTheTruthInNineteenOfTwentyNumbers) {
   constexpr int kLogs = 100;
   Count accelerometer, gyroscope, magnetometer;
   for (int i = 0; i < kLogs; ++i) {
-    const MadeUpImu made = make_up_imu(short_log(static_cast<std::uint64_t>(100 + i)));
+    const MadeUpImu made =
+        make_up_imu(short_log(std::uint64_t{100} + static_cast<std::uint64_t>(i)));
     const ImuCalibration c = calibrate_imu({made.log});
     ASSERT_TRUE(c.accelerometer.solved()) << i << " " << c.accelerometer.culprit;
     ASSERT_TRUE(c.gyroscope.solved()) << i << " " << c.gyroscope.culprit;

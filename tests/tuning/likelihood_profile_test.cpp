@@ -53,8 +53,8 @@ TEST(LikelihoodProfile, IsTheBestOverTheOthers) {
     Eigen::VectorXd theta = fit.theta;
     theta(0) = profile.theta(k);
     double best = -1e300;
-    for (double shift = -8; shift <= 8; shift += 0.01) {
-      theta(1) = fit.theta(1) + shift;
+    for (int step = -800; step <= 800; ++step) {
+      theta(1) = fit.theta(1) + 0.01 * step;
       best = std::max(best, likelihood.evaluate(theta).value);
     }
     EXPECT_GE(profile.value(k), best - fit.after.value - 1e-9);

@@ -72,8 +72,10 @@ TEST(NoiseFit, ProfilesTheLikelihood) {
   ASSERT_TRUE(fit.converged());
   const auto profile = [&](double Q) {  // the best over a fine grid of R
     double best = -1e9;
-    for (double r = std::log(5000.0); r < std::log(40000.0); r += 1e-3)
-      best = std::max(best, likelihood.evaluate(Eigen::Vector2d(std::log(Q), r)).value);
+    for (int step = 0; step < 2080; ++step) {  // from 5000 to 40,000
+      const Eigen::Vector2d theta(std::log(Q), std::log(5000.0) + 1e-3 * step);
+      best = std::max(best, likelihood.evaluate(theta).value);
+    }
     return best;
   };
   const FittedParameter& Q = named(fit, "Q.level");

@@ -94,8 +94,9 @@ FilterRecord hover(const FilterModel& model, double seconds, std::uint64_t seed)
 
 std::vector<FilterRecord> hovers(const FilterModel& model, int count) {
   std::vector<FilterRecord> records;
+  records.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i)
-    records.push_back(hover(model, 6, static_cast<std::uint64_t>(100 + i)));
+    records.push_back(hover(model, 6, std::uint64_t{100} + static_cast<std::uint64_t>(i)));
   return records;
 }
 
