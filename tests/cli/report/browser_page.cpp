@@ -8,6 +8,12 @@
 
 namespace quadtune::testing {
 
+nlohmann::json data_of(const std::string& page) {
+  const std::string open = "<script type=\"application/json\" id=\"data\">";
+  const std::size_t start = page.find(open) + open.size();
+  return nlohmann::json::parse(page.substr(start, page.find("</script>", start) - start));
+}
+
 std::string root_data(const std::string& page, const std::string& name) {
   const std::string root = page.substr(0, page.find("<head"));
   std::smatch match;

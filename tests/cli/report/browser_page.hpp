@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <utility>
@@ -15,6 +16,9 @@
 #include "temporary_directory.hpp"
 
 namespace quadtune::testing {
+
+/// What a page has been given to show.
+[[nodiscard]] nlohmann::json data_of(const std::string& page);
 
 /// The value of a data attribute of the page's root element; "(none)" where it is absent.
 [[nodiscard]] std::string root_data(const std::string& page, const std::string& name);

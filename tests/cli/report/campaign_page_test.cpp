@@ -29,12 +29,6 @@ using ::testing::IsEmpty;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-nlohmann::json data_of(const std::string& page) {
-  const std::string open = "<script type=\"application/json\" id=\"data\">";
-  const std::size_t start = page.find(open) + open.size();
-  return nlohmann::json::parse(page.substr(start, page.find("</script>", start) - start));
-}
-
 /// The page that the program writes of campaigns/mambo-hover.toml; with fewer flights, but for the
 /// picture of the documentation.
 const std::string& example() {

@@ -24,12 +24,6 @@ using ::testing::IsEmpty;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-nlohmann::json data_of(const std::string& page) {
-  const std::string open = "<script type=\"application/json\" id=\"data\">";
-  const std::size_t start = page.find(open) + open.size();
-  return nlohmann::json::parse(page.substr(start, page.find("</script>", start) - start));
-}
-
 /// The page that the program writes of a log.
 std::string page_of_log(const std::string& log, const std::vector<std::string>& more = {}) {
   const TemporaryDirectory folder;
