@@ -25,6 +25,7 @@
 namespace quadtune::cli {
 namespace {
 
+using internal::finite_or_null;
 using internal::Json;
 using internal::member;
 
@@ -38,8 +39,6 @@ constexpr double kShardTime = 3e6;
 
 // --- the parts of a plan as JSON ---
 
-/// JSON has no word for infinity.
-Json number_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 double number_or(const Json& json, double fallback) {
   return json.is_null() ? fallback : json.get<double>();
 }
@@ -52,8 +51,8 @@ Json to_json(const Uncertainty& uncertainty) {
                        {"distribution", to_string(d.kind)},
                        {"first", d.first},
                        {"second", d.second},
-                       {"least", number_or_null(d.least)},
-                       {"most", number_or_null(d.most)}});
+                       {"least", finite_or_null(d.least)},
+                       {"most", finite_or_null(d.most)}});
   }
   return {{"numbers", numbers},
           {"correlation", internal::matrix_to_json(uncertainty.correlation, "correlation")}};
@@ -86,8 +85,8 @@ Json to_json(const CascadeController& cascade) {
     loops.push_back({{"name", loop.name}, {"Kp", loop.Kp}, {"Ki", loop.Ki}, {"Kd", loop.Kd}});
   return {{"dt_s", cascade.gains.dt},
           {"integrator", to_string(cascade.method)},
-          {"attitude_limit", number_or_null(cascade.attitude_limit)},
-          {"integrator_limit", number_or_null(cascade.integrator_limit)},
+          {"attitude_limit", finite_or_null(cascade.attitude_limit)},
+          {"integrator_limit", finite_or_null(cascade.integrator_limit)},
           {"back_calculation", cascade.back_calculation},
           {"loops", loops}};
 }

@@ -17,9 +17,8 @@
 namespace quadtune::cli {
 namespace {
 
+using internal::finite_or_null;
 using internal::Json;
-
-Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 /// A number that is not reached says so: JSON has no infinity.
 Json reached_or_word(double x) {

@@ -17,11 +17,11 @@
 namespace quadtune::cli {
 namespace {
 
+using internal::finite_or_null;
 using internal::Json;
 
 double decibels(double gain) { return 20 * std::log10(gain); }
 double degrees(double angle) { return angle * 180 / std::numbers::pi; }
-Json finite_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 const PidLoop& written(const CascadeReport& report, CascadeAxis axis) {
   return report.cascade.gains.loops[index_of(axis)];

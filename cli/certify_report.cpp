@@ -11,9 +11,8 @@
 namespace quadtune::cli {
 namespace {
 
+using internal::finite_or_null;
 using internal::Json;
-
-Json finite_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 bool is_fixed(const UncertainParameter& p) { return p.low == p.high; }
 

@@ -14,10 +14,8 @@
 namespace quadtune::cli {
 namespace {
 
+using internal::finite_or_null;
 using internal::Json;
-
-/// Numbers that are not finite have no JSON: null says that there is none.
-Json finite_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 std::string in_words(double value, const std::string& unit) {
   if (std::isnan(value)) return "none";

@@ -14,14 +14,13 @@
 namespace quadtune::cli {
 namespace {
 
+using internal::finite_or_null;
 using internal::Json;
 
 /// Longest command or path that a file repeats whole.
 constexpr std::size_t kCommentLength = 4096;
 /// A weighted sensitivity above 1 by less is rounding.
 constexpr double kRounding = 1e-6;
-
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 std::string figure(double value) {
   return std::isfinite(value) ? fmt::format("{:.3g}", value) : "-";
@@ -142,23 +141,23 @@ Json to_json(const GainMatchReport& report) {
                                {"before", weight.before},
                                {"value", weight.value},
                                {"low", weight.low},
-                               {"high", number_or_null(weight.high)},
+                               {"high", finite_or_null(weight.high)},
                                {"verdict", to_string(weight.verdict)}});
   json["unseen"] = match.unseen;
   json["K"] = internal::matrix_to_json(match.feedback.K, "K");
   json["K_int"] = internal::matrix_to_json(match.feedback.K_int, "K_int");
-  json["difference"] = {{"before", number_or_null(match.before)},
-                        {"after", number_or_null(match.after)},
+  json["difference"] = {{"before", finite_or_null(match.before)},
+                        {"after", finite_or_null(match.after)},
                         {"entry", match.worst},
                         {"entry_given", match.given},
                         {"entry_found", match.found},
                         {"tolerance", report.tolerance}};
   json["evaluations"] = match.evaluations;
   json["searches"] = {{"made", match.starts}, {"agreeing", match.agreeing}};
-  json["weighted_sensitivity"] = {{"value", number_or_null(match.weighted_sensitivity)},
+  json["weighted_sensitivity"] = {{"value", finite_or_null(match.weighted_sensitivity)},
                                   {"at", match.weighted_sensitivity_at},
                                   {"can_be_lqr", can_be_lqr(match)}};
-  json["excess_cost"] = {{"value", number_or_null(match.excess_cost)},
+  json["excess_cost"] = {{"value", finite_or_null(match.excess_cost)},
                          {"state", match.excess_state}};
   json["residual"] = internal::number_to_json(match.feedback.riccati.residual, "residual");
   json["rcond"] = internal::number_to_json(match.feedback.riccati.rcond, "rcond");

@@ -11,10 +11,8 @@
 namespace quadtune::cli {
 namespace {
 
+using internal::finite_or_null;
 using internal::Json;
-
-// JSON has no NaN and no infinity.
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 std::string counted(std::uint64_t count, const std::string& one, const std::string& many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
@@ -30,7 +28,7 @@ std::string joined(const std::vector<std::string>& parts, const char* separator)
 }
 
 void add_timing(const LogTiming& timing, Json& json) {
-  json["rate_hz"] = number_or_null(timing.rate_hz);
+  json["rate_hz"] = finite_or_null(timing.rate_hz);
   json["gaps"] = timing.gaps;
   json["longest_gap_s"] = timing.longest_gap_s;
   json["duplicates"] = timing.duplicates;
@@ -151,7 +149,7 @@ Json to_json(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
   Json json;
   json["file"] = file;
   json["format"] = survey.format;
-  json["duration_s"] = number_or_null(survey.duration_s);
+  json["duration_s"] = finite_or_null(survey.duration_s);
   json["epoch_s"] = survey.epoch_s;
   json["whole"] = survey.condition.whole();
   json["torn"] = survey.condition.torn.empty() ? Json(nullptr) : Json(survey.condition.torn);
@@ -165,8 +163,8 @@ Json to_json(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
     entry["name"] = group.group.name;
     entry["rows"] = group.rows;
     entry["timed"] = group.group.timed;
-    entry["first_s"] = number_or_null(group.timing.first_s);
-    entry["duration_s"] = number_or_null(group.timing.duration_s);
+    entry["first_s"] = finite_or_null(group.timing.first_s);
+    entry["duration_s"] = finite_or_null(group.timing.duration_s);
     add_timing(group.timing, entry);
     json["groups"].push_back(std::move(entry));
   }
@@ -178,10 +176,10 @@ Json to_json(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
     entry["samples"] = one.samples;
     entry["nan"] = one.nan;
     add_timing(one.timing, entry);
-    entry["min"] = number_or_null(one.min);
-    entry["max"] = number_or_null(one.max);
-    entry["mean"] = number_or_null(one.mean);
-    entry["std"] = number_or_null(one.std);
+    entry["min"] = finite_or_null(one.min);
+    entry["max"] = finite_or_null(one.max);
+    entry["mean"] = finite_or_null(one.mean);
+    entry["std"] = finite_or_null(one.std);
     entry["constant"] = one.constant;
     entry["saturated"] = one.saturated;
     json["channels"].push_back(std::move(entry));

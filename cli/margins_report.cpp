@@ -11,6 +11,7 @@
 namespace quadtune::cli {
 namespace {
 
+using internal::finite_or_null;
 using internal::Json;
 
 constexpr double kLeastGain = 6;    ///< [dB]
@@ -19,8 +20,6 @@ constexpr double kLeastDelay = 1;   ///< [samples]
 
 double decibels(double gain) { return 20 * std::log10(gain); }
 double degrees(double angle) { return angle * 180 / std::numbers::pi; }
-
-Json finite_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 /// "12.3", or "-" for what is infinite: nothing is there to be met.
 std::string cell(double value, int decimals = 1) {

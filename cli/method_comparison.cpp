@@ -29,6 +29,7 @@
 namespace quadtune::cli {
 namespace {
 
+using internal::finite_or_null;
 using internal::Json;
 
 /// Outputs that the four set points ask for: px, py, pz, yaw.
@@ -191,8 +192,6 @@ std::string law_text(const Law& law, const std::vector<Row>& rows,
 }
 
 // --- JSON ----------------------------------------------------------------------------------------
-
-Json finite_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 void add_rows(Json& methods, const Law& law, const std::vector<Row>& rows,
               const std::array<double, 3>& periods) {

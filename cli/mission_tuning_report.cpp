@@ -15,12 +15,11 @@
 namespace quadtune::cli {
 namespace {
 
+using internal::finite_or_null;
 using internal::Json;
 using Report = MissionTuningReport;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 /// What the column of the best point is called.
 std::string found_word(const Report& report) {

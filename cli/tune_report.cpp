@@ -15,12 +15,11 @@ namespace quadtune::cli {
 namespace {
 
 using Eigen::Index;
+using internal::finite_or_null;
 using internal::Json;
 
 /// Longest command or path that a tuned file repeats whole.
 constexpr std::size_t kCommentLength = 4096;
-
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 std::string figure(double value, int digits = 4) {
   return std::isfinite(value) ? fmt::format("{:.{}g}", value, digits) : "-";
@@ -50,10 +49,10 @@ Json checks_to_json(const Consistency& consistency, const std::string& name) {
     if (c.name != name) continue;
     Json json;
     json["output"] = c.output;
-    json["value"] = number_or_null(c.value);
-    json["low"] = number_or_null(c.low);
-    json["high"] = number_or_null(c.high);
-    json["p"] = number_or_null(c.p);
+    json["value"] = finite_or_null(c.value);
+    json["low"] = finite_or_null(c.low);
+    json["high"] = finite_or_null(c.high);
+    json["p"] = finite_or_null(c.p);
     json["verdict"] = to_string(c.verdict);
     checks.push_back(std::move(json));
   }
@@ -120,7 +119,7 @@ Json to_json(const AutocovarianceFit& als) {
   json["dt"] = als.innovation.dt;
   json["lags"] = als.innovation.of.size() - 1;
   json["gains"] = als.passes;
-  json["misfit"] = number_or_null(als.misfit);
+  json["misfit"] = finite_or_null(als.misfit);
   json["degrees"] = als.degrees;
   return json;
 }
@@ -205,17 +204,17 @@ Json to_json(const TuneReport& report) {
   for (const FittedParameter& p : fit.parameters) {
     json["parameters"].push_back({{"name", p.name},
                                   {"unit", p.unit},
-                                  {"value", number_or_null(p.value)},
-                                  {"low", number_or_null(p.low)},
-                                  {"high", number_or_null(p.high)},
+                                  {"value", finite_or_null(p.value)},
+                                  {"low", finite_or_null(p.low)},
+                                  {"high", finite_or_null(p.high)},
                                   {"verdict", to_string(p.verdict)}});
-    json["standard_errors"][p.name] = number_or_null(p.standard_error);
+    json["standard_errors"][p.name] = finite_or_null(p.standard_error);
     json["identifiable"].push_back(p.verdict == ParameterVerdict::seen ||
                                    p.verdict == ParameterVerdict::at_zero);
   }
   json["unseen"] = fit.unseen;
-  json["log_likelihood"] = {{"before", number_or_null(fit.before.value)},
-                            {"after", number_or_null(fit.after.value)}};
+  json["log_likelihood"] = {{"before", finite_or_null(fit.before.value)},
+                            {"after", finite_or_null(fit.after.value)}};
   json["evaluations"] = fit.evaluations;
   json["nis"] = {{"before", checks_to_json(tuning.before, "size")},
                  {"after", checks_to_json(tuning.after, "size")}};
@@ -229,8 +228,8 @@ Json to_json(const TuneReport& report) {
         {{"output", count.output}, {"refused", count.refused}, {"measured", count.measured}});
   json["rounds"] = tuning.rounds;
   json["holdout"] = {{"innovations", tuning.holdout.innovations},
-                     {"before", number_or_null(tuning.holdout.before)},
-                     {"after", number_or_null(tuning.holdout.after)}};
+                     {"before", finite_or_null(tuning.holdout.before)},
+                     {"after", finite_or_null(tuning.holdout.after)}};
   json["gate"] = {{"verdict", to_string(tuning.verdict)}, {"reasons", tuning.reasons}};
   return json;
 }

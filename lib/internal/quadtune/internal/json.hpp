@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Matrices, signals and poles as JSON and back. Numbers read back to the same double; numbers that
-/// are not finite are refused, since JSON has no word for them.
+/// Matrices, signals and poles as JSON and back. Numbers read back to the same double. JSON has no
+/// word for numbers that are not finite: they are refused, or null where that has a meaning.
 #pragma once
 
 #include <fmt/format.h>
@@ -26,6 +26,11 @@ inline Json number_to_json(double number, const std::string& name) {
   if (!std::isfinite(number))
     throw InvalidInput(name, fmt::format("{} cannot be written, expected a finite number", number));
   return number;
+}
+
+/// For a figure that may be missing or without bound.
+inline Json finite_or_null(double number) {
+  return std::isfinite(number) ? Json(number) : Json(nullptr);
 }
 
 /// An array of rows; a matrix without rows or columns keeps its rows: [[], []].
