@@ -154,6 +154,18 @@ TEST(InnovationLikelihood, IsThatOfAllMeasurementsAtOnce) {
       }
 }
 
+// Why the state at the start is no parameter beside the variances: with the Nile's first volume
+// taken for the level, less and less noise of the measurements is likelier for ever.
+TEST(InnovationLikelihood, HasNoMaximumOverTheStateAtTheStart) {
+  FilterRecord record = testing::nile();
+  const VectorXd first = record.y.col(0);
+  record.start = {first, MatrixXd::Zero(1, 1)};
+  const InnovationLikelihood likelihood(testing::local_level(), {record});
+  const auto at = [&](double R) { return likelihood.evaluate(logs(30000, R)).value; };
+  EXPECT_NEAR(at(1e-40) - at(1e-20), 10 * std::log(10.0), 1e-9);
+  EXPECT_GT(at(1e-80), likelihood.evaluate(logs(1469.18, 15098.52)).value);
+}
+
 // Durbin and Koopman 2012, section 5.2: the limit of a large initial variance, less its share.
 TEST(InnovationLikelihood, OfDiffuseStatesIsALimit) {
   std::mt19937_64 random(12);

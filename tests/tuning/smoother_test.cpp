@@ -124,6 +124,33 @@ TEST(Smoother, OfDiffuseStatesIsALimit) {
   EXPECT_NEAR(smoothed.P(0, 50), steady, 1e-6 * steady);
 }
 
+// The likelihood of a record that starts at a known state is a parabola in that state: its top and
+// its width are what is smoothed where nothing was known.
+TEST(Smoother, EstimatesTheStateAtTheStart) {
+  std::mt19937_64 random(25);
+  for (int nx = 1; nx <= 4; ++nx) {
+    FilterModel model = testing::random_model(random, nx, 2, true, true);
+    model.P0.setZero();
+    model.diffuse.assign(static_cast<std::size_t>(nx), true);
+    const VectorXd theta = start_of(model);
+    FilterRecord record = testing::simulated(model, theta, 200, 0.1, random, 0.2);
+    const SmoothedStates smoothed = smooth(model, theta, record);
+    ASSERT_TRUE(smoothed.solved()) << smoothed.culprit;
+    const VectorXd x0 = smoothed.x.col(0);
+    const MatrixXd P = smoothed.P.leftCols(nx);
+    const auto from = [&](const VectorXd& x) {
+      record.start = {x, MatrixXd::Zero(nx, nx)};
+      return InnovationLikelihood(model, {record}).evaluate(theta).value;
+    };
+    const double most = from(x0);
+    const MatrixXd deviations = P.llt().matrixL();
+    for (Index d = 0; d < nx; ++d) {  // a standard deviation each way
+      EXPECT_NEAR(from(x0 + deviations.col(d)), most - 0.5, 1e-8) << nx;
+      EXPECT_NEAR(from(x0 - deviations.col(d)), most - 0.5, 1e-8) << nx;
+    }
+  }
+}
+
 TEST(Smoother, NamesAStateThatItCannotSee) {
   FilterModel model = testing::discrete_altitude();
   model.A(0, 1) = 0;  // the speed does not move the height
