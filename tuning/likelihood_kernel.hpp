@@ -496,8 +496,8 @@ class LikelihoodKernel {
   void two_states(Eigen::Index k, Eigen::Index end, const KernelTransition<T, nx>& step,
                   const Matrix& closed, const Wide& input, const Wide& state_part, const T& S,
                   KernelSums<T>& sums) {
-    const T a00 = closed(0, 0), a01 = closed(0, 1), a10 = closed(1, 0), a11 = closed(1, 1);
-    const T k0 = input(0, 0), k1 = input(1, 0);
+    const T &a00 = closed(0, 0), &a01 = closed(0, 1), &a10 = closed(1, 0), &a11 = closed(1, 1);
+    const T &k0 = input(0, 0), &k1 = input(1, 0);
     const double c0 = plain(state_part(0, 0)), c1 = plain(state_part(0, 1));
     T x0 = x_(0), x1 = x_(1), squares = T(0);
     const bool one_input = record_.nu == 1 && model_.D.size() == 0;
