@@ -19,7 +19,7 @@
 namespace quadtune::cli {
 namespace {
 
-constexpr std::uint32_t kUsualDraws = 4;
+constexpr std::uint32_t kUsualDraws = 4, kUsualProof = 24;
 /// More draws than anybody flies for one number.
 constexpr std::uint64_t kMostDraws = 100000;
 
@@ -110,6 +110,19 @@ TrialRequest request_of(const MissionTuning& tuning, const MissionRequirements& 
   return request;
 }
 
+std::uint32_t proof_draws(const TrialRequest& request, const std::string& verb,
+                          const MissionTuningArguments& arguments) {
+  const std::uint32_t least =
+      request.measure == RobustMeasure::quantile ? least_draws(request.share) : 2;
+  if (arguments.proof == 0) return std::max(kUsualProof, least);
+  if (arguments.proof < least)
+    refuse(verb, "--proof",
+           fmt::format("--proof is {}, expected at least {} because fewer draws tell too little of "
+                       "the {:g} quantile",
+                       arguments.proof, least, request.share));
+  return static_cast<std::uint32_t>(arguments.proof);
+}
+
 }  // namespace
 
 void add_mission_tuning_options(CLI::App& app, MissionTuningArguments& arguments) {
@@ -130,7 +143,8 @@ void add_mission_tuning_options(CLI::App& app, MissionTuningArguments& arguments
             "it, or 4")
       ->type_name("N");
   add_count(app, "--proof", arguments.proof, 2,
-            "fresh draws on which start and found are compared; 24")
+            "fresh draws on which start and found are compared; 24, of a quantile more as it needs "
+            "them")
       ->type_name("N");
   app.add_option("--measure", arguments.measure, "of the draws: mean (default), quantile or worst")
       ->type_name("NAME");
@@ -170,7 +184,7 @@ void run_mission_tuning(const MissionTuning& tuning, const MissionTuningArgument
   MissionSearchOptions options;
   options.seconds = arguments.budget;
   options.evaluations = static_cast<int>(std::min<std::uint64_t>(arguments.evaluations, 1 << 30));
-  options.proof_draws = static_cast<std::uint32_t>(arguments.proof);
+  options.proof_draws = proof_draws(request, tuning.verb, arguments);
   options.stop = interrupted;
   const bool shown = !context.quiet && !context.json && isatty(STDERR_FILENO) != 0;
   if (shown)

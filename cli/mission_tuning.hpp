@@ -20,8 +20,8 @@ struct MissionTuningArguments {
   std::vector<std::string> missions;
   std::string requirements, estimator, sensors, wind;  ///< empty where they did not come
   std::optional<double> duration;
-  double budget = 60;                                         ///< [s]
-  std::uint64_t evaluations = 100000, draws = 0, proof = 24;  ///< 0 draws: it was not said
+  double budget = 60;                                        ///< [s]
+  std::uint64_t evaluations = 100000, draws = 0, proof = 0;  ///< 0: not said
   std::string measure;
   std::string file, report;
   bool force = false;

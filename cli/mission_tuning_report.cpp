@@ -26,6 +26,13 @@ std::string found_word(const Report& report) {
   return report.result.accepted ? "found" : "not taken";
 }
 
+/// What counts of the draws: "mean", "0.9 quantile", "worst".
+std::string measure_of(const Report& report) {
+  const TrialRequest& request = report.request;
+  return request.measure == RobustMeasure::quantile ? fmt::format("{:g} quantile", request.share)
+                                                    : to_string(request.measure);
+}
+
 /// On fresh draws, where there was a proof.
 bool proved(const Report& report) { return !report.result.proof_before.costs.empty(); }
 const TrialOutcome& outcome_before(const Report& report) {
@@ -89,7 +96,9 @@ std::string missions_text(const Report& report) {
                     rival(cell(figure.values.back())), unit);
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
-  text += fmt::format("{:<52}{:>11.4g}{:>11.4g}{}\n", "cost", before.cost, after.cost,
+  const bool mean = report.request.measure == RobustMeasure::mean;
+  text += fmt::format("{:<52}{:>11.4g}{:>11.4g}{}\n", mean ? "cost" : "cost, " + measure_of(report),
+                      before.cost, after.cost,
                       report.rival ? fmt::format("{:>11.4g}", report.rival->cost) : "");
   text += fmt::format("{:<52}{:>11}{:>11}{}  of {}", "flights that end early", before.failed,
                       after.failed, report.rival ? fmt::format("{:>11}", report.rival->failed) : "",
@@ -178,7 +187,7 @@ PageComparedTable missions_table(const Report& report) {
   const std::string draws = fmt::format("{} {} draws", before.costs.size(),
                                         proved(report) ? "fresh" : "of the search\u2019s");
   table.hint = fmt::format("Means over {}, the same for each column; a limit is for the {}.", draws,
-                           to_string(report.request.measure));
+                           measure_of(report));
   if (before.failed + after.failed + (report.rival ? report.rival->failed : 0) > 0)
     table.hint += " A flight that ends early keeps no limit; its figures are of what it flew.";
   const auto values = [&](const auto& of) {
@@ -186,7 +195,7 @@ PageComparedTable missions_table(const Report& report) {
     if (report.rival) all.push_back(of(*report.rival));
     return all;
   };
-  PageCompared cost = row("All", "cost, " + to_string(report.request.measure) + " of the draws", "",
+  PageCompared cost = row("All", "cost, " + measure_of(report) + " of the draws", "",
                           values([](const TrialOutcome& outcome) { return outcome.cost; }));
   cost.main = true;
   table.rows.push_back(std::move(cost));
@@ -402,7 +411,7 @@ Json to_json(const Report& report) {
       {"before", outcome_json(report, outcome_before(report))},
       {"after", outcome_json(report, outcome_after(report))},
       {"difference",
-       {{"mean", finite_or_null(r.difference.value)},
+       {{"value", finite_or_null(r.difference.value)},
         {"low", finite_or_null(r.difference.low)},
         {"high", finite_or_null(r.difference.high)}}},
       {"margins", {{"before", margins_json(report.before)}, {"after", margins_json(report.after)}}},
@@ -431,7 +440,8 @@ GainsPage page_of(const Report& report, const MissionTrial& trial, const Mission
                             outcome_after(report).cost);
   if (proved(report) && r.candidate != report.tuning.start)
     page.counts +=
-        fmt::format("; mean of {} fresh draws {:.3g} % {}, 95 % interval {:.3g} to {:.3g} %",
+        fmt::format("; {} of {} fresh draws {:.3g} % {}, 95 % interval {:.3g} to {:.3g} %",
+                    report.request.measure == RobustMeasure::quantile ? measure_of(report) : "mean",
                     r.proof_before.costs.size(), std::abs(r.less), r.less < 0 ? "more" : "less",
                     r.less < 0 ? -r.less_high : r.less_low, r.less < 0 ? -r.less_low : r.less_high);
   if (!r.accepted) page.reasons.push_back("The start stays: " + r.reason + ".");
@@ -449,17 +459,14 @@ GainsPage page_of(const Report& report, const MissionTrial& trial, const Mission
   for (const CostTerm& term : report.request.cost)
     if (term.weight > 0)
       cost.push_back(fmt::format("{:g} \u00d7 {}", term.weight, label_of(term.metric)));
-  page.about = {{"start", report.tuning.law},
-                {"cost", fmt::format("{}; each as a share of the start\u2019s, mission by mission",
-                                     fmt::join(cost, " + "))},
-                {"measure", report.request.measure == RobustMeasure::quantile
-                                ? fmt::format("{:g} quantile of {} draws", report.request.share,
-                                              report.request.draws)
-                                : fmt::format("{} of {} draws", to_string(report.request.measure),
-                                              report.request.draws)},
-                {"search", fmt::format("{} evaluations in {:.3g} s, ended by {}", r.evaluations,
-                                       r.seconds, to_string(r.end))},
-                {"searched", fmt::format("{}", fmt::join(report.tuning.names, "; "))}};
+  page.about = {
+      {"start", report.tuning.law},
+      {"cost", fmt::format("{}; each as a share of the start\u2019s, mission by mission",
+                           fmt::join(cost, " + "))},
+      {"measure", fmt::format("{} of {} draws", measure_of(report), report.request.draws)},
+      {"search", fmt::format("{} evaluations in {:.3g} s, ended by {}", r.evaluations, r.seconds,
+                             to_string(r.end))},
+      {"searched", fmt::format("{}", fmt::join(report.tuning.names, "; "))}};
   std::vector<std::string> varied;
   for (const auto& number : report.request.uncertainty.numbers) varied.push_back(number.quantity);
   page.about.emplace_back(

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <utility>
 
 #include "quadtune/errors.hpp"
@@ -85,6 +86,16 @@ class Search {
     if (options_.stop && options_.stop()) end_ = SearchEnd::interrupted;
     return end_ == SearchEnd::interrupted || seconds() >= options_.seconds ||
            evaluations_ >= options_.evaluations;
+  }
+
+  [[nodiscard]] bool of_quantile() const {
+    return trial_.request().measure == RobustMeasure::quantile;
+  }
+
+  /// What of the best point is compared with the start.
+  [[nodiscard]] std::string compared() const {
+    return of_quantile() ? fmt::format("the {:g} quantile of its cost is", trial_.request().share)
+                         : "it costs";
   }
 
   Tried tried(const Eigen::VectorXd& x) {
@@ -266,8 +277,10 @@ class Search {
   void prove(MissionSearchResult& result) {
     const bool hurried = end_ == SearchEnd::interrupted;
     const std::uint32_t first = trial_.request().draws;
-    const std::uint32_t count =
-        hurried ? std::min(options_.proof_draws, kHurriedProof) : options_.proof_draws;
+    const std::uint32_t least = of_quantile() ? least_draws(trial_.request().share) : 2;
+    const std::uint32_t count = hurried
+                                    ? std::min(options_.proof_draws, std::max(kHurriedProof, least))
+                                    : options_.proof_draws;
     const auto fresh = [&](const Tried& point) {
       return trial_.fly(*point.design.controller, first, count,
                         hurried ? MissionTrial::Stop{} : options_.stop);
@@ -276,20 +289,25 @@ class Search {
     const TrialOutcome then = fresh(start_), now = same ? then : fresh(best_);
     result.proof_before = then;
     result.proof_after = now;
-    result.difference = paired_difference(then.costs, now.costs);
-    double mean = 0;
-    for (const double cost : then.costs) mean += cost / count;
-    result.less = -100 * result.difference.value / mean;
-    result.less_low = -100 * result.difference.high / mean;
-    result.less_high = -100 * result.difference.low / mean;
+    double whole = then.cost;
+    if (of_quantile()) {
+      result.difference = paired_quantile_difference(then.costs, now.costs, trial_.request().share);
+    } else {
+      result.difference = paired_difference(then.costs, now.costs);
+      whole = std::accumulate(then.costs.begin(), then.costs.end(), 0.0) / count;
+    }
+    result.less = -100 * result.difference.value / whole;
+    result.less_low = -100 * result.difference.high / whole;
+    result.less_high = -100 * result.difference.low / whole;
     result.reason =
         same ? "no point that keeps the limits costs less than the start" : refused(result, count);
     if (!result.reason.empty()) return;
     result.accepted = true;
-    const std::string cost = fmt::format(
-        "on {} fresh draws it costs {:.1f} % {} ({:.1f} to {:.1f} %)", count, std::abs(result.less),
-        result.less < 0 ? "more" : "less", result.less < 0 ? -result.less_high : result.less_low,
-        result.less < 0 ? -result.less_low : result.less_high);
+    const std::string cost =
+        fmt::format("on {} fresh draws {} {:.1f} % {} ({:.1f} to {:.1f} %)", count, compared(),
+                    std::abs(result.less), result.less < 0 ? "more" : "less",
+                    result.less < 0 ? -result.less_high : result.less_low,
+                    result.less < 0 ? -result.less_low : result.less_high);
     result.repaired = repaired(result);
     result.reason = result.repaired ? "it keeps all limits, as the start does not; " + cost : cost;
   }
@@ -319,11 +337,10 @@ class Search {
     if (repaired(result)) return {};
     if (!(result.less_low > kLeastGain))
       return fmt::format(
-          "on {} fresh draws it costs {:.3g} % less than the start ({:.3g} to {:.3g} %): not "
-          "surely "
-          "{} % less",
-          count, result.less, result.less_low, result.less_high, kLeastGain);
-    // The mean is surely less; what was asked for may be another number.
+          "on {} fresh draws {} {:.3g} % less than {} ({:.3g} to {:.3g} %): not surely {} % less",
+          count, compared(), result.less, of_quantile() ? "the start's" : "the start",
+          result.less_low, result.less_high, kLeastGain);
+    // The mean is surely less; the worst, if that was asked for, may not be.
     if (now.cost > then.cost)
       return fmt::format("on {} fresh draws the {} of its cost is {:.4g}, of the start's {:.4g}",
                          count, to_string(trial_.request().measure), now.cost, then.cost);
@@ -370,6 +387,13 @@ MissionSearchResult search_missions(const DesignSpace& space, const MissionTrial
       !(space.reach > 0) || space.start.size() == 0 ||
       space.start.size() != std::ssize(space.names))
     throw InvalidInput("search", "seconds, evaluations, proof draws or the space are out of range");
+  const TrialRequest& request = trial.request();
+  if (request.measure == RobustMeasure::quantile &&
+      options.proof_draws < least_draws(request.share))
+    throw InvalidInput("search",
+                       fmt::format("{} fresh draws tell too little of the {:g} quantile, "
+                                   "expected at least {}",
+                                   options.proof_draws, request.share, least_draws(request.share)));
   return Search(space, trial, options).run();
 }
 

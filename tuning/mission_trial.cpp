@@ -7,6 +7,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <numeric>
+#include <random>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -30,8 +31,14 @@ double robust(const TrialRequest& request, std::vector<double> values) {
     case RobustMeasure::quantile:
       break;
   }
-  std::sort(values.begin(), values.end());
-  return quantile(values, request.share).value;
+  return sample_quantile(values, request.share);
+}
+
+void require_pairs(const char* where, const std::vector<double>& first,
+                   const std::vector<double>& second, std::size_t least) {
+  if (first.size() != second.size() || first.size() < least)
+    throw InvalidInput(where, fmt::format("{} and {} values, expected as many, {} or more",
+                                          first.size(), second.size(), least));
 }
 
 bool ended_early(const FlightResult& result) { return result.end != FlightEnd::completed; }
@@ -219,10 +226,7 @@ TrialOutcome MissionTrial::fly(const Controller& controller, std::uint32_t first
 }
 
 Estimated paired_difference(const std::vector<double>& first, const std::vector<double>& second) {
-  if (first.size() != second.size() || first.size() < 2)
-    throw InvalidInput("paired_difference", fmt::format("{} and {} values, expected as many, 2 or "
-                                                        "more",
-                                                        first.size(), second.size()));
+  require_pairs("paired_difference", first, second, 2);
   const auto n = static_cast<double>(first.size());
   double mean = 0, squares = 0;
   for (std::size_t i = 0; i < first.size(); ++i) mean += (second[i] - first[i]) / n;
@@ -231,6 +235,30 @@ Estimated paired_difference(const std::vector<double>& first, const std::vector<
   const double t = boost::math::quantile(boost::math::students_t(n - 1), 0.975);
   const double width = t * std::sqrt(squares / (n - 1) / n);
   return {mean, mean - width, mean + width};
+}
+
+std::uint32_t least_draws(double share) {
+  // Rounding of 1 - share makes no draw more.
+  return static_cast<std::uint32_t>(std::ceil(2 / std::min(share, 1 - share) * (1 - 1e-12)));
+}
+
+Estimated paired_quantile_difference(const std::vector<double>& first,
+                                     const std::vector<double>& second, double share) {
+  require_pairs("paired_quantile_difference", first, second, least_draws(share));
+  constexpr std::size_t kResamples = 4000;
+  std::vector<double> a = first, b = second, differences;
+  const double value = sample_quantile(b, share) - sample_quantile(a, share);
+  std::mt19937_64 random(1);
+  differences.reserve(kResamples);
+  for (std::size_t r = 0; r < kResamples; ++r) {
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      const std::size_t k = random() % first.size();
+      a[i] = first[k];
+      b[i] = second[k];
+    }
+    differences.push_back(sample_quantile(b, share) - sample_quantile(a, share));
+  }
+  return {value, sample_quantile(differences, 0.025), sample_quantile(differences, 0.975)};
 }
 
 }  // namespace quadtune

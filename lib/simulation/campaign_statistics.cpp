@@ -319,6 +319,23 @@ CaseComparison comparison_of(const Campaign& campaign, std::size_t a, std::size_
   return comparison;
 }
 
+/// Where a quantile lies in a sample in order: between neighbours as in R's type 7.
+struct Place {
+  std::size_t below, above;
+  double part;
+};
+Place place_of(double q, std::size_t n) {
+  const double at = q * static_cast<double>(n - 1);
+  const auto below = static_cast<std::size_t>(at);
+  return {below, std::min(below + 1, n - 1), at - static_cast<double>(below)};
+}
+
+double between(double below, double above, double part) {
+  if (part == 0 || above == below) return below;
+  if (std::isinf(above) || std::isinf(below)) return above;
+  return below + part * (above - below);
+}
+
 }  // namespace
 
 Estimated success_rate(std::uint64_t successes, std::uint64_t all) {
@@ -330,16 +347,8 @@ Estimated success_rate(std::uint64_t successes, std::uint64_t all) {
 
 Estimated quantile(std::span<const double> sorted, double q) {
   const auto n = static_cast<double>(sorted.size());
-  // Between neighbours as in R's type 7.
-  const double at = q * (n - 1);
-  const auto below = static_cast<std::size_t>(at);
-  const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  const double part = at - static_cast<double>(below);
-  Estimated result{sorted[below], -kInfinity, kInfinity};
-  if (part > 0 && sorted[above] != sorted[below])
-    result.value = std::isinf(sorted[above]) || std::isinf(sorted[below])
-                       ? sorted[above]
-                       : sorted[below] + part * (sorted[above] - sorted[below]);
+  const Place at = place_of(q, sorted.size());
+  Estimated result{between(sorted[at.below], sorted[at.above], at.part), -kInfinity, kInfinity};
   // The r-th smallest of n lies below the quantile where at least r of them do.
   const boost::math::binomial count(n, q);
   const auto at_most = [&](double k) { return k < 0 ? 0 : boost::math::cdf(count, k); };
@@ -350,6 +359,14 @@ Estimated quantile(std::span<const double> sorted, double q) {
   while (high < n && 1 - at_most(high) > kTail) ++high;  // P(count > high) ≤ 2.5 %
   if (high < n) result.high = sorted[static_cast<std::size_t>(high)];
   return result;
+}
+
+double sample_quantile(std::span<double> values, double q) {
+  const Place at = place_of(q, values.size());
+  const auto below = values.begin() + static_cast<std::ptrdiff_t>(at.below);
+  std::nth_element(values.begin(), below, values.end());
+  if (at.above == at.below) return *below;
+  return between(*below, *std::min_element(below + 1, values.end()), at.part);
 }
 
 Estimated rank_correlation(std::span<const double> x, std::span<const double> y) {

@@ -219,6 +219,11 @@ TEST(TuneMissions, RefusesInOneLine) {
   refuses(
       {"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--measure", "men"}, 2,
       "--measure: 'men' came, expected mean, quantile or worst");
+  refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--measure",
+           "quantile", "--proof", "19"},
+          2,
+          "--proof is 19, expected at least 20 because fewer draws tell too little of the 0.9 "
+          "quantile");
   refuses({"tune", "pid", "mambo", "--gains", "published", "--mission", "hover", "--duration", "2",
            "--budget", "1"},
           3, "the mission 'hover' measures no figure of the cost in 2 s");

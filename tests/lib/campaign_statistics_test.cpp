@@ -97,6 +97,14 @@ TEST(Quantile, InfiniteValuesAreTheGreatest) {
   EXPECT_FALSE(std::isnan(quantile(x, 0.9795).value));
 }
 
+TEST(Quantile, OfValuesInAnyOrderIsTheSame) {
+  std::vector<double> x = {kInfinity, 8, -1, 8, 2, kInfinity, 0.5};
+  std::vector<double> sorted = x;
+  std::sort(sorted.begin(), sorted.end());
+  for (const double q : {0.01, 0.3, 0.5, 0.7, 0.8, 0.9, 0.99})
+    EXPECT_EQ(sample_quantile(x, q), quantile(sorted, q).value) << q;
+}
+
 // R: cor(x, y, method = "spearman")
 TEST(RankCorrelation, IsSpearmans) {
   const std::vector<double> x = {1, 2, 3, 4, 5, 6}, y = {1, 4, 9, 16, 25, 36};

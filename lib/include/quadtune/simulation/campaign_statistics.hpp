@@ -28,10 +28,12 @@ struct Estimated {
 /// The q-quantile of a sample in order, with an interval between two of its values that holds
 /// whatever the distribution (by the binomial distribution of how many lie below).
 /// @param sorted  n ≥ 1 values in increasing order, infinite ones allowed, no NaN; the interval
-/// ends
-///                at ±∞ where n is too small for one of 95 %
+///                ends at ±∞ where n is too small for one of 95 %
 /// @param q       0 < q < 1
 [[nodiscard]] Estimated quantile(std::span<const double> sorted, double q);
+
+/// The same without its interval, of values in any order, which it changes.
+[[nodiscard]] double sample_quantile(std::span<double> values, double q);
 
 /// Spearman's rank correlation, ties at their mean rank, with an interval by Fisher's transform and
 /// the variance of Bonett and Wright (2000). NaN where one of both does not vary, or n < 4.

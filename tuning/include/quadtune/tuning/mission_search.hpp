@@ -39,9 +39,10 @@ struct DesignSpace {
 };
 
 struct MissionSearchOptions {
-  double seconds = 60;             ///< of the search, > 0; kept to an evaluation's time
-  int evaluations = 100000;        ///< at most
-  std::uint32_t proof_draws = 24;  ///< fresh ones, ≥ 2, on which start and best are compared
+  double seconds = 60;       ///< of the search, > 0; kept to an evaluation's time
+  int evaluations = 100000;  ///< at most
+  /// Fresh ones, on which start and best are compared; ≥ 2, of a quantile ≥ its least_draws().
+  std::uint32_t proof_draws = 24;
   /// Called after each point: the best cost, points tried, seconds left at most.
   std::function<void(double best, int evaluations, double left)> progress;
   /// Asked often; true ends the search with the best found, which is proved on 100 draws at most.
@@ -61,9 +62,10 @@ enum class SearchEnd { budget, converged, interrupted };
 [[nodiscard]] std::string to_string(SearchEnd end);
 
 /// Never worse than the start. The best point is accepted where it costs less than the start by
-/// 0.1 % beyond the interval of the fresh draws, and no more by the trial's measure; or where it
-/// keeps all limits on them and the start does not. Not where it passes a limit there that the
-/// start keeps, or farther than the start, nor where more flights end early.
+/// 0.1 % beyond the interval of the fresh draws: on the mean, or at the quantile where that is the
+/// measure; where that is the worst, on the mean, and its worst is no greater, since no draws bound
+/// a maximum. Or where it keeps all limits on them and the start does not. Not where it passes a
+/// limit there that the start keeps, or farther than the start, nor where more flights end early.
 struct MissionSearchResult {
   bool accepted = false;
   bool repaired = false;       ///< accepted, and keeps all limits where the start does not
@@ -71,9 +73,11 @@ struct MissionSearchResult {
   Eigen::VectorXd best;        ///< (n) what counts: the start where nothing was accepted
   Eigen::VectorXd candidate;   ///< (n) the best point of the search, accepted or not
   TrialOutcome before, after;  ///< of start and candidate on the draws of the search
-  TrialOutcome proof_before, proof_after;        ///< on fresh draws
-  Estimated difference;                          ///< of the costs, after - before, on fresh draws
-  double less = 0, less_low = 0, less_high = 0;  ///< that difference as a fall of the cost [%]
+  TrialOutcome proof_before, proof_after;  ///< on fresh draws
+  /// Of the costs, after - before, on fresh draws: of their quantile where that is the measure,
+  /// else of their mean.
+  Estimated difference;
+  double less = 0, less_low = 0, less_high = 0;  ///< that difference as a fall of the same [%]
   std::vector<std::string> binding;  ///< limits that the candidate is as near to as it may be
   std::vector<std::string> broken;   ///< limits that `best` passes, on fresh draws
   std::vector<SearchStep> steps;
