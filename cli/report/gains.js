@@ -81,7 +81,7 @@
   main.append(Frame.header('Gains over missions', data.title || 'Gains',
     Frame.verdict({pass: 'Taken', fail: 'Not taken', none: 'No verdict'}, data.counts ? isolated(data.counts) : null)));
   const [first, second, ...rest] = data.tables.map(compared);
-  main.append(el('div', {class: 'summary'}, first ?? null, second ?? null));
+  main.append(el('div', {class: 'summary tables'}, first ?? null, second ?? null));
   const searched = search();
   main.append(el('div', {class: 'summary'},
                  el('div', {}, searched ? searched.part : null, Frame.about('What was asked for', data.about)),
