@@ -309,6 +309,8 @@ Verb status_verb() {
               const CampaignFolder folder = folder_of(plan, options->folder);
               Json shards = Json::array();
               std::uint64_t done = 0;
+              double rate = 0;  // of the workers of whom it is known
+              int running = 0, known = 0;
               std::map<std::string, std::uint32_t> counts;
               std::string text;
               for (std::uint32_t shard = 0; shard < plan.shards; ++shard) {
@@ -316,6 +318,11 @@ Verb status_verb() {
                 const std::string word = word_of(state);
                 done += state.records;
                 ++counts[word];
+                if (word == "running") {
+                  ++running;
+                  rate += state.rate;
+                  known += static_cast<int>(state.rate > 0);
+                }
                 shards.push_back({{"shard", shard},
                                   {"state", word},
                                   {"records", state.records},
@@ -326,29 +333,23 @@ Verb status_verb() {
                                     state.expected);
                 for (const std::string& damage : state.damage) text += "  " + damage + "\n";
               }
-              // At the rate since the plan was written.
-              const double passed = std::chrono::duration<double>(
-                                        fs::file_time_type::clock::now() -
-                                        fs::last_write_time(fs::path(options->folder) / kPlanName))
-                                        .count();
               const std::uint64_t all = plan.campaign.records();
+              // If as many workers go on; who has not written yet is taken for as fast as the rest.
               const double left =
-                  done > 0 ? passed / static_cast<double>(done) * static_cast<double>(all - done)
-                           : std::numeric_limits<double>::infinity();
+                  done == all ? 0 : static_cast<double>(all - done) * known / (rate * running);
               if (context.json) {
-                context.out << internal::readable(
-                                   Json{{"name", plan.name},
-                                        {"records", done},
-                                        {"expected", all},
-                                        {"left_s", done > 0 ? Json(left) : Json(nullptr)},
-                                        {"shards", shards}})
+                context.out << internal::readable(Json{{"name", plan.name},
+                                                       {"records", done},
+                                                       {"expected", all},
+                                                       {"left_s", internal::finite_or_null(left)},
+                                                       {"shards", shards}})
                             << "\n";
                 return;
               }
               std::string summary = fmt::format("{}: {} of {} flights", plan.name, done, all);
               for (const auto& [word, count] : counts)
                 summary += fmt::format(", {} shard{} {}", count, count == 1 ? "" : "s", word);
-              if (done > 0 && done < all) summary += fmt::format(", about {:.0f} s left", left);
+              if (done < all && known > 0) summary += fmt::format(", about {:.0f} s left", left);
               context.out << summary << "\n" << text;
             };
           }};

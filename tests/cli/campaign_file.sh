@@ -40,7 +40,7 @@ wait_for_more_than() {
   return 1
 }
 
-# Kills the worker that writes a part, which its name tells: SHARD.HOST-PROCESS-COUNT.part
+# Kills the worker that writes a part, which its name tells: SHARD.HOST-PROCESS-TIME.part
 kill_writer_of() {
   local part=$1 process
   process=${part%-*.part}

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -176,13 +177,14 @@ TEST_F(Campaign, StatusTellsWhatIsThere) {
   directory_.write("out/00002.flights", shard);
   const ProgramResult text = run_program({"campaign", "status", path("out")});
   EXPECT_THAT(text.out, AllOf(HasSubstr("11 of 24 flights, 1 shard damaged, 1 shard done, 2 shards "
-                                        "waiting, about "),
+                                        "waiting\n"),  // no worker is running: nobody knows
                               HasSubstr("shard 2: damaged, 5 of 6 flights\n  00002.flights: record "
                                         "1 of 6 is not as it was written (wrong checksum)")));
   const Json json = Json::parse(run_program({"campaign", "status", path("out"), "--json"}).out);
   EXPECT_EQ(json["shards"][1]["state"], "done");
   EXPECT_EQ(json["shards"][2]["state"], "damaged");
   EXPECT_EQ(json["shards"][3]["state"], "waiting");
+  EXPECT_TRUE(json["left_s"].is_null());
   // What is missing is named, and nothing is merged.
   const ProgramResult merge = run_program({"campaign", "merge", path("out")});
   EXPECT_EQ(merge.status, 3);
@@ -195,6 +197,39 @@ TEST_F(Campaign, StatusTellsWhatIsThere) {
                                   "again"));
   EXPECT_THAT(run_program({"campaign", "merge", path("out")}).err,
               HasSubstr("shards 0, 3 are not complete, expected all 4: `quadtune campaign work"));
+}
+
+// Two workers, of which one has written 3 records in the 2 s that it has been at it.
+TEST_F(Campaign, StatusTellsHowLongItTakesByThoseThatAreAtIt) {
+  ASSERT_EQ(run_program({"campaign", "init", write(), path("out"), "--shards", "4"}).status, 0);
+  ASSERT_EQ(run_program({"campaign", "work", path("out"), "--shard", "0"}).status, 0);
+  ASSERT_EQ(run_program({"campaign", "work", path("out"), "--shard", "1"}).status, 0);
+  const std::string shard = bytes("out/00001.flights");
+  fs::remove(path("out/00001.flights"));
+  const auto now = std::chrono::system_clock::now();
+  const auto part = [&](const std::string& number, double seconds, std::size_t size) {
+    const auto began = now - std::chrono::duration<double>(seconds);
+    const std::string name = fmt::format(
+        "out/{}.host-1-{}.part", number,
+        std::chrono::duration_cast<std::chrono::milliseconds>(began.time_since_epoch()).count());
+    directory_.write(name, shard.substr(0, size));
+    fs::last_write_time(path(name),
+                        std::chrono::file_clock::from_sys(
+                            std::chrono::time_point_cast<std::chrono::file_clock::duration>(now)));
+  };
+  part("00001", 2, 64 + 3 * 224);
+  part("00002", 0.1, 0);
+  const Json json = Json::parse(run_program({"campaign", "status", path("out"), "--json"}).out);
+  EXPECT_NEAR(json["left_s"].get<double>(), (24 - 6 - 3) / (2 * 1.5), 0.01);
+  EXPECT_THAT(
+      run_program({"campaign", "status", path("out")}).out,
+      HasSubstr("9 of 24 flights, 1 shard done, 2 shards running, 1 shard waiting, about 5 s "
+                "left"));
+  // All are there.
+  for (const char* number : {"1", "2", "3"})
+    ASSERT_EQ(run_program({"campaign", "work", path("out"), "--shard", number}).status, 0);
+  EXPECT_EQ(Json::parse(run_program({"campaign", "status", path("out"), "--json"}).out)["left_s"],
+            0);
 }
 
 TEST_F(Campaign, APlanDoesNotChange) {

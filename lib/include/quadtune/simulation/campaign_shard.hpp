@@ -30,6 +30,7 @@ struct ShardState {
   std::vector<std::string> damage;  ///< one line for each file that is not as it was written
   int workers = 0;                  ///< parts, each of a worker that flies or flew
   double last_written = -1;         ///< [s] ago; of the newest part; negative: there is none
+  double rate = 0;                  ///< [records/s] of that part's worker; 0: not known yet
 };
 /// @param shard  from 0, less than the folder's `shards`, here and below
 /// @throws FileError  where the shard's file is there and cannot be read
