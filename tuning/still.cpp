@@ -126,7 +126,7 @@ StillDetection find_still(const ImuLog& log, const StillOptions& options) {
                                    options.window, options.factor, options.shortest));
   const Index samples = log.t.size();
   const double period = samples > 1 ? (log.t(samples - 1) - log.t(0)) / double(samples - 1) : 1;
-  const Index length = std::max(kLeastWindow, static_cast<Index>(options.window / period + 0.5));
+  const Index length = std::max(kLeastWindow, Index{std::lround(options.window / period)});
   const Index count = samples / length;
   if (count < kLeastWindows)
     throw InvalidInput(log.name, fmt::format("has {} samples, expected at least {}, ten windows of "
@@ -144,9 +144,9 @@ StillDetection find_still(const ImuLog& log, const StillOptions& options) {
 
   std::vector<char> still(static_cast<std::size_t>(count));
   for (Index i = 0; i < count; ++i)
-    still[static_cast<std::size_t>(i)] =
+    still[static_cast<std::size_t>(i)] = static_cast<char>(
         accelerometer.variance(i) <= options.factor * quiet_a &&
-        (log.gyroscope.cols() == 0 || gyroscope.variance(i) <= options.factor * quiet_g);
+        (log.gyroscope.cols() == 0 || gyroscope.variance(i) <= options.factor * quiet_g));
   leave_out_turns(gyroscope, still);
 
   for (Index i = 0; i < count;) {

@@ -23,7 +23,7 @@ Eigen::Matrix<Scalar, 3, 1> rate_at(const TurnSamples& turn, const Scalar* G, co
   Eigen::Matrix<Scalar, 3, 1> raw, rate;
   for (int i = 0; i < 3; ++i)
     raw(i) = turn.scale * (turn.raw(i, k) - turn.unit * (bias[i] - drift[i] * turn.warmth(k)));
-  for (int i = 0; i < 3; ++i)
+  for (Eigen::Index i = 0; i < 3; ++i)
     rate(i) = G[3 * i] * raw(0) + G[3 * i + 1] * raw(1) + G[3 * i + 2] * raw(2);
   return rate;
 }

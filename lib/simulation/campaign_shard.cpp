@@ -172,8 +172,8 @@ double rate_of(const fs::path& part, fs::file_time_type written) {
   const std::uintmax_t size = fs::file_size(part, gone);
   if (read.ec != std::errc() || read.ptr != end || passed <= 0 || gone || size < kRecordHeaderSize)
     return 0;
-  const auto records = static_cast<double>((size - kRecordHeaderSize) / kRecordSize);
-  return 1000 * records / static_cast<double>(passed);
+  const std::uintmax_t records = (size - kRecordHeaderSize) / kRecordSize;
+  return 1000 * static_cast<double>(records) / static_cast<double>(passed);
 }
 
 /// All that can be used of what lies in the folder.
