@@ -47,8 +47,9 @@ std::vector<CostTerm> read_cost(const TomlTable& table, MissionRequirements& req
   table.allow(keys);
   if (table.has("measure"))
     requirements.measure = robust_measure(table.text("measure"), table.where("measure"));
-  requirements.share = table.number_or("quantile", requirements.share,
-                                       {0, Range::Bound::open, 1, Range::Bound::open});
+  requirements.share =
+      table.number_or("quantile", requirements.share,
+                      {kLeastTail, Range::Bound::closed, 1 - kLeastTail, Range::Bound::closed});
   if (table.has("draws"))
     requirements.draws = static_cast<std::uint32_t>(table.integer("draws", 1, 100000));
   std::vector<CostTerm> cost;

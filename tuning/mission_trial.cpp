@@ -80,10 +80,9 @@ void validate(const TrialRequest& request, const std::string& where) {
   }
   if (!(sum > 0)) throw InvalidInput(where, "the cost has no weight, expected one of more than 0");
   if (request.draws == 0) throw InvalidInput(where, "there are 0 draws, expected 1 or more");
-  if (!(request.share > 0 && request.share < 1))
-    throw InvalidInput(
-        where,
-        fmt::format("the quantile is {}, expected more than 0 and less than 1", request.share));
+  if (!(request.share >= kLeastTail && request.share <= 1 - kLeastTail))
+    throw InvalidInput(where, fmt::format("the quantile is {}, expected from {} to {}",
+                                          request.share, kLeastTail, 1 - kLeastTail));
   validate(request.uncertainty, where);
   for (const TrialMission& mission : request.missions) {
     FlightSetup setup = mission.setup;

@@ -76,6 +76,7 @@ TEST(PairedQuantileDifference, OfWhatIsShiftedIsTheShift) {
   EXPECT_EQ(least_draws(0.9), 20);
   EXPECT_EQ(least_draws(0.1), 20);
   EXPECT_EQ(least_draws(0.99), 200);
+  EXPECT_EQ(least_draws(kLeastTail), 20000);
   first.resize(19);
   second.resize(19);
   EXPECT_THAT(
@@ -219,6 +220,9 @@ TEST(MissionTrial, RefusesWhatCannotBeTried) {
   asked = request();
   asked.draws = 0;
   refuses(asked, "there are 0 draws");
+  asked = request();
+  asked.share = 0.99999;
+  refuses(asked, "the quantile is 0.99999, expected from 0.0001 to 0.9999");
   asked = request();
   asked.cost = {{Metric::energy, 0}};
   refuses(asked, "the cost has no weight");

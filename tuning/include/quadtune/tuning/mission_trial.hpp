@@ -39,12 +39,15 @@ enum class RobustMeasure {
 [[nodiscard]] std::string to_string(RobustMeasure measure);
 [[nodiscard]] RobustMeasure robust_measure(const std::string& name, const std::string& where);
 
+/// Of a quantile farther out no number of draws that anybody flies tells anything.
+inline constexpr double kLeastTail = 1e-4;
+
 /// What is asked of a controller.
 struct TrialRequest {
   std::vector<TrialMission> missions;  ///< at least one
   std::vector<CostTerm> cost;          ///< at least one of weight > 0
   RobustMeasure measure = RobustMeasure::mean;
-  double share = 0.9;       ///< of RobustMeasure::quantile, 0 < share < 1
+  double share = 0.9;       ///< of RobustMeasure::quantile, kLeastTail … 1 - kLeastTail
   Uncertainty uncertainty;  ///< none: only noise and wind differ from draw to draw
   std::uint32_t draws = 1;  ///< flights of each mission for one evaluation, ≥ 1
   std::uint64_t seed = 1;
@@ -135,7 +138,7 @@ class MissionTrial {
                                           const std::vector<double>& second);
 
 /// How many draws tell something of a quantile: two on either side of it, and two in all.
-/// @param share  0 < share < 1
+/// @param share  as TrialRequest::share
 [[nodiscard]] std::uint32_t least_draws(double share);
 
 /// Quantile of second less that of first, with the interval of 95 % that the paired bootstrap
