@@ -234,7 +234,8 @@ class UlogReader final : public LogReader {
     const auto same = std::find_if(groups().begin(), groups().end(),
                                    [&](const LogGroup& group) { return group.name == name; });
     const auto place = static_cast<std::size_t>(same - groups().begin());
-    if (same != groups().end() && same->channels.size() != entry.layout.channels.size()) {
+    if (same != groups().end() &&
+        (same->channels != entry.layout.channels || same->timed != entry.layout.timed)) {
       skip(fmt::format("topic '{}' comes again with other fields", printable(name)));
       return;
     }

@@ -112,6 +112,24 @@ TEST(Ulog, TopicsThatNoFormatDescribesArePassedOver) {
   EXPECT_EQ(read.condition.skipped, 8U);
 }
 
+// Its rows would stand in the columns of the first ones.
+TEST(Ulog, ATopicThatComesAgainWithOtherFieldsIsPassedOver) {
+  for (const char* other : {"a:uint64_t timestamp;float y;", "a:float x;", "a:uint64_t timestamp;",
+                            "a:uint64_t timestamp;float x;float y;"}) {
+    UlogWriter log = small();
+    log.data(0, row(1, 5)).format(other).subscribe(0, 1, "a").data(1, row(2, 6)).data(0, row(3, 7));
+    const WholeLog read = read_bytes(log.bytes());
+    EXPECT_THAT(read.group("a").column("x"), ElementsAre(5, 7)) << other;
+    EXPECT_EQ(read.condition.skipped, 2U) << other;
+    EXPECT_THAT(read.condition.first_skipped, HasSubstr("topic 'a' comes again with other fields"))
+        << other;
+  }
+  // With the same ones it goes on.
+  UlogWriter log = small();
+  log.data(0, row(1, 5)).subscribe(0, 1, "a").data(1, row(2, 6));
+  EXPECT_THAT(read_bytes(log.bytes()).group("a").column("x"), ElementsAre(5, 6));
+}
+
 TEST(Ulog, RefusesWhatItDoesNotKnow) {
   UlogWriter later;
   later.message('B', std::string(8, '\0') + "\x02" + std::string(31, '\0'));

@@ -17,6 +17,8 @@ struct LogChannel {
   std::string name;        ///< as the file calls it, without its unit: "z", "gyro_x", "values[1]"
   std::string unit;        ///< e.g. "m/s^2"; "" where the file does not say
   std::size_t column = 0;  ///< of a text, counted from 1; 0 where the file has no columns
+
+  friend bool operator==(const LogChannel&, const LogChannel&) = default;
 };
 
 /// Channels that share one clock: a topic, a sensor, or the one table of a text.
