@@ -112,8 +112,7 @@ TrialRequest request_of(const MissionTuning& tuning, const MissionRequirements& 
 
 std::uint32_t proof_draws(const TrialRequest& request, const std::string& verb,
                           const MissionTuningArguments& arguments) {
-  const std::uint32_t least =
-      request.measure == RobustMeasure::quantile ? least_draws(request.share) : 2;
+  const std::uint32_t least = least_draws(request);
   if (arguments.proof == 0) return std::max(kUsualProof, least);
   if (arguments.proof < least)
     refuse(verb, "--proof",
@@ -143,8 +142,7 @@ void add_mission_tuning_options(CLI::App& app, MissionTuningArguments& arguments
             "it, or 4")
       ->type_name("N");
   add_count(app, "--proof", arguments.proof, 2,
-            "fresh draws on which start and found are compared; 24, of a quantile more as it needs "
-            "them")
+            "fresh draws on which start and found are compared; 24, or what a quantile needs")
       ->type_name("N");
   app.add_option("--measure", arguments.measure, "of the draws: mean (default), quantile or worst")
       ->type_name("NAME");

@@ -277,10 +277,9 @@ class Search {
   void prove(MissionSearchResult& result) {
     const bool hurried = end_ == SearchEnd::interrupted;
     const std::uint32_t first = trial_.request().draws;
-    const std::uint32_t least = of_quantile() ? least_draws(trial_.request().share) : 2;
-    const std::uint32_t count = hurried
-                                    ? std::min(options_.proof_draws, std::max(kHurriedProof, least))
-                                    : options_.proof_draws;
+    const std::uint32_t most = std::max(kHurriedProof, least_draws(trial_.request()));
+    const std::uint32_t count =
+        hurried ? std::min(options_.proof_draws, most) : options_.proof_draws;
     const auto fresh = [&](const Tried& point) {
       return trial_.fly(*point.design.controller, first, count,
                         hurried ? MissionTrial::Stop{} : options_.stop);
@@ -387,13 +386,10 @@ MissionSearchResult search_missions(const DesignSpace& space, const MissionTrial
       !(space.reach > 0) || space.start.size() == 0 ||
       space.start.size() != std::ssize(space.names))
     throw InvalidInput("search", "seconds, evaluations, proof draws or the space are out of range");
-  const TrialRequest& request = trial.request();
-  if (request.measure == RobustMeasure::quantile &&
-      options.proof_draws < least_draws(request.share))
-    throw InvalidInput("search",
-                       fmt::format("{} fresh draws tell too little of the {:g} quantile, "
-                                   "expected at least {}",
-                                   options.proof_draws, request.share, least_draws(request.share)));
+  if (const std::uint32_t least = least_draws(trial.request()); options.proof_draws < least)
+    throw InvalidInput("search", fmt::format("{} fresh draws tell too little of the {:g} quantile, "
+                                             "expected at least {}",
+                                             options.proof_draws, trial.request().share, least));
   return Search(space, trial, options).run();
 }
 

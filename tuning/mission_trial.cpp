@@ -241,6 +241,10 @@ std::uint32_t least_draws(double share) {
   return static_cast<std::uint32_t>(std::ceil(2 / std::min(share, 1 - share) * (1 - 1e-12)));
 }
 
+std::uint32_t least_draws(const TrialRequest& request) {
+  return request.measure == RobustMeasure::quantile ? least_draws(request.share) : 2;
+}
+
 Estimated paired_quantile_difference(const std::vector<double>& first,
                                      const std::vector<double>& second, double share) {
   require_pairs("paired_quantile_difference", first, second, least_draws(share));

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "hostile_samples.hpp"
+#include "ulog_writer.hpp"
 
 namespace {
 
@@ -31,6 +32,9 @@ int main(int argc, char** argv) {
     write(root / target_of(sample.format), sample.name, sample.bytes);
   for (const quadtune::testing::LogSample& sample : quadtune::testing::mat_samples())
     write(root / "mat", sample.name, sample.bytes);
+  quadtune::testing::UlogWriter again = quadtune::testing::sample_ulog();
+  again.format("status:float armed;").subscribe(0, 3, "status");
+  write(root / "ulog", "again", again.data(3, quadtune::testing::packed(1.5F)).bytes());
   write(root / "columns", "parts", "t_s:1, t_us:2, height[m]:3, rest\n1 500000 3 4\n2 0 5 6\n");
   write(root / "columns", "others", "t_ms:stamp, *\nstamp,a[m],b\n1500,2,3\n");
 }

@@ -98,11 +98,19 @@ TEST(Quantile, InfiniteValuesAreTheGreatest) {
 }
 
 TEST(Quantile, OfValuesInAnyOrderIsTheSame) {
-  std::vector<double> x = {kInfinity, 8, -1, 8, 2, kInfinity, 0.5};
-  std::vector<double> sorted = x;
-  std::sort(sorted.begin(), sorted.end());
-  for (const double q : {0.01, 0.3, 0.5, 0.7, 0.8, 0.9, 0.99})
-    EXPECT_EQ(sample_quantile(x, q), quantile(sorted, q).value) << q;
+  std::mt19937_64 random(6);
+  std::normal_distribution<double> normal;
+  for (const std::size_t n : {1U, 2U, 7U, 24U, 101U}) {
+    std::vector<double> x(n);
+    for (double& value : x) value = normal(random);
+    if (n > 2) x[0] = x[1] = kInfinity;
+    std::vector<double> sorted = x;
+    std::sort(sorted.begin(), sorted.end());
+    for (const double q : {0.01, 0.3, 0.5, 0.72, 0.8, 0.9, 0.99}) {
+      std::shuffle(x.begin(), x.end(), random);
+      EXPECT_EQ(sample_quantile(x, q), quantile(sorted, q).value) << n << " " << q;
+    }
+  }
 }
 
 // R: cor(x, y, method = "spearman")

@@ -140,9 +140,12 @@ class MissionTrial {
 /// How many draws tell something of a quantile: two on either side of it, and two in all.
 /// @param share  as TrialRequest::share
 [[nodiscard]] std::uint32_t least_draws(double share);
+/// How many tell something of what is asked for; of a mean or the worst two.
+[[nodiscard]] std::uint32_t least_draws(const TrialRequest& request);
 
 /// Quantile of second less that of first, with the interval of 95 % that the paired bootstrap
-/// gives: 4,000 times as many draws as there are, drawn from them. The same at each call.
+/// gives (Efron and Tibshirani 1993, chapter 13): 4,000 samples as large as that of the draws,
+/// drawn from them with return, each draw with both its values. The same at each call.
 /// @param first, second  the same draws, at least least_draws(share)
 [[nodiscard]] Estimated paired_quantile_difference(const std::vector<double>& first,
                                                    const std::vector<double>& second, double share);
