@@ -400,12 +400,12 @@ Verb run_verb() {
             add_count(app, "--shards", options->shards, 1, "as `campaign init`")->type_name("N");
             return [options](Context& context) {
               need(options->file, "run", "FILE", "a campaign file");
-              if (options->folder.empty()) {
-                options->folder = fs::path(options->file).stem().string() + "-campaign";
+              const bool unnamed = options->folder.empty();
+              if (unnamed) options->folder = fs::path(options->file).stem().string() + "-campaign";
+              (void)init(options->file, options->folder, shard_count(options->shards, "run"));
+              if (unnamed)
                 context.note(fmt::format("campaign run: note: plan, flights and tables go into {}",
                                          options->folder));
-              }
-              (void)init(options->file, options->folder, shard_count(options->shards, "run"));
               const CampaignPlan plan = load_plan(options->folder);
               note_words(plan, context);
               const CampaignFolder folder = folder_of(plan, options->folder);

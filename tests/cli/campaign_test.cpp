@@ -164,6 +164,9 @@ TEST_F(Campaign, RunNamesItsFolderItself) {
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.err, HasSubstr("note: plan, flights and tables go into " + expected));
   EXPECT_TRUE(fs::exists(fs::path(path(expected)) / "flights.csv"));
+  // Nothing goes anywhere where there is no such file.
+  EXPECT_EQ(run_program({"campaign", "run", path("none.toml")}).err,
+            path("none.toml") + ": No such file or directory\n");
 }
 
 TEST_F(Campaign, StatusTellsWhatIsThere) {
