@@ -154,14 +154,14 @@ Eigen::VectorXcd flying_poles(const Linearization& model, const Gains& gains,
 }
 
 MarginsReport flying_margins(const Linearization& model, const Gains& gains,
-                             const RiccatiResult& riccati) {
+                             const RiccatiResult& riccati, MarginsEvidence evidence) {
   std::vector<std::string> inputs = names_or_numbers(gains.inputs, std::ssize(gains.inputs));
   if (gains.dt > 0)
     return margins_report(OpenLoop(open_loop(discretize_zoh(model.plant, gains.dt), gains)),
-                          std::move(inputs));
+                          std::move(inputs), evidence);
   const ContinuousLti augmented =
       with_integrals(model.plant, names_or_numbers(gains.integrals, std::ssize(gains.integrals)));
-  return margins_report(loop_at_inputs(augmented, riccati.K), std::move(inputs));
+  return margins_report(loop_at_inputs(augmented, riccati.K), std::move(inputs), evidence);
 }
 
 DesignOutcome run_design(const std::string& path) {

@@ -72,7 +72,8 @@ void require_tuned(const DesignOutcome& outcome, bool force, Context& context);
 
 /// Margins of the same loop, cut at the plant's inputs.
 [[nodiscard]] MarginsReport flying_margins(const Linearization& model, const Gains& gains,
-                                           const RiccatiResult& riccati);
+                                           const RiccatiResult& riccati,
+                                           MarginsEvidence evidence = MarginsEvidence::full);
 
 /// The model of gains that came from elsewhere: the vehicle in the flight that gains.x0 names.
 /// @throws NoSolution  if the vehicle has no such trim.
