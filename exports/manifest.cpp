@@ -34,7 +34,8 @@ std::vector<ManifestFile> files_from_json(const Json& json, const std::string& w
     const std::string here = fmt::format("{}[{}]", where, i);
     const Json& size = member(json[i], "size", here);
     if (!size.is_number_unsigned())
-      throw InvalidInput(here + ".size", fmt::format("is {}, expected bytes", size.dump()));
+      throw InvalidInput(here + ".size",
+                         fmt::format("is {}, expected bytes", internal::json_text(size)));
     files.push_back({internal::string_from_json(member(json[i], "path", here), here + ".path"),
                      internal::string_from_json(member(json[i], "sha256", here), here + ".sha256"),
                      size.get<std::size_t>()});

@@ -235,7 +235,7 @@ Json parse_json(const std::string& text, const std::string& origin, const std::s
   if (version != 1)
     throw InvalidInput(origin, fmt::format("format_version is {}, expected 1, the only one that "
                                            "this version of quadtune knows",
-                                           version.dump()));
+                                           internal::json_text(version)));
   return json;
 }
 
