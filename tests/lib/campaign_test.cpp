@@ -11,6 +11,7 @@
 #include <fstream>
 #include <random>
 #include <thread>
+#include <utility>
 
 #include "designed_mambo.hpp"
 #include "quadtune/errors.hpp"
@@ -392,6 +393,36 @@ TEST(Campaign, RefusesWhatCannotBeFlown) {
                   HasSubstr("c.toml: designed in hover: vision_noise: the vehicle 'mambo'")));
   EXPECT_THAT([&] { (void)setup_of(small_campaign(4), 8); },
               ThrowsMessage<InvalidInput>(HasSubstr("flight: 8 came, expected 0 to 7")));
+}
+
+// It flew on, for hours, and wrote into a file that nobody could find.
+TEST(CampaignShards, AWorkerNoticesThatItsFolderIsGone) {
+  const Campaign campaign = small_campaign(8);
+  const TemporaryDirectory directory;
+  CampaignFolder folder = folder_of(directory, campaign, 1);
+  folder.path /= "flown";
+  fs::create_directories(folder.path);
+  const auto remove_it = [&] {
+    fs::remove_all(folder.path);
+    return false;
+  };
+  EXPECT_THAT([&] { (void)fly_shard(campaign, folder, 0, 1, {}, remove_it); },
+              ThrowsMessage<FileError>(HasSubstr("is gone")));
+  EXPECT_FALSE(fs::exists(folder.path));
+}
+
+// The worker that finished a shard first takes all parts away: nothing is lost.
+TEST(CampaignShards, AWorkerWhosePartIsOfNoMoreUseIsNotLost) {
+  const Campaign campaign = small_campaign(8);
+  const TemporaryDirectory directory;
+  const CampaignFolder folder = folder_of(directory, campaign, 1);
+  bool flown = false;
+  const auto be_faster = [&] {
+    if (!std::exchange(flown, true)) (void)fly_shard(campaign, folder, 0, 1);
+    return false;
+  };
+  (void)fly_shard(campaign, folder, 0, 1, {}, be_faster);
+  EXPECT_TRUE(fly_shard(campaign, folder, 0, 1).was_complete);
 }
 
 }  // namespace
