@@ -176,7 +176,13 @@ class TextReader final : public LogReader {
     const std::size_t count = split_names(*first, numbers).size();
     require_columns(count);
     std::vector<std::string> names = split_names(comment, numbers);
-    if (names.size() != count || holds_a_number(comment, numbers)) names.clear();
+    if (holds_a_number(comment, numbers)) names.clear();
+    if (names.size() > 1 && names.size() != count)
+      condition_.notes.push_back(
+          fmt::format("the columns have no names: the comment before the numbers, '{}', has {} "
+                      "fields, expected {}, as many as the rows",
+                      printable(trimmed(comment)), names.size(), count));
+    if (names.size() != count) names.clear();
     layout_ = text_layout(names, count, numbers, options, lines_.name());
     first_row_ = std::move(first);
   }

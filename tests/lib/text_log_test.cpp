@@ -224,5 +224,19 @@ TEST(ReplayLog, MakesAGroupOfEachSensorInTheOrderOfTheFile) {
   EXPECT_EQ(log.condition.first_skipped, "f.log:6: odd has 1 values, expected 2 as before");
 }
 
+// They were passed over without a word.
+TEST(TextLog, TellsOfNamesThatAreTooManyOrTooFew) {
+  const WholeLog few = read_bytes("# t,x\n0,1,2\n1,2,3\n");
+  EXPECT_THAT(few.group("").names(), ElementsAre("c1", "c2", "c3"));
+  EXPECT_THAT(few.condition.notes,
+              ::testing::Contains(HasSubstr("'t,x', has 2 fields, expected 3")));
+  EXPECT_THAT(read_bytes("# t,x,y,z\n0,1,2\n").condition.notes,
+              ::testing::Contains(HasSubstr("has 4 fields, expected 3")));
+  for (const char* text : {"# a log\n# t,x,y\n0,1,2\n", "# recorded\n0,1,2\n", "0,1,2\n"})
+    EXPECT_THAT(read_bytes(text).condition.notes,
+                ::testing::Not(::testing::Contains(HasSubstr("have no names"))))
+        << text;
+}
+
 }  // namespace
 }  // namespace quadtune
