@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
+#include <filesystem>
 #include <functional>
 #include <regex>
 
@@ -205,6 +207,19 @@ TEST(Verify, NoticesMissingAndForeignFiles) {
               Contains("lqr-R.txt matches the manifest"));
   directory.write(kManifestName, "{");
   EXPECT_THAT(failed(verify_export(directory.path(), uquad_model())), Contains("manifest"));
+}
+
+// It waited for ever.
+TEST(Verify, NoticesAPipeInThePlaceOfAFile) {
+  const TemporaryDirectory directory;
+  const std::vector<ManifestFile> files =
+      write_export(directory.path(), ExportKind::uquad, uquad_content());
+  const std::filesystem::path path = directory.path() / files.front().path;
+  std::filesystem::remove(path);
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+  const VerifyReport report = verify_export(directory.path(), uquad_model());
+  EXPECT_FALSE(report.ok());
+  EXPECT_THAT(all_details(report), HasSubstr("is a pipe or a socket, expected a regular file"));
 }
 
 TEST(Verify, NoticesChangedNumbersInParameterFiles) {
