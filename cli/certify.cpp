@@ -10,6 +10,7 @@
 #include <ostream>
 
 #include "certify_report.hpp"
+#include "flight_arguments.hpp"
 #include "number_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
@@ -174,14 +175,6 @@ std::vector<CertifiedLaw> laws_of(const Options& options, const Manifest& manife
   return laws;
 }
 
-void require_controller(const std::string& word) {
-  if (word.empty() || word == "state-feedback" || word == "cascaded-pid") return;
-  throw UsageError(fmt::format("quadtune certify: --controller is '{}', expected state-feedback or "
-                               "cascaded-pid",
-                               internal::printable(word)),
-                   "--controller");
-}
-
 /// Before anything is read: a wrong range is told without an export.
 void require_ranges(const Options& options) {
   (void)read_ratios(options.mass, "--mass");
@@ -195,7 +188,6 @@ void require_ranges(const Options& options) {
 void run(const Options& options, Context& context) {
   if (options.directory.empty())
     throw UsageError("quadtune certify: expected an export's directory", "DIR");
-  require_controller(options.controller);
   require_ranges(options);
   require_verified(options);
   const Manifest manifest = read_manifest(options.directory);
@@ -241,8 +233,9 @@ Verb certify_verb() {
             app.add_option("--lag", options->lag,
                            "time constant of the motors [s] (default the vehicle's)")
                 ->type_name("LOW:HIGH");
-            app.add_option("--controller", options->controller,
-                           "state-feedback or cascaded-pid (default: all of the export)")
+            app.add_option(
+                   "--controller", options->controller,
+                   "state-feedback (or lqr), cascaded-pid (or pid); all of the export if absent")
                 ->type_name("NAME");
             app.add_option("--integrator", options->integrator,
                            "of a cascade: euler (default), backward-euler or tustin")
@@ -253,7 +246,10 @@ Verb certify_verb() {
             add_count(app, "--budget", options->budget, 1,
                       "boxes that a proof may look at (default 20000)")
                 ->type_name("N");
-            return [options](Context& context) { run(*options, context); };
+            return [options](Context& context) {
+              options->controller = controller_kind(options->controller, "certify");
+              run(*options, context);
+            };
           }};
 }
 

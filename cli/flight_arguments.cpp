@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "number_arguments.hpp"
 #include "print.hpp"
@@ -19,6 +20,8 @@
 namespace quadtune::cli {
 namespace {
 
+constexpr char kCascadedPid[] = "cascaded-pid";
+constexpr char kStateFeedback[] = "state-feedback";
 /// Control period of laws that come with none [s].
 constexpr double kUsualPeriod = 0.005;
 /// Of designed cascades [1/s]: near Ki/Kp of their loops. The model project's 0.001 unwinds
@@ -114,6 +117,16 @@ std::string usual_estimator(const Sensors& sensors) {
   return sensors.barometer && sensors.magnetometer ? "uquad" : "truth";
 }
 
+void require_estimator(const std::string& name, const std::string& verb) {
+  static const std::vector<std::string> words = {"mambo", "mambo-original", "mambo-raw", "uquad",
+                                                 "truth"};
+  if (std::find(words.begin(), words.end(), name) == words.end())
+    throw UsageError(fmt::format("quadtune {}: --estimator: no estimator '{}', expected {}{}", verb,
+                                 internal::printable(name), fmt::join(words, ", "),
+                                 internal::did_you_mean(name, words)),
+                     "--estimator");
+}
+
 void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& flight,
                    const std::string& verb) {
   const Sensors& sensors = setup.vehicle.sensors;
@@ -127,13 +140,6 @@ void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& f
   flight.estimator = name;
   // Variants of the Mambo's: without the calibration, without the filter.
   const bool original = name == "mambo-original", raw = name == "mambo-raw";
-  static const std::vector<std::string> words = {"mambo", "mambo-original", "mambo-raw", "uquad",
-                                                 "truth"};
-  if (std::find(words.begin(), words.end(), name) == words.end())
-    throw UsageError(fmt::format("quadtune {}: --estimator: no estimator '{}', expected {}{}", verb,
-                                 internal::printable(name), fmt::join(words, ", "),
-                                 internal::did_you_mean(name, words)),
-                     "--estimator");
   setup.estimator = estimator_kind(original || raw ? "mambo" : name, "--estimator");
   if (raw) setup.mambo_estimator.position = MamboPosition::flow_velocity;
   if (setup.estimator == EstimatorKind::truth) return;
@@ -148,6 +154,41 @@ void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& f
     setup.uquad_filter = uquad_filter_in_si<double>();
     setup.uquad_filter.position = sensors.gps || sensors.vision;
   }
+}
+
+/// What options say that needs neither a vehicle nor a law.
+struct FlightWords {
+  bool real_sensors = true;
+  FlowModel flow = FlowModel::full;
+  Wind wind;
+  Integrator solver = Integrator::bogacki_shampine_3;
+  std::optional<PidMethod> integrator;
+};
+
+FlightWords words_of(const FlightArguments& arguments, const std::string& verb) {
+  FlightWords words;
+  if (!arguments.integrator.empty())
+    words.integrator = word_of(verb, "--integrator", [&](const std::string& option) {
+      return pid_method(arguments.integrator, option);
+    });
+  const std::string& sensors = arguments.sensors;
+  if (!sensors.empty() && sensors != "real" && sensors != "ideal")
+    throw UsageError(fmt::format("quadtune {}: --sensors is '{}', expected ideal or real{}", verb,
+                                 internal::printable(sensors),
+                                 internal::did_you_mean(sensors, {"ideal", "real"})),
+                     "--sensors");
+  words.real_sensors = sensors != "ideal";
+  words.flow = word_of(verb, "--flow", [&](const std::string& option) {
+    return flow_model(arguments.flow.empty() ? "full" : arguments.flow, option);
+  });
+  words.wind = word_of(verb, "--wind", [&](const std::string& option) {
+    return wind_of_words(arguments.wind, option);
+  });
+  words.solver = word_of(verb, "--solver", [&](const std::string& option) {
+    return integrator(arguments.solver, option);
+  });
+  if (!arguments.estimator.empty()) require_estimator(arguments.estimator, verb);
+  return words;
 }
 
 /// The accelerometer of a multirotor shows its thrust, not the vertical: the filter of the attitude
@@ -201,13 +242,24 @@ void require_sane_times(const FlightSetup& setup, const std::string& verb) {
 
 }  // namespace
 
+std::string controller_kind(const std::string& word, const std::string& verb) {
+  if (word.empty() || word == kCascadedPid || word == kStateFeedback) return word;
+  if (word == "pid") return kCascadedPid;
+  if (word == "lqr") return kStateFeedback;
+  throw UsageError(
+      fmt::format("quadtune {}: --controller is '{}', expected {} (or pid) or {} (or lqr){}", verb,
+                  internal::printable(word), kCascadedPid, kStateFeedback,
+                  internal::did_you_mean(word, {kCascadedPid, kStateFeedback})),
+      "--controller");
+}
+
 ChosenLaw choose_law(FlightArguments arguments, const Vehicle& vehicle, const std::string& verb) {
+  arguments.controller = controller_kind(arguments.controller, verb);
   if (arguments.gains.empty()) arguments.gains = "designed";
   const bool file = arguments.gains != "designed" && arguments.gains != "published";
   if (arguments.controller.empty())
-    arguments.controller = file && !is_design(arguments.gains) ? "state-feedback" : "cascaded-pid";
-  const std::vector<std::string> known = {"cascaded-pid", "state-feedback"};
-  if (arguments.controller == known[0]) {
+    arguments.controller = file && !is_design(arguments.gains) ? kStateFeedback : kCascadedPid;
+  if (arguments.controller == kCascadedPid) {
     if (file && !is_design(arguments.gains))
       throw UsageError(fmt::format("quadtune {}: --gains is '{}', expected a design file (.toml), "
                                    "designed or published for a cascaded PID",
@@ -215,12 +267,7 @@ ChosenLaw choose_law(FlightArguments arguments, const Vehicle& vehicle, const st
                        "--gains");
     return cascade_of(arguments, vehicle, verb);
   }
-  if (arguments.controller == known[1]) return feedback_of(arguments, vehicle, verb);
-  throw UsageError(
-      fmt::format("quadtune {}: --controller is '{}', expected cascaded-pid or "
-                  "state-feedback{}",
-                  verb, arguments.controller, internal::did_you_mean(arguments.controller, known)),
-      "--controller");
+  return feedback_of(arguments, vehicle, verb);
 }
 
 void keep_log(PlannedFlight& plan, const std::string& verb) {
@@ -241,8 +288,9 @@ void add_flight_options(CLI::App& app, FlightArguments& arguments) {
   app.add_option("--mission", arguments.mission,
                  "a built-in mission or a mission file (docs/formats.md); hover")
       ->type_name("NAME");
-  app.add_option("--controller", arguments.controller,
-                 "cascaded-pid or state-feedback; what --gains holds, or cascaded-pid")
+  app.add_option(
+         "--controller", arguments.controller,
+         "cascaded-pid (or pid), state-feedback (or lqr); what --gains holds, or cascaded-pid")
       ->type_name("KIND");
   app.add_option("--gains", arguments.gains,
                  "designed (default), published, a design file, an export or a file of gains")
@@ -274,7 +322,8 @@ void add_flight_options(CLI::App& app, FlightArguments& arguments) {
 
 FlightArguments as_the_model_project(FlightArguments arguments) {
   if (arguments.sensors.empty()) arguments.sensors = "ideal";
-  if (arguments.gains.empty() && arguments.controller != "state-feedback" &&
+  if (arguments.gains.empty() &&
+      controller_kind(arguments.controller, "compare") != kStateFeedback &&
       !arguments.vehicle.empty() && load_vehicle(arguments.vehicle).published_cascade)
     arguments.gains = "published";
   return arguments;
@@ -305,6 +354,11 @@ StateFeedbackController feedback_controller(const Gains& gains, double dt) {
   return controller;
 }
 
+void require_flight_words(const FlightArguments& arguments, const std::string& verb) {
+  (void)controller_kind(arguments.controller, verb);
+  (void)words_of(arguments, verb);
+}
+
 PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehicle,
                           const Mission& mission, const ChosenLaw& law, const std::string& verb) {
   PlannedFlight flight;
@@ -314,31 +368,22 @@ PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehic
   setup.controller = law.controller;
   flight.law = law.words;
   flight.margins = law.margins;
+  const FlightWords words = words_of(arguments, verb);
   if (auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
-    if (!arguments.integrator.empty())
-      cascade->method = word_of(verb, "--integrator", [&](const std::string& option) {
-        return pid_method(arguments.integrator, option);
-      });
-  } else if (!arguments.integrator.empty()) {
+    cascade->method = words.integrator.value_or(cascade->method);
+  } else if (words.integrator) {
     throw UsageError(fmt::format("quadtune {}: --integrator is for a cascaded PID, expected none "
                                  "because a state feedback sums its error once a sample",
                                  verb),
                      "--integrator");
   }
-  const std::string sensors = arguments.sensors.empty() ? "real" : arguments.sensors;
-  if (sensors != "real" && sensors != "ideal")
-    throw UsageError(fmt::format("quadtune {}: --sensors is '{}', expected ideal or real{}", verb,
-                                 sensors, internal::did_you_mean(sensors, {"ideal", "real"})),
-                     "--sensors");
-  setup.real_sensors = sensors == "real";
-  flight.sensors = sensors;
+  setup.real_sensors = words.real_sensors;
+  flight.sensors = words.real_sensors ? "real" : "ideal";
   if (setup.real_sensors && !vehicle.sensors_known)
     flight.notes.push_back(
         fmt::format("the file of '{}' has no [sensors]: typical ones of small vehicles are flown",
                     vehicle.name));
-  setup.flow = word_of(verb, "--flow", [&](const std::string& option) {
-    return flow_model(arguments.flow.empty() ? "full" : arguments.flow, option);
-  });
+  setup.flow = words.flow;
   setup.flow_rate = arguments.flow_rate.value_or(0);
   setup.duration = arguments.duration.value_or(0);
   require_flow_sensor(arguments, setup, verb);
@@ -350,9 +395,7 @@ PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehic
         "the sensors of '{}' feed no estimator: the law has the true state", vehicle.name));
   slow_down_attitude_filter(law, arguments, flight);
   setup.environment.dynamic = arguments.dynamic_environment;
-  setup.environment.wind = word_of(verb, "--wind", [&](const std::string& option) {
-    return wind_of_words(arguments.wind, option);
-  });
+  setup.environment.wind = words.wind;
   flight.wind = arguments.wind;
   const Wind& wind = setup.environment.wind;
   const bool windy = !wind.mean.isZero(0) || !wind.gust.velocity.isZero(0) || wind.turbulence > 0;
@@ -361,9 +404,7 @@ PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehic
         fmt::format("the file of '{}' has no drag_area_m2 and no drag_linear_N_s_per_m: the wind "
                     "does not move it",
                     vehicle.name));
-  setup.integrator = word_of(verb, "--solver", [&](const std::string& option) {
-    return integrator(arguments.solver, option);
-  });
+  setup.integrator = words.solver;
   setup.step = arguments.step.value_or(setup.step);
   setup.seed = arguments.seed;
   require_sane_times(setup, verb);
@@ -374,6 +415,7 @@ PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehic
 PlannedFlight plan_flight(const FlightArguments& arguments, const std::string& verb) {
   if (arguments.vehicle.empty())
     throw UsageError(fmt::format("quadtune {}: expected a vehicle", verb), "V");
+  require_flight_words(arguments, verb);
   const Vehicle vehicle = load_vehicle(arguments.vehicle);
   const Mission mission = load_mission(arguments.mission);
   return plan_flight(arguments, vehicle, mission, choose_law(arguments, vehicle, verb), verb);

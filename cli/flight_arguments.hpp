@@ -63,6 +63,14 @@ struct PlannedFlight {
   std::vector<std::string> notes;        ///< what the user should know of a choice
 };
 
+/// "cascaded-pid" or "state-feedback", also for "pid" and "lqr"; "" stays.
+/// @throws UsageError  for other words
+[[nodiscard]] std::string controller_kind(const std::string& word, const std::string& verb);
+
+/// Refuses words that no option knows, before anything is designed or flown.
+/// @throws UsageError
+void require_flight_words(const FlightArguments& arguments, const std::string& verb);
+
 /// The law that --gains, --controller and --integrator ask for.
 /// @param verb  for messages
 /// @throws UsageError, InvalidInput, FileError, NoSolution

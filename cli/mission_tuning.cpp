@@ -7,42 +7,30 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <ostream>
 
 #include "mission_tuning_report.hpp"
 #include "number_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/built_in.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/internal/utf8.hpp"
 #include "quadtune/version.hpp"
 
 namespace quadtune::cli {
 namespace {
 
 constexpr std::uint32_t kUsualDraws = 4, kUsualProof = 24;
+/// Longest command that a file repeats whole.
+constexpr std::size_t kCommentLength = 4096;
 /// More draws than anybody flies for one number.
 constexpr std::uint64_t kMostDraws = 100000;
 
 [[noreturn]] void refuse(const std::string& verb, const std::string& option,
                          const std::string& why) {
   throw UsageError(fmt::format("quadtune {}: {}", verb, why), option);
-}
-
-void check(const std::string& verb, const MissionTuningArguments& arguments) {
-  if (!(arguments.budget > 0) || arguments.budget > 1e6)
-    refuse(verb, "--budget",
-           fmt::format("--budget is {}, expected more than 0 and at most 1e6 s", arguments.budget));
-  for (const auto& [option, draws] :
-       {std::pair("--monte-carlo", arguments.draws), std::pair("--proof", arguments.proof)})
-    if (draws > kMostDraws)
-      refuse(verb, option, fmt::format("{} is {}, expected at most {}", option, draws, kMostDraws));
-  if (arguments.report.empty()) return;
-  if (!arguments.report.ends_with(".html"))
-    refuse(verb, "--report",
-           fmt::format("--report is '{}', expected a name that ends in .html",
-                       internal::printable(arguments.report)));
-  if (arguments.report == arguments.file)
-    refuse(verb, "--report", "--report and -o are one file, expected two");
 }
 
 MissionRequirements requirements_of(const MissionTuning& tuning,
@@ -157,9 +145,40 @@ void add_mission_tuning_options(CLI::App& app, MissionTuningArguments& arguments
   app.add_option("--report", arguments.report, "write a page to look at: a .html file");
 }
 
+std::string vehicle_text(const std::string& word) {
+  const std::string vehicle =
+      internal::looks_like_path(word) ? std::filesystem::absolute(word).string() : word;
+  if (internal::valid_utf8(vehicle) != vehicle)
+    throw InvalidInput(
+        vehicle, "is not UTF-8, expected a path that a design file can name, as TOML is UTF-8");
+  return internal::json_text(internal::Json(vehicle));  // which is TOML, too
+}
+
+void require_sane(const std::string& verb, const MissionTuningArguments& arguments) {
+  FlightArguments flight;
+  flight.estimator = arguments.estimator;
+  flight.sensors = arguments.sensors;
+  if (!arguments.wind.empty()) flight.wind = arguments.wind;
+  require_flight_words(flight, verb);
+  if (!arguments.file.empty()) (void)vehicle_text(arguments.vehicle);  // before a long search
+  if (!(arguments.budget > 0) || arguments.budget > 1e6)
+    refuse(verb, "--budget",
+           fmt::format("--budget is {}, expected more than 0 and at most 1e6 s", arguments.budget));
+  for (const auto& [option, draws] :
+       {std::pair("--monte-carlo", arguments.draws), std::pair("--proof", arguments.proof)})
+    if (draws > kMostDraws)
+      refuse(verb, option, fmt::format("{} is {}, expected at most {}", option, draws, kMostDraws));
+  if (arguments.report.empty()) return;
+  if (!arguments.report.ends_with(".html"))
+    refuse(verb, "--report",
+           fmt::format("--report is '{}', expected a name that ends in .html",
+                       internal::printable(arguments.report)));
+  if (arguments.report == arguments.file)
+    refuse(verb, "--report", "--report and -o are one file, expected two");
+}
+
 void run_mission_tuning(const MissionTuning& tuning, const MissionTuningArguments& arguments,
                         Context& context) {
-  check(tuning.verb, arguments);
   const MissionRequirements requirements = requirements_of(tuning, arguments);
   const TunedDesign start = tuning.design(tuning.start);
   if (!start.point.controller)
@@ -211,7 +230,8 @@ void run_mission_tuning(const MissionTuning& tuning, const MissionTuningArgument
     write_file(arguments.file,
                tuning.file(result.candidate,
                            fmt::format("{}By {}; {}", result.accepted ? "" : "NOT TAKEN. ",
-                                       context.command, result.reason)),
+                                       internal::printable(context.command, kCommentLength),
+                                       result.reason)),
                stop);
     context.written.push_back(arguments.file);
   }

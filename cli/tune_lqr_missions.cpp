@@ -206,19 +206,17 @@ class LqrTuning {
 
   [[nodiscard]] std::string file(const Eigen::VectorXd& x, const std::string& comment) const {
     const LqrDesign found = with_diagonals(design_, weights(x));
-    const std::string& word = problem_.plant.vehicle;
     const auto list = [](const Eigen::MatrixXd& M) {
       std::vector<double> numbers;
       for (Eigen::Index i = 0; i < M.rows(); ++i) numbers.push_back(M(i, i));
       return fmt::format("[{}]", fmt::join(numbers, ", "));
     };
     std::string text = fmt::format(
-        "# {}\nname = \"tuned-{}\"\nvehicle = \"{}\"\n\n[trim]\nat = \"hover\"\nyaw_rad = {}\n\n"
+        "# {}\nname = \"tuned-{}\"\nvehicle = {}\n\n[trim]\nat = \"hover\"\nyaw_rad = {}\n\n"
         "[lqr]\nconvention = \"{}\"\ninputs = \"{}\"\nstates = [\"{}\"]\nQ = {}\nR = {}\n",
-        comment, plant_.vehicle.name,
-        internal::looks_like_path(word) ? std::filesystem::absolute(word).string() : word,
-        problem_.plant.yaw, found.convention, to_string(found.input_kind),
-        fmt::join(found.states, "\", \""), list(found.Q), list(found.R));
+        comment, plant_.vehicle.name, vehicle_text(problem_.plant.vehicle), problem_.plant.yaw,
+        found.convention, to_string(found.input_kind), fmt::join(found.states, "\", \""),
+        list(found.Q), list(found.R));
     if (!found.integrals.empty())
       text += fmt::format("integral = [\"{}\"]\nQ_integral = {}\n",
                           fmt::join(found.integrals, "\", \""), list(found.Q_integral));
@@ -238,6 +236,7 @@ class LqrTuning {
 
 void run_lqr_missions(const LqrArguments& problem, const MissionTuningArguments& arguments,
                       bool separate, Context& context) {
+  require_sane("tune lqr", arguments);
   const LqrTuning lqr(problem, separate);
   run_mission_tuning(lqr.tuning(), arguments, context);
 }

@@ -143,13 +143,11 @@ class PidTuning {
   /// A design file, which `quadtune design` and `fly --gains` read.
   [[nodiscard]] std::string file(const Eigen::VectorXd& x, const std::string& comment) const {
     const CascadeController tuned = controller(x);
-    const std::string vehicle =
-        internal::looks_like_path(word_) ? std::filesystem::absolute(word_).string() : word_;
     std::string text = fmt::format(
-        "# {}\nname = \"tuned-{}\"\nvehicle = \"{}\"\n\n[trim]\nat = \"hover\"\n\n[cascade]\ndt_s "
+        "# {}\nname = \"tuned-{}\"\nvehicle = {}\n\n[trim]\nat = \"hover\"\n\n[cascade]\ndt_s "
         "= "
         "{}\n",
-        comment, vehicle_.name, vehicle, tuned.gains.dt);
+        comment, vehicle_.name, vehicle_text(word_), tuned.gains.dt);
     if (std::isfinite(tuned.attitude_limit))
       text += fmt::format("attitude_limit_rad = {}\n", tuned.attitude_limit);
     if (std::isfinite(tuned.integrator_limit))
@@ -214,6 +212,7 @@ Verb tune_pid_verb() {
             return [options](Context& context) {
               if (options->tuning.vehicle.empty())
                 throw UsageError("quadtune tune pid: expected a vehicle", "V");
+              require_sane("tune pid", options->tuning);
               const PidTuning pid(options->tuning, options->gains, options->separate);
               run_mission_tuning(pid.tuning(), options->tuning, context);
             };
