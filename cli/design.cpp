@@ -36,8 +36,11 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
     one.directory = outcome.design.exports.size() == 1
                         ? directory
                         : (std::filesystem::path(directory) / request.to).string();
-    one.files = write_export(one.directory, one.kind, content, interrupted);
-    context.written.push_back(one.directory);
+    {
+      const WritingFiles writing;
+      one.files = write_export(one.directory, one.kind, content, interrupted);
+      context.written.push_back(one.directory);
+    }
     one.verification = verify_export(one.directory, model);
     written.push_back(std::move(one));
   }

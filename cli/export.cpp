@@ -120,9 +120,12 @@ Verb export_verb() {
                 context.note(
                     "export: note: gains, trim and vehicle are carried over; weights, "
                     "filters and cascade come from a design file only");
-              const std::vector<ManifestFile> files =
-                  write_export(options->directory, kind, content, interrupted);
-              context.written.push_back(options->directory);
+              std::vector<ManifestFile> files;
+              {
+                const WritingFiles writing;
+                files = write_export(options->directory, kind, content, interrupted);
+                context.written.push_back(options->directory);
+              }
               if (context.json) {
                 const internal::Json json = {{"files", to_json(files)}};
                 context.out << internal::readable(json) << "\n";

@@ -189,6 +189,7 @@ void run_mission_tuning(const MissionTuning& tuning, const MissionTuningArgument
   (void)limits(start);  // refuses loops that are not there before anything flies
   const TrialRequest request =
       request_of(tuning, requirements, *start.point.controller, arguments, context);
+  const KeepsTheBest keeps_the_best;
   const MissionTrial trial(request, *start.point.controller, context.threads, interrupted);
   DesignSpace space;
   space.names = tuning.names;
