@@ -110,11 +110,16 @@ struct Table {
   std::vector<bool> blank;
 };
 
-/// The table around line `k`, not before line `least`.
+/// The table around line `k`, not before line `least`. A line that begins at the very left among
+/// lines that do not is the heading of a section: a table ends before it.
 Table table_around(const std::vector<Line>& lines, std::size_t k, std::size_t least) {
   Table table{k, k + 1, blanks_of(lines[k])};
+  if (columns_of(table.blank).size() < 3) return table;
+  const auto is_heading = [&](std::size_t i) {
+    return !lines[i].empty() && !is_blank(lines[i], 0);
+  };
   const auto joins = [&](const Line& line) {
-    if (columns_of(blanks_of(line)).size() < 2) return false;
+    if (columns_of(blanks_of(line)).size() < 3) return false;
     std::vector<bool> both = common_blanks(table.blank, line);
     const std::size_t columns = columns_of(both).size();
     // A line of something else fills the gaps.
@@ -122,8 +127,15 @@ Table table_around(const std::vector<Line>& lines, std::size_t k, std::size_t le
     table.blank = std::move(both);
     return true;
   };
-  while (table.begin > least && joins(lines[table.begin - 1])) --table.begin;
-  while (table.end < lines.size() && joins(lines[table.end])) ++table.end;
+  const bool below_heading = !is_heading(table.end - 1);
+  while (table.end < lines.size() &&
+         !(is_heading(table.end) && (below_heading || !is_heading(table.end - 1))) &&
+         joins(lines[table.end]))
+    ++table.end;
+  const bool indented = !is_heading(table.end - 1);
+  while (table.begin > least && !(indented && is_heading(table.begin)) &&
+         joins(lines[table.begin - 1]))
+    --table.begin;
   return table;
 }
 

@@ -114,23 +114,25 @@ TEST(Folded, LeavesWhatFitsAlone) {
 }
 
 TEST(Folded, MakesOneTableSeveral) {
-  EXPECT_EQ(folded("gain K    w1     w2     w3\n"
-                   "      z   1.5    2.5    3.5\n"
-                   "      x  -1.5  -2.25   -3.5\n",
-                   22),
-            "gain K    w1     w2\n"
-            "      z   1.5    2.5\n"
-            "      x  -1.5  -2.25\n"
+  EXPECT_EQ(folded("gain K           w1     w2     w3\n"
+                   "            z   1.5    2.5    3.5\n"
+                   "            x  -1.5  -2.25   -3.5\n"
+                   "next        word\n",
+                   28),
+            "gain K           w1     w2\n"
+            "            z   1.5    2.5\n"
+            "            x  -1.5  -2.25\n"
             "\n"
-            "            w3\n"
-            "      z    3.5\n"
-            "      x   -3.5\n");
+            "                 w3\n"
+            "            z   3.5\n"
+            "            x  -3.5\n"
+            "next        word\n");
 }
 
 TEST(Folded, WrapsBelowTheTextOfAHeading) {
-  EXPECT_EQ(folded("poles       one two three four\n", 22),
-            "poles       one two\n"
-            "            three four\n");
+  EXPECT_EQ(folded("poles       one two three four\n", 26),
+            "poles       one two three\n"
+            "            four\n");
   EXPECT_EQ(folded("one two three four", 10), "one two\n  three\n  four");
   EXPECT_EQ(folded(std::string(30, 'x') + " y\n", 10), std::string(30, 'x') + "\n  y\n");
 }
