@@ -268,6 +268,8 @@ int tell_exception(const Context& context) {
     if (interrupted())
       return fail(context, kInterrupted, Interrupted().what() + what_is_written(context.written),
                   "");
+  } catch (...) {
+    // Not even that: told below.
   }
   try {
     throw;
