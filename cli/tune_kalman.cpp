@@ -12,6 +12,7 @@
 #include <set>
 
 #include "log_arguments.hpp"
+#include "log_report.hpp"
 #include "number_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
@@ -138,29 +139,16 @@ void leave_unmeasured(FilterModel& model,
     }
 }
 
-/// Where a channel is: "px", of the log itself, or "px@FILE", of another log of the same flight.
-struct Place {
-  std::string channel, file;
-};
-
-Place place_of(const std::string& word, const std::string& log) {
-  const std::size_t at = word.rfind('@');
-  if (at == std::string::npos || at == 0 || at + 1 == word.size()) return {word, log};
-  return {word.substr(0, at), word.substr(at + 1)};
-}
-
 /// Channels of one file, their times after `epoch_s` of the first file read.
-void read_file(const std::string& file, const std::vector<Place>& places,
-               const LogOptions& log_options, std::optional<std::int64_t>& epoch_s,
-               std::vector<ChannelUse>& uses, Context& context) {
+/// @return  what its reader warns of
+std::vector<std::string> read_file(const std::string& file, const std::vector<ChannelPlace>& places,
+                                   const LogOptions& log_options,
+                                   std::optional<std::int64_t>& epoch_s,
+                                   std::vector<ChannelUse>& uses, const Context& context) {
   std::vector<std::string> channels;
-  for (const Place& place : places)
+  for (const ChannelPlace& place : places)
     if (place.file == file) channels.push_back(place.channel);
-  LogChannels log = read_log_channels(file, channels, log_options);
-  if (!log.condition.whole())
-    context.note(
-        fmt::format("tune: warning: {} is not whole: {}", file,
-                    log.condition.torn.empty() ? log.condition.first_skipped : log.condition.torn));
+  LogChannels log = read_channels(file, channels, log_options);
   if (!epoch_s) epoch_s = log.epoch_s;
   const auto offset = static_cast<double>(log.epoch_s - *epoch_s);
   std::size_t next = 0;
@@ -169,18 +157,19 @@ void read_file(const std::string& file, const std::vector<Place>& places,
     uses[i].series = std::move(log.series[next++]);
     for (double& t : uses[i].series.time) t += offset;
   }
+  return tell_log_warnings(log.condition, file, "tune", context);
 }
 
 TunedLog read_log(const std::string& path, const FilterModel& model, const Options& options,
                   const std::vector<std::pair<std::string, std::string>>& map, Context& context) {
-  std::vector<Place> places;
+  std::vector<ChannelPlace> places;
   std::vector<ChannelUse> uses;
   std::vector<std::string> files;
   auto all = map;
   for (const std::string& text : options.truths)
     all.push_back(named_word(text, "--truth", "STATE", "CHANNEL"));
   for (const auto& [signal, word] : all) {
-    places.push_back(place_of(word, path));
+    places.push_back(channel_place(word, path));
     uses.push_back({signal, {}});
     if (std::find(files.begin(), files.end(), places.back().file) == files.end())
       files.push_back(places.back().file);
@@ -188,7 +177,9 @@ TunedLog read_log(const std::string& path, const FilterModel& model, const Optio
   TunedLog result;
   std::optional<std::int64_t> epoch_s;
   for (const std::string& file : files) {
-    read_file(file, places, log_options(options.log, "tune"), epoch_s, uses, context);
+    for (std::string& line :
+         read_file(file, places, log_options(options.log, "tune"), epoch_s, uses, context))
+      result.warnings.push_back(std::move(line));
     result.files.push_back({file, sha256_of_file(file)});
   }
   const auto truths = uses.begin() + static_cast<std::ptrdiff_t>(map.size());

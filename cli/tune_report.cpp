@@ -197,7 +197,8 @@ Json to_json(const TuneReport& report) {
     json["logs"].push_back({{"files", files_to_json(log)},
                             {"samples", samples_of(log)},
                             {"duration_s", seconds_of(log)},
-                            {"records", log.records.size()}});
+                            {"records", log.records.size()},
+                            {"warnings", log.warnings}});
   json["Q"] = internal::matrix_to_json(covariance(report.model.Q, fit.theta), "Q");
   for (const FilterSensor& sensor : report.model.sensors)
     json["R"][sensor.name] = internal::matrix_to_json(covariance(sensor.R, fit.theta), "R");
@@ -271,6 +272,9 @@ std::string tuned_file(const TuneReport& report, const std::string& command) {
     for (const TunedFile& file : log.files)
       comments.push_back(fmt::format("log {} sha256 {}",
                                      internal::printable(file.path, kCommentLength), file.sha256));
+  for (const TunedLog& log : report.logs)
+    for (const std::string& warning : log.warnings)
+      comments.push_back("warning: " + internal::printable(warning, kCommentLength));
   for (const FittedParameter& p : report.tuning.fit.parameters)
     comments.push_back(fmt::format("{}: {} ({} to {}), {}", p.name, figure(p.value, 6),
                                    figure(p.low, 6), figure(p.high, 6), to_string(p.verdict)));

@@ -21,6 +21,7 @@ struct TunedFile {
 struct TunedLog {
   std::vector<TunedFile> files;
   std::vector<FilterRecord> records;
+  std::vector<std::string> warnings = {};  ///< of the files' readers
 };
 
 struct TuneReport {

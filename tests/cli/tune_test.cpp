@@ -258,6 +258,52 @@ TEST(TuneVerb, TakesChannelsOfAnotherLogOfTheFlight) {
   EXPECT_EQ(json["logs"][0]["files"][1]["file"], sonar);
 }
 
+// The same log with the times of a clock that states no unit: nanoseconds since 1970 give the same
+// numbers and a warning, microseconds from the start are refused.
+TEST(TuneVerb, SaysWhatItTakesAClockFor) {
+  const TemporaryDirectory folder;
+  const std::string log = bobbing(1000);
+  const auto clocked = [&](std::int64_t first, std::int64_t tick) {
+    std::istringstream lines(log);
+    std::string line, text;
+    std::getline(lines, line);
+    text = "#timestamp,az[m/s^2],height[m]\n";
+    for (std::int64_t k = 0; std::getline(lines, line); ++k)
+      text += fmt::format("{}{}\n", first + 20 * tick * k, line.substr(line.find(',')));
+    return text;
+  };
+  const Json expected = Json::parse(tune(folder.write("s.csv", log), {"--json"}).out);
+  EXPECT_TRUE(expected["logs"][0]["warnings"].empty());
+  const std::string ns = folder.write("ns.csv", clocked(1403636579758555392, 1000000));
+  const std::string tuned = (folder.path() / "tuned.toml").string();
+  const ProgramResult result = tune(ns, {"--json", "-o", tuned, "--force"});
+  const Json json = Json::parse(result.out);
+  for (std::size_t i = 0; i < 2; ++i)
+    EXPECT_NEAR(json["parameters"][i]["value"].get<double>(),
+                expected["parameters"][i]["value"].get<double>(),
+                1e-6 * expected["parameters"][i]["value"].get<double>());
+  const std::string said = "states no unit and is taken as nanoseconds since 1970";
+  EXPECT_THAT(json["logs"][0]["warnings"][0].get<std::string>(), HasSubstr(said));
+  EXPECT_THAT(result.err, HasSubstr("tune: warning: " + ns + ": the clock 'timestamp' " + said));
+  EXPECT_THAT(folder.read("tuned.toml"), HasSubstr(said));
+  const std::string us = folder.write("us.csv", clocked(0, 1000));
+  const ProgramResult refused = tune(us);
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_THAT(refused.err,
+              HasSubstr(us + ": the clock 'timestamp' states no unit, and as seconds its samples "
+                             "would be 20000 s apart"));
+  EXPECT_EQ(tune(us, {"--columns", "t_us:timestamp, *", "--quiet"}).err, "");
+}
+
+TEST(TuneVerb, SaysHowAChannelOfAnotherFileIsCalled) {
+  const TemporaryDirectory folder;
+  const std::string imu = folder.write("imu.csv", columns_of(bobbing(100), {0, 1}));
+  const ProgramResult result = tune(imu);
+  EXPECT_EQ(result.status, 3);
+  EXPECT_THAT(result.err, HasSubstr("has no channel 'height'"));
+  EXPECT_THAT(result.err, HasSubstr("a channel of another file is called CHANNEL@FILE"));
+}
+
 TEST(TuneVerb, RefusesOutliers) {
   const TemporaryDirectory folder;
   std::stringstream lines(bobbing(2000));
