@@ -51,6 +51,15 @@ add_library(quadtune::quadtune ALIAS quadtune_all)
 set_target_properties(quadtune_all PROPERTIES EXPORT_NAME quadtune)
 install(TARGETS quadtune_all EXPORT quadtune-targets)
 
+# A library keeps to its own copies of Eigen's templates, not to the slower ones of a program that
+# was compiled for any machine; and whatever it calls must be in a library it may know.
+function(quadtune_keeps_to_itself target)
+  target_link_options(${target} PRIVATE -Wl,-Bsymbolic-functions)
+  if(NOT QUADTUNE_SANITIZE)
+    target_link_options(${target} PRIVATE -Wl,--no-undefined)
+  endif()
+endfunction()
+
 # quadtune_library(synthesis SOURCES … PUBLIC … PRIVATE …) makes quadtune::synthesis from
 # synthesis/include and the sources. Headers of libraries given as PRIVATE stay out of its interface.
 function(quadtune_library name)
@@ -69,12 +78,7 @@ function(quadtune_library name)
   target_compile_definitions(${target} PUBLIC ${QUADTUNE_EIGEN_ALIGNMENT})
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC}
                                   PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:quadtune_flags>)
-  # The library keeps to its own copies of Eigen's templates, not to the slower ones of a program
-  # that was compiled for any machine; and whatever it calls must be in a library it may know.
-  target_link_options(${target} PRIVATE -Wl,-Bsymbolic-functions)
-  if(NOT QUADTUNE_SANITIZE)
-    target_link_options(${target} PRIVATE -Wl,--no-undefined)
-  endif()
+  quadtune_keeps_to_itself(${target})
   install(TARGETS ${target} EXPORT quadtune-targets FILE_SET HEADERS)
   target_link_libraries(quadtune_all INTERFACE ${target})
   set_property(GLOBAL APPEND PROPERTY QUADTUNE_LIBRARIES ${target})
@@ -86,6 +90,7 @@ function(quadtune_test name)
   set(target test_${name})
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE ${ARG_LINK} quadtune_test_support quadtune_flags)
+  add_dependencies(${target} quadtune_mat) # which a MAT file loads
   # Threads of OpenBLAS would fight for the processors with the tests that run beside.
   set(properties TIMEOUT 600 ENVIRONMENT OPENBLAS_NUM_THREADS=1)
   if(ARG_LABELS)
