@@ -33,6 +33,19 @@ set(QUADTUNE_PACKS_ONLY $<$<CXX_COMPILER_ID:GNU>:-fno-tree-vectorize>)
 if(QUADTUNE_WERROR)
   target_compile_options(quadtune_flags INTERFACE -Werror)
 endif()
+# A program that reads files of others keeps what a wrong write could do small: canaries on the stack,
+# checked sizes in the C library, nothing writable that the loader jumps through, addresses that
+# nobody knows. Sanitizers check sizes themselves, and without optimization the headers cannot.
+if(QUADTUNE_HARDEN)
+  include(CheckPIESupported)
+  check_pie_supported(LANGUAGES CXX)
+  target_compile_options(quadtune_flags INTERFACE -fstack-protector-strong)
+  target_link_options(quadtune_flags INTERFACE -Wl,-z,relro,-z,now)
+  if(NOT QUADTUNE_SANITIZE AND NOT QUADTUNE_BUILD_FUZZERS)
+    target_compile_options(quadtune_flags INTERFACE
+      $<$<CONFIG:Release,RelWithDebInfo,MinSizeRel>:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2>)
+  endif()
+endif()
 if(QUADTUNE_SANITIZE)
   target_compile_options(quadtune_flags INTERFACE -fsanitize=${QUADTUNE_SANITIZE}
                                                   -fno-sanitize-recover=all
