@@ -73,7 +73,8 @@ void add_sensor_log_options(CLI::App& app, SensorLogArguments& arguments) {
   app.add_option("--time", arguments.time,
                  "of a text, the column of times, by name or number; one called t, time, timestamp")
       ->type_name("COLUMN");
-  app.add_option("--time-unit", arguments.time_unit, "s, ms, us or ns; the header's, else s")
+  app.add_option("--time-unit", arguments.time_unit,
+                 "s, ms, us or ns; the header's, else by the values")
       ->type_name("U");
 }
 

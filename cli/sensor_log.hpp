@@ -15,7 +15,7 @@ namespace quadtune::cli {
 struct SensorLogArguments {
   LogArguments log;
   std::string time;       ///< the column of a text that is its clock; empty: as the log says
-  std::string time_unit;  ///< s, ms, us or ns; empty: of the log, else s
+  std::string time_unit;  ///< s, ms, us or ns; empty: of the log, or by its values
 
   [[nodiscard]] bool given() const;
 };

@@ -175,6 +175,7 @@ std::vector<std::pair<std::string, std::string>> facts_of(const TuneReport& repo
   for (const TunedLog& log : report.logs) {
     facts.emplace_back("log", log_line(log));
     for (const TunedFile& file : log.files) facts.emplace_back("sha256", file.sha256);
+    for (const std::string& warning : log.warnings) facts.emplace_back("warning", warning);
   }
   facts.emplace_back("fit", fit_line(report.tuning));
   facts.emplace_back("likelihood", likelihood_line(fit));

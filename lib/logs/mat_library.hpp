@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What needs libmatio, in a library of its own that is loaded when a MAT file is read or written:
-/// libmatio brings seventy others (HDF5, and what that asks for), and no other work needs them.
+/// libmatio brings some thirty others (HDF5, and what that asks for), which no other work needs.
 #pragma once
 
 #include <cstddef>
