@@ -136,6 +136,7 @@ LogChannels read_log_channels(const std::string& path, const std::vector<std::st
   LogChannels result = collector.result(reader->groups());
   result.condition = reader->condition();
   result.epoch_s = reader->epoch_s();
+  result.groups = reader->groups();
   return result;
 }
 

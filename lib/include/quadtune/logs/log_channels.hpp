@@ -25,6 +25,7 @@ struct LogChannels {
   std::vector<LogSeries> series;  ///< in the order of the names that were asked for
   LogCondition condition;
   std::int64_t epoch_s = 0;
+  std::vector<LogGroup> groups;  ///< all that the log has
 };
 
 /// Reads channels of a log in one pass.
