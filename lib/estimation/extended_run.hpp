@@ -75,7 +75,7 @@ class ExtendedFilter : public NonlinearFilter {
 /// Motion is the model: move() takes the state over a step of inputs and keeps what advance(),
 /// M ← F M, and add_noise(), N += G shape Gᵀ dt, need; observe() says what is measured at a state,
 /// with its slope; difference() is y less that; absorb() takes what a state stands for besides its
-/// number out of it.
+/// number out of it; relate() puts what is true into the terms of the state before that.
 template <class Motion>
 class ExtendedRun {
  public:
@@ -125,6 +125,7 @@ class ExtendedRun {
       LinearizedInstant at;
       correct(k, at.C, into);
       const ExtendedVector corrected = x;
+      if (into != nullptr && into->truth.size() > 0) motion_.relate(record_, k, x, *into);
       motion_.absorb(x);
       const Eigen::Index end =
           k + 1 < record_.samples() ? drive_.arrival[static_cast<std::size_t>(k) + 1] : step;

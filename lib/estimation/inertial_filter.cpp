@@ -95,6 +95,15 @@ class InertialMotion {
   }
   static double difference(Index, double y, double expected) { return y - expected; }
 
+  /// From the true attitude's rotation vector the true turn, which is from the attitude kept here.
+  void relate(const FilterRecord& record, Index k, const ExtendedVector&,
+              FilterRecord& into) const {
+    const Vector3d truth = record.truth.col(k).segment<3>(kInertialAttitude);
+    if (!truth.allFinite()) return;
+    const Eigen::AngleAxisd turn(Matrix3d(rotation(truth) * attitude_.transpose()));
+    into.truth.col(k).segment<3>(kInertialAttitude) = turn.angle() * turn.axis();
+  }
+
   /// The turn goes into the attitude.
   void absorb(ExtendedVector& x) {
     attitude_ = rotation(x.head<3>()) * attitude_;

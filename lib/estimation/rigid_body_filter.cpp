@@ -131,6 +131,12 @@ class RigidBodyMotion {
     return rows_[static_cast<std::size_t>(i)].seen == Seen::angle ? wrapped(e) : e;
   }
   static void absorb(ExtendedVector&) {}
+  /// True angles that are nearest to the state's.
+  static void relate(const FilterRecord& record, Index k, const ExtendedVector& x,
+                     FilterRecord& into) {
+    for (Index i = kAttitude; i < kAttitude + 3; ++i)
+      into.truth(i, k) = x(i) + wrapped(record.truth(i, k) - x(i));
+  }
 
   void hold(const Eigen::Ref<const VectorXd>& speeds) { loads_ = rotor_loads(*body_, speeds); }
 

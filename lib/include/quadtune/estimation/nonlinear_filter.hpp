@@ -34,7 +34,8 @@ class NonlinearFilter {
   /// The logs, linearized along the path that the extended filter takes with these covariances: a
   /// linear filter over them with the same θ has the extended filter's innovations.
   /// @param theta  (p) as start_of(model())
-  /// @return       the instants of measurements(), NaN where a gate refuses one
+  /// @return       the instants of measurements(), NaN where a gate refuses one; a truth is in the
+  ///               terms of that linear model: of inertial navigation the true turn from its path
   [[nodiscard]] virtual LinearizedLogs linearize(
       const Eigen::Ref<const Eigen::VectorXd>& theta) const = 0;
 

@@ -25,7 +25,10 @@ struct ChannelUse {
 /// @param uses  every input of the model, and one output at least; an output that is not among them
 ///              was not measured
 /// @param truths  what states truly were: between its samples a truth is interpolated, but not over
-///                more than ten of its typical periods
+///                more than ten of its typical periods. Besides states, of a nonlinear model "qw",
+///                "qx", "qy", "qz": the attitude's quaternion, body to world; of inertial
+///                navigation also "roll", "pitch", "yaw", and its truth in place of the turn is the
+///                rotation vector of the attitude. Degrees are taken for states in radians.
 /// @param name  of the record, for messages
 /// @return      at least one record
 /// @throws InvalidInput  "name: …" for a signal that is missing, unknown or given twice, a unit
