@@ -5,9 +5,10 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
-#include <boost/math/distributions/normal.hpp>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
+
+#include "tails.hpp"
 
 namespace quadtune::internal {
 namespace {
@@ -110,8 +111,6 @@ double edge_of_loss(const std::function<double(double)>& loss, double most, doub
   return 0.5 * (bracket.first + bracket.second);
 }
 
-double deviations(double confidence) {
-  return boost::math::quantile(boost::math::normal(), 0.5 + 0.5 * confidence);
-}
+double deviations(double confidence) { return normal_exceeded(0.5 - 0.5 * confidence); }
 
 }  // namespace quadtune::internal

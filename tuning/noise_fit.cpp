@@ -8,6 +8,7 @@
 #include <optional>
 #include <random>
 
+#include "constant_measurements.hpp"
 #include "noise_description.hpp"
 #include "noise_search.hpp"
 #include "quadtune/errors.hpp"
@@ -66,6 +67,14 @@ class Fit {
     fit_.theta = start_of(model_);
     fit_.before = likelihood_.evaluate(fit_.theta, LikelihoodOrder::information);
     fit_.parameters = internal::unfitted_parameters(model_);
+    // Of linearized records the measurements are others: who makes them looks at those before.
+    const std::vector<FilterRecord>& records = likelihood_.records();
+    if (!records.empty() && records.front().linearized.empty())
+      fit_.culprit = internal::constant_measurement(model_, records);
+    if (!fit_.culprit.empty()) {
+      fit_.status = NoiseFitStatus::not_computed;
+      return;
+    }
     if (!fit_.before.computed()) {
       fit_.status = NoiseFitStatus::not_computed;
       fit_.culprit = fit_.before.culprit.empty() ? "the likelihood is not a number at the start"

@@ -172,6 +172,7 @@ void quasi_newton(const NoiseObjective& objective, const MatrixXd& W, bool flat,
 
 NoiseObjective::Value NoiseObjective::at(const VectorXd& theta, LikelihoodOrder order) const {
   ++evaluations_;
+  if (!theta.allFinite()) return {};
   const Likelihood likelihood = likelihood_.evaluate(theta, order);
   Value result{likelihood.computed(), likelihood.value, likelihood.gradient,
                likelihood.information};

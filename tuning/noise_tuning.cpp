@@ -2,13 +2,14 @@
 #include "quadtune/tuning/noise_tuning.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <functional>
-#include <numbers>
 
+#include "constant_measurements.hpp"
+#include "held_out.hpp"
 #include "quadtune/errors.hpp"
 
 namespace quadtune {
@@ -17,12 +18,12 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// Least number of innovations that a stretch held out must have to say something.
-constexpr Index kLeastHeldOut = 30;
 /// Fits with a new path or new refusals each.
 constexpr int kMostRounds = 20;
 /// Change of θ, in standard errors or, of what is not seen, in logarithms, that ends them.
 constexpr double kSettled = 0.01;
+/// Growth of a root mean square error that is worth saying.
+constexpr double kLessAccurate = 1.01;
 /// Tails of a gated sensor in the first fit: with these an outlier has little weight.
 constexpr double kLongTails = 4;
 
@@ -166,44 +167,16 @@ std::vector<FilterRun> part_of(const std::vector<FilterRun>& runs,
   return result;
 }
 
-double log_density(double e, double S, double student) {
-  if (student == 0) return -0.5 * (std::log(2 * std::numbers::pi * S) + e * e / S);
-  return std::lgamma(0.5 * (student + 1)) - std::lgamma(0.5 * student) -
-         0.5 * std::log(std::numbers::pi * student * S) -
-         0.5 * (student + 1) * std::log1p(e * e / (student * S));
-}
-
-/// Log-densities of the innovations that both runs compared, and whether one is larger.
-struct Comparison {
-  Index count = 0;
-  double before = 0, after = 0;  ///< means
-  double deviation = 0;          ///< of the mean of their differences
-};
-
-Comparison compare_densities(const FilterModel& model, const std::vector<FilterRun>& before,
-                             const std::vector<FilterRun>& after) {
-  Comparison result;
-  double squares = 0;
-  for (std::size_t r = 0; r < after.size(); ++r) {
-    Index i = 0;
-    for (const FilterSensor& sensor : model.sensors)
-      for (Index row = 0; row < sensor.C.rows(); ++row, ++i)
-        for (Index k = 0; k < after[r].innovation.cols(); ++k) {
-          const double e0 = before[r].innovation(i, k), e1 = after[r].innovation(i, k);
-          if (std::isnan(e0) || std::isnan(e1)) continue;
-          const double l0 = log_density(e0, before[r].variance(i, k), sensor.student);
-          const double l1 = log_density(e1, after[r].variance(i, k), sensor.student);
-          ++result.count;
-          result.before += l0;
-          result.after += l1;
-          squares += (l1 - l0) * (l1 - l0);
-        }
+/// What was true in the part of each record that part_of() takes.
+std::vector<FilterRecord> truths_of(const std::vector<FilterRecord>& records, double holdout,
+                                    bool held_out) {
+  std::vector<FilterRecord> result(records.size());
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    if (records[r].truth.size() == 0) continue;
+    const Index cut = first_held_out(records[r], holdout), all = records[r].samples();
+    result[r].truth =
+        held_out ? records[r].truth.rightCols(all - cut) : records[r].truth.leftCols(cut);
   }
-  const auto n = static_cast<double>(result.count);
-  result.before /= n;
-  result.after /= n;
-  const double mean = result.after - result.before;
-  result.deviation = std::sqrt(std::max(squares / n - mean * mean, 0.0) / n);
   return result;
 }
 
@@ -223,7 +196,11 @@ class Tuner {
   /// @param kind   how the records depend on θ
   /// @param first  θ of the first records
   NoiseTuning run(const std::vector<FilterRecord>& all, Kind kind, const VectorXd& first) {
-    LinearizedLogs logs = records_(first);
+    LinearizedLogs logs;
+    if (kind == Kind::linearized)  // else the fit looks at the records itself
+      logs.culprit = internal::constant_measurement(model_, fitted_parts(all, options_.holdout));
+    tuning_.warnings = internal::hanging_measurements(model_, all);
+    if (logs.culprit.empty()) logs = records_(first);
     if (logs.culprit.empty()) fit(logs, kind != Kind::constant);
     if (!logs.culprit.empty()) {
       tuning_.fit.status = NoiseFitStatus::not_computed;
@@ -264,6 +241,15 @@ class Tuner {
     tuning_.fit = as_noise_fit(*tuning_.autocovariances, likelihood);
   }
 
+  /// The last fit beside that of the other method.
+  void compare_with_other(const InnovationLikelihood& likelihood) {
+    if (!options_.compare || !tuning_.fit.converged()) return;
+    tuning_.agreement =
+        compare_methods(tuning_.fit, options_.method, likelihood, options_.agreement);
+    for (const std::string& reason : tuning_.agreement->disagreements)
+      tuning_.warnings.push_back(reason);
+  }
+
   /// Fits until neither the path nor the refusals change.
   void fit(LinearizedLogs& logs, bool changing) {
     NoiseFitOptions options = options_.fit;
@@ -275,8 +261,10 @@ class Tuner {
       fit_once(likelihood, options);
       tuning_.fit.before = likelihood.evaluate(start_of(model_));
       if (!changing || tuning_.fit.status == NoiseFitStatus::not_computed ||
-          tuning_.fit.status == NoiseFitStatus::interrupted)
+          tuning_.fit.status == NoiseFitStatus::interrupted) {
+        compare_with_other(likelihood);
         return;
+      }
       LinearizedLogs next = records_(tuning_.fit.theta);
       const bool settled = next.culprit.empty() && refused_since(logs.records, next.records) == 0 &&
                            change(start_of(model)) < kSettled;
@@ -306,6 +294,7 @@ class Tuner {
     fit_once(likelihood, options);
     tuning_.fit.evaluations += evaluations;
     tuning_.fit.before = likelihood.evaluate(start_of(model_));
+    compare_with_other(likelihood);
   }
 
   /// Greatest change of a free parameter from `before`, in its standard errors.
@@ -328,9 +317,56 @@ class Tuner {
     const Runs old_runs = at_start.culprit.empty()
                               ? run_all(InnovationLikelihood(open, at_start.records), start)
                               : Runs{{}, at_start.culprit};
-    tuning_.before = consistency_of(old_runs, records);
+    if (new_runs.culprit.empty()) {
+      const std::string exact = internal::exact_measurement(model_, records, new_runs.runs);
+      if (!exact.empty()) {
+        tuning_.fit.status = NoiseFitStatus::not_computed;
+        tuning_.fit.culprit = exact;
+        return;
+      }
+    }
+    tuning_.before = consistency_of(old_runs, at_start.records);
     tuning_.after = consistency_of(new_runs, records);
     if (options_.holdout > 0) hold_out(old_runs, new_runs, records);
+    if (old_runs.culprit.empty() && new_runs.culprit.empty())
+      compare_accuracy({at_start.records, old_runs.runs}, {records, new_runs.runs});
+  }
+
+  /// How far from the truth both are, over what the fit has not seen if it is told there.
+  void compare_accuracy(const TrueRuns& before, const TrueRuns& after) {
+    const auto over = [&](bool held_out) {
+      const double holdout = options_.holdout;
+      return compare_errors(model_,
+                            {truths_of(before.records, holdout, held_out),
+                             part_of(before.runs, before.records, holdout, held_out)},
+                            {truths_of(after.records, holdout, held_out),
+                             part_of(after.runs, after.records, holdout, held_out)});
+    };
+    if (options_.holdout > 0) tuning_.accuracy = over(true);
+    tuning_.accuracy_held_out = !tuning_.accuracy.empty();
+    if (tuning_.accuracy.empty()) tuning_.accuracy = over(false);
+    std::vector<std::string> worse;
+    for (const StateAccuracy& state : tuning_.accuracy)
+      if (state.after > kLessAccurate * state.before)
+        worse.push_back(fmt::format("{} errs by {:.3g} {}, {:.0f} % more than before{}",
+                                    state.state, state.after, state.unit,
+                                    100 * (state.after / state.before - 1),
+                                    state.p < 0.05 ? "" : ", which may be chance"));
+    if (worse.empty()) return;
+    tuning_.warnings.push_back(fmt::format(
+        "the tuned filter is {}less accurate{}: {}",
+        distance_from_one(tuning_.after) < distance_from_one(tuning_.before)
+            ? "more consistent but "
+            : "",
+        tuning_.accuracy_held_out ? " on the stretch held out" : "", fmt::join(worse, "; ")));
+  }
+
+  /// How far the sizes of innovations and of errors are from what they should be.
+  static double distance_from_one(const Consistency& consistency) {
+    double sum = 0;
+    for (const ConsistencyCheck& c : consistency.checks)
+      if (c.name == "size" || c.name == "error") sum += std::abs(std::log(c.value));
+    return sum;
   }
 
   [[nodiscard]] Consistency consistency_of(const Runs& runs,
@@ -354,38 +390,23 @@ class Tuner {
 
   void hold_out(const Runs& old_runs, const Runs& new_runs,
                 const std::vector<FilterRecord>& records) {
-    HoldOut& result = tuning_.holdout;
     if (!new_runs.culprit.empty()) {
-      result.verdict = CheckVerdict::fail;
-      result.reason = new_runs.culprit;
+      tuning_.holdout.verdict = CheckVerdict::fail;
+      tuning_.holdout.reason = new_runs.culprit;
       return;
     }
-    const bool both = old_runs.culprit.empty();
-    const std::vector<FilterRun> fresh = part_of(new_runs.runs, records, options_.holdout, true);
-    const Comparison compared = compare_densities(
-        model_, both ? part_of(old_runs.runs, records, options_.holdout, true) : fresh, fresh);
-    result.innovations = compared.count;
-    result.after = compared.after;
-    if (both) result.before = compared.before;
-    const double z = boost::math::quantile(
-        boost::math::complement(boost::math::normal(), options_.consistency.significance));
-    if (compared.count < kLeastHeldOut) {
-      result.reason = fmt::format("{} innovations held out, too few to tell", compared.count);
-    } else if (!std::isfinite(result.after) ||
-               (both && result.after < result.before - z * compared.deviation)) {
-      result.verdict = CheckVerdict::fail;
-      result.reason = fmt::format(
-          "the stretch held out is less likely than before: {:.4g} an innovation instead of {:.4g}",
-          result.after, result.before);
-    } else {
-      result.verdict = CheckVerdict::pass;
-    }
+    std::vector<FilterRun> before;
+    if (old_runs.culprit.empty()) before = part_of(old_runs.runs, records, options_.holdout, true);
+    tuning_.holdout = internal::judge_held_out(
+        model_, before, part_of(new_runs.runs, records, options_.holdout, true),
+        options_.consistency.significance);
   }
 
   void judge() {
     const NoiseFit& fit = tuning_.fit;
+    std::vector<std::string> doubts;  // they come after the flaws
     const auto worsen = [&](CheckVerdict to, const std::string& reason) {
-      tuning_.reasons.push_back(reason);
+      (to == CheckVerdict::fail ? tuning_.reasons : doubts).push_back(reason);
       if (tuning_.verdict != CheckVerdict::fail) tuning_.verdict = to;
     };
     tuning_.verdict = CheckVerdict::pass;
@@ -403,6 +424,7 @@ class Tuner {
     for (const std::string& reason : tuning_.after.reasons) worsen(tuning_.after.verdict, reason);
     if (options_.holdout > 0 && tuning_.holdout.verdict != CheckVerdict::pass)
       worsen(tuning_.holdout.verdict, tuning_.holdout.reason);
+    tuning_.reasons.insert(tuning_.reasons.end(), doubts.begin(), doubts.end());
   }
 
   const FilterModel& model_;

@@ -11,7 +11,9 @@
 #include "quadtune/estimation/nonlinear_filter.hpp"
 #include "quadtune/tuning/autocovariance_fit.hpp"
 #include "quadtune/tuning/consistency.hpp"
+#include "quadtune/tuning/noise_agreement.hpp"
 #include "quadtune/tuning/noise_fit.hpp"
+#include "quadtune/tuning/state_errors.hpp"
 
 namespace quadtune {
 
@@ -22,12 +24,12 @@ struct RefusedCount {
   Eigen::Index measured = 0;  ///< all of them
 };
 
-enum class NoiseMethod { likelihood, autocovariances };
-
 struct NoiseTuningOptions {
   NoiseMethod method = NoiseMethod::likelihood;
   NoiseFitOptions fit;  ///< of autocovariances only its confidence and profile count
   ConsistencyOptions consistency;
+  bool compare = true;         ///< with the other method: NoiseTuning::agreement
+  AgreementOptions agreement;  ///< what of it matters
   double holdout = 0.2;  ///< share of each record, its end, that is kept from the fit; 0 … 0.9
   /// Share of an output's measurements that a gate may refuse before they are no outliers any more.
   double most_refused = 0.05;
@@ -39,7 +41,8 @@ struct HoldOut {
   Eigen::Index innovations = 0;  ///< that were compared; 0: there is no such stretch
   double before = std::numeric_limits<double>::quiet_NaN();  ///< log-likelihood an innovation
   double after = std::numeric_limits<double>::quiet_NaN();
-  /// Fails where after is less than before by more than chance does, innovation by innovation.
+  /// Fails where after is less than before by more than chance does, innovation by innovation, of
+  /// however few; passes from 30 on.
   CheckVerdict verdict = CheckVerdict::too_short;
   std::string reason;  ///< where it does not pass
 };
@@ -52,6 +55,14 @@ struct NoiseTuning {
   Consistency before;                 ///< with the covariances that the model started with
   Consistency after;
   HoldOut holdout;
+  std::optional<NoiseAgreement> agreement;  ///< of a fit that converged, where asked for
+  /// Of the states whose truth is told: over the stretch held out where it is told there, else over
+  /// the part that was fitted.
+  std::vector<StateAccuracy> accuracy;
+  bool accuracy_held_out = false;  ///< which of them
+  /// What a user has to know whatever the verdict: a sensor that hangs, methods that disagree, a
+  /// filter that is less accurate than before.
+  std::vector<std::string> warnings;
   /// Pass: the fit converged, every parameter is seen or zero or fixed, the innovations are
   /// consistent, gates refuse few, and the stretch held out is not less likely than before.
   CheckVerdict verdict = CheckVerdict::too_short;
