@@ -16,6 +16,7 @@
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
+#include "quadtune/estimation/log_signals.hpp"
 #include "quadtune/estimation/record_of_log.hpp"
 #include "quadtune/estimation/rigid_body_filter.hpp"
 #include "quadtune/exports/file_set.hpp"
@@ -83,24 +84,27 @@ FilterModel model_of(const Options& options) {
 
 /// Which channel feeds which input or output: as --map says. Of the others an input is fed by the
 /// channel of its name; so are the outputs, where --map names none of them.
-std::vector<std::pair<std::string, std::string>> mapping(const Options& options,
-                                                         const FilterModel& model) {
-  std::vector<std::pair<std::string, std::string>> map;
-  map.reserve(options.maps.size());
+struct Mapping {
+  std::vector<std::pair<std::string, std::string>> named;
+  std::vector<Signal> by_name;
+};
+
+Mapping mapping(const Options& options, const FilterModel& model) {
+  Mapping map;
+  map.named.reserve(options.maps.size());
   for (const std::string& text : options.maps)
-    map.push_back(named_word(text, "--map", "NAME", "CHANNEL"));
+    map.named.push_back(named_word(text, "--map", "NAME", "CHANNEL"));
   const auto mapped = [&map](const Signal& signal) {
-    return std::any_of(map.begin(), map.end(),
+    return std::any_of(map.named.begin(), map.named.end(),
                        [&](const auto& pair) { return pair.first == signal.name; });
   };
-  std::vector<Signal> taken, outputs;
-  std::copy_if(model.inputs.begin(), model.inputs.end(), std::back_inserter(taken),
+  std::vector<Signal> outputs;
+  std::copy_if(model.inputs.begin(), model.inputs.end(), std::back_inserter(map.by_name),
                [&](const Signal& input) { return !mapped(input); });
   for (const FilterSensor& sensor : model.sensors)
     outputs.insert(outputs.end(), sensor.outputs.begin(), sensor.outputs.end());
   if (std::none_of(outputs.begin(), outputs.end(), mapped))
-    taken.insert(taken.end(), outputs.begin(), outputs.end());
-  for (const Signal& signal : taken) map.push_back({signal.name, signal.name});
+    map.by_name.insert(map.by_name.end(), outputs.begin(), outputs.end());
   return map;
 }
 
@@ -116,13 +120,13 @@ std::set<int> parameters_of(const CovarianceModel& covariance) {
 }
 
 /// What no channel measures stays as it is, and that is said.
-void leave_unmeasured(FilterModel& model,
-                      const std::vector<std::pair<std::string, std::string>>& map,
-                      Context& context) {
+void leave_unmeasured(FilterModel& model, const std::vector<TunedLog>& logs, Context& context) {
   const auto measured = [&](const FilterSensor& sensor) {
     return std::any_of(sensor.outputs.begin(), sensor.outputs.end(), [&](const Signal& output) {
-      return std::any_of(map.begin(), map.end(),
-                         [&](const auto& use) { return use.first == output.name; });
+      return std::any_of(logs.begin(), logs.end(), [&](const TunedLog& log) {
+        return std::any_of(log.channels.begin(), log.channels.end(),
+                           [&](const TunedChannel& use) { return use.signal == output.name; });
+      });
     });
   };
   std::set<int> known = parameters_of(model.Q);
@@ -149,6 +153,12 @@ Place place_of(const std::string& word, const std::string& log) {
   return {word.substr(0, at), word.substr(at + 1)};
 }
 
+void note_damage(const std::string& file, const LogCondition& condition, Context& context) {
+  if (!condition.whole())
+    context.note(fmt::format("tune: warning: {} is not whole: {}", file,
+                             condition.torn.empty() ? condition.first_skipped : condition.torn));
+}
+
 /// Channels of one file, their times after `epoch_s` of the first file read.
 void read_file(const std::string& file, const std::vector<Place>& places,
                const LogOptions& log_options, std::optional<std::int64_t>& epoch_s,
@@ -157,10 +167,7 @@ void read_file(const std::string& file, const std::vector<Place>& places,
   for (const Place& place : places)
     if (place.file == file) channels.push_back(place.channel);
   LogChannels log = read_log_channels(file, channels, log_options);
-  if (!log.condition.whole())
-    context.note(
-        fmt::format("tune: warning: {} is not whole: {}", file,
-                    log.condition.torn.empty() ? log.condition.first_skipped : log.condition.torn));
+  note_damage(file, log.condition, context);
   if (!epoch_s) epoch_s = log.epoch_s;
   const auto offset = static_cast<double>(log.epoch_s - *epoch_s);
   std::size_t next = 0;
@@ -171,12 +178,17 @@ void read_file(const std::string& file, const std::vector<Place>& places,
   }
 }
 
+std::string with_unit(const std::string& channel, const std::string& unit) {
+  return unit.empty() ? channel : fmt::format("{} [{}]", channel, unit);
+}
+
 TunedLog read_log(const std::string& path, const FilterModel& model, const Options& options,
-                  const std::vector<std::pair<std::string, std::string>>& map, Context& context) {
+                  const Mapping& map, Context& context) {
+  const LogOptions log_options = cli::log_options(options.log, "tune");
   std::vector<Place> places;
   std::vector<ChannelUse> uses;
   std::vector<std::string> files;
-  auto all = map;
+  auto all = map.named;
   for (const std::string& text : options.truths)
     all.push_back(named_word(text, "--truth", "STATE", "CHANNEL"));
   for (const auto& [signal, word] : all) {
@@ -187,12 +199,35 @@ TunedLog read_log(const std::string& path, const FilterModel& model, const Optio
   }
   TunedLog result;
   std::optional<std::int64_t> epoch_s;
+  std::vector<ChannelUse> fed;
+  if (!map.by_name.empty()) {
+    FedSignals log = read_signals_by_name(path, model, map.by_name, log_options);
+    if (std::find(files.begin(), files.end(), path) == files.end()) {
+      note_damage(path, log.condition, context);
+      files.insert(files.begin(), path);
+    }
+    epoch_s = log.epoch_s;
+    for (FedSignal& signal : log.signals) {
+      result.channels.push_back(
+          {signal.use.signal, with_unit(signal.from, signal.use.series.unit), path});
+      fed.push_back(std::move(signal.use));
+    }
+  }
   for (const std::string& file : files) {
-    read_file(file, places, log_options(options.log, "tune"), epoch_s, uses, context);
+    if (std::any_of(places.begin(), places.end(),
+                    [&](const Place& place) { return place.file == file; }))
+      read_file(file, places, log_options, epoch_s, uses, context);
     result.files.push_back({file, sha256_of_file(file)});
   }
-  const auto truths = uses.begin() + static_cast<std::ptrdiff_t>(map.size());
-  result.records = records_of_log(model, {uses.begin(), truths}, path, {truths, uses.end()});
+  const std::size_t truths = map.named.size();
+  for (std::size_t i = 0; i < uses.size(); ++i)
+    result.channels.push_back({(i < truths ? "" : "truth of ") + uses[i].signal,
+                               with_unit(uses[i].series.name, uses[i].series.unit),
+                               places[i].file});
+  const auto first_truth = uses.begin() + static_cast<std::ptrdiff_t>(truths);
+  fed.insert(fed.end(), std::make_move_iterator(uses.begin()),
+             std::make_move_iterator(first_truth));
+  result.records = records_of_log(model, fed, path, {first_truth, uses.end()});
   return result;
 }
 
@@ -210,11 +245,11 @@ void run(const Options& options, Context& context) {
   for (const std::string& path : options.logs)
     if (path == "-")
       refuse("--log", "--log is -, expected a file because it is read twice, once for its hash");
-  const auto map = mapping(options, model);
-  leave_unmeasured(model, map, context);
+  const Mapping map = mapping(options, model);
   std::vector<TunedLog> logs;
   for (const std::string& path : options.logs)
     logs.push_back(read_log(path, model, options, map, context));
+  leave_unmeasured(model, logs, context);
   std::vector<FilterRecord> joined;
   if (logs.size() > 1)  // one log's may be long: no second copy
     for (const TunedLog& log : logs)
@@ -266,7 +301,8 @@ void add_options(CLI::App& app, Options& options) {
        "the same flight as CHANNEL@FILE",
        "NAME=CHANNEL");
   many("--truth", options.truths,
-       "the channel of what a state truly was: the filter's errors are judged by it",
+       "the channel of what a state truly was, or of the attitude as qw qx qy qz: the filter's "
+       "errors are judged by it and told in its units",
        "STATE=CHANNEL");
   app.add_option("--method", options.method,
                  "ml: most likely; als: least squares of the innovations' autocovariances; ml")

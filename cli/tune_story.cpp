@@ -377,6 +377,8 @@ TuningPage page_of(const TuneReport& report, double holdout, std::uint64_t seed,
   if (report.model.description.empty()) page.title = report.model.name;
   page.verdict = verdict_of(report.tuning.verdict);
   page.reasons = report.tuning.reasons;
+  for (const std::string& warning : report.tuning.warnings)
+    page.reasons.push_back("warning: " + warning);
   page.about = facts_of(report);
   tell_parameters(report, page);
   tell_checks(report.tuning, page);

@@ -339,5 +339,167 @@ TEST(TuneVerb, SaysWhenALogIsTooShort) {
   EXPECT_THAT(result.out, HasSubstr("too short to tell"));
 }
 
+/// Rows t and columns of one shape each: 0 constant, 1 noisy up to the middle and then stuck, 2 of
+/// two values, 3 a ramp that a model may predict to the last digit, 4 constant but for one sample.
+std::string shaped(const std::vector<std::string>& columns, int shape, int rows) {
+  const RandomSource<1> source{7, {0}};
+  std::string text = "t_s";
+  for (const std::string& column : columns) text += "," + column;
+  text += "\n";
+  for (int k = 0; k < rows; ++k) {
+    text += fmt::format("{:.3f}", 0.004 * k);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const double noise = lane(
+          random_normal(source, static_cast<std::uint32_t>(i), static_cast<std::uint64_t>(k)).first,
+          0);
+      const double values[] = {3, k < rows / 2 ? 3 + 0.1 * noise : 3, noise > 0 ? 3.01 : 3.0,
+                               3 + 0.25 * 0.004 * k, k == rows / 3 ? 3.5 : 3.0};
+      text += fmt::format(",{}", values[shape]);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+// A sensor that hangs tells no noise: that is said in one line, by either method.
+TEST(TuneVerb, RefusesWhatNeverChanges) {
+  const TemporaryDirectory folder;
+  const std::string log = folder.write("c.csv", shaped({"position[m]"}, 0, 1000)).string();
+  for (const char* method : {"ml", "als"}) {
+    const ProgramResult result = run_program(
+        {"tune", "kalman", "--model", "constant-velocity", "--log", log, "--method", method});
+    EXPECT_EQ(result.status, 4) << result.out;
+    EXPECT_EQ(result.out, "");
+    EXPECT_THAT(result.err,
+                HasSubstr("tune: position: position is constant over the fitted part: all 800 "
+                          "measurements are 3 m, expected ones that change because their noise is "
+                          "to be found from them"));
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  }
+  // Nothing is to be found of it.
+  const ProgramResult held = run_program(
+      {"tune", "kalman", "--model", "constant-velocity", "--log", log, "--fix", "R.position"});
+  EXPECT_EQ(held.status, 1) << held.err;
+  EXPECT_THAT(held.out, Not(HasSubstr("nan")));
+}
+
+// Whatever a channel holds, the command ends as it says, and prints no NaN.
+TEST(TuneVerb, EndsAsDocumentedWhateverAChannelHolds) {
+  const TemporaryDirectory folder;
+  struct Case {
+    std::string model;
+    std::vector<std::string> columns;
+  };
+  const std::vector<Case> cases = {
+      {"local-level", {"y"}},
+      {"constant-velocity", {"position[m]"}},
+      {"altitude", {"az[m/s^2]", "height[m]"}},
+      {"velocity-xy", {"ax[m/s^2]", "ay[m/s^2]", "flow_vx[m/s]", "flow_vy[m/s]"}},
+      {"attitude", {"rate[rad/s]", "tilt[rad]"}},
+  };
+  for (const Case& one : cases)
+    for (int shape = 0; shape < 5; ++shape) {
+      const std::string log = folder.write("log.csv", shaped(one.columns, shape, 250)).string();
+      for (const char* method : {"ml", "als"}) {
+        SCOPED_TRACE(fmt::format("{} {} {}", one.model, shape, method));
+        const ProgramResult result = run_program(
+            {"tune", "kalman", "--model", one.model, "--log", log, "--method", method, "--json"});
+        EXPECT_THAT(result.status, ::testing::AnyOf(0, 1, 4)) << result.err;
+        if (shape == 0) EXPECT_EQ(result.status, 4) << result.out;
+        if (result.status == 0 || result.status == 1) EXPECT_TRUE(Json::accept(result.out));
+        EXPECT_THAT(result.err, Not(HasSubstr("nan")));
+      }
+    }
+}
+
+TEST(TuneVerb, NamesTheChannelsThatItTook) {
+  const TemporaryDirectory folder;
+  const std::string log = bobbing(3000);
+  const std::string file = folder.write("whole.csv", log);
+  const std::string sonar = folder.write("sonar.csv", columns_of(log, {0, 2}));
+  const std::string tuned = (folder.path() / "tuned.toml").string();
+  const ProgramResult result = tune(file, {"-o", tuned});
+  EXPECT_THAT(result.out,
+              HasSubstr("channels    az: az [m/s^2]\n            height: height [m]\n"));
+  std::stringstream text;
+  text << std::ifstream(tuned).rdbuf();
+  EXPECT_THAT(text.str(), HasSubstr("# height: height [m] of " + file));
+  const Json json = Json::parse(tune(file, {"--map", "height=height@" + sonar, "--json"}).out);
+  const Json& channels = json["logs"][0]["channels"];
+  ASSERT_EQ(channels.size(), 2);
+  EXPECT_EQ(channels[1]["signal"], "height");
+  EXPECT_EQ(channels[1]["channel"], "height [m]");
+  EXPECT_EQ(channels[1]["file"], sonar);
+}
+
+TEST(TuneVerb, AsksWhatALocalLevelIs) {
+  const TemporaryDirectory folder;
+  std::string text = bobbing(1000);
+  text.replace(0, text.find('\n'), "t_s,x,y[uT]");
+  const std::string log = folder.write("field.csv", text).string();
+  const ProgramResult asked =
+      run_program({"tune", "kalman", "--model", "local-level", "--log", log});
+  EXPECT_EQ(asked.status, 3);
+  EXPECT_THAT(asked.err,
+              HasSubstr("'y' of the model 'local-level' stands for any quantity, and the "
+                        "channel 'y' [uT] may be another one, expected --map y=CHANNEL"));
+  const ProgramResult told =
+      run_program({"tune", "kalman", "--model", "local-level", "--log", log, "--map", "y=y"});
+  EXPECT_THAT(told.out, HasSubstr("channels    y: y [uT]\n"));
+}
+
+// The program's own flights feed its own models.
+TEST(TuneVerb, TakesFlightLogsAsTheyAre) {
+  const TemporaryDirectory folder;
+  for (const char* ending : {"csv", "mat"}) {
+    const std::string log = (folder.path() / "flight.").string() + ending;
+    ASSERT_EQ(
+        run_program({"fly", "mambo", "--mission", "step-north", "--sensors", "real", "--log", log})
+            .status,
+        0);
+    for (const char* model : {"altitude", "velocity-xy", "attitude", "constant-velocity"}) {
+      const ProgramResult result =
+          run_program({"tune", "kalman", "--model", model, "--log", log, "--json"});
+      ASSERT_LE(result.status, 1) << model << " " << result.err;
+      EXPECT_GT(Json::parse(result.out)["logs"][0]["samples"], 100) << model;
+    }
+    EXPECT_EQ(run_program({"tune", "kalman", "--model", "local-level", "--log", log}).status, 3);
+    const ProgramResult survey = run_program({"log", log});
+    EXPECT_THAT(survey.out, HasSubstr("altitude: fed by accelerometer, turned into the world"));
+  }
+}
+
+// The errors in the states' own units, of the part that the fit has not seen.
+TEST(TuneVerb, TellsRootMeanSquareErrors) {
+  const TemporaryDirectory folder;
+  std::string text = "t_s,z[m]\n";
+  double z = -1, vz = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const double t = 0.02 * k, a = 2 * std::sin(3 * t) + std::sin(7 * t);
+    text += fmt::format("{:.2f},{:.9f}\n", t, z);
+    z += vz * 0.02 + 0.5 * a * 0.0004;
+    vz += a * 0.02;
+  }
+  const std::string truth = folder.write("truth.csv", text);
+  const std::string log = folder.write("log.csv", bobbing(2000));
+  const Json json = Json::parse(tune(log, {"--truth", "z=z@" + truth, "--json"}).out);
+  EXPECT_EQ(json["accuracy"]["held_out"], true);
+  const Json& state = json["accuracy"]["states"][0];
+  EXPECT_EQ(state["name"], "z");
+  EXPECT_EQ(state["unit"], "m");
+  EXPECT_EQ(state["samples"], 400);
+  // Echoes err by 0.02 m, the tuned filter by less than half of that, and the one before by more.
+  EXPECT_LT(double(state["after"]), 0.01);
+  EXPECT_GT(double(state["before"]), double(state["after"]));
+  EXPECT_EQ(json["warnings"].size(), 0);
+  EXPECT_THAT(tune(log, {"--truth", "z=z@" + truth}).out, HasSubstr("accuracy    rms error"));
+  // Where the model's start is what made the log, and the fit is of another signal's colour, the
+  // tuned filter is less accurate.
+  const std::string smoothed = folder.write("smoothed.csv", bobbing(2000, 0.95));
+  const ProgramResult worse = tune(
+      smoothed, {"--truth", "z=z@" + truth, "--start", "Q.az=0.01", "--start", "R.sonar=0.0004"});
+  EXPECT_THAT(worse.out, HasSubstr("less accurate on the stretch held out: z errs by 0."));
+}
+
 }  // namespace
 }  // namespace quadtune
