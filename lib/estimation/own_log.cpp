@@ -54,8 +54,7 @@ Eigen::Matrix3d attitude(const Values& of, std::size_t from) {
 
 /// Without gravity, in world axes, by the attitude that the estimator on board believes.
 OwnSignal acceleration(int axis) {
-  return {fmt::format("accelerometer, turned into the world by the estimate, {}",
-                      kAxes[static_cast<std::size_t>(axis)]),
+  return {fmt::format("accelerometer.* along world {}", kAxes[static_cast<std::size_t>(axis)]),
           joined(kForce, kAngles), "m/s^2", [axis](const Values& of) {
             const double felt = (attitude(of, 3) * three(of, 0))(axis);
             return axis == 2 ? felt + kGravity : felt;
@@ -64,8 +63,7 @@ OwnSignal acceleration(int axis) {
 
 /// The horizontal velocity that the optical flow means, as on board.
 OwnSignal flow_velocity(int axis) {
-  return {fmt::format("flow less gyroscope, times the estimated height, {}",
-                      kAxes[static_cast<std::size_t>(axis)]),
+  return {fmt::format("flow.* as velocity along world {}", kAxes[static_cast<std::size_t>(axis)]),
           joined({"flow.x", "flow.y", "gyroscope.x", "gyroscope.y", "estimate.pz", "estimate.u",
                   "estimate.v", "estimate.w"},
                  kAngles),
@@ -77,7 +75,7 @@ OwnSignal flow_velocity(int axis) {
 }
 
 OwnSignal tilt() {
-  return {"roll that the accelerometer shows", kForce, "rad",
+  return {"accelerometer.* as roll", kForce, "rad",
           [](const Values& of) { return tilt_of_force<double>(three(of, 0)).roll; }};
 }
 
