@@ -79,8 +79,13 @@ void add_truth(const FilterModel& model, const ChannelUse& truth, const std::str
 
 class Builder {
  public:
-  Builder(const FilterModel& model, const std::vector<ChannelUse>& uses, const std::string& name)
-      : model_(model), uses_(uses), name_(name), unit_(model.dt > 0 ? model.dt : kSameInstant) {
+  Builder(const FilterModel& model, const std::vector<ChannelUse>& uses, const std::string& name,
+          std::vector<LeftOutRecord>* left_out)
+      : model_(model),
+        uses_(uses),
+        name_(name),
+        left_out_(left_out),
+        unit_(model.dt > 0 ? model.dt : kSameInstant) {
     for (const Signal& input : model.inputs) known_.push_back(input.name);
     for (const FilterSensor& sensor : model.sensors)
       for (const Signal& output : sensor.outputs) known_.push_back(output.name);
@@ -195,6 +200,8 @@ class Builder {
       if (N >= 2 && measured)
         records.push_back({name_, std::move(times), SampleMatrix(std::move(y), ny, N),
                            SampleMatrix(std::move(u), static_cast<Index>(nu), N)});
+      else if (measured && left_out_ != nullptr)
+        left_out_->push_back({name_, times.front(), times.back(), N});
       times = y = u = {};  // their memory, too
     };
     std::vector<double> row(static_cast<std::size_t>(ny));
@@ -240,6 +247,7 @@ class Builder {
   const FilterModel& model_;
   const std::vector<ChannelUse>& uses_;
   const std::string& name_;
+  std::vector<LeftOutRecord>* left_out_;
   double unit_;
   double start_ = 0;
   std::vector<std::string> known_;  ///< inputs, then outputs
@@ -253,8 +261,9 @@ class Builder {
 std::vector<FilterRecord> records_of_log(const FilterModel& model,
                                          const std::vector<ChannelUse>& uses,
                                          const std::string& name,
-                                         const std::vector<ChannelUse>& truths) {
-  std::vector<FilterRecord> records = Builder(model, uses, name).build();
+                                         const std::vector<ChannelUse>& truths,
+                                         std::vector<LeftOutRecord>* left_out) {
+  std::vector<FilterRecord> records = Builder(model, uses, name, left_out).build();
   for (const ChannelUse& truth : truths) add_truth(model, truth, name, records);
   return records;
 }
