@@ -65,6 +65,16 @@ std::vector<FittedParameter> unfitted_parameters(const FilterModel& model) {
   return parameters;
 }
 
+std::vector<FittedParameter> parameters_at(const FilterModel& model, const VectorXd& theta) {
+  std::vector<FittedParameter> parameters = unfitted_parameters(model);
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const double entry = theta(static_cast<Index>(i));
+    parameters[i].value = model.parameters[i].logarithmic ? std::exp(entry) : entry;
+    if (!model.parameters[i].fixed) parameters[i].verdict = ParameterVerdict::not_known;
+  }
+  return parameters;
+}
+
 void name_unmeasured(FittedParameter& parameter, std::vector<std::string>& unseen) {
   parameter.verdict = ParameterVerdict::not_seen;
   unseen.push_back(fmt::format("{}: no measurement depends on it", parameter.name));

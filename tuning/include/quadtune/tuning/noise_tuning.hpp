@@ -3,6 +3,7 @@
 /// of each log that the fit has not seen.
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -32,6 +33,12 @@ struct NoiseTuningOptions {
   /// Share of an output's measurements that a gate may refuse before they are no outliers any more.
   double most_refused = 0.05;
   bool keep_records = false;  ///< NoiseTuning::records_before and records_after
+  /// Of the search, > 0. Once they are over the best so far is judged, which takes a few more runs
+  /// of the filter; the fit is then NoiseFitStatus::out_of_time.
+  double seconds = std::numeric_limits<double>::infinity();
+  /// Called as NoiseFitOptions::progress is, which it takes the place of, with which of the fits it
+  /// is, from 1. May be empty.
+  std::function<void(int round, int evaluations, double best)> progress = {};
 };
 
 /// The same stretch by the covariances before and after.
@@ -45,11 +52,13 @@ struct HoldOut {
 };
 
 struct NoiseTuning {
+  /// Where it was interrupted, that is all there is: nothing is judged.
   NoiseFit fit;
   std::optional<AutocovarianceFit> autocovariances;  ///< that the fit is of, if it is
-  int rounds = 1;                     ///< fits made, each with its own path and its own refusals
-  std::vector<RefusedCount> refused;  ///< of the outputs whose sensor has a gate
-  Consistency before;                 ///< with the covariances that the model started with
+  int rounds = 1;                       ///< fits made, each with its own path and its own refusals
+  std::vector<LeftOutRecord> left_out;  ///< of the filter's logs
+  std::vector<RefusedCount> refused;    ///< of the outputs whose sensor has a gate
+  Consistency before;                   ///< with the covariances that the model started with
   Consistency after;
   HoldOut holdout;
   /// Pass: the fit converged, every parameter is seen or zero or fixed, the innovations are
