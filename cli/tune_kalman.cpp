@@ -2,9 +2,12 @@
 /// quadtune tune kalman: noise covariances from logs, with a verdict.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -33,6 +36,7 @@ struct Options {
   LogArguments log;
   double holdout = 0.2;
   double gate = 0, student = 0;
+  std::optional<double> budget;
   std::uint64_t starts = 3;
   bool profile = false, force = false;
 };
@@ -172,7 +176,8 @@ void read_file(const std::string& file, const std::vector<Place>& places,
 }
 
 TunedLog read_log(const std::string& path, const FilterModel& model, const Options& options,
-                  const std::vector<std::pair<std::string, std::string>>& map, Context& context) {
+                  const std::vector<std::pair<std::string, std::string>>& map,
+                  std::vector<LeftOutRecord>& left_out, Context& context) {
   std::vector<Place> places;
   std::vector<ChannelUse> uses;
   std::vector<std::string> files;
@@ -192,13 +197,66 @@ TunedLog read_log(const std::string& path, const FilterModel& model, const Optio
     result.files.push_back({file, sha256_of_file(file)});
   }
   const auto truths = uses.begin() + static_cast<std::ptrdiff_t>(map.size());
-  result.records = records_of_log(model, {uses.begin(), truths}, path, {truths, uses.end()});
+  result.records =
+      records_of_log(model, {uses.begin(), truths}, path, {truths, uses.end()}, &left_out);
   return result;
+}
+
+/// One line that is written over while the search goes on; on a terminal only.
+class Progress {
+ public:
+  explicit Progress(const Context& context)
+      : shown_(!context.quiet && !context.json && isatty(STDERR_FILENO) != 0),
+        err_(context.err),
+        begin_(Clock::now()),
+        next_(begin_) {}
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  ~Progress() {
+    if (drawn_) err_ << "\r\033[K" << std::flush;
+  }
+
+  void show(int round, int evaluations, double best) {
+    const Clock::time_point now = Clock::now();
+    if (!shown_ || now < next_) return;
+    next_ = now + std::chrono::milliseconds(100);
+    err_ << fmt::format(
+                "\r\033[Ktune: fit {}, {} evaluations, best log-likelihood {:.8g}, {:.0f} s", round,
+                evaluations, best, std::chrono::duration<double>(now - begin_).count())
+         << std::flush;
+    drawn_ = true;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  bool shown_, drawn_ = false;
+  std::ostream& err_;
+  Clock::time_point begin_, next_;
+};
+
+NoiseTuning tuned(const FilterModel& model, const std::vector<FilterRecord>& records,
+                  const Options& options, const Context& context) {
+  Progress progress(context);
+  NoiseTuningOptions settings;
+  settings.method = noise_method(options.method);
+  settings.holdout = options.holdout;
+  if (options.budget) settings.seconds = *options.budget;
+  settings.progress = [&](int round, int evaluations, double best) {
+    progress.show(round, evaluations, best);
+  };
+  settings.fit.starts = static_cast<int>(std::min<std::uint64_t>(options.starts, 1000));
+  settings.fit.seed = context.seed;
+  settings.fit.profile = options.profile;
+  settings.fit.threads = context.threads;
+  settings.fit.interrupted = interrupted;
+  settings.keep_records = !options.report.empty();
+  return model.linear() ? tune_noise(model, records, settings)
+                        : tune_noise(*nonlinear_filter(model, records, interrupted), settings);
 }
 
 void run(const Options& options, Context& context) {
   FilterModel model = model_of(options);
-  const NoiseMethod method = noise_method(options.method);
+  (void)noise_method(options.method);  // refused before a long log is read
   if (!options.report.empty() && !options.report.ends_with(".html"))
     refuse("--report", fmt::format("--report is '{}', expected a name that ends in .html",
                                    internal::printable(options.report)));
@@ -213,39 +271,37 @@ void run(const Options& options, Context& context) {
   const auto map = mapping(options, model);
   leave_unmeasured(model, map, context);
   std::vector<TunedLog> logs;
+  std::vector<LeftOutRecord> left_out;
   for (const std::string& path : options.logs)
-    logs.push_back(read_log(path, model, options, map, context));
+    logs.push_back(read_log(path, model, options, map, left_out, context));
   std::vector<FilterRecord> joined;
   if (logs.size() > 1)  // one log's may be long: no second copy
     for (const TunedLog& log : logs)
       joined.insert(joined.end(), log.records.begin(), log.records.end());
   const std::vector<FilterRecord>& records = logs.size() > 1 ? joined : logs.front().records;
-  NoiseTuningOptions settings;
-  settings.method = method;
-  settings.holdout = options.holdout;
-  settings.fit.starts = static_cast<int>(std::min<std::uint64_t>(options.starts, 1000));
-  settings.fit.seed = context.seed;
-  settings.fit.profile = options.profile;
-  settings.keep_records = !options.report.empty();
-  settings.fit.interrupted = [] { return interrupted(); };
-  const NoiseTuning tuning = model.linear()
-                                 ? tune_noise(model, records, settings)
-                                 : tune_noise(*nonlinear_filter(model, records), settings);
-  if (tuning.fit.status == NoiseFitStatus::interrupted) throw Interrupted();
+  NoiseTuning tuning = tuned(model, records, options, context);
+  tuning.left_out.insert(tuning.left_out.begin(), left_out.begin(), left_out.end());
   if (tuning.fit.status == NoiseFitStatus::not_computed)
     throw NoSolution("tune: " + tuning.fit.culprit, options.model);
   const TuneReport report{model, logs, tuning};
   const bool passed = tuning.verdict == CheckVerdict::pass;
+  // After an interrupt what was found is still told and written: that is little work.
+  const bool ended = tuning.fit.status == NoiseFitStatus::interrupted;
+  const std::function<bool()> stop = ended ? nullptr : std::function<bool()>(interrupted);
+  // First, so that a file that cannot be written does not take a long search with it.
+  context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report))
+              << std::flush;
+  context.answered = true;
   if (!options.file.empty() && (passed || options.force)) {
-    write_file(options.file, tuned_file(report, context.command));
+    write_file(options.file, tuned_file(report, context.command), stop);
     context.written.push_back(options.file);
   }
-  if (!options.report.empty()) {
-    write_file(options.report,
-               html(page_of(report, options.holdout, context.seed, context.command)));
+  if (!options.report.empty() && !ended) {
+    write_file(options.report, html(page_of(report, options.holdout, context.seed, context.threads,
+                                            context.command)));
     context.written.push_back(options.report);
   }
-  context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report));
+  if (ended) throw Interrupted();
   if (!passed) throw AnswerIsNo("tune: " + tuning.reasons.front());
 }
 
@@ -285,6 +341,9 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("NU");
   add_count(app, "--starts", options.starts, 1, "searches from different starts; 3")
       ->type_name("N");
+  add_positive(app, "--budget", options.budget,
+               "seconds after which the search ends with the best it has; no end")
+      ->type_name("S");
   app.add_flag("--profile", options.profile,
                "intervals by the likelihood's profile, not by its curvature");
   app.add_option("-o", options.file, "the tuned model, where the verdict is pass")

@@ -140,6 +140,9 @@ std::string fit_line(const NoiseTuning& tuning) {
   const NoiseFit& fit = tuning.fit;
   const std::string rounds =
       tuning.rounds > 1 ? fmt::format("; the last of {} fits", tuning.rounds) : "";
+  if (fit.status == NoiseFitStatus::interrupted || fit.status == NoiseFitStatus::out_of_time)
+    return fmt::format("{} after {} evaluations{}: the best so far", to_string(fit.status),
+                       fit.evaluations, rounds);
   if (!tuning.autocovariances)
     return fmt::format("{} after {} evaluations; {} of {} searches end there{}",
                        to_string(fit.status), fit.evaluations, fit.agreeing, fit.starts, rounds);
@@ -149,6 +152,15 @@ std::string fit_line(const NoiseTuning& tuning) {
       "misfit {} of {} degrees of freedom",
       to_string(als.status), als.samples, als.innovation.dt, als.innovation.of.size() - 1,
       als.passes, rounds, figure(als.misfit), als.degrees);
+}
+
+std::string left_out_lines(const std::vector<LeftOutRecord>& records) {
+  std::string lines;
+  for (const LeftOutRecord& record : records)
+    lines += fmt::format("{}{}: {:.6g} to {:.6g} s, {} instant{} of measurements between two gaps",
+                         lines.empty() ? "" : "\n", record.name, record.from, record.to,
+                         record.measurements, record.measurements == 1 ? "" : "s");
+  return lines;
 }
 
 std::string likelihood_line(const NoiseFit& fit) {
@@ -176,6 +188,8 @@ std::vector<std::pair<std::string, std::string>> facts_of(const TuneReport& repo
     facts.emplace_back("log", log_line(log));
     for (const TunedFile& file : log.files) facts.emplace_back("sha256", file.sha256);
   }
+  if (!report.tuning.left_out.empty())
+    facts.emplace_back("left out", left_out_lines(report.tuning.left_out));
   facts.emplace_back("fit", fit_line(report.tuning));
   facts.emplace_back("likelihood", likelihood_line(fit));
   for (const RefusedCount& count : report.tuning.refused)
@@ -227,6 +241,12 @@ Json to_json(const TuneReport& report) {
     json["refused"].push_back(
         {{"output", count.output}, {"refused", count.refused}, {"measured", count.measured}});
   json["rounds"] = tuning.rounds;
+  json["left_out"] = Json::array();
+  for (const LeftOutRecord& record : tuning.left_out)
+    json["left_out"].push_back({{"record", record.name},
+                                {"from_s", record.from},
+                                {"to_s", record.to},
+                                {"measurements", record.measurements}});
   json["holdout"] = {{"innovations", tuning.holdout.innovations},
                      {"before", finite_or_null(tuning.holdout.before)},
                      {"after", finite_or_null(tuning.holdout.after)}};
@@ -241,12 +261,15 @@ std::string to_text(const TuneReport& report) {
   std::string text =
       section("model", fmt::format("{}: {}", report.model.name, report.model.description)) +
       section("logs", logs);
+  if (!report.tuning.left_out.empty())
+    text += section("left out", left_out_lines(report.tuning.left_out));
   text += section("fit", fit_line(report.tuning));
   text += section("noise", parameter_table(report));
   if (!fit.unseen.empty())
     text += section("not seen", fmt::format("{}", fmt::join(fit.unseen, "\n")));
   text += section("likelihood", likelihood_line(fit));
-  text += section("innovations", innovation_table(report.tuning));
+  if (!report.tuning.after.outputs.empty())
+    text += section("innovations", innovation_table(report.tuning));
   std::string errors;
   for (const ConsistencyCheck& c : report.tuning.after.checks)
     if (c.name == "error")

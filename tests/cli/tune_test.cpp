@@ -2,12 +2,16 @@
 /// quadtune tune kalman.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include "golden.hpp"
 #include "quadtune/estimation/filter_file.hpp"
@@ -276,6 +280,100 @@ TEST(TuneVerb, RefusesOutliers) {
   EXPECT_NEAR(double(json["parameters"][1]["value"]), 4e-4, 5e-5);
   EXPECT_THAT(tune(log, {"--gate", "1"}).err,
               HasSubstr("the gate of sensor 'sonar' is 1, expected at least 4"));
+}
+
+/// An inertial sensor at rest at 100 Hz and its position at 10 Hz, with two gaps: between them
+/// there is one position.
+std::string resting_with_gaps() {
+  const RandomSource<1> source{7, {0}};
+  std::string text =
+      "t_s,gyro_x[rad/s],gyro_y[rad/s],gyro_z[rad/s],force_x[m/s^2],force_y[m/s^2],force_z[m/s^2],"
+      "x[m],y[m],z[m]\n";
+  std::uint64_t drawn = 0;
+  const auto noise = [&] { return lane(random_normal(source, 1, drawn++).first, 0); };
+  for (int k = 0; k < 1000; ++k) {
+    const bool middle = k >= 400 && k < 430;
+    const double t = 0.01 * k + (k < 400 ? 0 : 2) + (k < 430 ? 0 : 2);
+    text += fmt::format("{:.2f}", t);
+    for (int i = 0; i < 3; ++i) text += fmt::format(",{:.6f}", 0.01 * noise());
+    for (int i = 0; i < 3; ++i) text += fmt::format(",{:.6f}", (i == 2 ? 9.81 : 0) + 0.3 * noise());
+    const bool seen = middle ? k == 410 : k % 10 == 0;
+    for (int i = 0; i < 3; ++i) text += seen ? fmt::format(",{:.5f}", 0.1 * noise()) : ",";
+    text += "\n";
+  }
+  return text;
+}
+
+// It once refused all of the log.
+TEST(TuneVerb, LeavesOutWhatHasOneMeasurementBetweenGaps) {
+  const TemporaryDirectory folder;
+  const std::string log = folder.write("gaps.csv", resting_with_gaps());
+  const std::vector<std::string> args = {
+      "tune",  "kalman",        "--model", "inertial",       "--log",    log,
+      "--fix", "Q.gyro_offset", "--fix",   "Q.force_offset", "--starts", "1"};
+  const ProgramResult result = run_program(args);
+  EXPECT_THAT(result.status, ::testing::AnyOf(0, 1)) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("left out    " + log +
+                                    ": 6 to 6.29 s, 1 instant of measurements between two gaps"));
+  std::vector<std::string> json_args = args;
+  json_args.push_back("--json");
+  const Json json = Json::parse(run_program(json_args).out);
+  ASSERT_EQ(json["left_out"].size(), 1);
+  EXPECT_EQ(json["left_out"][0]["record"], log);
+  EXPECT_EQ(json["left_out"][0]["measurements"], 1);
+  EXPECT_NEAR(double(json["left_out"][0]["from_s"]), 6, 1e-9);
+  EXPECT_NEAR(double(json["left_out"][0]["to_s"]), 6.29, 1e-9);
+}
+
+TEST(TuneVerb, EndsWithTheBestOfItsBudget) {
+  const TemporaryDirectory folder;
+  const std::string log = folder.write("log.csv", bobbing(2000));
+  const std::string file = (folder.path() / "tuned.toml").string();
+  const ProgramResult result = tune(log, {"--budget", "1e-9", "-o", file});
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.out,
+              HasSubstr("fit         out of time after 0 evaluations: the best so far"));
+  EXPECT_THAT(result.err, HasSubstr("the fit is out of time"));
+  EXPECT_THAT(result.out, HasSubstr("innovations output"));  // the start is judged all the same
+  EXPECT_FALSE(std::filesystem::exists(file));
+  const Json json =
+      Json::parse(tune(log, {"--budget", "1e-9", "--json", "-o", file, "--force"}).out);
+  EXPECT_EQ(json["status"], "out of time");
+  EXPECT_EQ(json["gate"]["verdict"], "fail");
+  EXPECT_EQ(load_filter_model(file).verdict, "fail");
+  EXPECT_EQ(tune(log, {"--budget", "600"}).status, 0);
+  EXPECT_EQ(tune(log, {"--budget", "0"}).status, 2);
+}
+
+/// Ends the process with the status of a tuning that a signal comes into: after twice the time that
+/// one of few searches takes from its start to its end.
+[[noreturn]] void be_interrupted(const std::string& log, const std::string& file) {
+  const auto begin = std::chrono::steady_clock::now();
+  (void)tune(log, {"--starts", "1"});
+  const auto one = std::chrono::steady_clock::now() - begin;
+  cli::install_signal_handlers();
+  std::thread([one] {
+    std::this_thread::sleep_for(2 * one + std::chrono::milliseconds(300));
+    ::kill(::getpid(), SIGTERM);
+  }).detach();
+  const ProgramResult result =
+      tune(log, {"--starts", "1000", "--threads", "1", "--json", "-o", file, "--force"});
+  const Json json = Json::parse(result.out, nullptr, false);
+  const bool told = !json.is_discarded() && json["status"] == "interrupted" &&
+                    json["parameters"][0]["value"] > 0 &&
+                    json["log_likelihood"]["after"] >= json["log_likelihood"]["before"] &&
+                    json["gate"]["verdict"] == "fail" &&
+                    result.err == "interrupted; " + file + " is written and complete\n";
+  ::_exit(told ? result.status : 99);
+}
+
+TEST(TuneVerb, AnInterruptLeavesTheBestFound) {
+  const TemporaryDirectory folder;
+  const std::string log = folder.write("log.csv", bobbing(20000));
+  const std::string file = (folder.path() / "tuned.toml").string();
+  EXPECT_EXIT(be_interrupted(log, file), ::testing::ExitedWithCode(130), "");
+  EXPECT_THAT(folder.read("tuned.toml"), HasSubstr("the fit is interrupted"));
+  EXPECT_EQ(load_filter_model(file).verdict, "fail");
 }
 
 TEST(TuneVerb, JudgesErrorsByATruth) {
