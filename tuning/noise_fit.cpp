@@ -261,14 +261,20 @@ class Fit {
     const double z = internal::deviations(confidence);
     std::vector<int> others = free_;
     std::erase(others, i);
-    VectorXd warm = fit_.theta;
+    VectorXd last = fit_.theta;
     const auto loss = [&](double value) {
-      VectorXd there = warm;
-      there(i) = value;
-      const SearchResult found = search(objective, there, others,
-                                        {.max_iterations = options_.max_iterations, .rough = true});
+      // Far out the others go where no slope leads back from: the fit may be the better start.
+      VectorXd there = fit_.theta;
+      there(i) = last(i) = value;
+      const auto of_fit = objective.at(there, LikelihoodOrder::value);
+      const auto of_last = objective.at(last, LikelihoodOrder::value);
+      if (of_last.computed && !(of_fit.computed && of_fit.value >= of_last.value)) there = last;
+      SearchResult found = search(objective, there, others,
+                                  {.max_iterations = options_.max_iterations, .rough = true});
+      if (found.computed && !found.converged)
+        found = search(objective, found.theta, others, {.max_iterations = options_.max_iterations});
       if (!found.computed) return 1e6;
-      warm = found.theta;
+      last = found.theta;
       return best_ - found.value;
     };
     const double error = fit_.parameters[static_cast<std::size_t>(i)].standard_error;

@@ -312,7 +312,8 @@ SearchResult search(const NoiseObjective& objective, const VectorXd& start,
     }
     const VectorXd before = result.theta;
     quasi_newton(objective, W, !flat.empty(), options.max_iterations, free, at, result);
-    if (!options.rough) polish(objective, free, result);
+    // Where a line search finds nothing, Newton's method may.
+    if (!options.rough || result.theta == before) polish(objective, free, result);
     if (result.theta == before) break;
     strode = false;
     at = objective.at(result.theta, LikelihoodOrder::information);
