@@ -45,7 +45,8 @@ class DenseEvaluator final : public DenseLikelihood {
 
   /// Without the workspace, which may be large and is filled anew by each evaluation.
   DenseEvaluator(const DenseEvaluator& other)
-      : prepared_(other.prepared_),
+      : DenseLikelihood(other),
+        prepared_(other.prepared_),
         instants_(other.instants_),
         linearized_(other.linearized_),
         model_(other.model_) {}

@@ -309,8 +309,9 @@ TEST(TuneVerb, LeavesOutWhatHasOneMeasurementBetweenGaps) {
   const TemporaryDirectory folder;
   const std::string log = folder.write("gaps.csv", resting_with_gaps());
   const std::vector<std::string> args = {
-      "tune",  "kalman",        "--model", "inertial",       "--log",    log,
-      "--fix", "Q.gyro_offset", "--fix",   "Q.force_offset", "--starts", "1"};
+      "tune",  "kalman",         "--model",  "inertial", "--log", log,     "--map",
+      "x=x",   "--map",          "y=y",      "--map",    "z=z",   "--fix", "Q.gyro_offset",
+      "--fix", "Q.force_offset", "--starts", "1"};
   const ProgramResult result = run_program(args);
   EXPECT_THAT(result.status, ::testing::AnyOf(0, 1)) << result.err;
   EXPECT_THAT(result.out, HasSubstr("left out    " + log +
