@@ -18,6 +18,7 @@
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/tuning/uncertain_vehicle.hpp"
+#include "refusal.hpp"
 #include "verify_report.hpp"
 
 namespace quadtune::cli {
@@ -129,8 +130,9 @@ void require_verified(const Options& options) {
   const VerifyReport report = verify_directory(options.directory, options.vehicle);
   for (const VerifyCheck& check : report.checks)
     if (!check.ok)
-      throw AnswerIsNo(fmt::format("certify: {} does not verify: {}: {}", options.directory,
-                                   check.name, check.detail));
+      throw Refusal(fmt::format("certify: {} does not verify: {}: {}", options.directory,
+                                check.name, check.detail),
+                    options.directory);
 }
 
 Vehicle vehicle_of(const Options& options, const Manifest& manifest) {

@@ -16,6 +16,7 @@
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/rotation.hpp"
 #include "quadtune/synthesis/lqr.hpp"
+#include "refusal.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -190,8 +191,9 @@ void require_tuned(const DesignOutcome& outcome, bool force, Context& context) {
         fmt::format("the verdict on {} of {} is '{}'", internal::printable(tuned), filter,
                     internal::printable(verdict));
     if (!force)
-      throw AnswerIsNo(fmt::format("{}: {}; quadtune design --force takes it all the same",
-                                   outcome.design.file.string(), what));
+      throw Refusal(fmt::format("{}: {}; quadtune design --force takes it all the same",
+                                outcome.design.file.string(), what),
+                    outcome.design.file.string());
     context.note("design: warning: " + what);
   };
   for (const KalmanDesign& filter : outcome.design.kalman)

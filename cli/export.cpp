@@ -16,6 +16,7 @@
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/json.hpp"
+#include "refusal.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -79,10 +80,10 @@ void require_stable(const ExportContent& content) {
   if (!content.gains || !content.plant) return;
   const double radius = closed_loop_poles(*content.plant, *content.gains).cwiseAbs().maxCoeff();
   if (!(radius < 1))
-    throw AnswerIsNo(
-        fmt::format("export: the loop of these gains with {} is unstable (spectral "
-                    "radius {:.6g}), nothing was written",
-                    content.vehicle.name, radius));
+    throw Refusal(fmt::format("export: the loop of these gains with {} is unstable (spectral "
+                              "radius {:.6g}), nothing was written",
+                              content.vehicle.name, radius),
+                  content.vehicle.name);
 }
 
 }  // namespace

@@ -17,12 +17,14 @@
 #include <ostream>
 #include <sstream>
 
+#include "library_messages.hpp"
 #include "number_arguments.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/file_set.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/version.hpp"
+#include "refusal.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -114,6 +116,8 @@ void run_into_file(const Action& action, const std::string& file, Context& conte
   };
   try {
     action(into);
+  } catch (const Refusal&) {
+    throw;
   } catch (const AnswerIsNo&) {
     write();
     throw;
@@ -275,6 +279,7 @@ void Context::note(const std::string& line) const {
 
 int run(const std::vector<std::string>& args, std::istream& in, std::ostream& out,
         std::ostream& err) {
+  silence_libraries();
   Context context{in, out, err};
   context.json = std::find(args.begin(), args.end(), "--json") != args.end();
   context.command = "quadtune";
@@ -297,6 +302,8 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
     return fail(context, kFile, error.what() + what_is_written(context), error.path());
   } catch (const NoSolution& error) {
     return fail(context, kNoSolution, error.what(), error.where());
+  } catch (const Refusal& error) {
+    return fail(context, kAnswerIsNo, error.what(), error.where());
   } catch (const AnswerIsNo& error) {
     err << one_line(error.what()) << "\n";
     return kAnswerIsNo;
