@@ -180,7 +180,7 @@ Vehicle vehicle_of(const CampaignRequest& request) {
 double largest_pole(const Vehicle& vehicle, const Controller& controller,
                     const std::string& where) {
   if (const auto* cascade = std::get_if<CascadeController>(&controller))
-    return assess_written_cascade(vehicle, cascade->gains, where)
+    return assess_written_cascade(vehicle, cascade->gains, cascade->method, where)
         .cascade.poles.cwiseAbs()
         .maxCoeff();
   const auto& feedback = std::get<StateFeedbackController>(controller);

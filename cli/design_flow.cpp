@@ -164,21 +164,27 @@ MarginsReport flying_margins(const Linearization& model, const Gains& gains,
   return margins_report(loop_at_inputs(augmented, riccati.K), std::move(inputs));
 }
 
-DesignOutcome run_design(const std::string& path) {
+DesignOutcome solve_laws(const std::string& path) {
   DesignOutcome outcome;
   outcome.design = load_design(path);
   if (outcome.design.lqr)
     solve_feedback(outcome);
   else
     outcome.model = linearize_or_refuse(outcome.design.vehicle, outcome.design.condition, {}, path);
-  for (const KalmanDesign& filter : outcome.design.kalman)
-    outcome.filters.push_back(solve_filter(filter, path));
   if (outcome.design.cascade) {
     const CascadeDesign& cascade = *outcome.design.cascade;
-    outcome.cascade = cascade.specification
-                          ? design_cascade(outcome.design.vehicle, *cascade.specification, path)
-                          : assess_written_cascade(outcome.design.vehicle, cascade.gains, path);
+    outcome.cascade =
+        cascade.specification
+            ? design_cascade(outcome.design.vehicle, *cascade.specification, path)
+            : assess_written_cascade(outcome.design.vehicle, cascade.gains, cascade.method, path);
   }
+  return outcome;
+}
+
+DesignOutcome run_design(const std::string& path) {
+  DesignOutcome outcome = solve_laws(path);
+  for (const KalmanDesign& filter : outcome.design.kalman)
+    outcome.filters.push_back(solve_filter(filter, path));
   return outcome;
 }
 
@@ -200,20 +206,27 @@ void require_tuned(const DesignOutcome& outcome, bool force, Context& context) {
     require(estimator->tuned, "the estimator", estimator->model.verdict);
 }
 
-VerifyModel model_of(const Vehicle& vehicle, const Gains& gains) {
+Linearization linearization_of(const Vehicle& vehicle, const Gains& gains) {
   LinearizeOptions options;
   options.convention = gains.convention;
   options.inputs = gains.input_kind;
   std::vector<std::string> states;
   for (const Signal& state : gains.states) states.push_back(state.name);
   options.states = {StateSelection::Kind::list, states};
-  const FlightCondition condition = NedTrim(gains).condition();
-  const Linearization model = linearize_or_refuse(vehicle, condition, options, vehicle.name);
+  return linearize_or_refuse(vehicle, NedTrim(gains).condition(), options, vehicle.name);
+}
+
+VerifyModel model_of(const Vehicle& vehicle, const Gains& gains) {
+  const Linearization model = linearization_of(vehicle, gains);
   return {discretize_zoh(model.plant, gains.dt), model.x0, model.u0};
 }
 
 std::vector<std::pair<std::string, std::string>> library_versions() {
   return {{"tomlplusplus", QUADTUNE_TOMLPLUSPLUS_VERSION}, {"ceres", QUADTUNE_CERES_VERSION}};
+}
+
+std::string vehicle_file_name(const Vehicle& vehicle) {
+  return vehicle.file.empty() ? vehicle.name + ".toml" : vehicle.file.filename().string();
 }
 
 ExportContent export_content(const DesignOutcome& outcome) {
@@ -244,12 +257,13 @@ ExportContent export_content(const DesignOutcome& outcome) {
     content.uquad_filter = uquad_diagonals(settings);
   }
   content.cascade = design.cascade;
-  if (outcome.cascade) content.cascade->gains = outcome.cascade->cascade.gains;
+  if (outcome.cascade) {
+    content.cascade->gains = outcome.cascade->cascade.gains;
+    content.cascade_plant = cascade_plant(design.vehicle, *content.cascade, design.file.string());
+  }
   content.versions = library_versions();
   content.inputs = {{design.file.filename().string(), design.text},
-                    {design.vehicle.file.empty() ? design.vehicle.name + ".toml"
-                                                 : design.vehicle.file.filename().string(),
-                     design.vehicle.text}};
+                    {vehicle_file_name(design.vehicle), design.vehicle.text}};
   const auto add_tuned = [&content](const std::string& file, const std::string& text) {
     content.inputs.push_back({std::filesystem::path(file).filename().string(), text});
   };

@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "given_gains.hpp"
 #include "number_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/exports/read_gains.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "standard_lqr.hpp"
@@ -19,11 +19,10 @@
 namespace quadtune::cli {
 namespace {
 
+constexpr char kCascadedPid[] = "cascaded-pid";
+constexpr char kStateFeedback[] = "state-feedback";
 /// Control period of laws that come with none [s].
 constexpr double kUsualPeriod = 0.005;
-/// Of designed cascades [1/s]: near Ki/Kp of their loops. The model project's 0.001 unwinds
-/// nothing.
-constexpr double kDesignedBackCalculation = 2;
 
 /// What an option's word means, the option's mistake told as the command line's.
 template <class Function>
@@ -35,77 +34,74 @@ auto word_of(const std::string& verb, const std::string& option, Function&& read
   }
 }
 
-bool is_design(const std::string& gains) { return gains.ends_with(".toml"); }
+ChosenLaw published_cascade(const Vehicle& vehicle, const std::string& verb) {
+  if (!vehicle.published_cascade)
+    throw UsageError(fmt::format("quadtune {}: --gains published: {} has no published cascade, "
+                                 "expected designed or a file",
+                                 verb, vehicle.name),
+                     "--gains");
+  return {CascadeController{vehicle.published_cascade->gains},
+          "cascaded PID, published: " + vehicle.published_cascade->source};
+}
 
-ChosenLaw cascade_of(const FlightArguments& arguments, const Vehicle& vehicle,
-                     const std::string& verb) {
+ChosenLaw designed_cascade(const FlightArguments& arguments, const Vehicle& vehicle) {
   ChosenLaw law;
-  if (arguments.gains == "published") {
-    if (!vehicle.published_cascade)
-      throw UsageError(fmt::format("quadtune {}: --gains published: {} has no published cascade, "
-                                   "expected designed or a design file",
-                                   verb, vehicle.name),
-                       "--gains");
-    law.controller = CascadeController{vehicle.published_cascade->gains};
-    law.words = "cascaded PID, published: " + vehicle.published_cascade->source;
-  } else if (is_design(arguments.gains)) {
-    const Design design = load_design(arguments.gains);
-    if (!design.cascade)
-      throw InvalidInput(arguments.gains,
-                         "has no [cascade], expected one because its gains shall "
-                         "fly");
-    if (design.vehicle.name != vehicle.name)
-      throw InvalidInput(arguments.gains,
-                         fmt::format("the design is for the vehicle '{}', expected '{}'",
-                                     design.vehicle.name, vehicle.name));
-    CascadeGains gains = design.cascade->gains;
-    if (design.cascade->specification) {
-      const CascadeReport report =
-          design_cascade(vehicle, *design.cascade->specification, arguments.gains);
-      gains = report.cascade.gains;
-      law.margins = report.margins;
-      law.position_bandwidth = position_bandwidth(report);
-    }
-    law.controller = cascade_controller(*design.cascade, gains);
-    law.words = "cascaded PID of " + arguments.gains;
-  } else {
-    CascadeSpecification specification;
-    specification.dt =
-        vehicle.published_cascade ? vehicle.published_cascade->gains.dt : kUsualPeriod;
-    const CascadeReport report = design_cascade(vehicle, specification, vehicle.name);
-    law.margins = report.margins;
-    law.position_bandwidth = position_bandwidth(report);
-    CascadeController controller{report.cascade.gains};
-    controller.back_calculation = kDesignedBackCalculation;
-    law.controller = controller;
-    law.words = fmt::format("cascaded PID, designed as by `quadtune pid {}`", arguments.vehicle);
-  }
+  CascadeSpecification specification;
+  specification.dt = vehicle.published_cascade ? vehicle.published_cascade->gains.dt : kUsualPeriod;
+  const CascadeReport report = design_cascade(vehicle, specification, vehicle.name);
+  law.margins = report.margins;
+  law.position_bandwidth = position_bandwidth(report);
+  CascadeController controller{report.cascade.gains};
+  controller.back_calculation = kDesignedBackCalculation;
+  law.controller = controller;
+  law.words = fmt::format("cascaded PID, designed as by `quadtune pid {}`", arguments.vehicle);
   return law;
 }
 
-ChosenLaw feedback_of(const FlightArguments& arguments, const Vehicle& vehicle,
+/// What is known by a word alone: --gains designed or published.
+ChosenLaw law_of_word(const FlightArguments& arguments, const Vehicle& vehicle, bool cascade,
                       const std::string& verb) {
-  if (arguments.gains == "designed")
+  const bool designed = arguments.gains == "designed";
+  if (cascade)
+    return designed ? designed_cascade(arguments, vehicle) : published_cascade(vehicle, verb);
+  if (designed)
     return {feedback_controller(standard_gains(vehicle, verb), kUsualPeriod),
             "state feedback, LQR with weights by Bryson's rule",
             {}};
-  if (arguments.gains == "published")
-    throw UsageError(fmt::format("quadtune {}: --gains published is for cascaded-pid, expected "
-                                 "designed or a file of gains",
-                                 verb),
-                     "--gains");
-  if (is_design(arguments.gains))
-    throw UsageError(fmt::format("quadtune {}: --gains is the design file '{}', expected a file of "
-                                 "gains or an export, because a design's state feedback is flown "
-                                 "from what `quadtune design FILE -o DIR` writes",
-                                 verb, arguments.gains),
-                     "--gains");
-  const Gains gains = read_gains(arguments.gains);
-  if (!gains.vehicle.empty() && gains.vehicle != vehicle.name)
+  throw UsageError(fmt::format("quadtune {}: --gains published is for cascaded-pid, expected "
+                               "designed or a file of gains",
+                               verb),
+                   "--gains");
+}
+
+/// Whether the cascade of a file flies: what is asked for, or what there is. Of both the cascade of
+/// a design, as in its missions, and the state feedback of an export.
+bool flies_cascade(const GivenLaws& given, const FlightArguments& arguments) {
+  const StoredLaws& laws = given.laws;
+  if (arguments.controller.empty())
+    return laws.cascade && (!laws.gains || given.design.has_value());
+  const bool cascade = arguments.controller == kCascadedPid;
+  if (cascade ? !laws.cascade : !laws.gains)
     throw InvalidInput(arguments.gains,
-                       fmt::format("the gains are for the vehicle '{}', expected '{}'",
-                                   gains.vehicle, vehicle.name));
-  return {feedback_controller(gains, kUsualPeriod), "state feedback of " + arguments.gains, {}};
+                       cascade ? "holds a state feedback and no PID cascade, expected one"
+                               : "holds a PID cascade and no state feedback, expected one");
+  return cascade;
+}
+
+ChosenLaw law_of_file(const FlightArguments& arguments, const Vehicle& vehicle) {
+  const GivenLaws given = read_given_laws(arguments.gains);
+  require_vehicle(given.laws, vehicle, arguments.gains);
+  if (!flies_cascade(given, arguments))
+    return {feedback_controller(*given.laws.gains, kUsualPeriod),
+            "state feedback of " + arguments.gains,
+            given.design ? given.design->margins : std::nullopt};
+  const CascadeDesign& cascade = *given.laws.cascade;
+  ChosenLaw law{cascade_controller(cascade, cascade.gains), "cascaded PID of " + arguments.gains};
+  if (cascade.specification) {
+    law.margins = given.design->cascade->margins;
+    law.position_bandwidth = position_bandwidth(*given.design->cascade);
+  }
+  return law;
 }
 
 /// The estimator that a vehicle's sensors can feed.
@@ -203,24 +199,16 @@ void require_sane_times(const FlightSetup& setup, const std::string& verb) {
 
 ChosenLaw choose_law(FlightArguments arguments, const Vehicle& vehicle, const std::string& verb) {
   if (arguments.gains.empty()) arguments.gains = "designed";
-  const bool file = arguments.gains != "designed" && arguments.gains != "published";
-  if (arguments.controller.empty())
-    arguments.controller = file && !is_design(arguments.gains) ? "state-feedback" : "cascaded-pid";
-  const std::vector<std::string> known = {"cascaded-pid", "state-feedback"};
-  if (arguments.controller == known[0]) {
-    if (file && !is_design(arguments.gains))
-      throw UsageError(fmt::format("quadtune {}: --gains is '{}', expected a design file (.toml), "
-                                   "designed or published for a cascaded PID",
-                                   verb, arguments.gains),
-                       "--gains");
-    return cascade_of(arguments, vehicle, verb);
-  }
-  if (arguments.controller == known[1]) return feedback_of(arguments, vehicle, verb);
-  throw UsageError(
-      fmt::format("quadtune {}: --controller is '{}', expected cascaded-pid or "
-                  "state-feedback{}",
-                  verb, arguments.controller, internal::did_you_mean(arguments.controller, known)),
-      "--controller");
+  const std::string& controller = arguments.controller;
+  const std::vector<std::string> known = {kCascadedPid, kStateFeedback};
+  if (!controller.empty() && controller != kCascadedPid && controller != kStateFeedback)
+    throw UsageError(fmt::format("quadtune {}: --controller is '{}', expected cascaded-pid or "
+                                 "state-feedback{}",
+                                 verb, controller, internal::did_you_mean(controller, known)),
+                     "--controller");
+  if (arguments.gains == "designed" || arguments.gains == "published")
+    return law_of_word(arguments, vehicle, controller != kStateFeedback, verb);
+  return law_of_file(arguments, vehicle);
 }
 
 void keep_log(PlannedFlight& plan, const std::string& verb) {
@@ -244,8 +232,10 @@ void add_flight_options(CLI::App& app, FlightArguments& arguments) {
   app.add_option("--controller", arguments.controller,
                  "cascaded-pid or state-feedback; what --gains holds, or cascaded-pid")
       ->type_name("KIND");
-  app.add_option("--gains", arguments.gains,
-                 "designed (default), published, a design file, an export or a file of gains")
+  app.add_option(
+         "--gains", arguments.gains,
+         "designed (default), published, a design file, an export, or what lqr or pid wrote "
+         "as JSON")
       ->type_name("WHICH");
   app.add_option("--integrator", arguments.integrator,
                  "of the PID: euler (default), backward-euler or tustin")
@@ -282,7 +272,7 @@ FlightArguments as_the_model_project(FlightArguments arguments) {
 
 CascadeController cascade_controller(const CascadeDesign& design, const CascadeGains& gains) {
   CascadeController controller{gains};
-  if (design.specification) controller.method = design.specification->method;
+  controller.method = design.method;
   controller.attitude_limit = design.attitude_limit;
   controller.integrator_limit = design.integrator_limit;
   controller.back_calculation = design.back_calculation;

@@ -82,6 +82,10 @@ struct PlannedFlight {
 /// @throws UsageError  for a flight whose record would not fit into memory
 void keep_log(PlannedFlight& plan, const std::string& verb);
 
+/// Back calculation of designed cascades [1/s]: near Ki/Kp of their loops. The model project's
+/// 0.001 unwinds nothing.
+inline constexpr double kDesignedBackCalculation = 2;
+
 /// A cascade of a design file as it is flown.
 /// @param gains  designed where the file asks for them
 [[nodiscard]] CascadeController cascade_controller(const CascadeDesign& design,

@@ -10,6 +10,7 @@
 #include <ostream>
 
 #include "design_flow.hpp"
+#include "given_gains.hpp"
 #include "lqr_arguments.hpp"
 #include "lqr_schedule.hpp"
 #include "margins_report.hpp"
@@ -129,6 +130,10 @@ void run_vehicle(const LqrArguments& arguments, Context& context) {
     json["inputs"] = internal::signals_to_json(plant.model.plant.inputs);
     json["integrals"] = design.integrals;
     json["margins"] = to_json(margins);
+    ExportContent content;
+    content.vehicle = plant.vehicle;
+    content.gains = gains;
+    add_laws(json, content);
     context.out << internal::readable(json) << "\n";
     return;
   }

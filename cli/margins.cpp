@@ -9,7 +9,9 @@
 #include <memory>
 #include <ostream>
 
+#include "cascade_report.hpp"
 #include "design_flow.hpp"
+#include "given_gains.hpp"
 #include "loop_figure.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
@@ -17,8 +19,8 @@
 #include "plot_argument.hpp"
 #include "print.hpp"
 #include "program.hpp"
+#include "quadtune/control/cascade_law.hpp"
 #include "quadtune/discretize/delay.hpp"
-#include "quadtune/exports/read_gains.hpp"
 #include "quadtune/model/vehicle.hpp"
 
 namespace quadtune::cli {
@@ -131,7 +133,16 @@ NamedLoop vehicle_loop(const Options& options) {
         "vehicle",
         "--cut");
   const Vehicle vehicle = load_vehicle(options.vehicle);
-  const Gains gains = read_gains(options.gains);
+  const GivenLaws given = read_given_laws(options.gains);
+  require_vehicle(given.laws, vehicle, options.gains);
+  if (!given.laws.gains) {
+    const CascadeDesign& cascade = *given.laws.cascade;
+    const DiscreteLti law = cascade_law(cascade.gains, cascade.method);
+    const DiscreteLti plant = cascade_plant(vehicle, cascade, options.gains);
+    return {OpenLoop(delayed(cut_at_inputs(plant, law), options.delay)),
+            names_or_numbers(law.outputs, std::ssize(law.outputs))};
+  }
+  const Gains& gains = *given.laws.gains;
   if (!(gains.dt > 0))
     throw InvalidInput(options.gains,
                        "the gains have no sample period, expected one because the "
@@ -203,7 +214,8 @@ Verb margins_verb() {
       "quadtune margins --num 25 --den 1,10,10,10", [](CLI::App& app) -> Action {
         auto options = std::make_shared<Options>();
         app.add_option("V", options->vehicle, "built-in vehicle or vehicle file");
-        app.add_option("--gains", options->gains, "with V: an export, or a file of gains")
+        app.add_option("--gains", options->gains,
+                       "with V: an export, a file of gains or a design file")
             ->type_name("FILE");
         app.add_option("--num", options->num, "numerator, descending powers")->type_name("LIST");
         app.add_option("--den", options->den, "denominator, descending powers")->type_name("LIST");

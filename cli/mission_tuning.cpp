@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <ostream>
 
 #include "mission_tuning_report.hpp"
@@ -36,13 +37,15 @@ void check(const std::string& verb, const MissionTuningArguments& arguments) {
        {std::pair("--monte-carlo", arguments.draws), std::pair("--proof", arguments.proof)})
     if (draws > kMostDraws)
       refuse(verb, option, fmt::format("{} is {}, expected at most {}", option, draws, kMostDraws));
-  if (arguments.report.empty()) return;
-  if (!arguments.report.ends_with(".html"))
-    refuse(verb, "--report",
-           fmt::format("--report is '{}', expected a name that ends in .html",
-                       internal::printable(arguments.report)));
-  if (arguments.report == arguments.file)
-    refuse(verb, "--report", "--report and -o are one file, expected two");
+  if (!arguments.report.empty()) {
+    if (!arguments.report.ends_with(".html"))
+      refuse(verb, "--report",
+             fmt::format("--report is '{}', expected a name that ends in .html",
+                         internal::printable(arguments.report)));
+    if (arguments.report == arguments.file)
+      refuse(verb, "--report", "--report and -o are one file, expected two");
+  }
+  require_design_name(arguments.file, verb);
 }
 
 MissionRequirements requirements_of(const MissionTuning& tuning,
@@ -123,6 +126,15 @@ std::uint32_t proof_draws(const TrialRequest& request, const std::string& verb,
 }
 
 }  // namespace
+
+void require_design_name(const std::string& file, const std::string& verb) {
+  std::error_code ignored;
+  if (file.empty() || file.ends_with(".toml") || std::filesystem::is_other(file, ignored)) return;
+  refuse(verb, "-o",
+         fmt::format("-o is '{}', expected a name that ends in .toml because `quadtune export` and "
+                     "`fly --gains` know a design file by it",
+                     internal::printable(file)));
+}
 
 void add_mission_tuning_options(CLI::App& app, MissionTuningArguments& arguments) {
   app.add_option("--mission", arguments.missions,

@@ -31,6 +31,10 @@ struct MissionTuningArguments {
 /// --estimator, --sensors, --wind, --duration, -o, --force, --report.
 void add_mission_tuning_options(CLI::App& app, MissionTuningArguments& arguments);
 
+/// A design file is written into a name by which it is known again, or to a device.
+/// @throws UsageError
+void require_design_name(const std::string& file, const std::string& verb);
+
 /// A design as the search has it and as it is told.
 struct TunedDesign {
   DesignPoint point;

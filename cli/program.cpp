@@ -17,6 +17,7 @@
 #include <ostream>
 #include <sstream>
 
+#include "file_kinds.hpp"
 #include "number_arguments.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/file_set.hpp"
@@ -105,7 +106,8 @@ void refuse_options_for_values(const CLI::App& app, const std::string& verb,
 /// Runs an action whose output goes into a file, written whole or not at all.
 void run_into_file(const Action& action, const std::string& file, Context& context) {
   std::ostringstream text;
-  Context into{context.in, text, context.err,     context.json, context.quiet,
+  const bool json = context.json || file.ends_with(".json");  // what reads it goes by the name
+  Context into{context.in, text, context.err,     json,         context.quiet,
                {},         file, context.threads, context.seed, context.command};
   // An answer that is no was printed as well.
   const auto write = [&] {
@@ -222,6 +224,20 @@ std::string what_is_written(const Context& context) {
   return text;
 }
 
+/// The command line as it is written into files. What may not change a byte of them is left out:
+/// how many threads worked, and what is printed beside.
+std::string recorded_command(const std::vector<std::string>& args) {
+  std::string command = "quadtune";
+  for (std::size_t i = 0; i < args.size(); ++i) {
+    const std::string& arg = args[i];
+    if (arg == "--threads") ++i;  // and its value
+    if (arg == "--threads" || arg.starts_with("--threads=") || arg == "--quiet" || arg == "--json")
+      continue;
+    command += arg.find(' ') == std::string::npos ? " " + arg : " '" + arg + "'";
+  }
+  return command;
+}
+
 /// One line on the error stream and, for scripts, one object on the output.
 int fail(const Context& context, int status, const std::string& message, const std::string& where) {
   context.err << one_line(message) << "\n";
@@ -277,9 +293,7 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
         std::ostream& err) {
   Context context{in, out, err};
   context.json = std::find(args.begin(), args.end(), "--json") != args.end();
-  context.command = "quadtune";
-  for (const std::string& arg : args)
-    context.command += arg.find(' ') == std::string::npos ? " " + arg : " '" + arg + "'";
+  context.command = recorded_command(args);
   try {
     run_program(args, context);
     out.flush();
@@ -292,9 +306,12 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
   } catch (const InvalidInput& error) {
     // What an option says is the command line; what a file says is the input.
     const bool option = error.where().starts_with("--");
-    return fail(context, option ? kUsage : kBadInput, error.what(), error.where());
+    return fail(context, option ? kUsage : kBadInput, error.what() + who_takes(args, error.where()),
+                error.where());
   } catch (const FileError& error) {
-    return fail(context, kFile, error.what() + what_is_written(context), error.path());
+    return fail(context, kFile,
+                error.what() + what_is_written(context) + who_takes(args, error.path()),
+                error.path());
   } catch (const NoSolution& error) {
     return fail(context, kNoSolution, error.what(), error.where());
   } catch (const AnswerIsNo& error) {

@@ -70,7 +70,7 @@ struct Context {
   std::string file = {};                  ///< that -o names, where `out` goes into it; else empty
   std::size_t threads = 0;                ///< to use; 0: one for each processor
   std::uint64_t seed = 1;                 ///< of everything random
-  std::string command = {};               ///< the command line, for what is written
+  std::string command = {};               ///< the command line that decides what is written
   bool answered = false;  ///< the JSON object is on `out`: an error that follows adds no second
 
   /// One line on the error stream that is not an error; silent with --quiet.

@@ -11,7 +11,6 @@
 #include "design_flow.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/internal/built_in.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/synthesis/diagonal_lqr.hpp"
 #include "standard_lqr.hpp"
@@ -206,7 +205,6 @@ class LqrTuning {
 
   [[nodiscard]] std::string file(const Eigen::VectorXd& x, const std::string& comment) const {
     const LqrDesign found = with_diagonals(design_, weights(x));
-    const std::string& word = problem_.plant.vehicle;
     const auto list = [](const Eigen::MatrixXd& M) {
       std::vector<double> numbers;
       for (Eigen::Index i = 0; i < M.rows(); ++i) numbers.push_back(M(i, i));
@@ -216,7 +214,8 @@ class LqrTuning {
         "# {}\nname = \"tuned-{}\"\nvehicle = \"{}\"\n\n[trim]\nat = \"hover\"\nyaw_rad = {}\n\n"
         "[lqr]\nconvention = \"{}\"\ninputs = \"{}\"\nstates = [\"{}\"]\nQ = {}\nR = {}\n",
         comment, plant_.vehicle.name,
-        internal::looks_like_path(word) ? std::filesystem::absolute(word).string() : word,
+        plant_.vehicle.file.empty() ? plant_.vehicle.name
+                                    : std::filesystem::absolute(plant_.vehicle.file).string(),
         problem_.plant.yaw, found.convention, to_string(found.input_kind),
         fmt::join(found.states, "\", \""), list(found.Q), list(found.R));
     if (!found.integrals.empty())

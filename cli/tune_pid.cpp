@@ -11,7 +11,7 @@
 #include "mission_tuning.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/internal/built_in.hpp"
+#include "quadtune/exports/mambo.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -59,7 +59,7 @@ std::vector<NamedMargins> margins_of(const PidCascade& cascade) {
 class PidTuning {
  public:
   PidTuning(const MissionTuningArguments& arguments, const std::string& gains, bool separate)
-      : vehicle_(load_vehicle(arguments.vehicle)), word_(arguments.vehicle) {
+      : vehicle_(load_vehicle(arguments.vehicle)) {
     FlightArguments chosen;
     chosen.vehicle = arguments.vehicle;
     chosen.gains = gains;
@@ -144,7 +144,7 @@ class PidTuning {
   [[nodiscard]] std::string file(const Eigen::VectorXd& x, const std::string& comment) const {
     const CascadeController tuned = controller(x);
     const std::string vehicle =
-        internal::looks_like_path(word_) ? std::filesystem::absolute(word_).string() : word_;
+        vehicle_.file.empty() ? vehicle_.name : std::filesystem::absolute(vehicle_.file).string();
     std::string text = fmt::format(
         "# {}\nname = \"tuned-{}\"\nvehicle = \"{}\"\n\n[trim]\nat = \"hover\"\n\n[cascade]\ndt_s "
         "= "
@@ -155,11 +155,14 @@ class PidTuning {
     if (std::isfinite(tuned.integrator_limit))
       text += fmt::format("integrator_limit = {}\n", tuned.integrator_limit);
     text += fmt::format("back_calculation_per_s = {}\n", tuned.back_calculation);
+    if (tuned.method != PidMethod::forward_euler)
+      text += fmt::format("integrator = \"{}\"\n", to_string(tuned.method));
     for (const PidLoop& loop : tuned.gains.loops)
       text += fmt::format("{} = {{ Kp = {}, Ki = {}, Kd = {} }}\n", loop.name, loop.Kp, loop.Ki,
                           loop.Kd);
-    // Files for the model project, where its cascade flies.
-    return vehicle_.published_cascade ? text + "\n[[export]]\nto = \"mambo\"\n" : text;
+    // Files for the model project, where it takes the vehicle.
+    return text + fmt::format("\n[[export]]\nto = \"{}\"\n",
+                              takes_mambo_files(vehicle_) ? "mambo" : "json");
   }
 
   [[nodiscard]] MissionTuning tuning() const {
@@ -182,7 +185,6 @@ class PidTuning {
 
  private:
   Vehicle vehicle_;
-  std::string word_;
   ChosenLaw law_;
   CascadeController start_;
   CascadeVehicle hover_;

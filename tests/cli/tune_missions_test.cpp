@@ -91,6 +91,32 @@ TEST(TuneMissions, PidTellsStartFoundAndPublished) {
   EXPECT_EQ(flown.status, 0) << flown.err;
 }
 
+// How many threads worked, and what was printed, is not in the file.
+TEST(TuneMissions, ThreadsDoNotChangeAByteOfTheFile) {
+  const TemporaryDirectory directory;
+  const std::string file = (directory.path() / "tuned.toml").string();
+  const std::vector<std::string> args = {
+      "tune",          "pid", "mambo",   "--mission", "hover",   "--duration",    "3",
+      "--evaluations", "3",   "--proof", "2",         "--force", "--monte-carlo", "1",
+      "--budget",      "600", "-o",      file};
+  std::vector<std::string> files;
+  for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
+           {"--threads", "1"}, {"--threads=2", "--quiet"}, {"--json", "--threads", "3"}, {}}) {
+    EXPECT_THAT(run_program(with(args, more)).status, ::testing::AnyOf(0, 1));
+    files.push_back(directory.read("tuned.toml"));
+  }
+  EXPECT_THAT(files[0], HasSubstr("By quadtune tune pid mambo --mission hover"));
+  for (const std::string& text : files) EXPECT_EQ(text, files[0]);
+}
+
+// A design file is known by its name.
+TEST(TuneMissions, RefusesANameByWhichADesignIsNotKnown) {
+  const ProgramResult result =
+      run_program({"tune", "pid", "mambo", "--mission", "hover", "-o", "tuned.txt"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("-o is 'tuned.txt', expected a name that ends in .toml"));
+}
+
 TEST(TuneMissions, LqrSearchesInTheWeights) {
   const TemporaryDirectory directory;
   const std::string file = (directory.path() / "tuned.toml").string();
