@@ -12,10 +12,12 @@
 #include <string>
 #include <string_view>
 
+#include "filter_models.hpp"
 #include "kalman_coverage.hpp"
 #include "kalman_peers.hpp"
 #include "kalman_problems.hpp"
 #include "machine.hpp"
+#include "quadtune/estimation/nonlinear_filter.hpp"
 #include "quadtune/tuning/innovation_likelihood.hpp"
 #include "quadtune/tuning/noise_fit.hpp"
 #include "wall_time.hpp"
@@ -154,6 +156,41 @@ void gradients() {
   }
 }
 
+/// The extended filter of 15 states: its own run, and the likelihood of what it linearized, beside
+/// a linear filter of that size.
+void race_extended() {
+  constexpr int kFew = 2000;
+  const KalmanProblem linear = problem_of_extended_size(kFew);
+  const KalmanProblem hover = uquad_hover(kFew);
+  const auto filter = nonlinear_filter(hover.model, {hover.record});
+  const VectorXd theta = start_of(hover.model);
+  const InnovationLikelihood likelihood(hover.model, filter->linearize(theta).records);
+  fmt::print(
+      "\n| extended filter, 15 states, 16 outputs, 11 parameters, {} instants | ms | ns/sample | "
+      "of statsmodels' linear filter of this size | goal |\n|---|---:|---:|---:|---|\n",
+      kFew);
+  const auto peer = ask_peer(KalmanPeer::statsmodels, PeerTask::every_step, linear);
+  const auto print = [&](const char* name, double seconds, double goal) {
+    const double times = peer ? seconds / peer->seconds : 0;
+    fmt::print("| {} | {:.4g} | {:.4g} | {} | {} |\n", name, seconds * 1e3, seconds / kFew * 1e9,
+               peer ? fmt::format("{:.2g} times", times) : "not installed",
+               peer ? verdict(times, goal, true, " times") : "");
+  };
+  const double run = processor_time_of([&] { (void)filter->linearize(theta); }).median;
+  const double value = evaluation_time(likelihood, LikelihoodOrder::value, 3).median;
+  print("run of the filter, linearized", run, 0);
+  print("likelihood of that", value, 0);
+  print("likelihood with gradient",
+        evaluation_time(likelihood, LikelihoodOrder::gradient, 3).median, 0);
+  print("likelihood with gradient and information",
+        evaluation_time(likelihood, LikelihoodOrder::information, 3).median, 20);
+  print("one evaluation of the nonlinear likelihood: run and likelihood", run + value, 20);
+  const InnovationLikelihood same(linear.model, {testing::linearized(linear.model, linear.record)});
+  print("the linear filter's own model, told instant by instant",
+        evaluation_time(same, LikelihoodOrder::value, 3).median, 20);
+  if (peer) print("statsmodels", peer->seconds, 0);
+}
+
 double resident_peak_in_MiB() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -196,6 +233,7 @@ void race() {
     race_likelihood(
         fmt::format("12 states, 6 outputs, F {}, no steady gains", sparse ? "of chains" : "dense"),
         large_problem(2000, 18, sparse), false, {500, 0, 0}, false);
+  race_extended();
   gradients();
   long_log();
 }

@@ -21,4 +21,12 @@ struct KalmanProblem {
 ///                    that are not counted are fixed.
 [[nodiscard]] KalmanProblem large_problem(int samples, int parameters, bool sparse);
 
+/// A linear model of the size of the uquad's extended filter: 15 states, 16 outputs, 11 variances,
+/// all entries of A and G drawn, at 5 ms.
+[[nodiscard]] KalmanProblem problem_of_extended_size(int samples);
+
+/// The built-in uquad's extended filter over a hover at 200 Hz of which every sensor says all the
+/// time what is so, but for its noise.
+[[nodiscard]] KalmanProblem uquad_hover(int samples);
+
 }  // namespace quadtune::bench

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <optional>
 #include <ostream>
+#include <utility>
 
 #include "allan_figure.hpp"
 #include "allan_units.hpp"
@@ -31,7 +32,7 @@ struct Options {
   std::string log, column, unit;
   std::string taus = "octaves";
   SensorLogArguments sensors;
-  bool simulate = false;
+  bool simulate = false, phase = false;
   PlotArgument plot;
 };
 
@@ -48,7 +49,7 @@ AllanTaus taus_of(const std::string& name) {
 }
 
 AllanRecord made_up(const Options& options, const Context& context) {
-  if (!options.log.empty() || !options.column.empty() || options.sensors.given())
+  if (!options.log.empty() || !options.column.empty() || options.sensors.given() || options.phase)
     refuse("--simulate",
            "--simulate came with a log or its options, expected it alone, because it "
            "makes the record up");
@@ -58,17 +59,32 @@ AllanRecord made_up(const Options& options, const Context& context) {
           1 / made.sample_rate};
 }
 
+/// Of the rate whose integral is in `unit`.
+std::string unit_of_rate(const std::string& unit) {
+  if (unit.empty()) return "";
+  if (unit == "s") return "1";
+  return unit == "m/s" ? "m/s^2" : unit + "/s";
+}
+
 AllanRecord read(const Options& options, Context& context) {
   if (options.simulate) return made_up(options, context);
   if (options.log.empty()) refuse("--log", "--log is missing, expected the log of a still sensor");
   if (options.column.empty())
     refuse("--column", "--column is missing, expected the name or number of a column");
-  const LogSeries series =
-      read_sensors(options.log, {options.column}, {}, options.sensors, "allan", context).front();
-  const std::string name = log_name(options.log);
+  SensorLog log =
+      read_sensors(options.log, {options.column}, {}, options.sensors, "allan", context);
+  const LogSeries& series = log.series.front();
+  const std::string name = log_name(channel_place(options.column, options.log).file);
   const Eigen::Map<const Eigen::VectorXd> values(series.values.data(), std::ssize(series.values));
-  return {name, series.name, options.unit.empty() ? series.unit : options.unit, values,
-          even_period(series, name)};
+  const std::string unit = options.unit.empty() ? series.unit : options.unit;
+  const double dt = even_period(series, name);
+  AllanRecord record{name, series.name, unit, values, dt, std::move(log.warnings)};
+  if (options.phase) {
+    record.phase = true;
+    record.unit = unit_of_rate(unit);
+    record.rate = rate_of_phase(values, dt);
+  }
+  return record;
 }
 
 Json reading_json(const AllanReading& reading, const std::string& unit) {
@@ -87,11 +103,10 @@ Json reading_json(const AllanReading& reading, const std::string& unit) {
 }
 
 Json to_json(const AllanRecord& record, const AllanAnalysis& analysis) {
-  Json json = {{"log", record.log},
-               {"column", record.column},
-               {"unit", record.unit},
-               {"samples", record.rate.size()},
-               {"dt", record.dt}};
+  Json json = {
+      {"log", record.log},          {"column", record.column},       {"phase", record.phase},
+      {"unit", record.unit},        {"samples", record.rate.size()}, {"dt", record.dt},
+      {"warnings", record.warnings}};
   for (const char* key : {"tau", "adev", "low", "high", "edf", "model"}) json[key] = Json::array();
   for (const AllanCurvePoint& at : analysis.curve) {
     json["tau"].push_back(at.point.tau);
@@ -166,10 +181,11 @@ void print(const AllanRecord& record, const AllanAnalysis& analysis, Context& co
     return;
   }
   const auto samples = static_cast<double>(record.rate.size());
-  context.out << section("log", fmt::format("{}: {}{}, {} samples at {:.6g} Hz, {:.6g} s",
-                                            record.log, record.column,
-                                            record.unit.empty() ? "" : " [" + record.unit + "]",
-                                            record.rate.size(), 1 / record.dt, samples * record.dt))
+  context.out << section("log",
+                         fmt::format("{}: {}{}, {} samples at {:.6g} Hz, {:.6g} s", record.log,
+                                     (record.phase ? "the rate of " : "") + record.column,
+                                     record.unit.empty() ? "" : " [" + record.unit + "]",
+                                     record.rate.size(), 1 / record.dt, samples * record.dt))
               << section("curve", "overlapping Allan deviation" +
                                       (record.unit.empty() ? "" : " [" + record.unit + "]") + "\n" +
                                       curve_table(analysis));
@@ -181,7 +197,7 @@ void print(const AllanRecord& record, const AllanAnalysis& analysis, Context& co
 }  // namespace
 
 Verb allan_verb() {
-  return {"allan", "--log FILE --column NAME|N (--rate HZ | --time COLUMN) [--unit U]",
+  return {"allan", "--log FILE --column NAME|N (--rate HZ | --time COLUMN) [--unit U] [--phase]",
           "read a still sensor's noises off its Allan deviation",
           "quadtune allan --simulate --taus decades", [](CLI::App& app) -> Action {
             auto options = std::make_shared<Options>();
@@ -195,6 +211,8 @@ Verb allan_verb() {
             app.add_option("--unit", options->unit,
                            "of the column, e.g. rad/s, deg/s, m/s^2; the header's")
                 ->type_name("U");
+            app.add_flag("--phase", options->phase,
+                         "the column is a phase, the rate's integral: an angle, a clock's error");
             app.add_option("--taus", options->taus, "octaves (default), decades or all")
                 ->type_name("WHICH");
             app.add_flag("--simulate", options->simulate,

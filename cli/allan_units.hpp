@@ -16,7 +16,9 @@ struct AllanRecord {
   std::string column;
   std::string unit;  ///< of the rate; may be empty
   Eigen::VectorXd rate;
-  double dt = 0;  ///< [s]
+  double dt = 0;                           ///< [s]
+  std::vector<std::string> warnings = {};  ///< of the log's reader
+  bool phase = false;                      ///< the column is the rate's integral
 };
 
 /// A reading with its names and units.

@@ -61,7 +61,9 @@ class SensorWishes {
   }
 
   void read(const std::string& path, const Options& options, Context& context) {
-    series_ = read_sensors(path, required_, optional_, options.sensors, "calibrate", context);
+    SensorLog log = read_sensors(path, required_, optional_, options.sensors, "calibrate", context);
+    series_ = std::move(log.series);
+    warnings_ = std::move(log.warnings);
     std::vector<const LogSeries*> present;
     for (Wish& wish : wishes_) {
       const std::size_t first = wish.first + (wish.usual ? required_.size() : 0);
@@ -74,6 +76,10 @@ class SensorWishes {
       }
     }
     if (present.empty()) return;
+    // Sensors of another file have times of their own.
+    for (std::size_t i = 0; i < required_.size(); ++i)
+      if (&series_[i] != present.front() && channel_place(required_[i], path).file != path)
+        series_[i] = interpolated(series_[i], present.front()->time);
     joined_ = join(present, log_name(path));
     const auto most = std::max_element(present.begin(), present.end(), [](auto* a, auto* b) {
       return a->time.size() < b->time.size();
@@ -86,6 +92,7 @@ class SensorWishes {
           internal::printable((*most)->name), log_name(path)));
   }
 
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   [[nodiscard]] const Eigen::VectorXd& t() const { return joined_.t; }
   /// (0 × n) where it is absent.
   [[nodiscard]] Eigen::MatrixXd values(std::size_t wish) const {
@@ -103,10 +110,12 @@ class SensorWishes {
   std::vector<Wish> wishes_;
   std::vector<std::string> required_, optional_;
   std::vector<LogSeries> series_;
+  std::vector<std::string> warnings_;
   JoinedSeries joined_;
 };
 
-ImuLog read_log(const std::string& path, const Options& options, Context& context) {
+ImuLog read_log(const std::string& path, const Options& options, Context& context,
+                std::vector<std::string>& warnings) {
   SensorWishes wishes;
   wishes.add(axes(options.accelerometer, {"ax", "ay", "az"}, "--accelerometer"),
              options.accelerometer.empty());
@@ -117,6 +126,7 @@ ImuLog read_log(const std::string& path, const Options& options, Context& contex
   if (temperature != kNone)
     wishes.add({temperature.empty() ? "temperature" : temperature}, temperature.empty());
   wishes.read(path, options, context);
+  warnings.insert(warnings.end(), wishes.warnings().begin(), wishes.warnings().end());
   ImuLog log;
   log.name = log_name(path);
   if (!wishes.has(0))
@@ -164,7 +174,8 @@ ImuCalibrationFile file_of(const ImuCalibration& found, const Options& options) 
   return file;
 }
 
-std::vector<ImuLog> read_logs(const Options& options, Context& context, MadeUpImu& truth) {
+std::vector<ImuLog> read_logs(const Options& options, Context& context, MadeUpImu& truth,
+                              std::vector<std::string>& warnings) {
   if (options.simulate) {
     if (!options.logs.empty())
       refuse("--simulate", "--simulate came with --log, expected one of them");
@@ -174,7 +185,8 @@ std::vector<ImuLog> read_logs(const Options& options, Context& context, MadeUpIm
   if (options.logs.empty())
     refuse("--log", "--log is missing, expected a log in which the sensor stands in many poses");
   std::vector<ImuLog> logs;
-  for (const std::string& path : options.logs) logs.push_back(read_log(path, options, context));
+  for (const std::string& path : options.logs)
+    logs.push_back(read_log(path, options, context, warnings));
   return logs;
 }
 
@@ -189,7 +201,8 @@ void run(const Options& options, Context& context) {
     refuse("WHAT", fmt::format("'{}' came, expected: quadtune calibrate imu{}", options.what,
                                internal::did_you_mean(options.what, {"imu"})));
   MadeUpImu made;
-  const std::vector<ImuLog> logs = read_logs(options, context, made);
+  std::vector<std::string> warnings;
+  const std::vector<ImuLog> logs = read_logs(options, context, made, warnings);
   ImuCalibrationOptions settings;
   settings.gravity = options.gravity.value_or(settings.gravity);
   settings.field = options.field.value_or(settings.field);
@@ -202,8 +215,8 @@ void run(const Options& options, Context& context) {
     write_file(options.file, imu_calibration_text(file_of(found, options)));
     context.written.push_back(options.file);
   }
-  print_calibration({logs, settings, found, options.simulate ? &made : nullptr, options.file},
-                    context);
+  print_calibration(
+      {logs, settings, found, options.simulate ? &made : nullptr, options.file, warnings}, context);
 }
 
 }  // namespace
@@ -222,7 +235,8 @@ Verb calibrate_verb() {
             ->expected(1)
             ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
         app.add_option("--accelerometer", options->accelerometer,
-                       "its three channels, by name, or by number from 1 of a text; ax,ay,az")
+                       "its three channels, by name, or by number from 1 of a text; ax,ay,az; of "
+                       "another file as CHANNEL@FILE")
             ->type_name("LIST");
         app.add_option("--gyroscope", options->gyroscope, "likewise; gx,gy,gz, or none")
             ->type_name("LIST");

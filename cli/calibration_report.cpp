@@ -170,6 +170,7 @@ Json to_json(const CalibrationReport& report) {
     json["still"].push_back(entry);
   }
   if (!report.file.empty()) json["file"] = report.file;
+  json["warnings"] = report.warnings;
   return json;
 }
 

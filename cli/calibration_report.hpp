@@ -17,8 +17,9 @@ struct CalibrationReport {
   const std::vector<ImuLog>& logs;
   const ImuCalibrationOptions& options;
   const ImuCalibration& found;
-  const MadeUpImu* truth;   ///< of a made-up log; nullptr of a real one
-  const std::string& file;  ///< that was written; empty for none
+  const MadeUpImu* truth;                    ///< of a made-up log; nullptr of a real one
+  const std::string& file;                   ///< that was written; empty for none
+  const std::vector<std::string>& warnings;  ///< of the logs' readers
 };
 
 void print_calibration(const CalibrationReport& report, Context& context);

@@ -14,7 +14,6 @@
 #include <map>
 #include <memory>
 #include <ostream>
-#include <set>
 
 #include "campaign_merge.hpp"
 #include "campaign_plan.hpp"
@@ -79,6 +78,7 @@ class Progress {
 
 /// The plan as it is read back, before anything is written where the user wants it.
 CampaignPlan tried(const std::vector<FileContent>& files, const std::string& file) {
+  const WritingFiles writing;  // so that the folder does not stay
   std::string name = (fs::temp_directory_path() / "quadtune-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) throw FileError(name, std::strerror(errno));
   struct Remove {
@@ -121,7 +121,9 @@ std::string difference_of(const fs::path& plan, const std::vector<FileContent>& 
     if (there.contains(key) && there[key] == value) continue;
     const bool numbers = there.contains(key) && there[key].is_primitive();
     return ": what differs is " + key +
-           (numbers ? fmt::format(", {} there and {} here", there[key].dump(), value.dump()) : "");
+           (numbers ? fmt::format(", {} there and {} here", internal::json_text(there[key]),
+                                  internal::json_text(value))
+                    : "");
   }
   return "";
 }
@@ -147,6 +149,7 @@ bool init(const std::string& file, const std::string& folder, std::uint32_t shar
   const std::vector<FileContent> scripts =
       campaign_scripts(loaded, fs::absolute(folder).lexically_normal());
   // The plan comes last: where it is, everything is.
+  const WritingFiles writing;
   write_files(folder, scripts, {}, interrupted);
   for (const FileContent& script : scripts) {
     const fs::path path = fs::path(folder) / script.name;
@@ -168,12 +171,10 @@ std::uint32_t shard_count(std::uint64_t shards, const char* verb) {
   return static_cast<std::uint32_t>(shards);
 }
 
-/// What `fly` would say of these flights, each once.
+/// What `fly` would say of these flights.
 void note_words(const CampaignPlan& plan, const Context& context) {
-  std::set<std::string> said;
   for (const PlannedFlight& words : plan.words)
-    for (const std::string& note : words.notes)
-      if (said.insert(note).second) context.note("campaign: note: " + note);
+    for (const std::string& note : words.notes) context.note("campaign: note: " + note);
 }
 
 void note_damage(const ShardWork& work, std::uint32_t shard, const Context& context) {

@@ -94,8 +94,11 @@ MergedCampaign merge_campaign(const CampaignPlan& plan, const std::string& folde
     else
       write_campaign_database(database, plan.campaign, drawn, records, interrupted);
   };
-  internal::in_parallel(
-      2, threads, [&] { return write_table; }, interrupted);
+  {
+    const WritingFiles writing;
+    internal::in_parallel(
+        2, threads, [&] { return write_table; }, interrupted);
+  }
   written(csv);
   written(database);
   write(path("statistics.json"),

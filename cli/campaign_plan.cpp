@@ -180,7 +180,7 @@ Vehicle vehicle_of(const CampaignRequest& request) {
 double largest_pole(const Vehicle& vehicle, const Controller& controller,
                     const std::string& where) {
   if (const auto* cascade = std::get_if<CascadeController>(&controller))
-    return assess_written_cascade(vehicle, cascade->gains, where)
+    return assess_written_cascade(vehicle, cascade->gains, cascade->method, where)
         .cascade.poles.cwiseAbs()
         .maxCoeff();
   const auto& feedback = std::get<StateFeedbackController>(controller);
@@ -332,7 +332,8 @@ Json parse_plan(const std::string& text, const std::string& where) {
     throw InvalidInput(
         where, fmt::format("was written by version {}, this is {}: expected the same, because "
                            "another may fly differently",
-                           json.contains("version") ? json["version"].dump() : "\"\"", kVersion));
+                           json.contains("version") ? internal::json_text(json["version"]) : "\"\"",
+                           kVersion));
   return json;
 }
 
@@ -358,7 +359,7 @@ std::uint32_t count_of(const Json& json, const char* key, std::uint32_t least, s
       value.get<std::uint64_t>() > most)
     throw InvalidInput(where, fmt::format("was changed since it was written: {} is {}, expected {} "
                                           "to {}",
-                                          key, value.dump(), least, most));
+                                          key, internal::json_text(value), least, most));
   return value.get<std::uint32_t>();
 }
 

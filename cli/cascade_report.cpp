@@ -231,11 +231,20 @@ CascadeReport design_cascade(const Vehicle& vehicle, const CascadeSpecification&
   return report;
 }
 
+DiscreteLti cascade_plant(const Vehicle& vehicle, const CascadeDesign& cascade,
+                          const std::string& where) {
+  CascadeSpecification specification;
+  specification.dt = cascade.gains.dt;
+  specification.method = cascade.method;
+  return sampled_hover(cascade_vehicle(vehicle, where), specification);
+}
+
 CascadeReport assess_written_cascade(const Vehicle& vehicle, const CascadeGains& gains,
-                                     const std::string& where) {
+                                     PidMethod method, const std::string& where) {
   CascadeReport report;
   report.vehicle = vehicle.name;
   report.specification.dt = gains.dt;
+  report.specification.method = method;
   const CascadeVehicle hover = cascade_vehicle(vehicle, where);
   report.specification.lag = hover.lag;
   report.cascade = assess_cascade(hover, report.specification, gains);

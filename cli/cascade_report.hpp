@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "margins_report.hpp"
+#include "quadtune/design.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/synthesis/pid_cascade.hpp"
@@ -36,9 +37,15 @@ struct CascadeReport {
                                            const std::string& where);
 
 /// The same for gains that were written, with nothing beside it.
+/// @param method  of the integrals
 [[nodiscard]] CascadeReport assess_written_cascade(const Vehicle& vehicle,
-                                                   const CascadeGains& gains,
+                                                   const CascadeGains& gains, PidMethod method,
                                                    const std::string& where);
+
+/// What the loop of an exported cascade is closed around: hover with the vehicle's lag, sampled.
+/// @throws NoSolution  if the vehicle cannot hover
+[[nodiscard]] DiscreteLti cascade_plant(const Vehicle& vehicle, const CascadeDesign& cascade,
+                                        const std::string& where);
 
 /// What a careful engineer would not fly, of each loop and of all together; see margin_warnings().
 [[nodiscard]] std::vector<std::string> cascade_warnings(const CascadeReport& report);

@@ -10,6 +10,7 @@
 #include <ostream>
 
 #include "certify_report.hpp"
+#include "flight_arguments.hpp"
 #include "number_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
@@ -18,6 +19,7 @@
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/tuning/uncertain_vehicle.hpp"
+#include "refusal.hpp"
 #include "verify_report.hpp"
 
 namespace quadtune::cli {
@@ -28,9 +30,9 @@ struct Options {
   std::string mass = "0.9:1.1";
   std::string inertia = "0.8:1.2";
   std::string thrust = "0.9:1.1";
-  std::string delay;  // empty: up to one period
-  std::string lag;    // empty: the vehicle's
-  std::string integrator = "euler";
+  std::string delay;       // empty: up to one period
+  std::string lag;         // empty: the vehicle's
+  std::string integrator;  // empty: the export's
   std::uint64_t budget = 20000;
 };
 
@@ -100,37 +102,14 @@ VehicleUncertainty uncertainty_of(const Options& options, const Vehicle& vehicle
   return u;
 }
 
-/// The cascade of an export for the Mambo's model project; none if it has none.
-std::optional<CascadeGains> cascade_in(const Manifest& manifest) {
-  const auto value = [&](const std::string& name) -> std::optional<double> {
-    for (const NamedMatrix& number : manifest.numbers)
-      if (number.name == "Controller.Cascade." + name && number.value.size() == 1)
-        return number.value(0, 0);
-    return std::nullopt;
-  };
-  const std::optional<double> dt = value("Ts");
-  if (!dt) return std::nullopt;
-  CascadeGains cascade;
-  cascade.dt = *dt;
-  for (const CascadeAxis axis : kAllCascadeAxes) {
-    PidLoop loop = cascade_loop(axis);
-    const std::optional<double> Kp = value(loop.name + ".Kp");
-    if (!Kp) continue;
-    loop.Kp = *Kp;
-    loop.Ki = value(loop.name + ".Ki").value_or(0);
-    loop.Kd = value(loop.name + ".Kd").value_or(0);
-    cascade.loops.push_back(loop);
-  }
-  return cascade;
-}
-
 /// What does not verify is not certified.
 void require_verified(const Options& options) {
   const VerifyReport report = verify_directory(options.directory, options.vehicle);
   for (const VerifyCheck& check : report.checks)
     if (!check.ok)
-      throw AnswerIsNo(fmt::format("certify: {} does not verify: {}: {}", options.directory,
-                                   check.name, check.detail));
+      throw Refusal(fmt::format("certify: {} does not verify: {}: {}", options.directory,
+                                check.name, check.detail),
+                    options.directory);
 }
 
 Vehicle vehicle_of(const Options& options, const Manifest& manifest) {
@@ -149,37 +128,31 @@ bool asked_for(const Options& options, const std::string& controller) {
 }
 
 /// The laws of the export that are asked for, not yet looked at.
-std::vector<CertifiedLaw> laws_of(const Options& options, const Manifest& manifest,
-                                  const Vehicle& vehicle) {
+std::vector<CertifiedLaw> laws_of(const Options& options, const Vehicle& vehicle) {
+  const StoredLaws stored = read_laws(options.directory);
   std::vector<CertifiedLaw> laws;
-  if (manifest.gains && asked_for(options, "state-feedback")) {
-    const Gains gains = read_gains(options.directory);
+  if (stored.gains && asked_for(options, "state-feedback"))
     laws.push_back({"state feedback",
-                    gains.dt,
-                    uncertain_hover(vehicle, gains, uncertainty_of(options, vehicle, gains.dt)),
+                    stored.gains->dt,
+                    uncertain_hover(vehicle, *stored.gains,
+                                    uncertainty_of(options, vehicle, stored.gains->dt)),
+                    {}});
+  if (stored.cascade && asked_for(options, "cascaded-pid")) {
+    const CascadeDesign& cascade = *stored.cascade;
+    const PidMethod method = options.integrator.empty()
+                                 ? cascade.method
+                                 : pid_method(options.integrator, "--integrator");
+    laws.push_back({"cascade",
+                    cascade.gains.dt,
+                    uncertain_hover(vehicle, cascade.gains, method,
+                                    uncertainty_of(options, vehicle, cascade.gains.dt)),
                     {}});
   }
-  const std::optional<CascadeGains> cascade = cascade_in(manifest);
-  if (cascade && asked_for(options, "cascaded-pid"))
-    laws.push_back(
-        {"cascade",
-         cascade->dt,
-         uncertain_hover(vehicle, *cascade, pid_method(options.integrator, "--integrator"),
-                         uncertainty_of(options, vehicle, cascade->dt)),
-         {}});
   if (laws.empty())
     throw InvalidInput(options.directory,
                        fmt::format("the export has no {}, expected a law whose loop can be closed",
                                    options.controller.empty() ? "gains" : options.controller));
   return laws;
-}
-
-void require_controller(const std::string& word) {
-  if (word.empty() || word == "state-feedback" || word == "cascaded-pid") return;
-  throw UsageError(fmt::format("quadtune certify: --controller is '{}', expected state-feedback or "
-                               "cascaded-pid",
-                               internal::printable(word)),
-                   "--controller");
 }
 
 /// Before anything is read: a wrong range is told without an export.
@@ -189,18 +162,17 @@ void require_ranges(const Options& options) {
   (void)read_ratios(options.thrust, "--thrust");
   if (!options.delay.empty()) (void)read_seconds(options.delay, "--delay", true);
   if (!options.lag.empty()) (void)read_seconds(options.lag, "--lag", false);
-  (void)pid_method(options.integrator, "--integrator");
+  if (!options.integrator.empty()) (void)pid_method(options.integrator, "--integrator");
 }
 
 void run(const Options& options, Context& context) {
   if (options.directory.empty())
     throw UsageError("quadtune certify: expected an export's directory", "DIR");
-  require_controller(options.controller);
   require_ranges(options);
   require_verified(options);
   const Manifest manifest = read_manifest(options.directory);
   const Vehicle vehicle = vehicle_of(options, manifest);
-  CertifyReport report{options.directory, vehicle.name, laws_of(options, manifest, vehicle)};
+  CertifyReport report{options.directory, vehicle.name, laws_of(options, vehicle)};
   RobustnessOptions robustness;
   robustness.seed = context.seed;
   robustness.proof.most_boxes = static_cast<int>(options.budget);
@@ -241,11 +213,12 @@ Verb certify_verb() {
             app.add_option("--lag", options->lag,
                            "time constant of the motors [s] (default the vehicle's)")
                 ->type_name("LOW:HIGH");
-            app.add_option("--controller", options->controller,
-                           "state-feedback or cascaded-pid (default: all of the export)")
+            app.add_option(
+                   "--controller", options->controller,
+                   "state-feedback (or lqr), cascaded-pid (or pid); all of the export if absent")
                 ->type_name("NAME");
             app.add_option("--integrator", options->integrator,
-                           "of a cascade: euler (default), backward-euler or tustin")
+                           "of a cascade: euler, backward-euler or tustin (default: the export's)")
                 ->type_name("METHOD");
             app.add_option("--vehicle", options->vehicle,
                            "the vehicle, where the manifest's is not built in")
@@ -253,7 +226,10 @@ Verb certify_verb() {
             add_count(app, "--budget", options->budget, 1,
                       "boxes that a proof may look at (default 20000)")
                 ->type_name("N");
-            return [options](Context& context) { run(*options, context); };
+            return [options](Context& context) {
+              options->controller = controller_kind(options->controller, "certify");
+              run(*options, context);
+            };
           }};
 }
 

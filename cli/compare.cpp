@@ -112,15 +112,16 @@ Verb compare_verb() {
                                          options->first),
                              "A");
           options->flight.seed = context.seed;
-          std::array<FlightArguments, 2> wanted = both_flights(*options);
-          std::array<FlownFlight, 2> flights;
+          const std::array<FlightArguments, 2> wanted = both_flights(*options);
+          // Both are planned before the first flies, so that a mistake in the second comes first.
+          std::array<PlannedFlight, 2> plans;
           for (std::size_t i = 0; i < 2; ++i) {
-            PlannedFlight plan = plan_flight(wanted[i], "compare");
-            keep_log(plan, "compare");
-            if (i == 0)
-              for (const std::string& note : plan.notes) context.note("compare: note: " + note);
-            flights[i] = fly_planned(std::move(plan));
+            plans[i] = plan_flight(wanted[i], "compare");
+            keep_log(plans[i], "compare");
           }
+          for (const std::string& note : plans[0].notes) context.note("compare: note: " + note);
+          std::array<FlownFlight, 2> flights;
+          for (std::size_t i = 0; i < 2; ++i) flights[i] = fly_planned(std::move(plans[i]));
           const FlightDifference difference =
               difference_of(flights[0].result.log, flights[1].result.log);
           const std::array<std::string, 2> names = names_of(*options);

@@ -12,6 +12,7 @@
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
+#include "verify_report.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -24,8 +25,6 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
   if (design.exports.empty())
     throw InvalidInput(design.file.string(), "has no [[export]], expected one because of -o");
   std::vector<WrittenExport> written;
-  std::optional<VerifyModel> model;
-  if (outcome.sampled) model = {*outcome.sampled, outcome.model.x0, outcome.model.u0};
   const ExportContent content = export_content(outcome);
   // All in memory first, so that what one cannot express keeps the others from being written.
   for (const ExportRequest& request : design.exports)
@@ -36,9 +35,12 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
     one.directory = outcome.design.exports.size() == 1
                         ? directory
                         : (std::filesystem::path(directory) / request.to).string();
-    one.files = write_export(one.directory, one.kind, content, interrupted);
-    context.written.push_back(one.directory);
-    one.verification = verify_export(one.directory, model);
+    {
+      const WritingFiles writing;
+      one.files = write_export(one.directory, one.kind, content, interrupted);
+      context.written.push_back(one.directory);
+    }
+    one.verification = verify_with(one.directory, design.vehicle, content.inputs);
     written.push_back(std::move(one));
   }
   return written;

@@ -16,6 +16,7 @@
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/rotation.hpp"
 #include "quadtune/synthesis/lqr.hpp"
+#include "refusal.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -154,31 +155,37 @@ Eigen::VectorXcd flying_poles(const Linearization& model, const Gains& gains,
 }
 
 MarginsReport flying_margins(const Linearization& model, const Gains& gains,
-                             const RiccatiResult& riccati) {
+                             const RiccatiResult& riccati, MarginsEvidence evidence) {
   std::vector<std::string> inputs = names_or_numbers(gains.inputs, std::ssize(gains.inputs));
   if (gains.dt > 0)
     return margins_report(OpenLoop(open_loop(discretize_zoh(model.plant, gains.dt), gains)),
-                          std::move(inputs));
+                          std::move(inputs), evidence);
   const ContinuousLti augmented =
       with_integrals(model.plant, names_or_numbers(gains.integrals, std::ssize(gains.integrals)));
-  return margins_report(loop_at_inputs(augmented, riccati.K), std::move(inputs));
+  return margins_report(loop_at_inputs(augmented, riccati.K), std::move(inputs), evidence);
 }
 
-DesignOutcome run_design(const std::string& path) {
+DesignOutcome solve_laws(const std::string& path) {
   DesignOutcome outcome;
   outcome.design = load_design(path);
   if (outcome.design.lqr)
     solve_feedback(outcome);
   else
     outcome.model = linearize_or_refuse(outcome.design.vehicle, outcome.design.condition, {}, path);
-  for (const KalmanDesign& filter : outcome.design.kalman)
-    outcome.filters.push_back(solve_filter(filter, path));
   if (outcome.design.cascade) {
     const CascadeDesign& cascade = *outcome.design.cascade;
-    outcome.cascade = cascade.specification
-                          ? design_cascade(outcome.design.vehicle, *cascade.specification, path)
-                          : assess_written_cascade(outcome.design.vehicle, cascade.gains, path);
+    outcome.cascade =
+        cascade.specification
+            ? design_cascade(outcome.design.vehicle, *cascade.specification, path)
+            : assess_written_cascade(outcome.design.vehicle, cascade.gains, cascade.method, path);
   }
+  return outcome;
+}
+
+DesignOutcome run_design(const std::string& path) {
+  DesignOutcome outcome = solve_laws(path);
+  for (const KalmanDesign& filter : outcome.design.kalman)
+    outcome.filters.push_back(solve_filter(filter, path));
   return outcome;
 }
 
@@ -190,8 +197,9 @@ void require_tuned(const DesignOutcome& outcome, bool force, Context& context) {
         fmt::format("the verdict on {} of {} is '{}'", internal::printable(tuned), filter,
                     internal::printable(verdict));
     if (!force)
-      throw AnswerIsNo(fmt::format("{}: {}; quadtune design --force takes it all the same",
-                                   outcome.design.file.string(), what));
+      throw Refusal(fmt::format("{}: {}; quadtune design --force takes it all the same",
+                                outcome.design.file.string(), what),
+                    outcome.design.file.string());
     context.note("design: warning: " + what);
   };
   for (const KalmanDesign& filter : outcome.design.kalman)
@@ -200,20 +208,27 @@ void require_tuned(const DesignOutcome& outcome, bool force, Context& context) {
     require(estimator->tuned, "the estimator", estimator->model.verdict);
 }
 
-VerifyModel model_of(const Vehicle& vehicle, const Gains& gains) {
+Linearization linearization_of(const Vehicle& vehicle, const Gains& gains) {
   LinearizeOptions options;
   options.convention = gains.convention;
   options.inputs = gains.input_kind;
   std::vector<std::string> states;
   for (const Signal& state : gains.states) states.push_back(state.name);
   options.states = {StateSelection::Kind::list, states};
-  const FlightCondition condition = NedTrim(gains).condition();
-  const Linearization model = linearize_or_refuse(vehicle, condition, options, vehicle.name);
+  return linearize_or_refuse(vehicle, NedTrim(gains).condition(), options, vehicle.name);
+}
+
+VerifyModel model_of(const Vehicle& vehicle, const Gains& gains) {
+  const Linearization model = linearization_of(vehicle, gains);
   return {discretize_zoh(model.plant, gains.dt), model.x0, model.u0};
 }
 
 std::vector<std::pair<std::string, std::string>> library_versions() {
   return {{"tomlplusplus", QUADTUNE_TOMLPLUSPLUS_VERSION}, {"ceres", QUADTUNE_CERES_VERSION}};
+}
+
+std::string vehicle_file_name(const Vehicle& vehicle) {
+  return vehicle.file.empty() ? vehicle.name + ".toml" : vehicle.file.filename().string();
 }
 
 ExportContent export_content(const DesignOutcome& outcome) {
@@ -244,12 +259,13 @@ ExportContent export_content(const DesignOutcome& outcome) {
     content.uquad_filter = uquad_diagonals(settings);
   }
   content.cascade = design.cascade;
-  if (outcome.cascade) content.cascade->gains = outcome.cascade->cascade.gains;
+  if (outcome.cascade) {
+    content.cascade->gains = outcome.cascade->cascade.gains;
+    content.cascade_plant = cascade_plant(design.vehicle, *content.cascade, design.file.string());
+  }
   content.versions = library_versions();
   content.inputs = {{design.file.filename().string(), design.text},
-                    {design.vehicle.file.empty() ? design.vehicle.name + ".toml"
-                                                 : design.vehicle.file.filename().string(),
-                     design.vehicle.text}};
+                    {vehicle_file_name(design.vehicle), design.vehicle.text}};
   const auto add_tuned = [&content](const std::string& file, const std::string& text) {
     content.inputs.push_back({std::filesystem::path(file).filename().string(), text});
   };

@@ -54,7 +54,11 @@ struct DesignOutcome {
   std::vector<FlownFlight> flights;  ///< of the missions that the design asks for
 };
 
-/// Trims, linearizes, solves.
+/// Trims, linearizes, solves the control laws alone: no filters.
+/// @throws NoSolution  with the culprit of the trim, the LQR problem or a loop.
+[[nodiscard]] DesignOutcome solve_laws(const std::string& path);
+
+/// Likewise with the filters.
 /// @throws NoSolution  with the culprit of the trim, the LQR problem or a filter.
 [[nodiscard]] DesignOutcome run_design(const std::string& path);
 
@@ -72,14 +76,22 @@ void require_tuned(const DesignOutcome& outcome, bool force, Context& context);
 
 /// Margins of the same loop, cut at the plant's inputs.
 [[nodiscard]] MarginsReport flying_margins(const Linearization& model, const Gains& gains,
-                                           const RiccatiResult& riccati);
+                                           const RiccatiResult& riccati,
+                                           MarginsEvidence evidence = MarginsEvidence::full);
 
-/// The model of gains that came from elsewhere: the vehicle in the flight that gains.x0 names.
+/// The continuous model of gains that came from elsewhere: the vehicle in the flight that gains.x0
+/// names.
 /// @throws NoSolution  if the vehicle has no such trim.
+[[nodiscard]] Linearization linearization_of(const Vehicle& vehicle, const Gains& gains);
+
+/// The same in the gains' sample time.
 [[nodiscard]] VerifyModel model_of(const Vehicle& vehicle, const Gains& gains);
 
 /// Libraries that the gains come through, beside those that the exporters name: for the manifest.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> library_versions();
+
+/// A vehicle's file by its name, as a manifest has it; also of a built-in one.
+[[nodiscard]] std::string vehicle_file_name(const Vehicle& vehicle);
 
 /// What the exporters need.
 [[nodiscard]] ExportContent export_content(const DesignOutcome& outcome);

@@ -115,8 +115,9 @@ std::string problem_text(const DesignOutcome& outcome) {
 std::string evidence_text(const RiccatiResult& riccati) {
   return fmt::format("Riccati residual {:.2g}, reciprocal condition {:.2g}, {}", riccati.residual,
                      riccati.rcond,
-                     riccati.used_schur ? "by the ordered Schur method"
-                                        : fmt::format("{} doubling steps", riccati.iterations));
+                     riccati.used_extended ? "in 50 digits"
+                     : riccati.used_schur  ? "by the ordered Schur method"
+                                           : fmt::format("{} doubling steps", riccati.iterations));
 }
 
 std::string published_text(const PublishedDifference& difference, const PublishedGains& published) {
@@ -166,7 +167,11 @@ std::string feedback_text(const DesignOutcome& outcome) {
 
 std::vector<std::string> design_warnings(const DesignOutcome& outcome) {
   std::vector<std::string> warnings;
-  if (outcome.margins) warnings = margin_warnings(*outcome.margins);
+  if (outcome.feedback && !outcome.feedback->riccati.warning.empty())
+    warnings.push_back("lqr: " + outcome.feedback->riccati.warning);
+  if (outcome.margins)
+    for (const std::string& warning : margin_warnings(*outcome.margins))
+      warnings.push_back(warning);
   if (outcome.cascade)
     for (const std::string& warning : cascade_warnings(*outcome.cascade))
       warnings.push_back("cascade: " + warning);

@@ -207,8 +207,9 @@ void print(const Eigen::VectorXd& num, const Eigen::VectorXd& den, const std::st
   }
   context.out << section("num", plain(num.transpose())) << section("den", plain(den.transpose()));
   if (delay != 0)
-    context.out << section("delay", delay_key == "delay_s" ? number(delay.get<double>()) + " s"
-                                                           : delay.dump() + " samples");
+    context.out << section("delay", delay_key == "delay_s"
+                                        ? number(delay.get<double>()) + " s"
+                                        : internal::json_text(delay) + " samples");
   context.out << section("dt", how(options));
 }
 

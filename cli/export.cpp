@@ -9,13 +9,15 @@
 #include <memory>
 #include <ostream>
 
+#include "cascade_report.hpp"
 #include "design_flow.hpp"
 #include "export_report.hpp"
+#include "given_gains.hpp"
 #include "program.hpp"
 #include "quadtune/exports/convert.hpp"
-#include "quadtune/exports/read_gains.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/json.hpp"
+#include "refusal.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -34,24 +36,30 @@ void refuse_own_source(const Options& options) {
                      "-o");
 }
 
-/// Gains from files, with the vehicle that they are for.
+/// Laws from files, with the vehicle that they are for.
 ExportContent read_content(const Options& options) {
   ExportContent content;
-  content.gains = read_gains(options.source);
-  const std::string vehicle = options.vehicle.empty() ? content.gains->vehicle : options.vehicle;
+  GivenLaws given = read_given_laws(options.source);
+  content.gains = std::move(given.laws.gains);
+  content.cascade = std::move(given.laws.cascade);
+  if (content.gains && !(content.gains->dt > 0))
+    throw InvalidInput(options.source,
+                       "the gains are continuous, expected those of a sample period, e.g. by "
+                       "`quadtune lqr V --method sampled --dt T`, because a computer flies them");
+  const std::string vehicle = options.vehicle.empty() ? given.laws.vehicle : options.vehicle;
   if (vehicle.empty())
     throw UsageError(
         "quadtune export: the gains do not say for which vehicle they are, expected "
         "--vehicle V",
         "--vehicle");
   content.vehicle = load_vehicle(vehicle);
-  content.gains->vehicle = content.vehicle.name;
+  if (content.gains) content.gains->vehicle = content.vehicle.name;
   const std::filesystem::path manifest = std::filesystem::path(options.source) / kManifestName;
   if (std::filesystem::exists(manifest)) content.evidence = read_manifest(options.source).evidence;
+  if (content.cascade)
+    content.cascade_plant = cascade_plant(content.vehicle, *content.cascade, options.source);
   content.versions = library_versions();
-  content.inputs = {{vehicle.ends_with(".toml") ? std::filesystem::path(vehicle).filename().string()
-                                                : vehicle + ".toml",
-                     content.vehicle.text}};
+  content.inputs = {{vehicle_file_name(content.vehicle), content.vehicle.text}};
   return content;
 }
 
@@ -76,13 +84,18 @@ ExportContent make_content(const Options& options, ExportKind kind, Context& con
 
 /// Gains that do not hold the vehicle are not written.
 void require_stable(const ExportContent& content) {
-  if (!content.gains || !content.plant) return;
-  const double radius = closed_loop_poles(*content.plant, *content.gains).cwiseAbs().maxCoeff();
-  if (!(radius < 1))
-    throw AnswerIsNo(
-        fmt::format("export: the loop of these gains with {} is unstable (spectral "
-                    "radius {:.6g}), nothing was written",
-                    content.vehicle.name, radius));
+  const auto require = [&](const char* what, const Eigen::VectorXcd& poles) {
+    const double radius = poles.cwiseAbs().maxCoeff();
+    if (!(radius < 1))
+      throw Refusal(fmt::format("export: the loop of {} with {} is unstable (spectral radius "
+                                "{:.6g}), nothing was written",
+                                what, content.vehicle.name, radius),
+                    content.vehicle.name);
+  };
+  if (content.gains && content.plant)
+    require("these gains", closed_loop_poles(*content.plant, *content.gains));
+  if (content.cascade && content.cascade_plant)
+    require("this cascade", closed_loop_poles(*content.cascade_plant, *content.cascade));
 }
 
 }  // namespace
@@ -118,11 +131,14 @@ Verb export_verb() {
               require_stable(content);
               if (!is_design(options->source))
                 context.note(
-                    "export: note: gains, trim and vehicle are carried over; weights, "
-                    "filters and cascade come from a design file only");
-              const std::vector<ManifestFile> files =
-                  write_export(options->directory, kind, content, interrupted);
-              context.written.push_back(options->directory);
+                    "export: note: gains, trim, cascade and vehicle are carried over; weights and "
+                    "filters come from a design file only");
+              std::vector<ManifestFile> files;
+              {
+                const WritingFiles writing;
+                files = write_export(options->directory, kind, content, interrupted);
+                context.written.push_back(options->directory);
+              }
               if (context.json) {
                 const internal::Json json = {{"files", to_json(files)}};
                 context.out << internal::readable(json) << "\n";

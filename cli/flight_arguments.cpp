@@ -6,12 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "given_gains.hpp"
 #include "number_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/exports/read_gains.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "standard_lqr.hpp"
@@ -19,11 +20,10 @@
 namespace quadtune::cli {
 namespace {
 
+constexpr char kCascadedPid[] = "cascaded-pid";
+constexpr char kStateFeedback[] = "state-feedback";
 /// Control period of laws that come with none [s].
 constexpr double kUsualPeriod = 0.005;
-/// Of designed cascades [1/s]: near Ki/Kp of their loops. The model project's 0.001 unwinds
-/// nothing.
-constexpr double kDesignedBackCalculation = 2;
 
 /// What an option's word means, the option's mistake told as the command line's.
 template <class Function>
@@ -35,83 +35,90 @@ auto word_of(const std::string& verb, const std::string& option, Function&& read
   }
 }
 
-bool is_design(const std::string& gains) { return gains.ends_with(".toml"); }
+ChosenLaw published_cascade(const Vehicle& vehicle, const std::string& verb) {
+  if (!vehicle.published_cascade)
+    throw UsageError(fmt::format("quadtune {}: --gains published: {} has no published cascade, "
+                                 "expected designed or a file",
+                                 verb, vehicle.name),
+                     "--gains");
+  return {CascadeController{vehicle.published_cascade->gains},
+          "cascaded PID, published: " + vehicle.published_cascade->source};
+}
 
-ChosenLaw cascade_of(const FlightArguments& arguments, const Vehicle& vehicle,
-                     const std::string& verb) {
+ChosenLaw designed_cascade(const FlightArguments& arguments, const Vehicle& vehicle) {
   ChosenLaw law;
-  if (arguments.gains == "published") {
-    if (!vehicle.published_cascade)
-      throw UsageError(fmt::format("quadtune {}: --gains published: {} has no published cascade, "
-                                   "expected designed or a design file",
-                                   verb, vehicle.name),
-                       "--gains");
-    law.controller = CascadeController{vehicle.published_cascade->gains};
-    law.words = "cascaded PID, published: " + vehicle.published_cascade->source;
-  } else if (is_design(arguments.gains)) {
-    const Design design = load_design(arguments.gains);
-    if (!design.cascade)
-      throw InvalidInput(arguments.gains,
-                         "has no [cascade], expected one because its gains shall "
-                         "fly");
-    if (design.vehicle.name != vehicle.name)
-      throw InvalidInput(arguments.gains,
-                         fmt::format("the design is for the vehicle '{}', expected '{}'",
-                                     design.vehicle.name, vehicle.name));
-    CascadeGains gains = design.cascade->gains;
-    if (design.cascade->specification) {
-      const CascadeReport report =
-          design_cascade(vehicle, *design.cascade->specification, arguments.gains);
-      gains = report.cascade.gains;
-      law.margins = report.margins;
-      law.position_bandwidth = position_bandwidth(report);
-    }
-    law.controller = cascade_controller(*design.cascade, gains);
-    law.words = "cascaded PID of " + arguments.gains;
-  } else {
-    CascadeSpecification specification;
-    specification.dt =
-        vehicle.published_cascade ? vehicle.published_cascade->gains.dt : kUsualPeriod;
-    const CascadeReport report = design_cascade(vehicle, specification, vehicle.name);
-    law.margins = report.margins;
-    law.position_bandwidth = position_bandwidth(report);
-    CascadeController controller{report.cascade.gains};
-    controller.back_calculation = kDesignedBackCalculation;
-    law.controller = controller;
-    law.words = fmt::format("cascaded PID, designed as by `quadtune pid {}`", arguments.vehicle);
-  }
+  CascadeSpecification specification;
+  specification.dt = vehicle.published_cascade ? vehicle.published_cascade->gains.dt : kUsualPeriod;
+  const CascadeReport report = design_cascade(vehicle, specification, vehicle.name);
+  law.margins = report.margins;
+  law.position_bandwidth = position_bandwidth(report);
+  CascadeController controller{report.cascade.gains};
+  controller.back_calculation = kDesignedBackCalculation;
+  law.controller = controller;
+  law.words = fmt::format("cascaded PID, designed as by `quadtune pid {}`", arguments.vehicle);
   return law;
 }
 
-ChosenLaw feedback_of(const FlightArguments& arguments, const Vehicle& vehicle,
+/// What is known by a word alone: --gains designed or published.
+ChosenLaw law_of_word(const FlightArguments& arguments, const Vehicle& vehicle, bool cascade,
                       const std::string& verb) {
-  if (arguments.gains == "designed")
+  const bool designed = arguments.gains == "designed";
+  if (cascade)
+    return designed ? designed_cascade(arguments, vehicle) : published_cascade(vehicle, verb);
+  if (designed)
     return {feedback_controller(standard_gains(vehicle, verb), kUsualPeriod),
             "state feedback, LQR with weights by Bryson's rule",
             {}};
-  if (arguments.gains == "published")
-    throw UsageError(fmt::format("quadtune {}: --gains published is for cascaded-pid, expected "
-                                 "designed or a file of gains",
-                                 verb),
-                     "--gains");
-  if (is_design(arguments.gains))
-    throw UsageError(fmt::format("quadtune {}: --gains is the design file '{}', expected a file of "
-                                 "gains or an export, because a design's state feedback is flown "
-                                 "from what `quadtune design FILE -o DIR` writes",
-                                 verb, arguments.gains),
-                     "--gains");
-  const Gains gains = read_gains(arguments.gains);
-  if (!gains.vehicle.empty() && gains.vehicle != vehicle.name)
+  throw UsageError(fmt::format("quadtune {}: --gains published is for cascaded-pid, expected "
+                               "designed or a file of gains",
+                               verb),
+                   "--gains");
+}
+
+/// Whether the cascade of a file flies: what is asked for, or what there is. Of both the cascade of
+/// a design, as in its missions, and the state feedback of an export.
+bool flies_cascade(const GivenLaws& given, const FlightArguments& arguments) {
+  const StoredLaws& laws = given.laws;
+  if (arguments.controller.empty())
+    return laws.cascade && (!laws.gains || given.design.has_value());
+  const bool cascade = arguments.controller == kCascadedPid;
+  if (cascade ? !laws.cascade : !laws.gains)
     throw InvalidInput(arguments.gains,
-                       fmt::format("the gains are for the vehicle '{}', expected '{}'",
-                                   gains.vehicle, vehicle.name));
-  return {feedback_controller(gains, kUsualPeriod), "state feedback of " + arguments.gains, {}};
+                       cascade ? "holds a state feedback and no PID cascade, expected one"
+                               : "holds a PID cascade and no state feedback, expected one");
+  return cascade;
+}
+
+ChosenLaw law_of_file(const FlightArguments& arguments, const Vehicle& vehicle) {
+  const GivenLaws given = read_given_laws(arguments.gains);
+  require_vehicle(given.laws, vehicle, arguments.gains);
+  if (!flies_cascade(given, arguments))
+    return {feedback_controller(*given.laws.gains, kUsualPeriod),
+            "state feedback of " + arguments.gains,
+            given.design ? given.design->margins : std::nullopt};
+  const CascadeDesign& cascade = *given.laws.cascade;
+  ChosenLaw law{cascade_controller(cascade, cascade.gains), "cascaded PID of " + arguments.gains};
+  if (cascade.specification) {
+    law.margins = given.design->cascade->margins;
+    law.position_bandwidth = position_bandwidth(*given.design->cascade);
+  }
+  return law;
 }
 
 /// The estimator that a vehicle's sensors can feed.
 std::string usual_estimator(const Sensors& sensors) {
   if (sensors.sonar && sensors.flow) return "mambo";
   return sensors.barometer && sensors.magnetometer ? "uquad" : "truth";
+}
+
+void require_estimator(const std::string& name, const std::string& verb) {
+  static const std::vector<std::string> words = {"mambo", "mambo-original", "mambo-raw", "uquad",
+                                                 "truth"};
+  if (std::find(words.begin(), words.end(), name) == words.end())
+    throw UsageError(fmt::format("quadtune {}: --estimator: no estimator '{}', expected {}{}", verb,
+                                 internal::printable(name), fmt::join(words, ", "),
+                                 internal::did_you_mean(name, words)),
+                     "--estimator");
 }
 
 void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& flight,
@@ -127,13 +134,6 @@ void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& f
   flight.estimator = name;
   // Variants of the Mambo's: without the calibration, without the filter.
   const bool original = name == "mambo-original", raw = name == "mambo-raw";
-  static const std::vector<std::string> words = {"mambo", "mambo-original", "mambo-raw", "uquad",
-                                                 "truth"};
-  if (std::find(words.begin(), words.end(), name) == words.end())
-    throw UsageError(fmt::format("quadtune {}: --estimator: no estimator '{}', expected {}{}", verb,
-                                 internal::printable(name), fmt::join(words, ", "),
-                                 internal::did_you_mean(name, words)),
-                     "--estimator");
   setup.estimator = estimator_kind(original || raw ? "mambo" : name, "--estimator");
   if (raw) setup.mambo_estimator.position = MamboPosition::flow_velocity;
   if (setup.estimator == EstimatorKind::truth) return;
@@ -148,6 +148,41 @@ void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& f
     setup.uquad_filter = uquad_filter_in_si<double>();
     setup.uquad_filter.position = sensors.gps || sensors.vision;
   }
+}
+
+/// What options say that needs neither a vehicle nor a law.
+struct FlightWords {
+  bool real_sensors = true;
+  FlowModel flow = FlowModel::full;
+  Wind wind;
+  Integrator solver = Integrator::bogacki_shampine_3;
+  std::optional<PidMethod> integrator;
+};
+
+FlightWords words_of(const FlightArguments& arguments, const std::string& verb) {
+  FlightWords words;
+  if (!arguments.integrator.empty())
+    words.integrator = word_of(verb, "--integrator", [&](const std::string& option) {
+      return pid_method(arguments.integrator, option);
+    });
+  const std::string& sensors = arguments.sensors;
+  if (!sensors.empty() && sensors != "real" && sensors != "ideal")
+    throw UsageError(fmt::format("quadtune {}: --sensors is '{}', expected ideal or real{}", verb,
+                                 internal::printable(sensors),
+                                 internal::did_you_mean(sensors, {"ideal", "real"})),
+                     "--sensors");
+  words.real_sensors = sensors != "ideal";
+  words.flow = word_of(verb, "--flow", [&](const std::string& option) {
+    return flow_model(arguments.flow.empty() ? "full" : arguments.flow, option);
+  });
+  words.wind = word_of(verb, "--wind", [&](const std::string& option) {
+    return wind_of_words(arguments.wind, option);
+  });
+  words.solver = word_of(verb, "--solver", [&](const std::string& option) {
+    return integrator(arguments.solver, option);
+  });
+  if (!arguments.estimator.empty()) require_estimator(arguments.estimator, verb);
+  return words;
 }
 
 /// The accelerometer of a multirotor shows its thrust, not the vertical: the filter of the attitude
@@ -201,26 +236,23 @@ void require_sane_times(const FlightSetup& setup, const std::string& verb) {
 
 }  // namespace
 
-ChosenLaw choose_law(FlightArguments arguments, const Vehicle& vehicle, const std::string& verb) {
-  if (arguments.gains.empty()) arguments.gains = "designed";
-  const bool file = arguments.gains != "designed" && arguments.gains != "published";
-  if (arguments.controller.empty())
-    arguments.controller = file && !is_design(arguments.gains) ? "state-feedback" : "cascaded-pid";
-  const std::vector<std::string> known = {"cascaded-pid", "state-feedback"};
-  if (arguments.controller == known[0]) {
-    if (file && !is_design(arguments.gains))
-      throw UsageError(fmt::format("quadtune {}: --gains is '{}', expected a design file (.toml), "
-                                   "designed or published for a cascaded PID",
-                                   verb, arguments.gains),
-                       "--gains");
-    return cascade_of(arguments, vehicle, verb);
-  }
-  if (arguments.controller == known[1]) return feedback_of(arguments, vehicle, verb);
+std::string controller_kind(const std::string& word, const std::string& verb) {
+  if (word.empty() || word == kCascadedPid || word == kStateFeedback) return word;
+  if (word == "pid") return kCascadedPid;
+  if (word == "lqr") return kStateFeedback;
   throw UsageError(
-      fmt::format("quadtune {}: --controller is '{}', expected cascaded-pid or "
-                  "state-feedback{}",
-                  verb, arguments.controller, internal::did_you_mean(arguments.controller, known)),
+      fmt::format("quadtune {}: --controller is '{}', expected {} (or pid) or {} (or lqr){}", verb,
+                  internal::printable(word), kCascadedPid, kStateFeedback,
+                  internal::did_you_mean(word, {kCascadedPid, kStateFeedback})),
       "--controller");
+}
+
+ChosenLaw choose_law(FlightArguments arguments, const Vehicle& vehicle, const std::string& verb) {
+  arguments.controller = controller_kind(arguments.controller, verb);
+  if (arguments.gains.empty()) arguments.gains = "designed";
+  if (arguments.gains == "designed" || arguments.gains == "published")
+    return law_of_word(arguments, vehicle, arguments.controller != kStateFeedback, verb);
+  return law_of_file(arguments, vehicle);
 }
 
 void keep_log(PlannedFlight& plan, const std::string& verb) {
@@ -241,11 +273,14 @@ void add_flight_options(CLI::App& app, FlightArguments& arguments) {
   app.add_option("--mission", arguments.mission,
                  "a built-in mission or a mission file (docs/formats.md); hover")
       ->type_name("NAME");
-  app.add_option("--controller", arguments.controller,
-                 "cascaded-pid or state-feedback; what --gains holds, or cascaded-pid")
+  app.add_option(
+         "--controller", arguments.controller,
+         "cascaded-pid (or pid), state-feedback (or lqr); what --gains holds, or cascaded-pid")
       ->type_name("KIND");
-  app.add_option("--gains", arguments.gains,
-                 "designed (default), published, a design file, an export or a file of gains")
+  app.add_option(
+         "--gains", arguments.gains,
+         "designed (default), published, a design file, an export, or what lqr or pid wrote "
+         "as JSON")
       ->type_name("WHICH");
   app.add_option("--integrator", arguments.integrator,
                  "of the PID: euler (default), backward-euler or tustin")
@@ -274,7 +309,8 @@ void add_flight_options(CLI::App& app, FlightArguments& arguments) {
 
 FlightArguments as_the_model_project(FlightArguments arguments) {
   if (arguments.sensors.empty()) arguments.sensors = "ideal";
-  if (arguments.gains.empty() && arguments.controller != "state-feedback" &&
+  if (arguments.gains.empty() &&
+      controller_kind(arguments.controller, "compare") != kStateFeedback &&
       !arguments.vehicle.empty() && load_vehicle(arguments.vehicle).published_cascade)
     arguments.gains = "published";
   return arguments;
@@ -282,7 +318,7 @@ FlightArguments as_the_model_project(FlightArguments arguments) {
 
 CascadeController cascade_controller(const CascadeDesign& design, const CascadeGains& gains) {
   CascadeController controller{gains};
-  if (design.specification) controller.method = design.specification->method;
+  controller.method = design.method;
   controller.attitude_limit = design.attitude_limit;
   controller.integrator_limit = design.integrator_limit;
   controller.back_calculation = design.back_calculation;
@@ -305,6 +341,11 @@ StateFeedbackController feedback_controller(const Gains& gains, double dt) {
   return controller;
 }
 
+void require_flight_words(const FlightArguments& arguments, const std::string& verb) {
+  (void)controller_kind(arguments.controller, verb);
+  (void)words_of(arguments, verb);
+}
+
 PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehicle,
                           const Mission& mission, const ChosenLaw& law, const std::string& verb) {
   PlannedFlight flight;
@@ -314,31 +355,22 @@ PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehic
   setup.controller = law.controller;
   flight.law = law.words;
   flight.margins = law.margins;
+  const FlightWords words = words_of(arguments, verb);
   if (auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
-    if (!arguments.integrator.empty())
-      cascade->method = word_of(verb, "--integrator", [&](const std::string& option) {
-        return pid_method(arguments.integrator, option);
-      });
-  } else if (!arguments.integrator.empty()) {
+    cascade->method = words.integrator.value_or(cascade->method);
+  } else if (words.integrator) {
     throw UsageError(fmt::format("quadtune {}: --integrator is for a cascaded PID, expected none "
                                  "because a state feedback sums its error once a sample",
                                  verb),
                      "--integrator");
   }
-  const std::string sensors = arguments.sensors.empty() ? "real" : arguments.sensors;
-  if (sensors != "real" && sensors != "ideal")
-    throw UsageError(fmt::format("quadtune {}: --sensors is '{}', expected ideal or real{}", verb,
-                                 sensors, internal::did_you_mean(sensors, {"ideal", "real"})),
-                     "--sensors");
-  setup.real_sensors = sensors == "real";
-  flight.sensors = sensors;
+  setup.real_sensors = words.real_sensors;
+  flight.sensors = words.real_sensors ? "real" : "ideal";
   if (setup.real_sensors && !vehicle.sensors_known)
     flight.notes.push_back(
         fmt::format("the file of '{}' has no [sensors]: typical ones of small vehicles are flown",
                     vehicle.name));
-  setup.flow = word_of(verb, "--flow", [&](const std::string& option) {
-    return flow_model(arguments.flow.empty() ? "full" : arguments.flow, option);
-  });
+  setup.flow = words.flow;
   setup.flow_rate = arguments.flow_rate.value_or(0);
   setup.duration = arguments.duration.value_or(0);
   require_flow_sensor(arguments, setup, verb);
@@ -350,9 +382,7 @@ PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehic
         "the sensors of '{}' feed no estimator: the law has the true state", vehicle.name));
   slow_down_attitude_filter(law, arguments, flight);
   setup.environment.dynamic = arguments.dynamic_environment;
-  setup.environment.wind = word_of(verb, "--wind", [&](const std::string& option) {
-    return wind_of_words(arguments.wind, option);
-  });
+  setup.environment.wind = words.wind;
   flight.wind = arguments.wind;
   const Wind& wind = setup.environment.wind;
   const bool windy = !wind.mean.isZero(0) || !wind.gust.velocity.isZero(0) || wind.turbulence > 0;
@@ -361,9 +391,7 @@ PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehic
         fmt::format("the file of '{}' has no drag_area_m2 and no drag_linear_N_s_per_m: the wind "
                     "does not move it",
                     vehicle.name));
-  setup.integrator = word_of(verb, "--solver", [&](const std::string& option) {
-    return integrator(arguments.solver, option);
-  });
+  setup.integrator = words.solver;
   setup.step = arguments.step.value_or(setup.step);
   setup.seed = arguments.seed;
   require_sane_times(setup, verb);
@@ -374,6 +402,7 @@ PlannedFlight plan_flight(const FlightArguments& arguments, const Vehicle& vehic
 PlannedFlight plan_flight(const FlightArguments& arguments, const std::string& verb) {
   if (arguments.vehicle.empty())
     throw UsageError(fmt::format("quadtune {}: expected a vehicle", verb), "V");
+  require_flight_words(arguments, verb);
   const Vehicle vehicle = load_vehicle(arguments.vehicle);
   const Mission mission = load_mission(arguments.mission);
   return plan_flight(arguments, vehicle, mission, choose_law(arguments, vehicle, verb), verb);

@@ -63,6 +63,14 @@ struct PlannedFlight {
   std::vector<std::string> notes;        ///< what the user should know of a choice
 };
 
+/// "cascaded-pid" or "state-feedback", also for "pid" and "lqr"; "" stays.
+/// @throws UsageError  for other words
+[[nodiscard]] std::string controller_kind(const std::string& word, const std::string& verb);
+
+/// Refuses words that no option knows, before anything is designed or flown.
+/// @throws UsageError
+void require_flight_words(const FlightArguments& arguments, const std::string& verb);
+
 /// The law that --gains, --controller and --integrator ask for.
 /// @param verb  for messages
 /// @throws UsageError, InvalidInput, FileError, NoSolution
@@ -81,6 +89,10 @@ struct PlannedFlight {
 /// Has every control period of the flight kept.
 /// @throws UsageError  for a flight whose record would not fit into memory
 void keep_log(PlannedFlight& plan, const std::string& verb);
+
+/// Back calculation of designed cascades [1/s]: near Ki/Kp of their loops. The model project's
+/// 0.001 unwinds nothing.
+inline constexpr double kDesignedBackCalculation = 2;
 
 /// A cascade of a design file as it is flown.
 /// @param gains  designed where the file asks for them

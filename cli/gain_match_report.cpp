@@ -62,14 +62,8 @@ std::string problem_line(const LqrDesign& design) {
 
 // --- TOML ----------------------------------------------------------------------------------------
 
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : internal::printable(text, kCommentLength)) {
-    if (c == '"' || c == '\\') result += '\\';
-    result += c;
-  }
-  return result + "\"";
-}
+/// A text of JSON is one of TOML.
+std::string quoted(const std::string& text) { return internal::json_text(internal::Json(text)); }
 
 std::string words(const std::vector<std::string>& names) {
   std::vector<std::string> all;

@@ -8,14 +8,13 @@
 
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/convert.hpp"
+#include "quadtune/exports/export.hpp"
 #include "quadtune/exports/read_gains.hpp"
 
 namespace quadtune::cli {
 namespace {
 
 Gains published_gains(const Design& design, const std::string& path) {
-  if (!design.published)
-    throw InvalidInput(path, "has no [published] gains, expected some, or an export instead");
   const LqrDesign& lqr = *design.lqr;  // [published] stands beside [lqr] only
   const PublishedGains& published = *design.published;
   if (published.K.rows() != std::ssize(lqr.inputs))
@@ -70,10 +69,40 @@ Eigen::MatrixXd ordered(const Eigen::MatrixXd& M, const std::vector<Signal>& fro
 
 }  // namespace
 
+GivenLaws read_given_laws(const std::string& path) {
+  GivenLaws given;
+  if (!path.ends_with(".toml")) {
+    given.laws = read_laws(path);
+  } else {
+    given.design = solve_laws(path);
+    const DesignOutcome& outcome = *given.design;
+    given.laws = {outcome.design.vehicle.name, outcome.gains, outcome.design.cascade};
+    if (outcome.cascade) given.laws.cascade->gains = outcome.cascade->cascade.gains;
+  }
+  if (!given.laws.gains && !given.laws.cascade)
+    throw InvalidInput(path, "holds no control law, expected a state feedback or a PID cascade");
+  return given;
+}
+
+void require_vehicle(const StoredLaws& laws, const Vehicle& vehicle, const std::string& path) {
+  if (!laws.vehicle.empty() && laws.vehicle != vehicle.name)
+    throw InvalidInput(path, fmt::format("the gains are for the vehicle '{}', expected '{}'",
+                                         laws.vehicle, vehicle.name));
+}
+
+void add_laws(internal::Json& json, const ExportContent& content) {
+  const internal::Json stored = internal::Json::parse(gains_json_text(content));
+  for (const char* key : {"format", "format_version", "gains", "cascade"})
+    if (stored.contains(key)) json[key] = stored[key];
+}
+
 GivenGains read_given_gains(const std::string& path) {
   if (!path.ends_with(".toml")) return {read_gains(path), {}};
   const Design design = load_design(path);
-  return {published_gains(design, path), design};
+  if (design.published) return {published_gains(design, path), design};
+  if (!design.lqr)
+    throw InvalidInput(path, "has no [lqr], expected one, because its gains are asked for");
+  return {*solve_laws(path).gains, design};
 }
 
 void require_states(const Gains& gains, const std::vector<Signal>& states, const Convention& words,

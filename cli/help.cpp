@@ -6,9 +6,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <memory>
 #include <ostream>
 
+#include "completion.hpp"
 #include "program.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -21,7 +23,8 @@ using internal::Json;
 
 constexpr const char* kExitStatus =
     "0 done; 1 the answer is no; 2 the command line is wrong; 3 the input is wrong; 4 no solution "
-    "exists or none was found; 5 a file could not be read or written; 130 interrupted";
+    "exists or none was found; 5 a file could not be read or written; 6 an "
+    "error in quadtune itself; 130 interrupted";
 
 struct OptionText {
   std::string names;
@@ -106,63 +109,24 @@ std::string man_page() {
   return text + ".SH EXIT STATUS\n" + escaped(kExitStatus) + ".\n";
 }
 
-/// What bash offers for a verb: its options, and its kinds where it has some.
-std::string completion_words(const Verb& verb) {
-  std::string options;
-  for (const OptionText& option : option_texts(verb)) {
-    const std::size_t start = option.names.find("--");
-    if (start == std::string::npos) continue;
-    options += " " + option.names.substr(start, option.names.find(' ', start) - start);
-  }
-  return options.substr(1);
-}
-
-std::string completion() {
-  std::vector<std::string> names;
-  std::string cases;
-  for (const Verb& verb : verbs()) {
-    const std::string first = verb.name.substr(0, verb.name.find(' '));
-    if (std::find(names.begin(), names.end(), first) != names.end()) continue;
-    names.push_back(first);
-    const std::vector<std::string> kinds = kinds_of(first);
-    if (kinds.empty()) {
-      cases += fmt::format("    {}) words=\"{}\" ;;\n", verb.name, completion_words(verb));
-      continue;
-    }
-    cases += fmt::format("    {}) kinds=\"{}\"; case \"${{COMP_WORDS[2]}}\" in\n", first,
-                         fmt::join(kinds, " "));
-    for (const Verb& kind : verbs())
-      if (kind.name.starts_with(first + " "))
-        cases += fmt::format("      {}) words=\"{}\" ;;\n", kind.name.substr(first.size() + 1),
-                             completion_words(kind));
-    cases += "    esac ;;\n";
-  }
-  return fmt::format(
-      "# bash completion for quadtune {}\n"
-      "_quadtune() {{\n"
-      "  local word=\"${{COMP_WORDS[COMP_CWORD]}}\" words=\"\" kinds=\"\"\n"
-      "  if [ \"$COMP_CWORD\" -eq 1 ]; then words=\"{}\"; else case \"${{COMP_WORDS[1]}}\" in\n"
-      "{}"
-      "  esac; fi\n"
-      "  case \"$word\" in\n"
-      "    -*) COMPREPLY=($(compgen -W \"$words\" -- \"$word\")) ;;\n"
-      "    *) if [ \"$COMP_CWORD\" -eq 1 ]; then COMPREPLY=($(compgen -W \"$words\" -- "
-      "\"$word\"))\n"
-      "       elif [ \"$COMP_CWORD\" -eq 2 ] && [ -n \"$kinds\" ]; then\n"
-      "         COMPREPLY=($(compgen -W \"$kinds\" -- \"$word\"))\n"
-      "       else COMPREPLY=($(compgen -f -- \"$word\")); fi ;;\n"
-      "  esac\n"
-      "}}\n"
-      "complete -F _quadtune quadtune\n",
-      kVersion, fmt::join(names, " "), cases);
+/// Whether a verb takes a word as it is: "imu" of "calibrate imu", "flow" of "compare flow".
+bool takes_word(const Verb& verb, const std::string& word) {
+  std::string words = " " + verb.usage + " ";
+  std::replace(words.begin(), words.end(), '|', ' ');
+  return !word.empty() && std::islower(static_cast<unsigned char>(word[0])) != 0 &&
+         words.find(" " + word + " ") != std::string::npos;
 }
 
 /// The verb of that name, or all kinds of it: those of two words that begin with it.
 std::vector<Verb> verbs_of(const std::string& name) {
   std::vector<Verb> found;
+  const std::size_t blank = std::min(name.find(' '), name.size());
   std::vector<std::string> known;
   for (const Verb& verb : verbs()) {
-    if (verb.name == name || verb.name.starts_with(name + " ")) found.push_back(verb);
+    if (verb.name == name || verb.name.starts_with(name + " ") ||
+        (verb.name == name.substr(0, blank) &&
+         takes_word(verb, name.substr(std::min(blank + 1, name.size())))))
+      found.push_back(verb);
     known.push_back(verb.name);
   }
   if (found.empty())
@@ -212,7 +176,7 @@ Verb help_verb() {
               } else if (options->man) {
                 context.out << man_page();
               } else if (options->completion) {
-                context.out << completion();
+                context.out << bash_completion();
               } else {
                 context.out << (name.empty() ? overview() : usages(verbs_of(name)));
               }

@@ -62,10 +62,12 @@ internal::Json to_json(const KalmanResult& result, bool is_discrete) {
   json["residual"] = internal::number_to_json(result.residual, "residual");
   json["rcond"] = internal::number_to_json(result.rcond, "rcond");
   json["iterations"] = result.iterations;
+  json["warning"] = result.warning;
   return json;
 }
 
 void print(const KalmanResult& result, double dt, bool is_discrete, Context& context) {
+  if (!result.warning.empty()) context.note("kalman: warning: " + result.warning);
   if (context.json) {
     context.out << internal::readable(to_json(result, is_discrete)) << "\n";
     return;

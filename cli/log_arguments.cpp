@@ -8,6 +8,7 @@
 
 #include "number_arguments.hpp"
 #include "program.hpp"
+#include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
 
 namespace quadtune::cli {
@@ -37,6 +38,24 @@ void add_log_options(CLI::App& app, LogArguments& arguments) {
       ->type_name("LIST");
   add_positive(app, "--rate", arguments.rate_hz, "of a text without time, rows a second")
       ->type_name("HZ");
+}
+
+ChannelPlace channel_place(const std::string& word, const std::string& log) {
+  const std::size_t at = word.rfind('@');
+  if (at == std::string::npos || at == 0 || at + 1 == word.size()) return {word, log};
+  return {word.substr(0, at), word.substr(at + 1)};
+}
+
+LogChannels read_channels(const std::string& file, const std::vector<std::string>& names,
+                          const LogOptions& options, const std::vector<std::string>& optional) {
+  try {
+    return read_log_channels(file, names, options, optional);
+  } catch (const UnknownChannel& lacking) {
+    std::string message = lacking.what();
+    message.erase(0, lacking.where().size() + 2);
+    throw InvalidInput(lacking.where(),
+                       message + "; a channel of another file is called CHANNEL@FILE");
+  }
 }
 
 LogOptions log_options(const LogArguments& arguments, const std::string& verb) {

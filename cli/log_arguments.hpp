@@ -4,7 +4,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "quadtune/logs/log_channels.hpp"
 #include "quadtune/logs/log_reader.hpp"
 
 namespace CLI {
@@ -24,5 +26,19 @@ void add_log_options(CLI::App& app, LogArguments& arguments);
 /// @param verb  For messages.
 /// @throws UsageError, InvalidInput  naming the option.
 [[nodiscard]] LogOptions log_options(const LogArguments& arguments, const std::string& verb);
+
+/// Where a channel is: "px", of the log itself, or "px@FILE", of another log of the same flight.
+struct ChannelPlace {
+  std::string channel, file;
+};
+
+/// @param log  the log itself
+[[nodiscard]] ChannelPlace channel_place(const std::string& word, const std::string& log);
+
+/// As read_log_channels(); what the file lacks is refused with how to name a channel of another.
+[[nodiscard]] LogChannels read_channels(const std::string& file,
+                                        const std::vector<std::string>& names,
+                                        const LogOptions& options,
+                                        const std::vector<std::string>& optional = {});
 
 }  // namespace quadtune::cli

@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "print.hpp"
+#include "program.hpp"
+#include "quadtune/internal/text_file.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -221,6 +223,16 @@ std::vector<std::string> log_warnings(const LogCondition& condition) {
     lines.push_back(fmt::format("the logger itself lost records {}, {:.4g} s in all",
                                 counted(condition.dropouts, "time", "times"), condition.dropout_s));
   lines.insert(lines.end(), condition.notes.begin(), condition.notes.end());
+  return lines;
+}
+
+std::vector<std::string> tell_log_warnings(const LogCondition& condition, const std::string& file,
+                                           const std::string& verb, const Context& context) {
+  std::vector<std::string> lines = log_warnings(condition);
+  for (std::string& line : lines) {
+    line.insert(0, internal::printable(file) + ": ");
+    context.note(fmt::format("{}: warning: {}", verb, line));
+  }
   return lines;
 }
 

@@ -11,6 +11,8 @@
 
 namespace quadtune::cli {
 
+struct Context;
+
 /// Keys as docs/cli.md says; what is not known is null.
 /// @param models  what each filter model finds in it
 [[nodiscard]] internal::Json to_json(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
@@ -18,7 +20,14 @@ namespace quadtune::cli {
 [[nodiscard]] std::string to_text(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
                                   const std::string& file);
 
-/// One line for each thing that is wrong with the file itself.
+/// One line for each thing that is wrong with the file itself, or odd about how it was taken.
 [[nodiscard]] std::vector<std::string> log_warnings(const LogCondition& condition);
+
+/// Those lines with the file's name before them, as the verbs that use a log list them in their
+/// JSON; each goes to Context::note, too.
+[[nodiscard]] std::vector<std::string> tell_log_warnings(const LogCondition& condition,
+                                                         const std::string& file,
+                                                         const std::string& verb,
+                                                         const Context& context);
 
 }  // namespace quadtune::cli

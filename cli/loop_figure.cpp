@@ -82,7 +82,7 @@ std::string margin_line(const LoopMargins& m, double dt) {
 
 std::string summary(const MarginsReport& report, std::size_t drawn) {
   if (report.loops.size() == 1) return margin_line(report.loops[0], report.dt);
-  const DiskMargin& all = report.together.guaranteed;
+  const DiskMargin all = report.together ? report.together->guaranteed : DiskMargin{};
   std::string text = all.alpha > 0 ? fmt::format("all at once: disk margin {:.3f} at {:.3g} rad/s",
                                                  all.alpha, all.w)
                                    : "UNSTABLE when closed";

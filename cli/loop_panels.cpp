@@ -503,8 +503,13 @@ Panel phase_panel(const std::vector<LoopCurves>& loops) {
   const double w = of.margins.crossover;
   if (w > 0 && shown(of, w)) {
     const double phase = of.phase[nearest(of, w)];
-    const double margin = degrees(of.margins.phase_margin);
-    mark(panel, w, phase, phase - margin, fmt::format("PM {}°", tenths(margin)));
+    // Down to -180 degrees, or up to it where lead is what ends the stability.
+    const auto& all = of.margins.gain_crossovers;
+    const auto at = std::find_if(all.begin(), all.end(),
+                                 [&](const GainCrossover& crossover) { return crossover.w == w; });
+    const double turn = at == all.end() ? of.margins.phase_margin : at->phase_margin;
+    mark(panel, w, phase, phase - degrees(turn),
+         fmt::format("PM {}°", tenths(degrees(of.margins.phase_margin))));
   }
   return panel;
 }

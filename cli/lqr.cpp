@@ -5,11 +5,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <ostream>
 
 #include "design_flow.hpp"
+#include "given_gains.hpp"
 #include "lqr_arguments.hpp"
 #include "lqr_schedule.hpp"
 #include "margins_report.hpp"
@@ -34,6 +37,7 @@ struct Options {
   bool discrete = false;
   double sampled = 0;
   std::string schedule;
+  std::string evidence;
 };
 
 /// Ends with status 4 and the culprit unless the equation was solved; passes on its warning.
@@ -51,6 +55,7 @@ Json evidence_json(const RiccatiResult& result) {
   json["residual"] = internal::number_to_json(result.residual, "residual");
   json["rcond"] = internal::number_to_json(result.rcond, "rcond");
   json["iterations"] = result.iterations;
+  json["gain_error"] = internal::finite_or_null(result.gain_error);
   json["culprit"] = result.culprit;
   json["warning"] = result.warning;
   return json;
@@ -58,8 +63,47 @@ Json evidence_json(const RiccatiResult& result) {
 
 std::string evidence_text(const RiccatiResult& result) {
   return fmt::format("residual {:.2g}, rcond {:.2g}, {}", result.residual, result.rcond,
-                     result.used_schur ? "ordered Schur method"
-                                       : fmt::format("{} doubling steps", result.iterations));
+                     result.used_extended ? "in 50 digits"
+                     : result.used_schur  ? "ordered Schur method"
+                                          : fmt::format("{} doubling steps", result.iterations));
+}
+
+/// What --evidence asks for; nothing without it.
+std::optional<MarginsEvidence> asked_evidence(const std::string& word) {
+  if (word.empty()) return {};
+  if (word == "none") return MarginsEvidence::none;
+  if (word == "essential") return MarginsEvidence::essential;
+  if (word == "full") return MarginsEvidence::full;
+  throw UsageError(
+      fmt::format("quadtune lqr: --evidence is '{}', expected none, essential or full{}", word,
+                  internal::did_you_mean(word, {"none", "essential", "full"})),
+      "--evidence");
+}
+
+/// Unasked, what takes about a second, with a note of what that leaves out.
+MarginsEvidence evidence_or_affordable(std::optional<MarginsEvidence> asked, Eigen::Index states,
+                                       Eigen::Index channels, Context& context) {
+  if (asked) return *asked;
+  const MarginsEvidence evidence = affordable_evidence(states, channels);
+  if (evidence != MarginsEvidence::full)
+    context.note(fmt::format(
+        "lqr: note: {} left out, since with {} states and {} inputs it would take more than about "
+        "a second; --evidence full computes all",
+        evidence == MarginsEvidence::none ? "the margins are"
+                                          : "the disk margin of all loops at once is",
+        states, channels));
+  return evidence;
+}
+
+void write_notes(const MarginsReport& margins, Context& context) {
+  for (const std::string& note : margin_notes(margins)) context.note("lqr: note: " + note);
+}
+
+/// Whether R, which is symmetric and >= 0, has an eigenvalue that is 0 up to rounding.
+bool is_singular(const Eigen::MatrixXd& R) {
+  const Eigen::VectorXd eigenvalues =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(R, Eigen::EigenvaluesOnly).eigenvalues();
+  return eigenvalues.minCoeff() <= 1e-15 * eigenvalues.maxCoeff();
 }
 
 // --- matrices ------------------------------------------------------------------------------------
@@ -71,6 +115,7 @@ void run_matrices(const Options& options, bool sampled, Context& context) {
     throw UsageError(
         "quadtune lqr: more than one of --continuous, --discrete and --sampled came, expected one",
         sampled ? "--sampled" : "--discrete");
+  const std::optional<MarginsEvidence> evidence = asked_evidence(options.evidence);
   const auto need = [&context](const std::string& path, const char* option) {
     return require_matrix(path, context.in, "lqr", option);
   };
@@ -91,9 +136,13 @@ void run_matrices(const Options& options, bool sampled, Context& context) {
   }
   require_solved(result, "--A", context);
   const bool is_discrete = options.discrete || sampled;
+  if (options.discrete && is_singular(weights.R))
+    context.note("lqr: note: R is singular; there is a solution because R + B'SB is not");
   const MarginsReport margins = margins_report(
       is_discrete ? loop_at_inputs(discrete, result.K) : loop_at_inputs(plant, result.K),
-      numbered("u", plant.B.cols()));
+      numbered("u", plant.B.cols()),
+      evidence_or_affordable(evidence, plant.A.rows(), plant.B.cols(), context));
+  write_notes(margins, context);
   if (context.json) {
     Json json = {{"status", to_string(result.status)},
                  {"K", internal::matrix_to_json(result.K, "K")},
@@ -110,7 +159,8 @@ void run_matrices(const Options& options, bool sampled, Context& context) {
 
 // --- a vehicle -----------------------------------------------------------------------------------
 
-void run_vehicle(const LqrArguments& arguments, Context& context) {
+void run_vehicle(const LqrArguments& arguments, const std::string& asked, Context& context) {
+  const std::optional<MarginsEvidence> evidence = asked_evidence(asked);
   const Plant plant = make_plant(arguments.plant);
   const LqrDesign design =
       make_design(arguments, plant.model.plant.states, plant.model.plant.inputs);
@@ -118,7 +168,9 @@ void run_vehicle(const LqrArguments& arguments, Context& context) {
   const Gains gains = make_gains(plant.vehicle, plant.model, design, feedback);
   require_solved(feedback.riccati, arguments.plant.vehicle, context);
   for (const std::string& note : plant.model.notes) context.note("lqr: note: " + note);
-  const MarginsReport margins = flying_margins(plant.model, gains, feedback.riccati);
+  const MarginsReport margins = flying_margins(plant.model, gains, feedback.riccati,
+                                               evidence.value_or(MarginsEvidence::full));
+  write_notes(margins, context);
   if (context.json) {
     Json json = {{"status", to_string(feedback.riccati.status)},
                  {"K", internal::matrix_to_json(feedback.K, "K")},
@@ -129,6 +181,10 @@ void run_vehicle(const LqrArguments& arguments, Context& context) {
     json["inputs"] = internal::signals_to_json(plant.model.plant.inputs);
     json["integrals"] = design.integrals;
     json["margins"] = to_json(margins);
+    ExportContent content;
+    content.vehicle = plant.vehicle;
+    content.gains = gains;
+    add_laws(json, content);
     context.out << internal::readable(json) << "\n";
     return;
   }
@@ -168,7 +224,9 @@ Verb lqr_verb() {
                        "state weights: a matrix file, or with V a list, integrals last; "
                        "one number stands for all, 1 if absent")
             ->type_name("FILE|LIST");
-        app.add_option("--R", options->vehicle.R, "input weights, likewise")
+        app.add_option("--R", options->vehicle.R,
+                       "input weights, likewise; > 0, or with --discrete >= 0 where R + B'SB is "
+                       "regular")
             ->type_name("FILE|LIST");
         app.add_option("--N", options->N, "cross weights (nx x nu); none")->type_name("FILE");
         app.add_flag("--continuous", options->continuous, "A and B are continuous (default)");
@@ -188,6 +246,10 @@ Verb lqr_verb() {
                        "with V: gains over a grid, e.g. \"speed=0:0.5:10, yaw_rate=-2:1:2\" "
                        "(first:step:last); also climb, and mass and density as ratios")
             ->type_name("GRID");
+        app.add_option("--evidence", options->evidence,
+                       "margins that are computed: none, essential (each loop) or full (and all at "
+                       "once); full where that takes about a second, less with a note otherwise")
+            ->type_name("HOW");
         return [options, sampled, owner = &app](Context& context) {
           const bool has_vehicle = !options->vehicle.plant.vehicle.empty();
           options->vehicle.has_dt = owner->get_option("--dt")->count() > 0;
@@ -202,8 +264,11 @@ Verb lqr_verb() {
             refuse_options(*owner, {"--N", "--continuous", "--discrete", "--sampled"},
                            "belongs to matrices, expected --method and --dt with a vehicle");
             if (options->schedule.empty()) {
-              run_vehicle(options->vehicle, context);
+              run_vehicle(options->vehicle, options->evidence, context);
             } else {
+              refuse_options(
+                  *owner, {"--evidence"},
+                  "came with --schedule, expected none because a schedule has no margins");
               refuse_options(*owner, {"--at", "--speed", "--climb", "--radius", "--yaw-rate"},
                              "came with --schedule, expected the flight as axes of the grid, "
                              "e.g. --schedule \"speed=2\"");

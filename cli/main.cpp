@@ -1,12 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
 #include <iostream>
 #include <string>
 #include <vector>
 
+#include "fold_text.hpp"
 #include "program.hpp"
+#include "standard_streams.hpp"
 
 int main(int argc, char** argv) {
-  std::ios::sync_with_stdio(false);
-  quadtune::cli::install_signal_handlers();
-  return quadtune::cli::run({argv + 1, argv + argc}, std::cin, std::cout, std::cerr);
+  using namespace quadtune::cli;
+  install_signal_handlers();
+  install_last_handler();
+  StandardInput input;
+  StandardOutput output;
+  std::istream in(&input);
+  std::ostream out(&output);
+  std::cerr.tie(&out);  // an error comes after what it is about
+  const int status =
+      run({argv + 1, argv + argc}, in, out, std::cerr, terminal_width(STDOUT_FILENO));
+  std::cerr.tie(nullptr);
+  return status;
 }

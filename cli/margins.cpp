@@ -5,11 +5,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <memory>
 #include <ostream>
 
+#include "cascade_report.hpp"
 #include "design_flow.hpp"
+#include "given_gains.hpp"
 #include "loop_figure.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
@@ -17,8 +20,9 @@
 #include "plot_argument.hpp"
 #include "print.hpp"
 #include "program.hpp"
+#include "quadtune/control/cascade_law.hpp"
 #include "quadtune/discretize/delay.hpp"
-#include "quadtune/exports/read_gains.hpp"
+#include "quadtune/discretize/zoh.hpp"
 #include "quadtune/model/vehicle.hpp"
 
 namespace quadtune::cli {
@@ -27,6 +31,9 @@ namespace {
 struct Options {
   std::string vehicle, gains, num, den, A, B, K;
   std::string cut = "inputs";
+  bool continuous = false;
+  bool discrete = false;
+  double sampled = 0;
   double dt = 0;
   double delay = 0;
   PlotArgument plot;
@@ -36,7 +43,11 @@ struct Options {
 struct NamedLoop {
   OpenLoop loop;
   std::vector<std::string> names;
+  std::string taken_as = {};  ///< what matrices were taken for, where nothing declared it
 };
+
+/// What A and B are, as `lqr` asks it.
+enum class Kind { continuous, discrete, sampled };
 
 bool cut_at_states(const Options& options) {
   if (options.cut == "inputs") return false;
@@ -100,7 +111,56 @@ Lti cut(const Lti& plant, const Eigen::MatrixXd& K, bool at_states) {
   return loop;
 }
 
-NamedLoop matrix_loop(const Options& options, bool discrete, std::istream& in) {
+/// Declared, or by --dt alone.
+Kind kind_of(const Options& options, bool has_dt, bool has_sampled) {
+  const auto refuse = [](const std::string& what, const std::string& option) {
+    throw UsageError("quadtune margins: " + what, option);
+  };
+  if (static_cast<int>(options.continuous) + static_cast<int>(options.discrete) +
+          static_cast<int>(has_sampled) >
+      1)
+    refuse("more than one of --continuous, --discrete and --sampled came, expected one",
+           has_sampled ? "--sampled" : "--discrete");
+  if (options.discrete && !has_dt)
+    refuse("--dt is missing, expected the sample period with --discrete", "--dt");
+  if (has_dt && (options.continuous || has_sampled))
+    refuse(
+        fmt::format("--dt came with {}, expected --sampled DT for continuous A and B whose input "
+                    "is held, or --discrete for A and B that are discrete",
+                    options.continuous ? "--continuous" : "--sampled"),
+        "--dt");
+  if (has_sampled) {
+    require_positive(options.sampled, "margins", "--sampled");
+    return Kind::sampled;
+  }
+  return has_dt ? Kind::discrete : Kind::continuous;
+}
+
+bool is_stable(const Eigen::MatrixXd& closed, bool discrete) {
+  const Eigen::VectorXcd poles = closed.eigenvalues();
+  return discrete ? poles.cwiseAbs().maxCoeff() < 1 : poles.real().maxCoeff() < 0;
+}
+
+/// Of matrices that nobody declared: what they are taken for, with a warning where that looks wrong
+/// because the loop is stable only when they are the other kind.
+std::string taken_as(const ContinuousLti& plant, const Eigen::MatrixXd& K, bool discrete) {
+  const Eigen::MatrixXd closed = plant.A - plant.B * K;
+  const bool looks_wrong = !is_stable(closed, discrete) && is_stable(closed, !discrete);
+  if (!discrete)
+    return looks_wrong ? "warning: A and B are taken as continuous, but A - B K is stable only if "
+                         "they are discrete: --discrete --dt T takes them so"
+                       : "";
+  const std::string taken = "A and B are taken as discrete because of --dt";
+  return looks_wrong
+             ? "warning: " + taken +
+                   ", but A - B K is stable only if they are continuous: --sampled DT takes "
+                   "them so, with the input held"
+             : "note: " + taken +
+                   "; --discrete says so, --sampled DT takes them as continuous, with the "
+                   "input held";
+}
+
+NamedLoop matrix_loop(const Options& options, Kind kind, std::istream& in) {
   const Eigen::MatrixXd A = require_matrix(options.A, in, "margins", "--A");
   const Eigen::MatrixXd B = require_matrix(options.B, in, "margins", "--B");
   const Eigen::MatrixXd K = require_matrix(options.K, in, "margins", "--K");
@@ -109,14 +169,16 @@ NamedLoop matrix_loop(const Options& options, bool discrete, std::istream& in) {
   const bool at_states = cut_at_states(options);
   const std::vector<std::string> names =
       at_states ? numbered("x", A.rows()) : numbered("u", B.cols());
-  if (!discrete) {
-    const ContinuousLti plant{A, B, {}, {}, {}, {}, {}};
-    validate(plant, "--A, --B");
-    return {OpenLoop(cut(plant, K, at_states), options.delay), names};
-  }
-  const DiscreteLti plant{A, B, {}, {}, options.dt, {}, {}, {}};
+  const ContinuousLti plant{A, B, {}, {}, {}, {}, {}};
   validate(plant, "--A, --B");
-  return {OpenLoop(delayed(cut(plant, K, at_states), options.delay)), names};
+  const bool declared = options.continuous || options.discrete || kind == Kind::sampled;
+  const std::string taken = declared ? "" : taken_as(plant, K, kind == Kind::discrete);
+  if (kind == Kind::continuous)
+    return {OpenLoop(cut(plant, K, at_states), options.delay), names, taken};
+  const DiscreteLti discrete = kind == Kind::sampled
+                                   ? discretize_zoh(plant, options.sampled)
+                                   : DiscreteLti{A, B, {}, {}, options.dt, {}, {}, {}};
+  return {OpenLoop(delayed(cut(discrete, K, at_states), options.delay)), names, taken};
 }
 
 NamedLoop vehicle_loop(const Options& options) {
@@ -131,7 +193,16 @@ NamedLoop vehicle_loop(const Options& options) {
         "vehicle",
         "--cut");
   const Vehicle vehicle = load_vehicle(options.vehicle);
-  const Gains gains = read_gains(options.gains);
+  const GivenLaws given = read_given_laws(options.gains);
+  require_vehicle(given.laws, vehicle, options.gains);
+  if (!given.laws.gains) {
+    const CascadeDesign& cascade = *given.laws.cascade;
+    const DiscreteLti law = cascade_law(cascade.gains, cascade.method);
+    const DiscreteLti plant = cascade_plant(vehicle, cascade, options.gains);
+    return {OpenLoop(delayed(cut_at_inputs(plant, law), options.delay)),
+            names_or_numbers(law.outputs, std::ssize(law.outputs))};
+  }
+  const Gains& gains = *given.laws.gains;
   if (!(gains.dt > 0))
     throw InvalidInput(options.gains,
                        "the gains have no sample period, expected one because the "
@@ -162,32 +233,52 @@ std::string figure_title(const Options& options) {
       : !options.num.empty()   ? fmt::format("num {}, den {}", options.num, options.den)
                                : fmt::format("A {}, B {}, K {}", options.A, options.B, options.K);
   return "Loop of " + what +
-         (options.dt > 0 ? fmt::format(", sampled every {} s", number(options.dt)) : "") +
+         (options.dt > 0        ? fmt::format(", sampled every {} s", number(options.dt))
+          : options.sampled > 0 ? fmt::format(", sampled every {} s", number(options.sampled))
+                                : "") +
          (options.delay > 0 ? fmt::format(", delay {} s", number(options.delay)) : "");
 }
 
-void run(const Options& options, bool has_dt, Context& context) {
+void run(const Options& options, bool has_dt, bool has_sampled, Context& context) {
   require_one_loop(options);
   require_picture(options.plot, "margins");
   require_delay(options.delay);
+  const bool matrices = !options.A.empty() || !options.B.empty() || !options.K.empty();
   if (has_dt) require_positive(options.dt, "margins", "--dt");
   if (has_dt && !options.vehicle.empty())
     throw UsageError(
         "quadtune margins: --dt belongs to a transfer function or matrices, expected "
         "none because the gains have their own",
         "--dt");
-  const NamedLoop named = !options.vehicle.empty() ? vehicle_loop(options)
-                          : !options.A.empty() || !options.B.empty() || !options.K.empty()
-                              ? matrix_loop(options, has_dt, context.in)
-                              : transfer_function_loop(options, has_dt);
+  if (!matrices && (options.continuous || options.discrete || has_sampled))
+    throw UsageError(
+        "quadtune margins: --continuous, --discrete and --sampled belong to matrices, expected "
+        "none "
+        "of them",
+        has_sampled          ? "--sampled"
+        : options.continuous ? "--continuous"
+                             : "--discrete");
+  const NamedLoop named =
+      !options.vehicle.empty() ? vehicle_loop(options)
+      : matrices ? matrix_loop(options, kind_of(options, has_dt, has_sampled), context.in)
+                 : transfer_function_loop(options, has_dt);
   const MarginsReport report = margins_report(named.loop, named.names);
   draw(
       options.plot, [&] { return margins_figure(figure_title(options), named.loop, report); },
       context);
-  if (context.json)
-    context.out << internal::readable(to_json(report)) << "\n";
-  else
-    context.out << section("margins", to_text(report));
+  if (context.json) {
+    internal::Json json = to_json(report);
+    json["time"] = named.loop.discrete() ? "discrete" : "continuous";
+    json["dt"] = named.loop.discrete() ? internal::Json(named.loop.dt()) : internal::Json();
+    context.out << internal::readable(json) << "\n";
+  } else {
+    context.out << section("loop", named.loop.discrete() ? fmt::format("discrete, every {} s",
+                                                                       number(named.loop.dt()))
+                                                         : "continuous")
+                << section("margins", to_text(report));
+  }
+  if (!named.taken_as.empty()) context.note("margins: " + named.taken_as);
+  for (const std::string& note : margin_notes(report)) context.note("margins: note: " + note);
   for (const std::string& warning : margin_warnings(report))
     context.note("margins: warning: " + warning);
 }
@@ -197,13 +288,14 @@ void run(const Options& options, bool has_dt, Context& context) {
 Verb margins_verb() {
   return {
       "margins",
-      "--num LIST --den LIST [--delay S]   or   --A FILE --B FILE --K FILE [--dt T]   or   "
-      "V --gains FILE",
+      "--num LIST --den LIST [--delay S]   or   --A FILE --B FILE --K FILE [--discrete --dt T | "
+      "--sampled DT]   or   V --gains FILE",
       "gain, phase, delay and disk margins of a loop under negative feedback",
       "quadtune margins --num 25 --den 1,10,10,10", [](CLI::App& app) -> Action {
         auto options = std::make_shared<Options>();
         app.add_option("V", options->vehicle, "built-in vehicle or vehicle file");
-        app.add_option("--gains", options->gains, "with V: an export, or a file of gains")
+        app.add_option("--gains", options->gains,
+                       "with V: an export, a file of gains or a design file")
             ->type_name("FILE");
         app.add_option("--num", options->num, "numerator, descending powers")->type_name("LIST");
         app.add_option("--den", options->den, "denominator, descending powers")->type_name("LIST");
@@ -213,15 +305,22 @@ Verb margins_verb() {
         app.add_option("--cut", options->cut,
                        "with matrices: where the loop is cut, inputs (default) or states")
             ->type_name("PLACE");
-        CLI::Option* dt =
-            add_number(app, "--dt", options->dt,
-                       "sample period [s]: the coefficients are of z, the matrices discrete")
-                ->type_name("T");
+        app.add_flag("--continuous", options->continuous, "A and B are continuous (default)");
+        app.add_flag("--discrete", options->discrete, "A and B are discrete, with --dt");
+        CLI::Option* sampled = add_number(app, "--sampled", options->sampled,
+                                          "continuous A and B with the input held for DT seconds")
+                                   ->type_name("DT");
+        CLI::Option* dt = add_number(app, "--dt", options->dt,
+                                     "sample period [s]: the coefficients are of z, the matrices "
+                                     "discrete")
+                              ->type_name("T");
         add_number(app, "--delay", options->delay,
                    "delay in the loop [s]; whole samples of a discrete one")
             ->type_name("S");
         add_plot_option(app, options->plot);
-        return [options, dt](Context& context) { run(*options, dt->count() > 0, context); };
+        return [options, dt, sampled](Context& context) {
+          run(*options, dt->count() > 0, sampled->count() > 0, context);
+        };
       }};
 }
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -35,7 +36,9 @@ Json crossovers_json(const LoopMargins& margins) {
   Json phase = Json::array();
   for (const PhaseCrossover& at : margins.phase_crossovers)
     phase.push_back({{"w", finite_or_null(at.w)}, {"gain_margin_db", decibels(at.gain_margin)}});
-  return {{"gain_crossovers", gain}, {"phase_crossovers", phase}};
+  return {{"gain_crossovers", gain},
+          {"phase_crossovers", phase},
+          {"far_phase_crossovers", margins.far_phase_crossovers}};
 }
 
 Json disk_json(const DiskMargin& disk) {
@@ -62,16 +65,31 @@ Json loop_json(const std::string& name, const LoopMargins& margins) {
 
 }  // namespace
 
-MarginsReport margins_report(const OpenLoop& loop, std::vector<std::string> names) {
+MarginsReport margins_report(const OpenLoop& loop, std::vector<std::string> names,
+                             MarginsEvidence evidence) {
   MarginsReport report;
   report.dt = loop.dt();
   report.names = std::move(names);
   if (report.names.empty()) report.names = {"loop"};
+  if (evidence == MarginsEvidence::none) return report;
   report.loops.reserve(report.names.size());
   for (Eigen::Index i = 0; i < loop.size(); ++i)
     report.loops.push_back(loop_margins(loop.channel(i)));
-  report.together = simultaneous_disk_margin(loop);
+  if (evidence == MarginsEvidence::full) report.together = simultaneous_disk_margin(loop);
   return report;
+}
+
+MarginsEvidence affordable_evidence(Eigen::Index states, Eigen::Index channels) {
+  const auto n = static_cast<double>(states);
+  const auto m = static_cast<double>(channels);
+  // The grid has some twenty frequencies for each pole of the open and of the closed loop.
+  const double frequencies = 250 + 40 * n;
+  const double one_at_a_time = m * (frequencies * 2 * n * n + 100 * n * n * n);
+  const double all_at_once = frequencies * (n * n * m + 30 * m * m * m);
+  constexpr double kAffordable = 4e8;  // products of complex numbers
+  if (one_at_a_time > kAffordable) return MarginsEvidence::none;
+  return one_at_a_time + all_at_once > kAffordable ? MarginsEvidence::essential
+                                                   : MarginsEvidence::full;
 }
 
 std::vector<std::string> numbered(const std::string& letter, Eigen::Index count) {
@@ -85,12 +103,16 @@ Json to_json(const MarginsReport& report) {
   json["loops"] = Json::array();
   for (std::size_t i = 0; i < report.loops.size(); ++i)
     json["loops"].push_back(loop_json(report.names[i], report.loops[i]));
-  json["multivariable"] = disk_json(report.together.guaranteed);
-  json["multivariable"]["disk_alpha_destabilizing"] = report.together.alpha_destabilizing;
+  json["multivariable"] = nullptr;
+  if (report.together) {
+    json["multivariable"] = disk_json(report.together->guaranteed);
+    json["multivariable"]["disk_alpha_destabilizing"] = report.together->alpha_destabilizing;
+  }
   return json;
 }
 
 std::string to_text(const MarginsReport& report) {
+  if (report.loops.empty()) return "not computed";
   const bool sampled = report.dt > 0;
   std::string text = fmt::format(
       "{:<12} {:>8} {:>8} {:>8} {:>9} {:>9} {:>8} {:>6} {:>6} {:>6} {:>7}\n", "", "gain up",
@@ -108,17 +130,35 @@ std::string to_text(const MarginsReport& report) {
         cell(m.Mt, 2), cell(m.disk.alpha, 3), m.stable ? fmt::format("{:.3g}", m.disk.w) : "-",
         m.stable ? "" : "  UNSTABLE");
   }
-  const DiskMargin& all = report.together.guaranteed;
-  if (report.loops.size() < 2) {
+  if (report.loops.size() < 2 || !report.together) {
     text.pop_back();
     return text;
   }
+  const DiskMargin& all = report.together->guaranteed;
   if (all.alpha == 0) return text + "all at once  UNSTABLE";
   return text + fmt::format(
                     "all at once  disk alpha {:.3f} at {:.3g} rad/s: {} dB and {:.1f} deg in "
                     "every loop together; alpha {:.3f} can destabilize",
                     all.alpha, all.w, cell(decibels(all.gain_high)), degrees(all.phase),
-                    report.together.alpha_destabilizing);
+                    report.together->alpha_destabilizing);
+}
+
+std::vector<std::string> margin_notes(const MarginsReport& report) {
+  std::vector<std::string> notes;
+  for (std::size_t i = 0; i < report.loops.size(); ++i) {
+    const LoopMargins& m = report.loops[i];
+    const std::string who = report.loops.size() > 1 ? "loop " + report.names[i] : "the loop";
+    const bool at_rest = std::any_of(m.gain_crossovers.begin(), m.gain_crossovers.end(),
+                                     [](const GainCrossover& at) { return at.w == 0; });
+    if (at_rest) notes.push_back(who + ": |L(0)| is 1, which counts as a crossover at 0 rad/s");
+    if (m.far_phase_crossovers > 0)
+      notes.push_back(
+          fmt::format("{}: {} phase crossover{} with |L| below 1e-6 or above 1e6 {} not "
+                      "listed",
+                      who, m.far_phase_crossovers, m.far_phase_crossovers == 1 ? "" : "s",
+                      m.far_phase_crossovers == 1 ? "is" : "are"));
+  }
+  return notes;
 }
 
 std::vector<std::string> margin_warnings(const MarginsReport& report) {

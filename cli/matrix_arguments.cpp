@@ -4,21 +4,61 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 #include <istream>
-#include <iterator>
+#include <optional>
+#include <system_error>
 
 #include "number_arguments.hpp"
 #include "program.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/text_matrix.hpp"
 
 namespace quadtune::cli {
 
+namespace {
+
+/// "0 1; 0 0", "[0 1; 0 0]" or "[[0, 1], [0, 0]]" as the lines of a matrix file; nothing for other
+/// words, and for the name of a file.
+std::optional<std::string> matrix_lines(const std::string& word) {
+  std::error_code ignored;  // a word too long for a file's name is none
+  if (word.find_first_not_of("0123456789+-.,eE;[] \t\n") != std::string::npos ||
+      word.find_first_of("0123456789") == std::string::npos ||
+      std::filesystem::exists(word, ignored))
+    return std::nullopt;
+  std::string lines;
+  bool row_ended = false;  // a comma after that separates rows
+  for (const char c : word) {
+    if (c == ';' || c == ']')
+      lines += '\n';
+    else if (c == '[' || (c == ',' && row_ended))
+      lines += ' ';
+    else
+      lines += c;
+    row_ended = c == ']' || (row_ended && (c == ',' || c == ' '));
+  }
+  return lines;
+}
+
+}  // namespace
+
 Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in) {
   if (path.empty()) return {};
+  if (const auto lines = matrix_lines(path))
+    return parse_text_matrix(*lines, fmt::format("'{}'", internal::printable(path)));
   if (path != "-") return read_text_matrix(path);
-  return parse_text_matrix(
-      std::string(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()),
-      "standard input");
+  // One byte beyond the limit tells that there is too much; an endless input ends there. Past the
+  // stream, as an exception of its buffer (a signal came) does not leave the stream.
+  std::string text(kMatrixTextLimit + 1, '\0');
+  std::size_t size = 0;
+  while (size < text.size()) {
+    const std::streamsize got =
+        in.rdbuf()->sgetn(text.data() + size, static_cast<std::streamsize>(text.size() - size));
+    if (got <= 0) break;
+    size += static_cast<std::size_t>(got);
+  }
+  text.resize(size);
+  return parse_text_matrix(text, "standard input");
 }
 
 Eigen::MatrixXd require_matrix(const std::string& path, std::istream& in, const std::string& verb,

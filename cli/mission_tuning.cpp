@@ -7,42 +7,30 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <ostream>
 
 #include "mission_tuning_report.hpp"
 #include "number_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/built_in.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/internal/utf8.hpp"
 #include "quadtune/version.hpp"
 
 namespace quadtune::cli {
 namespace {
 
 constexpr std::uint32_t kUsualDraws = 4, kUsualProof = 24;
+/// Longest command that a file repeats whole.
+constexpr std::size_t kCommentLength = 4096;
 /// More draws than anybody flies for one number.
 constexpr std::uint64_t kMostDraws = 100000;
 
 [[noreturn]] void refuse(const std::string& verb, const std::string& option,
                          const std::string& why) {
   throw UsageError(fmt::format("quadtune {}: {}", verb, why), option);
-}
-
-void check(const std::string& verb, const MissionTuningArguments& arguments) {
-  if (!(arguments.budget > 0) || arguments.budget > 1e6)
-    refuse(verb, "--budget",
-           fmt::format("--budget is {}, expected more than 0 and at most 1e6 s", arguments.budget));
-  for (const auto& [option, draws] :
-       {std::pair("--monte-carlo", arguments.draws), std::pair("--proof", arguments.proof)})
-    if (draws > kMostDraws)
-      refuse(verb, option, fmt::format("{} is {}, expected at most {}", option, draws, kMostDraws));
-  if (arguments.report.empty()) return;
-  if (!arguments.report.ends_with(".html"))
-    refuse(verb, "--report",
-           fmt::format("--report is '{}', expected a name that ends in .html",
-                       internal::printable(arguments.report)));
-  if (arguments.report == arguments.file)
-    refuse(verb, "--report", "--report and -o are one file, expected two");
 }
 
 MissionRequirements requirements_of(const MissionTuning& tuning,
@@ -124,6 +112,15 @@ std::uint32_t proof_draws(const TrialRequest& request, const std::string& verb,
 
 }  // namespace
 
+void require_design_name(const std::string& file, const std::string& verb) {
+  std::error_code ignored;
+  if (file.empty() || file.ends_with(".toml") || std::filesystem::is_other(file, ignored)) return;
+  refuse(verb, "-o",
+         fmt::format("-o is '{}', expected a name that ends in .toml because `quadtune export` and "
+                     "`fly --gains` know a design file by it",
+                     internal::printable(file)));
+}
+
 void add_mission_tuning_options(CLI::App& app, MissionTuningArguments& arguments) {
   app.add_option("--mission", arguments.missions,
                  "built-in missions or mission files that are flown; several: repeat the option")
@@ -157,9 +154,41 @@ void add_mission_tuning_options(CLI::App& app, MissionTuningArguments& arguments
   app.add_option("--report", arguments.report, "write a page to look at: a .html file");
 }
 
+std::string vehicle_text(const std::string& word) {
+  const std::string vehicle =
+      internal::looks_like_path(word) ? std::filesystem::absolute(word).string() : word;
+  if (internal::valid_utf8(vehicle) != vehicle)
+    throw InvalidInput(
+        vehicle, "is not UTF-8, expected a path that a design file can name, as TOML is UTF-8");
+  return internal::json_text(internal::Json(vehicle));  // which is TOML, too
+}
+
+void require_sane(const std::string& verb, const MissionTuningArguments& arguments) {
+  FlightArguments flight;
+  flight.estimator = arguments.estimator;
+  flight.sensors = arguments.sensors;
+  if (!arguments.wind.empty()) flight.wind = arguments.wind;
+  require_flight_words(flight, verb);
+  if (!arguments.file.empty()) (void)vehicle_text(arguments.vehicle);  // before a long search
+  if (!(arguments.budget > 0) || arguments.budget > 1e6)
+    refuse(verb, "--budget",
+           fmt::format("--budget is {}, expected more than 0 and at most 1e6 s", arguments.budget));
+  for (const auto& [option, draws] :
+       {std::pair("--monte-carlo", arguments.draws), std::pair("--proof", arguments.proof)})
+    if (draws > kMostDraws)
+      refuse(verb, option, fmt::format("{} is {}, expected at most {}", option, draws, kMostDraws));
+  require_design_name(arguments.file, verb);
+  if (arguments.report.empty()) return;
+  if (!arguments.report.ends_with(".html"))
+    refuse(verb, "--report",
+           fmt::format("--report is '{}', expected a name that ends in .html",
+                       internal::printable(arguments.report)));
+  if (arguments.report == arguments.file)
+    refuse(verb, "--report", "--report and -o are one file, expected two");
+}
+
 void run_mission_tuning(const MissionTuning& tuning, const MissionTuningArguments& arguments,
                         Context& context) {
-  check(tuning.verb, arguments);
   const MissionRequirements requirements = requirements_of(tuning, arguments);
   const TunedDesign start = tuning.design(tuning.start);
   if (!start.point.controller)
@@ -170,6 +199,7 @@ void run_mission_tuning(const MissionTuning& tuning, const MissionTuningArgument
   (void)limits(start);  // refuses loops that are not there before anything flies
   const TrialRequest request =
       request_of(tuning, requirements, *start.point.controller, arguments, context);
+  const KeepsTheBest keeps_the_best;
   const MissionTrial trial(request, *start.point.controller, context.threads, interrupted);
   DesignSpace space;
   space.names = tuning.names;
@@ -211,7 +241,8 @@ void run_mission_tuning(const MissionTuning& tuning, const MissionTuningArgument
     write_file(arguments.file,
                tuning.file(result.candidate,
                            fmt::format("{}By {}; {}", result.accepted ? "" : "NOT TAKEN. ",
-                                       context.command, result.reason)),
+                                       internal::printable(context.command, kCommentLength),
+                                       result.reason)),
                stop);
     context.written.push_back(arguments.file);
   }

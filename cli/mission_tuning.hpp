@@ -31,6 +31,17 @@ struct MissionTuningArguments {
 /// --estimator, --sensors, --wind, --duration, -o, --force, --report.
 void add_mission_tuning_options(CLI::App& app, MissionTuningArguments& arguments);
 
+/// A vehicle's name or file as a text of TOML, for a design file that may be moved.
+/// @throws InvalidInput  if no TOML can hold it
+[[nodiscard]] std::string vehicle_text(const std::string& word);
+
+/// Refuses words and numbers that no tuning takes, before anything is designed.
+/// @throws UsageError
+void require_sane(const std::string& verb, const MissionTuningArguments& arguments);
+/// A design file is written into a name by which it is known again, or to a device.
+/// @throws UsageError
+void require_design_name(const std::string& file, const std::string& verb);
+
 /// A design as the search has it and as it is told.
 struct TunedDesign {
   DesignPoint point;

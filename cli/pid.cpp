@@ -12,6 +12,8 @@
 
 #include "cascade_arguments.hpp"
 #include "cascade_report.hpp"
+#include "flight_arguments.hpp"
+#include "given_gains.hpp"
 #include "loop_figure.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
@@ -289,7 +291,13 @@ void run_vehicle(const CLI::App& app, const Options& options, Context& context) 
       },
       context);
   if (context.json) {
-    context.out << internal::readable(to_json(report)) << "\n";
+    Json json = to_json(report);
+    ExportContent content;
+    content.vehicle = vehicle;
+    content.cascade = CascadeDesign{report.cascade.gains, {}, report.specification.method};
+    content.cascade->back_calculation = kDesignedBackCalculation;
+    add_laws(json, content);
+    context.out << internal::readable(json) << "\n";
   } else {
     context.out << to_text(report);
   }

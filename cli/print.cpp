@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace quadtune::cli {
 namespace {
@@ -79,8 +80,14 @@ std::string pole_table(const Eigen::VectorXcd& poles, double dt) {
         row.pole.imag() > 0 ? fmt::format("{:.6g} +- {:.6g}i", row.pole.real(), row.pole.imag())
                             : fmt::format("{:.6g}", row.pole.real());
     const double wn = std::abs(row.s);
+    if (std::isinf(wn)) {  // z = 0: over within a sample, without a frequency
+      text += fmt::format("\n{:<24}{:>12}{:>10}{:>16}", pole, "-", "-", "0");
+      continue;
+    }
+    const double time = row.s.real() == 0 ? std::numeric_limits<double>::infinity()  // of either 0
+                                          : -1 / row.s.real();
     text += fmt::format("\n{:<24}{:>12.4g}{:>10.3f}{:>16.4g}", pole, wn,
-                        wn > 0 ? -row.s.real() / wn : 0.0, -1 / row.s.real());
+                        wn > 0 ? -row.s.real() / wn : 0.0, time);
   }
   return text;
 }

@@ -3,33 +3,36 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
-#include <csignal>
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <istream>
 #include <new>
-#include <nlohmann/json.hpp>
 #include <ostream>
 #include <sstream>
 
+#include "file_kinds.hpp"
+#include "library_messages.hpp"
+#include "message_text.hpp"
+#include "missing_file.hpp"
 #include "number_arguments.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/file_set.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/internal/utf8.hpp"
 #include "quadtune/version.hpp"
+#include "refusal.hpp"
 
 namespace quadtune::cli {
 namespace {
-
-std::atomic<bool> stop_asked{false};
-
-extern "C" void ask_to_stop(int) { stop_asked.store(true); }
 
 const Verb* find(const std::string& name) {
   const auto& all = verbs();
@@ -61,11 +64,6 @@ std::vector<std::string> verb_names() {
       name);
 }
 
-std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
-
 [[noreturn]] void refuse_missing_value(const std::string& verb, const std::string& option) {
   throw UsageError(fmt::format("quadtune {}: {} has no value, expected one", verb, option), option);
 }
@@ -84,7 +82,8 @@ void refuse_options_for_values(const CLI::App& app, const std::string& verb,
 /// others.
 [[noreturn]] void refuse_arguments(const CLI::ParseError& error, const std::string& verb,
                                    const std::vector<std::string>& args) {
-  const std::string what = one_line(error.what());
+  std::string what = error.what();
+  std::replace(what.begin(), what.end(), '\n', ' ');
   std::string option = "command line";
   std::string message = what;
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {  // "--dt: 1 required T missing"
@@ -105,8 +104,9 @@ void refuse_options_for_values(const CLI::App& app, const std::string& verb,
 /// Runs an action whose output goes into a file, written whole or not at all.
 void run_into_file(const Action& action, const std::string& file, Context& context) {
   std::ostringstream text;
-  Context into{context.in, text, context.err,     context.json, context.quiet,
-               {},         file, context.threads, context.seed, context.command};
+  const bool json = context.json || file.ends_with(".json");  // what reads it goes by the name
+  Context into{context.in,      text, context.err,     json,         context.quiet,
+               context.written, file, context.threads, context.seed, context.command};
   // An answer that is no was printed as well.
   const auto write = [&] {
     context.written = into.written;
@@ -114,6 +114,8 @@ void run_into_file(const Action& action, const std::string& file, Context& conte
   };
   try {
     action(into);
+  } catch (const Refusal&) {
+    throw;
   } catch (const AnswerIsNo&) {
     write();
     throw;
@@ -171,10 +173,15 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
                          option->get_name());
   refuse_two_readers(app, verb.name);
   context.threads = threads;
-  if (file.empty())
-    action(context);
-  else
-    run_into_file(action, file, context);
+  try {
+    if (file.empty())
+      action(context);
+    else
+      run_into_file(action, file, context);
+  } catch (const FileError& error) {
+    if (is_missing(error)) throw told_missing(error, app);
+    throw;
+  }
 }
 
 void run_program(const std::vector<std::string>& args, Context& context) {
@@ -215,22 +222,128 @@ void run_program(const std::vector<std::string>& args, Context& context) {
 }
 
 /// After an error the user must know which directories were replaced already.
-std::string what_is_written(const Context& context) {
+std::string what_is_written(const WrittenFiles& written) {
   std::string text;
-  for (const std::string& directory : context.written)
+  for (const std::string& directory : written)
     text += fmt::format("; {} is written and complete", directory);
   return text;
 }
 
+std::string error_json(int status, const std::string& message, const std::string& where) {
+  return internal::json_text(internal::Json{
+      {"error",
+       {{"code", status}, {"message", error_line(message)}, {"where", error_line(where)}}}});
+}
+
+/// The command line as it is written into files. What may not change a byte of them is left out:
+/// how many threads worked, and what is printed beside.
+std::string recorded_command(const std::vector<std::string>& args) {
+  std::string command = "quadtune";
+  for (std::size_t i = 0; i < args.size(); ++i) {
+    const std::string& arg = args[i];
+    if (arg == "--threads") ++i;  // and its value
+    if (arg == "--threads" || arg.starts_with("--threads=") || arg == "--quiet" || arg == "--json")
+      continue;
+    command += arg.find(' ') == std::string::npos ? " " + arg : " '" + arg + "'";
+  }
+  return command;
+}
+
 /// One line on the error stream and, for scripts, one object on the output.
 int fail(const Context& context, int status, const std::string& message, const std::string& where) {
-  context.err << one_line(message) << "\n";
-  if (context.json && !context.answered) {
-    const nlohmann::ordered_json error = {
-        {"error", {{"code", status}, {"message", one_line(message)}, {"where", where}}}};
-    context.out << error.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
-  }
+  if (status == kInterrupted) take_last_words();
+  context.err << error_line(message) << "\n";
+  if (context.json && !context.answered) context.out << error_json(status, message, where) << "\n";
+  context.out.flush();
   return status;
+}
+
+/// Of the process: a signal may come at any time.
+std::atomic<bool> json_asked{false};
+
+void tell_if_interrupted(const WrittenFiles& written) {
+  const std::string message = Interrupted().what() + what_is_written(written);
+  set_last_words(error_line(message), json_asked ? error_json(kInterrupted, message, "") : "");
+}
+
+int fail_inside(const Context& context, const std::string& what) {
+  return fail(context, kInternal,
+              fmt::format("quadtune: an error in quadtune itself: {}; please report it, with the "
+                          "command and its input{}",
+                          what, what_is_written(context.written)),
+              "");
+}
+
+/// Tells of the exception that is being handled.
+/// @return  the exit status
+int tell_exception(const Context& context, const std::vector<std::string>& args) {
+  context.out.flush();  // an error comes after what it is about
+  try {
+    throw;
+  } catch (const Refusal& error) {
+    return fail(context, kAnswerIsNo, error.what(), error.where());
+  } catch (const AnswerIsNo& error) {
+    context.err << error_line(error.what()) << "\n";
+    return kAnswerIsNo;
+  } catch (const std::exception&) {
+    // What fails after a signal mostly fails by it: a child that has ended, a read cut short.
+    if (interrupted())
+      return fail(context, kInterrupted, Interrupted().what() + what_is_written(context.written),
+                  "");
+  } catch (...) {
+    // Not even that: told below.
+  }
+  try {
+    throw;
+  } catch (const UsageError& error) {
+    return fail(context, kUsage, error.what(), error.where());
+  } catch (const InvalidInput& error) {
+    // What an option says is the command line; what a file says is the input.
+    const bool option = error.where().starts_with("--");
+    return fail(context, option ? kUsage : kBadInput, error.what() + who_takes(args, error.where()),
+                error.where());
+  } catch (const FileError& error) {
+    return fail(context, kFile,
+                error.what() + what_is_written(context.written) + who_takes(args, error.path()),
+                error.path());
+  } catch (const NoSolution& error) {
+    return fail(context, kNoSolution, error.what(), error.where());
+  } catch (const Interrupted& error) {
+    return fail(context, kInterrupted, error.what() + what_is_written(context.written), "");
+  } catch (const std::bad_alloc&) {
+    return fail(context, kBadInput, "not enough memory for a problem of this size", "");
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(context, kFile,
+                fmt::format("{}: {}{}", error.path1().string(), error.code().message(),
+                            what_is_written(context.written)),
+                error.path1().string());
+  } catch (const std::exception& error) {
+    return fail_inside(context, error.what());
+  } catch (...) {
+    return fail_inside(context, "an exception without a text");
+  }
+}
+
+/// The run that a call of std::terminate() ends.
+std::atomic<const Context*> running{nullptr};
+
+[[noreturn]] void end_after_last_words() {
+  static std::atomic<bool> begun{false};
+  if (begun.exchange(true)) ::_exit(kInternal);  // telling it fails as well
+  const Context* const context = running.load();
+  if (context == nullptr) ::_exit(kInternal);
+  std::string what = "std::terminate() was called";
+  try {
+    if (std::current_exception()) throw;
+  } catch (const std::exception& error) {
+    what = error.what();
+  } catch (...) {
+    what = "an exception without a text";
+  }
+  const int status = fail_inside(*context, what);
+  context->out.flush();
+  context->err.flush();
+  ::_exit(status);
 }
 
 }  // namespace
@@ -253,58 +366,50 @@ void write_file(const std::string& file, const std::string& bytes,
   if (std::filesystem::is_symlink(std::filesystem::symlink_status(path, ignored)) &&
       std::filesystem::exists(status))
     path = std::filesystem::canonical(path, ignored);
+  const WritingFiles writing;
   write_files(path.parent_path(), {{path.filename().string(), bytes}}, {}, stop);
 }
 
-bool interrupted() { return stop_asked.load(); }
-
-void install_signal_handlers() {
-  struct sigaction action = {};
-  action.sa_handler = ask_to_stop;
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
-  // A file beyond the size limit, or a reader that has gone, is then an error of the write, which
-  // cleans up, and not the end of the process.
-  struct sigaction ignore = {};
-  ignore.sa_handler = SIG_IGN;
-  for (const int signal : {SIGXFSZ, SIGPIPE}) sigaction(signal, &ignore, nullptr);
-}
-
 void Context::note(const std::string& line) const {
-  if (!quiet) err << line << "\n";
+  if (quiet || !noted.insert(line).second) return;
+  out.flush();
+  err << internal::visible_text(line) << "\n";
 }
+
+void WrittenFiles::push_back(const std::string& name) {
+  names_.push_back(name);
+  tell_if_interrupted(*this);
+}
+
+void install_last_handler() { std::set_terminate(end_after_last_words); }
 
 int run(const std::vector<std::string>& args, std::istream& in, std::ostream& out,
-        std::ostream& err) {
-  Context context{in, out, err};
-  context.json = std::find(args.begin(), args.end(), "--json") != args.end();
-  context.command = "quadtune";
-  for (const std::string& arg : args)
-    context.command += arg.find(' ') == std::string::npos ? " " + arg : " '" + arg + "'";
-  try {
-    run_program(args, context);
-    out.flush();
-    if (!out)
-      return fail(context, kFile,
-                  "standard output: could not be written" + what_is_written(context), "stdout");
-    return kDone;
-  } catch (const UsageError& error) {
-    return fail(context, kUsage, error.what(), error.where());
-  } catch (const InvalidInput& error) {
-    // What an option says is the command line; what a file says is the input.
-    const bool option = error.where().starts_with("--");
-    return fail(context, option ? kUsage : kBadInput, error.what(), error.where());
-  } catch (const FileError& error) {
-    return fail(context, kFile, error.what() + what_is_written(context), error.path());
-  } catch (const NoSolution& error) {
-    return fail(context, kNoSolution, error.what(), error.where());
-  } catch (const AnswerIsNo& error) {
-    err << one_line(error.what()) << "\n";
-    return kAnswerIsNo;
-  } catch (const Interrupted& error) {
-    return fail(context, kInterrupted, error.what() + what_is_written(context), "");
-  } catch (const std::bad_alloc&) {
-    return fail(context, kBadInput, "not enough memory for a problem of this size", "");
-  }
+        std::ostream& err, std::size_t width) {
+  const auto asks = [&](const char* option) {
+    return std::find(args.begin(), args.end(), option) != args.end();
+  };
+  const bool for_programs = asks("--json") || asks("--man") || asks("--completion");
+  silence_libraries();
+  VisibleText visible(out, for_programs ? 0 : width);
+  std::ostream shown(&visible);
+  Context context{in, shown, err};
+  running.store(&context);
+  const int status = [&] {
+    try {
+      context.json = asks("--json");
+      json_asked = context.json;
+      tell_if_interrupted(context.written);
+      context.command = recorded_command(args);
+      run_program(args, context);
+      shown.flush();
+      if (shown) return int{kDone};
+      throw FileError("standard output", "could not be written");
+    } catch (...) {
+      return tell_exception(context, args);
+    }
+  }();
+  running.store(nullptr);
+  return status;
 }
 
 std::vector<std::string> kinds_of(const std::string& first) {

@@ -5,10 +5,13 @@
 #include <cstdint>
 #include <functional>
 #include <iosfwd>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "stop_signals.hpp"
 
 namespace CLI {
 class App;
@@ -24,6 +27,7 @@ enum ExitStatus : int {
   kBadInput = 3,
   kNoSolution = 4,
   kFile = 5,
+  kInternal = 6,
   kInterrupted = 130,
 };
 
@@ -59,6 +63,17 @@ class AnswerIsNo : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Exports, logs, pictures and tables that are complete, as an error that follows names them.
+class WrittenFiles {
+ public:
+  void push_back(const std::string& name);
+  [[nodiscard]] auto begin() const { return names_.begin(); }
+  [[nodiscard]] auto end() const { return names_.end(); }
+
+ private:
+  std::vector<std::string> names_;
+};
+
 /// Where a verb reads and writes, and how.
 struct Context {
   std::istream& in;
@@ -66,14 +81,15 @@ struct Context {
   std::ostream& err;
   bool json = false;
   bool quiet = false;
-  std::vector<std::string> written = {};  ///< exports and pictures that are complete
-  std::string file = {};                  ///< that -o names, where `out` goes into it; else empty
-  std::size_t threads = 0;                ///< to use; 0: one for each processor
-  std::uint64_t seed = 1;                 ///< of everything random
-  std::string command = {};               ///< the command line, for what is written
-  bool answered = false;  ///< the JSON object is on `out`: an error that follows adds no second
+  WrittenFiles written = {};
+  std::string file = {};     ///< that -o names, where `out` goes into it; else empty
+  std::size_t threads = 0;   ///< to use; 0: one for each processor
+  std::uint64_t seed = 1;    ///< of everything random
+  std::string command = {};  ///< the command line that decides what is written
+  bool answered = false;     ///< the JSON object is on `out`: an error that follows adds no second
+  mutable std::set<std::string> noted = {};
 
-  /// One line on the error stream that is not an error; silent with --quiet.
+  /// One line on the error stream that is not an error; silent with --quiet, and said once.
   void note(const std::string& line) const;
 };
 
@@ -95,12 +111,15 @@ struct Verb {
 /// The second words of the verbs of two words that begin with `first`; none where there is no such.
 [[nodiscard]] std::vector<std::string> kinds_of(const std::string& first);
 
-/// Runs `quadtune ARGS…` and returns its exit status.
+/// Runs `quadtune ARGS…` and returns its exit status. No exception leaves it. What it prints is fit
+/// for a terminal: visible_text().
+/// @param width  of the terminal that `out` is [characters], for which text is folded; 0: none
 int run(const std::vector<std::string>& args, std::istream& in, std::ostream& out,
-        std::ostream& err);
+        std::ostream& err, std::size_t width = 0);
 
-/// True once SIGINT, SIGTERM or SIGHUP came; long work and file writing poll it.
-[[nodiscard]] bool interrupted();
+/// For main(): what would end the process by std::terminate() is told as any other error, and ends
+/// it with kInternal.
+void install_last_handler();
 
 /// Writes one file whole or not at all; a missing directory is made. A link stays one, and a device
 /// or a pipe is written to as it is.
@@ -108,7 +127,6 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
 /// @throws FileError, Interrupted  as write_files()
 void write_file(const std::string& file, const std::string& bytes,
                 const std::function<bool()>& stop = interrupted);
-void install_signal_handlers();
 
 Verb design_verb();
 Verb vehicle_verb();

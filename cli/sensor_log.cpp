@@ -5,8 +5,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <iterator>
 #include <optional>
+#include <utility>
 
+#include "log_report.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/text_file.hpp"
 
@@ -48,6 +51,16 @@ LogOptions options_of(const SensorLogArguments& arguments, const std::string& ve
   return options;
 }
 
+void require_timed(const LogSeries& series, const std::string& file, const std::string& verb) {
+  if (series.name.empty()) return;
+  if (!series.timed)
+    refuse(verb, "--rate",
+           fmt::format("no sample rate came, expected one of --rate HZ and --time COLUMN: {} "
+                       "names no time",
+                       file));
+  require_usable(series, file);
+}
+
 }  // namespace
 
 bool SensorLogArguments::given() const {
@@ -60,31 +73,46 @@ void add_sensor_log_options(CLI::App& app, SensorLogArguments& arguments) {
   app.add_option("--time", arguments.time,
                  "of a text, the column of times, by name or number; one called t, time, timestamp")
       ->type_name("COLUMN");
-  app.add_option("--time-unit", arguments.time_unit, "s, ms, us or ns; the header's, else s")
+  app.add_option("--time-unit", arguments.time_unit,
+                 "s, ms, us or ns; the header's, else by the values")
       ->type_name("U");
 }
 
 std::string log_name(const std::string& path) { return path == "-" ? "standard input" : path; }
 
-std::vector<LogSeries> read_sensors(const std::string& path, const std::vector<std::string>& names,
-                                    const std::vector<std::string>& optional,
-                                    const SensorLogArguments& arguments, const std::string& verb,
-                                    Context& context) {
-  LogChannels log = read_log_channels(path, names, options_of(arguments, verb), optional);
-  for (const LogSeries& series : log.series) {
-    if (series.name.empty()) continue;
-    if (!series.timed)
-      refuse(verb, "--rate",
-             fmt::format("no sample rate came, expected one of --rate HZ and --time COLUMN: {} "
-                         "names no time",
-                         log_name(path)));
-    require_usable(series, log_name(path));
+SensorLog read_sensors(const std::string& path, const std::vector<std::string>& names,
+                       const std::vector<std::string>& optional,
+                       const SensorLogArguments& arguments, const std::string& verb,
+                       Context& context) {
+  std::vector<ChannelPlace> places;
+  std::vector<std::string> files;
+  for (const std::string& name : names) places.push_back(channel_place(name, path));
+  if (!optional.empty()) files.push_back(path);
+  for (const ChannelPlace& place : places)
+    if (std::find(files.begin(), files.end(), place.file) == files.end())
+      files.push_back(place.file);
+  SensorLog result;
+  result.series.resize(names.size());
+  LogOptions options = options_of(arguments, verb);
+  for (const std::string& file : files) {
+    std::vector<std::string> here;
+    for (const ChannelPlace& place : places)
+      if (place.file == file) here.push_back(place.channel);
+    LogChannels log =
+        read_channels(file, here, options, file == path ? optional : std::vector<std::string>{});
+    options.epoch_s = log.epoch_s;  // of one clock: that of the first file
+    for (const LogSeries& series : log.series) require_timed(series, log_name(file), verb);
+    auto next = log.series.begin();
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (places[i].file != file) continue;
+      result.series[i] = std::move(*next++);
+      if (file != path) result.series[i].name += '@' + file;
+    }
+    std::move(next, log.series.end(), std::back_inserter(result.series));
+    for (std::string& line : tell_log_warnings(log.condition, log_name(file), verb, context))
+      result.warnings.push_back(std::move(line));
   }
-  if (!log.condition.whole())
-    context.note(
-        fmt::format("{}: warning: {} is not whole: {}", verb, log_name(path),
-                    log.condition.torn.empty() ? log.condition.first_skipped : log.condition.torn));
-  return std::move(log.series);
+  return result;
 }
 
 JoinedSeries join(const std::vector<const LogSeries*>& series, const std::string& where) {

@@ -15,7 +15,7 @@ namespace quadtune::cli {
 struct SensorLogArguments {
   LogArguments log;
   std::string time;       ///< the column of a text that is its clock; empty: as the log says
-  std::string time_unit;  ///< s, ms, us or ns; empty: of the log, else s
+  std::string time_unit;  ///< s, ms, us or ns; empty: of the log, or by its values
 
   [[nodiscard]] bool given() const;
 };
@@ -26,16 +26,22 @@ void add_sensor_log_options(CLI::App& app, SensorLogArguments& arguments);
 /// What messages call the file of that path.
 [[nodiscard]] std::string log_name(const std::string& path);
 
+/// Sensors of a log, and what its reader warns of.
+struct SensorLog {
+  std::vector<LogSeries> series;
+  std::vector<std::string> warnings;  ///< as tell_log_warnings()
+};
+
 /// Series with times that increase: `names`, then those of `optional` that the log has, the others
-/// being empty. What the log lacks goes to Context::note.
+/// being empty. A name CHANNEL@FILE is of another file, its times after the same epoch, and stays
+/// the series' name. Warnings go to Context::note as well.
 /// @param verb  for messages
 /// @throws UsageError    for a log without times, or options that contradict each other
-/// @throws InvalidInput, FileError  as read_log_channels() and require_usable()
-[[nodiscard]] std::vector<LogSeries> read_sensors(const std::string& path,
-                                                  const std::vector<std::string>& names,
-                                                  const std::vector<std::string>& optional,
-                                                  const SensorLogArguments& arguments,
-                                                  const std::string& verb, Context& context);
+/// @throws InvalidInput, FileError  as read_channels() and require_usable()
+[[nodiscard]] SensorLog read_sensors(const std::string& path, const std::vector<std::string>& names,
+                                     const std::vector<std::string>& optional,
+                                     const SensorLogArguments& arguments, const std::string& verb,
+                                     Context& context);
 
 /// Samples of several series that were taken at the same times.
 struct JoinedSeries {

@@ -2,9 +2,12 @@
 /// quadtune tune kalman: noise covariances from logs, with a verdict.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -12,10 +15,12 @@
 #include <set>
 
 #include "log_arguments.hpp"
+#include "log_report.hpp"
 #include "number_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
+#include "quadtune/estimation/log_signals.hpp"
 #include "quadtune/estimation/record_of_log.hpp"
 #include "quadtune/estimation/rigid_body_filter.hpp"
 #include "quadtune/exports/file_set.hpp"
@@ -33,6 +38,7 @@ struct Options {
   LogArguments log;
   double holdout = 0.2;
   double gate = 0, student = 0;
+  std::optional<double> budget;
   std::uint64_t starts = 3;
   bool profile = false, force = false;
 };
@@ -83,24 +89,27 @@ FilterModel model_of(const Options& options) {
 
 /// Which channel feeds which input or output: as --map says. Of the others an input is fed by the
 /// channel of its name; so are the outputs, where --map names none of them.
-std::vector<std::pair<std::string, std::string>> mapping(const Options& options,
-                                                         const FilterModel& model) {
-  std::vector<std::pair<std::string, std::string>> map;
-  map.reserve(options.maps.size());
+struct Mapping {
+  std::vector<std::pair<std::string, std::string>> named;
+  std::vector<Signal> by_name;
+};
+
+Mapping mapping(const Options& options, const FilterModel& model) {
+  Mapping map;
+  map.named.reserve(options.maps.size());
   for (const std::string& text : options.maps)
-    map.push_back(named_word(text, "--map", "NAME", "CHANNEL"));
+    map.named.push_back(named_word(text, "--map", "NAME", "CHANNEL"));
   const auto mapped = [&map](const Signal& signal) {
-    return std::any_of(map.begin(), map.end(),
+    return std::any_of(map.named.begin(), map.named.end(),
                        [&](const auto& pair) { return pair.first == signal.name; });
   };
-  std::vector<Signal> taken, outputs;
-  std::copy_if(model.inputs.begin(), model.inputs.end(), std::back_inserter(taken),
+  std::vector<Signal> outputs;
+  std::copy_if(model.inputs.begin(), model.inputs.end(), std::back_inserter(map.by_name),
                [&](const Signal& input) { return !mapped(input); });
   for (const FilterSensor& sensor : model.sensors)
     outputs.insert(outputs.end(), sensor.outputs.begin(), sensor.outputs.end());
   if (std::none_of(outputs.begin(), outputs.end(), mapped))
-    taken.insert(taken.end(), outputs.begin(), outputs.end());
-  for (const Signal& signal : taken) map.push_back({signal.name, signal.name});
+    map.by_name.insert(map.by_name.end(), outputs.begin(), outputs.end());
   return map;
 }
 
@@ -116,13 +125,13 @@ std::set<int> parameters_of(const CovarianceModel& covariance) {
 }
 
 /// What no channel measures stays as it is, and that is said.
-void leave_unmeasured(FilterModel& model,
-                      const std::vector<std::pair<std::string, std::string>>& map,
-                      Context& context) {
+void leave_unmeasured(FilterModel& model, const std::vector<TunedLog>& logs, Context& context) {
   const auto measured = [&](const FilterSensor& sensor) {
     return std::any_of(sensor.outputs.begin(), sensor.outputs.end(), [&](const Signal& output) {
-      return std::any_of(map.begin(), map.end(),
-                         [&](const auto& use) { return use.first == output.name; });
+      return std::any_of(logs.begin(), logs.end(), [&](const TunedLog& log) {
+        return std::any_of(log.channels.begin(), log.channels.end(),
+                           [&](const TunedChannel& use) { return use.signal == output.name; });
+      });
     });
   };
   std::set<int> known = parameters_of(model.Q);
@@ -138,29 +147,16 @@ void leave_unmeasured(FilterModel& model,
     }
 }
 
-/// Where a channel is: "px", of the log itself, or "px@FILE", of another log of the same flight.
-struct Place {
-  std::string channel, file;
-};
-
-Place place_of(const std::string& word, const std::string& log) {
-  const std::size_t at = word.rfind('@');
-  if (at == std::string::npos || at == 0 || at + 1 == word.size()) return {word, log};
-  return {word.substr(0, at), word.substr(at + 1)};
-}
-
 /// Channels of one file, their times after `epoch_s` of the first file read.
-void read_file(const std::string& file, const std::vector<Place>& places,
-               const LogOptions& log_options, std::optional<std::int64_t>& epoch_s,
-               std::vector<ChannelUse>& uses, Context& context) {
+/// @return  what its reader warns of
+std::vector<std::string> read_file(const std::string& file, const std::vector<ChannelPlace>& places,
+                                   const LogOptions& log_options,
+                                   std::optional<std::int64_t>& epoch_s,
+                                   std::vector<ChannelUse>& uses, const Context& context) {
   std::vector<std::string> channels;
-  for (const Place& place : places)
+  for (const ChannelPlace& place : places)
     if (place.file == file) channels.push_back(place.channel);
-  LogChannels log = read_log_channels(file, channels, log_options);
-  if (!log.condition.whole())
-    context.note(
-        fmt::format("tune: warning: {} is not whole: {}", file,
-                    log.condition.torn.empty() ? log.condition.first_skipped : log.condition.torn));
+  LogChannels log = read_channels(file, channels, log_options);
   if (!epoch_s) epoch_s = log.epoch_s;
   const auto offset = static_cast<double>(log.epoch_s - *epoch_s);
   std::size_t next = 0;
@@ -169,36 +165,118 @@ void read_file(const std::string& file, const std::vector<Place>& places,
     uses[i].series = std::move(log.series[next++]);
     for (double& t : uses[i].series.time) t += offset;
   }
+  return tell_log_warnings(log.condition, file, "tune", context);
+}
+
+std::string with_unit(const std::string& channel, const std::string& unit) {
+  return unit.empty() ? channel : fmt::format("{} [{}]", channel, unit);
 }
 
 TunedLog read_log(const std::string& path, const FilterModel& model, const Options& options,
-                  const std::vector<std::pair<std::string, std::string>>& map, Context& context) {
-  std::vector<Place> places;
+                  const Mapping& map, std::vector<LeftOutRecord>& left_out, Context& context) {
+  const LogOptions log_options = cli::log_options(options.log, "tune");
+  std::vector<ChannelPlace> places;
   std::vector<ChannelUse> uses;
   std::vector<std::string> files;
-  auto all = map;
+  auto all = map.named;
   for (const std::string& text : options.truths)
     all.push_back(named_word(text, "--truth", "STATE", "CHANNEL"));
   for (const auto& [signal, word] : all) {
-    places.push_back(place_of(word, path));
+    places.push_back(channel_place(word, path));
     uses.push_back({signal, {}});
     if (std::find(files.begin(), files.end(), places.back().file) == files.end())
       files.push_back(places.back().file);
   }
   TunedLog result;
   std::optional<std::int64_t> epoch_s;
+  std::vector<ChannelUse> fed;
+  if (!map.by_name.empty()) {
+    FedSignals log = read_signals_by_name(path, model, map.by_name, log_options);
+    if (std::find(files.begin(), files.end(), path) == files.end()) {
+      result.warnings = tell_log_warnings(log.condition, path, "tune", context);
+      files.insert(files.begin(), path);
+    }
+    epoch_s = log.epoch_s;
+    for (FedSignal& signal : log.signals) {
+      result.channels.push_back(
+          {signal.use.signal, with_unit(signal.from, signal.use.series.unit), path});
+      fed.push_back(std::move(signal.use));
+    }
+  }
   for (const std::string& file : files) {
-    read_file(file, places, log_options(options.log, "tune"), epoch_s, uses, context);
+    if (std::any_of(places.begin(), places.end(),
+                    [&](const ChannelPlace& place) { return place.file == file; }))
+      for (std::string& line : read_file(file, places, log_options, epoch_s, uses, context))
+        result.warnings.push_back(std::move(line));
     result.files.push_back({file, sha256_of_file(file)});
   }
-  const auto truths = uses.begin() + static_cast<std::ptrdiff_t>(map.size());
-  result.records = records_of_log(model, {uses.begin(), truths}, path, {truths, uses.end()});
+  const std::size_t truths = map.named.size();
+  for (std::size_t i = 0; i < uses.size(); ++i)
+    result.channels.push_back({(i < truths ? "" : "truth of ") + uses[i].signal,
+                               with_unit(uses[i].series.name, uses[i].series.unit),
+                               places[i].file});
+  const auto first_truth = uses.begin() + static_cast<std::ptrdiff_t>(truths);
+  fed.insert(fed.end(), std::make_move_iterator(uses.begin()),
+             std::make_move_iterator(first_truth));
+  result.records = records_of_log(model, fed, path, {first_truth, uses.end()}, &left_out);
   return result;
+}
+
+/// One line that is written over while the search goes on; on a terminal only.
+class Progress {
+ public:
+  explicit Progress(const Context& context)
+      : shown_(!context.quiet && !context.json && isatty(STDERR_FILENO) != 0),
+        err_(context.err),
+        begin_(Clock::now()),
+        next_(begin_) {}
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  ~Progress() {
+    if (drawn_) err_ << "\r\033[K" << std::flush;
+  }
+
+  void show(int round, int evaluations, double best) {
+    const Clock::time_point now = Clock::now();
+    if (!shown_ || now < next_) return;
+    next_ = now + std::chrono::milliseconds(100);
+    err_ << fmt::format(
+                "\r\033[Ktune: fit {}, {} evaluations, best log-likelihood {:.8g}, {:.0f} s", round,
+                evaluations, best, std::chrono::duration<double>(now - begin_).count())
+         << std::flush;
+    drawn_ = true;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  bool shown_, drawn_ = false;
+  std::ostream& err_;
+  Clock::time_point begin_, next_;
+};
+
+NoiseTuning tuned(const FilterModel& model, const std::vector<FilterRecord>& records,
+                  const Options& options, const Context& context) {
+  Progress progress(context);
+  NoiseTuningOptions settings;
+  settings.method = noise_method(options.method);
+  settings.holdout = options.holdout;
+  if (options.budget) settings.seconds = *options.budget;
+  settings.progress = [&](int round, int evaluations, double best) {
+    progress.show(round, evaluations, best);
+  };
+  settings.fit.starts = static_cast<int>(std::min<std::uint64_t>(options.starts, 1000));
+  settings.fit.seed = context.seed;
+  settings.fit.profile = options.profile;
+  settings.fit.threads = context.threads;
+  settings.fit.interrupted = interrupted;
+  settings.keep_records = !options.report.empty();
+  return model.linear() ? tune_noise(model, records, settings)
+                        : tune_noise(*nonlinear_filter(model, records, interrupted), settings);
 }
 
 void run(const Options& options, Context& context) {
   FilterModel model = model_of(options);
-  const NoiseMethod method = noise_method(options.method);
+  (void)noise_method(options.method);  // refused before a long log is read
   if (!options.report.empty() && !options.report.ends_with(".html"))
     refuse("--report", fmt::format("--report is '{}', expected a name that ends in .html",
                                    internal::printable(options.report)));
@@ -210,42 +288,41 @@ void run(const Options& options, Context& context) {
   for (const std::string& path : options.logs)
     if (path == "-")
       refuse("--log", "--log is -, expected a file because it is read twice, once for its hash");
-  const auto map = mapping(options, model);
-  leave_unmeasured(model, map, context);
+  const Mapping map = mapping(options, model);
   std::vector<TunedLog> logs;
+  std::vector<LeftOutRecord> left_out;
   for (const std::string& path : options.logs)
-    logs.push_back(read_log(path, model, options, map, context));
+    logs.push_back(read_log(path, model, options, map, left_out, context));
+  leave_unmeasured(model, logs, context);
   std::vector<FilterRecord> joined;
   if (logs.size() > 1)  // one log's may be long: no second copy
     for (const TunedLog& log : logs)
       joined.insert(joined.end(), log.records.begin(), log.records.end());
   const std::vector<FilterRecord>& records = logs.size() > 1 ? joined : logs.front().records;
-  NoiseTuningOptions settings;
-  settings.method = method;
-  settings.holdout = options.holdout;
-  settings.fit.starts = static_cast<int>(std::min<std::uint64_t>(options.starts, 1000));
-  settings.fit.seed = context.seed;
-  settings.fit.profile = options.profile;
-  settings.keep_records = !options.report.empty();
-  settings.fit.interrupted = [] { return interrupted(); };
-  const NoiseTuning tuning = model.linear()
-                                 ? tune_noise(model, records, settings)
-                                 : tune_noise(*nonlinear_filter(model, records), settings);
-  if (tuning.fit.status == NoiseFitStatus::interrupted) throw Interrupted();
+  const KeepsTheBest keeps_the_best;
+  NoiseTuning tuning = tuned(model, records, options, context);
+  tuning.left_out.insert(tuning.left_out.begin(), left_out.begin(), left_out.end());
   if (tuning.fit.status == NoiseFitStatus::not_computed)
     throw NoSolution("tune: " + tuning.fit.culprit, options.model);
   const TuneReport report{model, logs, tuning};
   const bool passed = tuning.verdict == CheckVerdict::pass;
+  // After an interrupt what was found is still told and written: that is little work.
+  const bool ended = tuning.fit.status == NoiseFitStatus::interrupted;
+  const std::function<bool()> stop = ended ? nullptr : std::function<bool()>(interrupted);
+  // First, so that a file that cannot be written does not take a long search with it.
+  context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report))
+              << std::flush;
+  context.answered = true;
   if (!options.file.empty() && (passed || options.force)) {
-    write_file(options.file, tuned_file(report, context.command));
+    write_file(options.file, tuned_file(report, context.command), stop);
     context.written.push_back(options.file);
   }
-  if (!options.report.empty()) {
-    write_file(options.report,
-               html(page_of(report, options.holdout, context.seed, context.command)));
+  if (!options.report.empty() && !ended) {
+    write_file(options.report, html(page_of(report, options.holdout, context.seed, context.threads,
+                                            context.command)));
     context.written.push_back(options.report);
   }
-  context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report));
+  if (ended) throw Interrupted();
   if (!passed) throw AnswerIsNo("tune: " + tuning.reasons.front());
 }
 
@@ -266,7 +343,8 @@ void add_options(CLI::App& app, Options& options) {
        "the same flight as CHANNEL@FILE",
        "NAME=CHANNEL");
   many("--truth", options.truths,
-       "the channel of what a state truly was: the filter's errors are judged by it",
+       "the channel of what a state truly was, or of the attitude as qw qx qy qz: the filter's "
+       "errors are judged by it and told in its units",
        "STATE=CHANNEL");
   app.add_option("--method", options.method,
                  "ml: most likely; als: least squares of the innovations' autocovariances; ml")
@@ -285,6 +363,9 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("NU");
   add_count(app, "--starts", options.starts, 1, "searches from different starts; 3")
       ->type_name("N");
+  add_positive(app, "--budget", options.budget,
+               "seconds after which the search ends with the best it has; no end")
+      ->type_name("S");
   app.add_flag("--profile", options.profile,
                "intervals by the likelihood's profile, not by its curvature");
   app.add_option("-o", options.file, "the tuned model, where the verdict is pass")

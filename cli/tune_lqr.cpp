@@ -116,6 +116,7 @@ void run(const CLI::App& app, Options options, Context& context) {
   if (!(options.tolerance > 0))
     refuse("--tolerance",
            fmt::format("--tolerance is {}, expected a positive number", options.tolerance));
+  require_design_name(options.missions.file, kVerb);
   const GivenGains given = read_given_gains(options.gains);
   options.problem.verb = kVerb;
   complete(app, given, options.problem);

@@ -11,7 +11,6 @@
 #include "design_flow.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/internal/built_in.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/synthesis/diagonal_lqr.hpp"
 #include "standard_lqr.hpp"
@@ -206,17 +205,17 @@ class LqrTuning {
 
   [[nodiscard]] std::string file(const Eigen::VectorXd& x, const std::string& comment) const {
     const LqrDesign found = with_diagonals(design_, weights(x));
-    const std::string& word = problem_.plant.vehicle;
     const auto list = [](const Eigen::MatrixXd& M) {
       std::vector<double> numbers;
       for (Eigen::Index i = 0; i < M.rows(); ++i) numbers.push_back(M(i, i));
       return fmt::format("[{}]", fmt::join(numbers, ", "));
     };
     std::string text = fmt::format(
-        "# {}\nname = \"tuned-{}\"\nvehicle = \"{}\"\n\n[trim]\nat = \"hover\"\nyaw_rad = {}\n\n"
+        "# {}\nname = \"tuned-{}\"\nvehicle = {}\n\n[trim]\nat = \"hover\"\nyaw_rad = {}\n\n"
         "[lqr]\nconvention = \"{}\"\ninputs = \"{}\"\nstates = [\"{}\"]\nQ = {}\nR = {}\n",
         comment, plant_.vehicle.name,
-        internal::looks_like_path(word) ? std::filesystem::absolute(word).string() : word,
+        vehicle_text(plant_.vehicle.file.empty() ? plant_.vehicle.name
+                                                 : plant_.vehicle.file.string()),
         problem_.plant.yaw, found.convention, to_string(found.input_kind),
         fmt::join(found.states, "\", \""), list(found.Q), list(found.R));
     if (!found.integrals.empty())
@@ -238,6 +237,7 @@ class LqrTuning {
 
 void run_lqr_missions(const LqrArguments& problem, const MissionTuningArguments& arguments,
                       bool separate, Context& context) {
+  require_sane("tune lqr", arguments);
   const LqrTuning lqr(problem, separate);
   run_mission_tuning(lqr.tuning(), arguments, context);
 }

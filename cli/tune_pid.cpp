@@ -11,7 +11,7 @@
 #include "mission_tuning.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/internal/built_in.hpp"
+#include "quadtune/exports/mambo.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -59,7 +59,7 @@ std::vector<NamedMargins> margins_of(const PidCascade& cascade) {
 class PidTuning {
  public:
   PidTuning(const MissionTuningArguments& arguments, const std::string& gains, bool separate)
-      : vehicle_(load_vehicle(arguments.vehicle)), word_(arguments.vehicle) {
+      : vehicle_(load_vehicle(arguments.vehicle)) {
     FlightArguments chosen;
     chosen.vehicle = arguments.vehicle;
     chosen.gains = gains;
@@ -143,23 +143,26 @@ class PidTuning {
   /// A design file, which `quadtune design` and `fly --gains` read.
   [[nodiscard]] std::string file(const Eigen::VectorXd& x, const std::string& comment) const {
     const CascadeController tuned = controller(x);
-    const std::string vehicle =
-        internal::looks_like_path(word_) ? std::filesystem::absolute(word_).string() : word_;
     std::string text = fmt::format(
-        "# {}\nname = \"tuned-{}\"\nvehicle = \"{}\"\n\n[trim]\nat = \"hover\"\n\n[cascade]\ndt_s "
+        "# {}\nname = \"tuned-{}\"\nvehicle = {}\n\n[trim]\nat = \"hover\"\n\n[cascade]\ndt_s "
         "= "
         "{}\n",
-        comment, vehicle_.name, vehicle, tuned.gains.dt);
+        comment, vehicle_.name,
+        vehicle_text(vehicle_.file.empty() ? vehicle_.name : vehicle_.file.string()),
+        tuned.gains.dt);
     if (std::isfinite(tuned.attitude_limit))
       text += fmt::format("attitude_limit_rad = {}\n", tuned.attitude_limit);
     if (std::isfinite(tuned.integrator_limit))
       text += fmt::format("integrator_limit = {}\n", tuned.integrator_limit);
     text += fmt::format("back_calculation_per_s = {}\n", tuned.back_calculation);
+    if (tuned.method != PidMethod::forward_euler)
+      text += fmt::format("integrator = \"{}\"\n", to_string(tuned.method));
     for (const PidLoop& loop : tuned.gains.loops)
       text += fmt::format("{} = {{ Kp = {}, Ki = {}, Kd = {} }}\n", loop.name, loop.Kp, loop.Ki,
                           loop.Kd);
-    // Files for the model project, where its cascade flies.
-    return vehicle_.published_cascade ? text + "\n[[export]]\nto = \"mambo\"\n" : text;
+    // Files for the model project, where it takes the vehicle.
+    return text + fmt::format("\n[[export]]\nto = \"{}\"\n",
+                              takes_mambo_files(vehicle_) ? "mambo" : "json");
   }
 
   [[nodiscard]] MissionTuning tuning() const {
@@ -182,7 +185,6 @@ class PidTuning {
 
  private:
   Vehicle vehicle_;
-  std::string word_;
   ChosenLaw law_;
   CascadeController start_;
   CascadeVehicle hover_;
@@ -214,6 +216,7 @@ Verb tune_pid_verb() {
             return [options](Context& context) {
               if (options->tuning.vehicle.empty())
                 throw UsageError("quadtune tune pid: expected a vehicle", "V");
+              require_sane("tune pid", options->tuning);
               const PidTuning pid(options->tuning, options->gains, options->separate);
               run_mission_tuning(pid.tuning(), options->tuning, context);
             };

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "print.hpp"
 #include "quadtune/estimation/filter_file.hpp"
@@ -136,10 +137,94 @@ std::string log_line(const TunedLog& log) {
       log.records.size() > 1 ? fmt::format(", in {} stretches", log.records.size()) : "");
 }
 
+/// "height: sonar [m]", one a line; a channel of another log of the flight with its file.
+std::string channel_lines(const TunedLog& log) {
+  std::string lines;
+  for (const TunedChannel& channel : log.channels)
+    lines += fmt::format("{}{}: {}{}", lines.empty() ? "" : "\n", channel.signal, channel.channel,
+                         log.files.size() > 1 ? " of " + channel.file : "");
+  return lines;
+}
+
+Json to_json(const NoiseAgreement& agreement, const NoiseFit& fit) {
+  Json json;
+  json["method"] = to_string(agreement.other);
+  if (!agreement.not_compared.empty()) {
+    json["not_compared"] = agreement.not_compared;
+    return json;
+  }
+  json["parameters"] = Json::array();
+  for (std::size_t i = 0; i < agreement.parameters.size(); ++i) {
+    const ParameterAgreement& p = agreement.parameters[i];
+    if (fit.parameters[i].verdict == ParameterVerdict::fixed) continue;
+    json["parameters"].push_back({{"name", p.other.name},
+                                  {"value", finite_or_null(p.other.value)},
+                                  {"low", finite_or_null(p.other.low)},
+                                  {"high", finite_or_null(p.other.high)},
+                                  {"verdict", to_string(p.other.verdict)},
+                                  {"factor", finite_or_null(p.factor)},
+                                  {"standard_deviations", finite_or_null(p.deviations)},
+                                  {"disagrees", p.disagrees}});
+  }
+  return json;
+}
+
+/// What the other method finds, beside how far that is from what was found.
+std::string agreement_table(const NoiseAgreement& agreement, const NoiseFit& fit) {
+  if (!agreement.not_compared.empty())
+    return fmt::format("not with {}: {}", to_string(agreement.other), agreement.not_compared);
+  std::vector<std::vector<std::string>> rows = {
+      {"by " + to_string(agreement.other), "found", "from", "to", "factor", "std. dev.", ""}};
+  for (std::size_t i = 0; i < agreement.parameters.size(); ++i) {
+    const ParameterAgreement& p = agreement.parameters[i];
+    if (fit.parameters[i].verdict == ParameterVerdict::fixed) continue;
+    rows.push_back({p.other.name, figure(p.other.value), figure(p.other.low), figure(p.other.high),
+                    figure(p.factor, 3), figure(p.deviations, 3), p.disagrees ? "disagrees" : ""});
+  }
+  return aligned(rows);
+}
+
+/// Radians also in degrees.
+std::string error_figure(double value, const std::string& unit) {
+  if (unit != "rad") return fmt::format("{} {}", figure(value, 4), unit);
+  return fmt::format("{} rad = {} deg", figure(value, 4),
+                     figure(value * 180 / std::numbers::pi, 4));
+}
+
+std::string accuracy_table(const NoiseTuning& tuning) {
+  std::vector<std::vector<std::string>> rows = {
+      {"rms error", "samples", "before", "after", "change", ""}};
+  for (const StateAccuracy& state : tuning.accuracy)
+    rows.push_back(
+        {state.state, fmt::format("{}", state.samples), error_figure(state.before, state.unit),
+         error_figure(state.after, state.unit),
+         state.before > 0 ? fmt::format("{:+.1f} %", 100 * (state.after / state.before - 1)) : "-",
+         ""});
+  return aligned(rows) +
+         (tuning.accuracy_held_out ? "\non the stretch held out" : "\non the part that was fitted");
+}
+
+Json accuracy_to_json(const NoiseTuning& tuning) {
+  Json json;
+  json["held_out"] = tuning.accuracy_held_out;
+  json["states"] = Json::array();
+  for (const StateAccuracy& state : tuning.accuracy)
+    json["states"].push_back({{"name", state.state},
+                              {"unit", state.unit},
+                              {"samples", state.samples},
+                              {"before", finite_or_null(state.before)},
+                              {"after", finite_or_null(state.after)},
+                              {"p", finite_or_null(state.p)}});
+  return json;
+}
+
 std::string fit_line(const NoiseTuning& tuning) {
   const NoiseFit& fit = tuning.fit;
   const std::string rounds =
       tuning.rounds > 1 ? fmt::format("; the last of {} fits", tuning.rounds) : "";
+  if (fit.status == NoiseFitStatus::interrupted || fit.status == NoiseFitStatus::out_of_time)
+    return fmt::format("{} after {} evaluations{}: the best so far", to_string(fit.status),
+                       fit.evaluations, rounds);
   if (!tuning.autocovariances)
     return fmt::format("{} after {} evaluations; {} of {} searches end there{}",
                        to_string(fit.status), fit.evaluations, fit.agreeing, fit.starts, rounds);
@@ -149,6 +234,15 @@ std::string fit_line(const NoiseTuning& tuning) {
       "misfit {} of {} degrees of freedom",
       to_string(als.status), als.samples, als.innovation.dt, als.innovation.of.size() - 1,
       als.passes, rounds, figure(als.misfit), als.degrees);
+}
+
+std::string left_out_lines(const std::vector<LeftOutRecord>& records) {
+  std::string lines;
+  for (const LeftOutRecord& record : records)
+    lines += fmt::format("{}{}: {:.6g} to {:.6g} s, {} instant{} of measurements between two gaps",
+                         lines.empty() ? "" : "\n", record.name, record.from, record.to,
+                         record.measurements, record.measurements == 1 ? "" : "s");
+  return lines;
 }
 
 std::string likelihood_line(const NoiseFit& fit) {
@@ -167,6 +261,14 @@ Json files_to_json(const TunedLog& log) {
   return files;
 }
 
+Json channels_to_json(const TunedLog& log) {
+  Json channels = Json::array();
+  for (const TunedChannel& channel : log.channels)
+    channels.push_back(
+        {{"signal", channel.signal}, {"channel", channel.channel}, {"file", channel.file}});
+  return channels;
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> facts_of(const TuneReport& report) {
@@ -175,13 +277,34 @@ std::vector<std::pair<std::string, std::string>> facts_of(const TuneReport& repo
   for (const TunedLog& log : report.logs) {
     facts.emplace_back("log", log_line(log));
     for (const TunedFile& file : log.files) facts.emplace_back("sha256", file.sha256);
+    for (const TunedChannel& channel : log.channels)
+      facts.emplace_back("channel", fmt::format("{}: {}{}", channel.signal, channel.channel,
+                                                log.files.size() > 1 ? " of " + channel.file : ""));
+    for (const std::string& warning : log.warnings) facts.emplace_back("warning", warning);
   }
+  if (!report.tuning.left_out.empty())
+    facts.emplace_back("left out", left_out_lines(report.tuning.left_out));
   facts.emplace_back("fit", fit_line(report.tuning));
   facts.emplace_back("likelihood", likelihood_line(fit));
   for (const RefusedCount& count : report.tuning.refused)
     facts.emplace_back("refused",
                        fmt::format("{}: {} of {}", count.output, count.refused, count.measured));
   facts.emplace_back("held out", held_out(report.tuning.holdout));
+  for (const StateAccuracy& state : report.tuning.accuracy)
+    facts.emplace_back(
+        report.tuning.accuracy_held_out ? "rms error, held out" : "rms error",
+        fmt::format("{}: {} before, {} after", state.state, error_figure(state.before, state.unit),
+                    error_figure(state.after, state.unit)));
+  if (report.tuning.agreement && report.tuning.agreement->not_compared.empty())
+    for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
+      const ParameterAgreement& p = report.tuning.agreement->parameters[i];
+      if (!std::isfinite(p.factor)) continue;
+      facts.emplace_back(
+          "by " + to_string(report.tuning.agreement->other),
+          fmt::format("{}: {} ({} to {}), a factor of {}, {} standard deviations", p.other.name,
+                      figure(p.other.value), figure(p.other.low), figure(p.other.high),
+                      figure(p.factor, 3), figure(p.deviations, 3)));
+    }
   return facts;
 }
 
@@ -195,9 +318,11 @@ Json to_json(const TuneReport& report) {
   json["status"] = to_string(fit.status);
   for (const TunedLog& log : report.logs)
     json["logs"].push_back({{"files", files_to_json(log)},
+                            {"channels", channels_to_json(log)},
                             {"samples", samples_of(log)},
                             {"duration_s", seconds_of(log)},
-                            {"records", log.records.size()}});
+                            {"records", log.records.size()},
+                            {"warnings", log.warnings}});
   json["Q"] = internal::matrix_to_json(covariance(report.model.Q, fit.theta), "Q");
   for (const FilterSensor& sensor : report.model.sensors)
     json["R"][sensor.name] = internal::matrix_to_json(covariance(sensor.R, fit.theta), "R");
@@ -227,9 +352,18 @@ Json to_json(const TuneReport& report) {
     json["refused"].push_back(
         {{"output", count.output}, {"refused", count.refused}, {"measured", count.measured}});
   json["rounds"] = tuning.rounds;
+  json["left_out"] = Json::array();
+  for (const LeftOutRecord& record : tuning.left_out)
+    json["left_out"].push_back({{"record", record.name},
+                                {"from_s", record.from},
+                                {"to_s", record.to},
+                                {"measurements", record.measurements}});
   json["holdout"] = {{"innovations", tuning.holdout.innovations},
                      {"before", finite_or_null(tuning.holdout.before)},
                      {"after", finite_or_null(tuning.holdout.after)}};
+  json["accuracy"] = accuracy_to_json(tuning);
+  if (tuning.agreement) json["agreement"] = to_json(*tuning.agreement, fit);
+  json["warnings"] = tuning.warnings;
   json["gate"] = {{"verdict", to_string(tuning.verdict)}, {"reasons", tuning.reasons}};
   return json;
 }
@@ -241,12 +375,20 @@ std::string to_text(const TuneReport& report) {
   std::string text =
       section("model", fmt::format("{}: {}", report.model.name, report.model.description)) +
       section("logs", logs);
+  std::string channels;
+  for (const TunedLog& log : report.logs)
+    if (const std::string lines = channel_lines(log); channels.find(lines) == std::string::npos)
+      channels += (channels.empty() ? "" : "\n") + lines;
+  text += section("channels", channels);
+  if (!report.tuning.left_out.empty())
+    text += section("left out", left_out_lines(report.tuning.left_out));
   text += section("fit", fit_line(report.tuning));
   text += section("noise", parameter_table(report));
   if (!fit.unseen.empty())
     text += section("not seen", fmt::format("{}", fmt::join(fit.unseen, "\n")));
   text += section("likelihood", likelihood_line(fit));
-  text += section("innovations", innovation_table(report.tuning));
+  if (!report.tuning.after.outputs.empty())
+    text += section("innovations", innovation_table(report.tuning));
   std::string errors;
   for (const ConsistencyCheck& c : report.tuning.after.checks)
     if (c.name == "error")
@@ -260,6 +402,11 @@ std::string to_text(const TuneReport& report) {
                            count.refused, count.measured);
   if (!refused.empty()) text += section("refused", refused);
   text += section("held out", held_out(report.tuning.holdout));
+  if (!report.tuning.accuracy.empty()) text += section("accuracy", accuracy_table(report.tuning));
+  if (report.tuning.agreement)
+    text += section("compared", agreement_table(*report.tuning.agreement, fit));
+  if (!report.tuning.warnings.empty())
+    text += section("warning", fmt::format("{}", fmt::join(report.tuning.warnings, "\n")));
   std::string verdict = to_string(report.tuning.verdict);
   for (const std::string& reason : report.tuning.reasons) verdict += "\n" + reason;
   return text + section("verdict", verdict);
@@ -271,11 +418,21 @@ std::string tuned_file(const TuneReport& report, const std::string& command) {
     for (const TunedFile& file : log.files)
       comments.push_back(fmt::format("log {} sha256 {}",
                                      internal::printable(file.path, kCommentLength), file.sha256));
+  for (const TunedLog& log : report.logs) {
+    for (const std::string& warning : log.warnings)
+      comments.push_back("warning: " + internal::printable(warning, kCommentLength));
+    for (const TunedChannel& channel : log.channels)
+      comments.push_back(fmt::format("{}: {} of {}", channel.signal,
+                                     internal::printable(channel.channel, kCommentLength),
+                                     internal::printable(channel.file, kCommentLength)));
+  }
   for (const FittedParameter& p : report.tuning.fit.parameters)
     comments.push_back(fmt::format("{}: {} ({} to {}), {}", p.name, figure(p.value, 6),
                                    figure(p.low, 6), figure(p.high, 6), to_string(p.verdict)));
   comments.push_back(fmt::format("verdict: {}", to_string(report.tuning.verdict)));
   for (const std::string& reason : report.tuning.reasons) comments.push_back("  " + reason);
+  for (const std::string& warning : report.tuning.warnings)
+    comments.push_back("warning: " + warning);
   FilterModel tuned = with_noise(report.model, report.tuning.fit.theta);
   for (const FittedParameter& p : report.tuning.fit.parameters)
     for (NoiseParameter& parameter : tuned.parameters)

@@ -17,10 +17,19 @@ struct TunedFile {
   std::string sha256;
 };
 
+/// What fed a signal of the model, or was taken for the truth of a state.
+struct TunedChannel {
+  std::string signal;   ///< e.g. "height", "truth of vz"
+  std::string channel;  ///< in full, with its unit: "sensor_baro.height [m]"
+  std::string file;
+};
+
 /// The log of a flight, in one file or several, and what was taken of it.
 struct TunedLog {
   std::vector<TunedFile> files;
+  std::vector<TunedChannel> channels;
   std::vector<FilterRecord> records;
+  std::vector<std::string> warnings = {};  ///< of the files' readers
 };
 
 struct TuneReport {

@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <map>
 #include <vector>
 
+#include "program.hpp"
+#include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/tuning/likelihood_profile.hpp"
 #include "quadtune/tuning/running_size.hpp"
 #include "quadtune/tuning/smoother.hpp"
@@ -341,14 +344,29 @@ void tell_checks(const NoiseTuning& tuning, TuningPage& page) {
 
 /// Over the records as the fit saw them.
 void tell_profiles(const TuneReport& report, const std::vector<FilterRecord>& records,
-                   TuningPage& page) {
+                   std::size_t threads, TuningPage& page) {
   const NoiseFit& fit = report.tuning.fit;
-  const InnovationLikelihood likelihood(report.model, records);
-  for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
+  InnovationLikelihood likelihood(report.model, records);
+  likelihood.stop_when(interrupted);
+  std::vector<std::size_t> fitted;
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i)
+    if (fit.parameters[i].verdict != ParameterVerdict::fixed &&
+        fit.parameters[i].verdict != ParameterVerdict::not_known)
+      fitted.push_back(i);
+  std::vector<LikelihoodProfile> profiles(fitted.size());
+  internal::in_parallel(
+      fitted.size(), internal::thread_count(threads),
+      [&]() -> internal::PartWorker {
+        return [&, copy = likelihood](std::size_t part) {
+          profiles[part] = likelihood_profile(copy, fit, static_cast<int>(fitted[part]));
+        };
+      },
+      interrupted);
+  for (std::size_t part = 0; part < fitted.size(); ++part) {
+    const std::size_t i = fitted[part];
     const FittedParameter& p = fit.parameters[i];
     const NoiseParameter& known = report.model.parameters[i];
-    if (p.verdict == ParameterVerdict::fixed) continue;
-    const LikelihoodProfile profile = likelihood_profile(likelihood, fit, static_cast<int>(i));
+    const LikelihoodProfile& profile = profiles[part];
     PageProfile curve{p.name, p.unit, known.logarithmic};
     for (Index k = 0; k < profile.theta.size(); ++k) {
       curve.x.push_back(known.logarithmic ? std::exp(profile.theta(k)) : profile.theta(k));
@@ -371,16 +389,18 @@ ReportVerdict verdict_of(CheckVerdict verdict) {
 }  // namespace
 
 TuningPage page_of(const TuneReport& report, double holdout, std::uint64_t seed,
-                   const std::string& command) {
+                   std::size_t threads, const std::string& command) {
   TuningPage page;
   page.title = report.model.name + ": " + report.model.description;
   if (report.model.description.empty()) page.title = report.model.name;
   page.verdict = verdict_of(report.tuning.verdict);
   page.reasons = report.tuning.reasons;
+  for (const std::string& warning : report.tuning.warnings)
+    page.reasons.push_back("warning: " + warning);
   page.about = facts_of(report);
   tell_parameters(report, page);
   tell_checks(report.tuning, page);
-  tell_profiles(report, fitted_parts(report.tuning.records_after, holdout), page);
+  tell_profiles(report, fitted_parts(report.tuning.records_after, holdout), threads, page);
   Story(report, holdout, page).tell();
   page.command = command;
   page.version = std::string(kVersion);

@@ -2,6 +2,7 @@
 /// The page of what `quadtune tune kalman` found.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -12,8 +13,10 @@ namespace quadtune::cli {
 
 /// Runs filter and smoother over the logs with the covariances before and after.
 /// @param holdout  share of each record that was kept from the fit
+/// @param threads  to use; 0: one for each processor
 /// @param command  the command line that made it; may be empty
+/// @throws Interrupted  where a signal came
 [[nodiscard]] TuningPage page_of(const TuneReport& report, double holdout, std::uint64_t seed,
-                                 const std::string& command);
+                                 std::size_t threads, const std::string& command);
 
 }  // namespace quadtune::cli

@@ -3,9 +3,12 @@
 #include "quadtune/model/vehicle.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <ostream>
 
@@ -15,7 +18,9 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/linearize/trim.hpp"
+#include "quadtune/model/assumed_values.hpp"
 #include "quadtune/model/mixer.hpp"
+#include "quadtune/model/plausibility.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -25,10 +30,25 @@ using internal::Json;
 /// Hover speed [rad/s] of the first rotor, where the vehicle can hover.
 double hover_speed(const TrimResult& hover) { return hover.u(0); }
 
-/// The vehicle file's keys, and what follows from them.
+Json warnings_json(const Vehicle& vehicle) {
+  Json warnings = Json::array();
+  for (const Implausibility& figure : implausible(vehicle))
+    warnings.push_back({{"quantity", figure.quantity},
+                        {"value", figure.value},
+                        {"unit", figure.unit},
+                        {"plausible", {figure.low, figure.high}},
+                        {"cause", figure.cause}});
+  return warnings;
+}
+
+/// The vehicle file's keys, what follows from them, what is assumed, and what is odd.
 Json vehicle_json(const Vehicle& vehicle) {
   Json json = Json::parse(vehicle_json_text(vehicle));
   const TrimResult hover = trim(vehicle, FlightCondition{});
+  json["assumed"] = Json::object();
+  for (const AssumedValue& assumed : assumed_values(vehicle))
+    json["assumed"][assumed.key] = assumed.value;
+  json["warnings"] = warnings_json(vehicle);
   json["derived"]["can_hover"] = hover.solved();
   if (hover.solved()) json["derived"]["hover_speed_rad_s"] = hover_speed(hover);
   json["derived"]["thrust_to_weight"] = greatest_thrust(vehicle) / (vehicle.mass * vehicle.gravity);
@@ -50,25 +70,164 @@ std::string rotor_table(const Vehicle& vehicle) {
   return text;
 }
 
+/// "0.072 s", or of rotors that differ "0.05 0.06 0.05 0.06 s".
+std::string of_rotors(const Vehicle& vehicle, double Rotor::*member, const char* unit) {
+  std::string all;
+  bool same = true;
+  for (const Rotor& rotor : vehicle.rotors) {
+    all += number(rotor.*member) + " ";
+    same = same && rotor.*member == vehicle.rotors.front().*member;
+  }
+  return (same ? number(vehicle.rotors.front().*member) + " " : all) + unit;
+}
+
+/// What of a rotor is in no column of the table.
+std::string propeller_text(const Vehicle& vehicle) {
+  const Rotor& rotor = vehicle.rotors.front();
+  std::string text = fmt::format("lag {}; inertia {}", of_rotors(vehicle, &Rotor::lag, "s"),
+                                 of_rotors(vehicle, &Rotor::inertia, "kg m2"));
+  if (!std::isnan(rotor.radius)) text += "; radius " + of_rotors(vehicle, &Rotor::radius, "m");
+  if (!std::isnan(rotor.chord)) text += "; chord " + of_rotors(vehicle, &Rotor::chord, "m");
+  if (rotor.blades > 0) text += fmt::format("; {} blades", rotor.blades);
+  return text;
+}
+
+std::string motors_text(const MotorCommand& motor) {
+  std::string text = fmt::format("{} = {} x command, command {} ... {} {}",
+                                 motor.law == CommandLaw::speed ? "w" : "w2", number(motor.gain),
+                                 number(motor.min), number(motor.max), motor.unit);
+  if (motor.quantum > 0)
+    text += fmt::format(", in steps of {} {}", number(motor.quantum), motor.unit);
+  const bool turned = std::any_of(motor.direction.begin(), motor.direction.end(),
+                                  [](int sign) { return sign < 0; });
+  if (turned) text += fmt::format("; signs {}", fmt::join(motor.direction, " "));
+  return text;
+}
+
+/// "0.1 0.2 0.3"
+std::string list(const Eigen::VectorXd& values) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : " ") + number(value);
+  return text;
+}
+
+std::string drag_text(const Drag& drag) {
+  return fmt::format("area {} m2, linear {} N s/m along x y z", list(drag.cda), list(drag.linear));
+}
+
+/// One sensor a line: what its file may say, without what it says of its place.
+std::string sensors_text(const Vehicle& vehicle) {
+  std::string text;
+  const auto add = [&](const char* name, const SensorFaults& f, int axes, const char* unit) {
+    const auto values = [axes](const Eigen::Vector3d& v) {
+      return (v.head(axes).array() == v(0)).all() ? number(v(0)) : list(v.head(axes));
+    };
+    text += fmt::format("{}{:<14}{} Hz, noise {} {}", text.empty() ? "" : "\n", name,
+                        number(f.rate), values(f.noise), unit);
+    if (f.delay > 0) text += fmt::format(", delay {} s", number(f.delay));
+    if (!f.bias.isZero(0)) text += fmt::format(", bias {} {}", values(f.bias), unit);
+    if (!f.scale.isOnes(0)) text += fmt::format(", scale {}", values(f.scale));
+    if (f.natural_frequency > 0)
+      text += fmt::format(", response {} rad/s damped {}", number(f.natural_frequency),
+                          number(f.damping));
+    if (std::isfinite(f.limit)) text += fmt::format(", limit {} {}", number(f.limit), unit);
+    if (f.quantum > 0) text += fmt::format(", steps of {} {}", number(f.quantum), unit);
+    if (f.dropout > 0) text += fmt::format(", {} lost", number(f.dropout));
+  };
+  const Sensors& s = vehicle.sensors;
+  if (s.accelerometer) add("accelerometer", *s.accelerometer, 3, "m/s2");
+  if (s.gyroscope) add("gyroscope", *s.gyroscope, 3, "rad/s");
+  if (s.magnetometer) add("magnetometer", *s.magnetometer, 3, "uT");
+  if (s.barometer) {
+    add("barometer", s.barometer->faults, 1, "Pa");
+    text += fmt::format(", {} Pa at the ground", number(s.barometer->ground_pressure));
+    if (!std::isnan(s.barometer->fall)) text += fmt::format(", {} Pa/m", number(s.barometer->fall));
+  }
+  if (s.sonar) {
+    add("sonar", s.sonar->faults, 1, "m");
+    text += fmt::format(", range {} ... {} m, tilt up to {} rad", number(s.sonar->least_range),
+                        number(s.sonar->greatest_range), number(s.sonar->greatest_tilt));
+  }
+  if (s.flow) {
+    add("flow", s.flow->faults, 2, "rad/s");
+    text += fmt::format(", half field {} {} rad, above {} m", number(s.flow->half_field_x),
+                        number(s.flow->half_field_y), number(s.flow->least_height));
+  }
+  if (s.gps) {
+    add("gps", s.gps->position, 3, "m");
+    text += fmt::format(", velocity noise {} m/s", number(s.gps->velocity_noise.x()));
+  }
+  if (s.vision) add("vision", *s.vision, 3, "m");
+  if (text.empty()) return "none";
+  return vehicle.sensors_known ? text : text + "\nassumed: the file has no [sensors]";
+}
+
+std::string battery_text(const std::optional<Battery>& battery) {
+  if (!battery) return "assumed: a supply that never falls, as the file has no [battery]";
+  return fmt::format(
+      "{} A h, {} ... {} V, cut-off {} V, rated {} V, {} ohm, efficiency {}, idle {} W; {}",
+      number(battery->capacity / 3600), number(battery->empty_voltage),
+      number(battery->full_voltage), number(battery->cutoff_voltage),
+      number(battery->rated_voltage), number(battery->resistance), number(battery->efficiency),
+      number(battery->idle_power),
+      battery->regulated ? "only the greatest speed falls with the voltage"
+                         : "every speed falls with the voltage");
+}
+
+std::string assumed_text(const Vehicle& vehicle) {
+  std::string text;
+  for (const AssumedValue& assumed : assumed_values(vehicle))
+    text += fmt::format("{}{} = {}", text.empty() ? "" : "\n", assumed.key, assumed.value);
+  return text.empty() ? "nothing: the file has every key" : text;
+}
+
+std::string warnings_text(const Vehicle& vehicle) {
+  std::string text;
+  for (const Implausibility& figure : implausible(vehicle))
+    text += (text.empty() ? "" : "\n") + to_string(figure);
+  return text.empty() ? "" : section("warnings", text);
+}
+
 std::string vehicle_text(const Vehicle& vehicle) {
   const TrimResult hover = trim(vehicle, FlightCondition{});
   const double ratio = greatest_thrust(vehicle) / (vehicle.mass * vehicle.gravity);
   std::string text = section("vehicle", vehicle.name + ": " + vehicle.description);
   text += section("source", vehicle.source);
+  text += section("environment", fmt::format("gravity {} m/s2, air density {} kg/m3",
+                                             number(vehicle.gravity), number(vehicle.air_density)));
   text += section("mass", number(vehicle.mass) + " kg");
-  text += section("inertia", plain(vehicle.inertia) + " kg m2");
-  text += section("rotors", rotor_table(vehicle));
-  text += section("motors", fmt::format("{} = {} x command, command {} ... {} {}",
-                                        vehicle.motor.law == CommandLaw::speed ? "w" : "w2",
-                                        number(vehicle.motor.gain), number(vehicle.motor.min),
-                                        number(vehicle.motor.max), vehicle.motor.unit));
+  text += section("inertia", plain(vehicle.inertia) + " kg m2" +
+                                 (vehicle.inertia_tolerance > 0
+                                      ? fmt::format(", tolerance {} of the triangle inequality",
+                                                    number(vehicle.inertia_tolerance))
+                                      : ""));
+  std::string size;
+  if (!std::isnan(vehicle.airframe_height))
+    size += fmt::format("height {} m ", number(vehicle.airframe_height));
+  if (!std::isnan(vehicle.airframe_diameter))
+    size += fmt::format("diameter {} m", number(vehicle.airframe_diameter));
+  if (!size.empty()) text += section("airframe", size);
+  text += section("rotors", rotor_table(vehicle) + "\n" + propeller_text(vehicle));
+  text += section("motors", motors_text(vehicle.motor));
+  text += section("drag", drag_text(vehicle.drag));
+  text += section("sensors", sensors_text(vehicle));
+  text += section("battery", battery_text(vehicle.battery));
+  text += section("flight", fmt::format("thrust at take-off {} m g; {} of the greatest thrust for "
+                                        "the altitude loop",
+                                        number(1 + vehicle.takeoff_gain),
+                                        number(vehicle.altitude_thrust_fraction)));
+  if (vehicle.published_cascade)
+    text += section("published", fmt::format("PID cascade every {} s: {}",
+                                             number(vehicle.published_cascade->gains.dt),
+                                             vehicle.published_cascade->source));
   text += section("hover", hover.solved()
                                ? fmt::format("{} rad/s ({:.6g} {}), thrust-to-weight {:.3f}",
                                              number(hover_speed(hover)),
                                              command_of_speed(vehicle.motor, hover_speed(hover)),
                                              vehicle.motor.unit, ratio)
                                : "impossible: " + hover.culprit);
-  return text;
+  text += section("assumed", assumed_text(vehicle));
+  return text + warnings_text(vehicle);
 }
 
 void list(Context& context) {
@@ -110,13 +269,20 @@ void require_authority(const Vehicle& vehicle, const TrimResult& hover, const st
 void check(const std::string& name, Context& context) {
   const Vehicle vehicle = load_vehicle(name);
   const TrimResult hover = trim(vehicle, FlightCondition{});
-  if (!hover.solved()) throw NoSolution(name + ": cannot hover: " + hover.culprit, name);
+  const std::vector<Implausibility> odd = implausible(vehicle);
+  if (!hover.solved())
+    throw NoSolution(fmt::format("{}: cannot hover: {}{}", name, hover.culprit,
+                                 odd.empty() ? "" : "; " + to_string(odd.front())),
+                     name);
   require_authority(vehicle, hover, name);
-  if (context.json)
+  if (context.json) {
     context.out << internal::readable(vehicle_json(vehicle)) << "\n";
-  else
-    context.out << fmt::format("{}: {} is complete and can hover at {} rad/s\n", name, vehicle.name,
-                               number(hover_speed(hover)));
+    return;
+  }
+  context.out << fmt::format("{}: {} is complete and can hover at {} rad/s\n", name, vehicle.name,
+                             number(hover_speed(hover)));
+  for (const Implausibility& figure : odd)
+    context.out << fmt::format("{}: warning: {}\n", name, to_string(figure));
 }
 
 }  // namespace

@@ -11,12 +11,18 @@
 #include <memory>
 #include <ostream>
 
+#include "cascade_report.hpp"
 #include "design_flow.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/manifest.hpp"
+#include "quadtune/exports/read_gains.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/internal/toml_reader.hpp"
+#include "quadtune/version.hpp"
+#include "verify_evidence.hpp"
 #include "verify_report.hpp"
 
 namespace quadtune::cli {
@@ -24,20 +30,75 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The model that the manifest's gains are for; none if it holds no sampled gains.
-std::optional<VerifyModel> model_for(const Manifest& manifest, const std::string& vehicle_name) {
-  if (!manifest.gains || !(manifest.gains->dt > 0)) return std::nullopt;
-  Vehicle vehicle;
+/// @param name  of --vehicle; empty: that of the manifest
+Vehicle vehicle_of(const Manifest& manifest, const std::string& name) {
   try {
-    vehicle = load_vehicle(vehicle_name.empty() ? manifest.gains->vehicle : vehicle_name);
+    return load_vehicle(name.empty() ? manifest.vehicle : name);
   } catch (const std::exception& error) {
-    if (!vehicle_name.empty()) throw;
+    if (!name.empty()) throw;
     throw InvalidInput("verify",
                        fmt::format("the manifest's vehicle '{}' is not built in, expected "
                                    "its file by --vehicle FILE",
-                                   manifest.gains->vehicle));
+                                   internal::printable(manifest.vehicle)));
   }
-  return model_of(vehicle, *manifest.gains);
+}
+
+/// A vehicle's file as it is now. That of a built-in one is the program's: another version of the
+/// program may have another, and says so in the manifest.
+void add_vehicle(const Manifest& manifest, const Vehicle& vehicle,
+                 std::vector<FileContent>& inputs) {
+  const auto same = [](const std::pair<std::string, std::string>& version) {
+    return version.first == "quadtune" && version.second == kVersion;
+  };
+  if (!vehicle.file.empty() ||
+      std::any_of(manifest.versions.begin(), manifest.versions.end(), same))
+    inputs.push_back({vehicle_file_name(vehicle), vehicle.text});
+}
+
+/// Inputs of the manifest, which has their names alone, as they lie in a folder.
+void add_from(const fs::path& folder, const Manifest& manifest, std::vector<FileContent>& inputs) {
+  for (const ManifestFile& input : manifest.inputs) {
+    std::error_code ignored;
+    const fs::path path = folder / input.path;
+    if (!fs::is_regular_file(path, ignored) || fs::file_size(path, ignored) > internal::kTomlLimit)
+      continue;
+    try {
+      inputs.push_back({input.path, internal::read_file(path.string(), internal::kTomlLimit)});
+    } catch (const FileError&) {
+      // It cannot be read, so it is not at hand.
+    }
+  }
+}
+
+/// A file of another name would be compared with nothing.
+void require_input(const std::string& name, const Manifest& manifest) {
+  std::vector<std::string> names;
+  for (const ManifestFile& input : manifest.inputs) names.push_back(input.path);
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    throw UsageError(
+        fmt::format("quadtune verify: --design is '{}', expected one of the manifest's "
+                    "inputs: {}",
+                    internal::printable(name), fmt::join(names, ", ")),
+        "--design");
+}
+
+std::vector<FileContent> inputs_at_hand(const std::string& directory, const Manifest& manifest,
+                                        const Vehicle& vehicle, const std::string& design) {
+  std::vector<FileContent> inputs;
+  add_vehicle(manifest, vehicle, inputs);
+  if (!vehicle.file.empty()) add_from(vehicle.file.parent_path(), manifest, inputs);
+  if (!design.empty()) {
+    require_input(fs::path(design).filename().string(), manifest);
+    inputs.push_back({fs::path(design).filename().string(),
+                      internal::read_text_file(design, internal::kTomlLimit)});
+    add_from(fs::path(design).parent_path(), manifest, inputs);
+    return inputs;
+  }
+  const fs::path parent = fs::absolute(directory).lexically_normal().parent_path();
+  for (const fs::path& folder :
+       {parent, parent.parent_path(), fs::current_path(), fs::current_path() / "designs"})
+    add_from(folder, manifest, inputs);
+  return inputs;
 }
 
 /// Names of the folders in a directory that are exports, such as those of a design with several.
@@ -50,10 +111,25 @@ std::vector<std::string> exports_below(const fs::path& directory) {
   return found;
 }
 
+/// The cascade that an export's files hold; what is wrong in them is the report's to say.
+std::optional<CascadeDesign> cascade_of(const std::string& directory) {
+  try {
+    return read_laws(directory).cascade;
+  } catch (const InvalidInput&) {
+    return std::nullopt;
+  } catch (const FileError&) {
+    return std::nullopt;
+  }
+}
+
 /// A directory of exports is none itself: the message names those that are.
 void require_export(const std::string& directory) {
   std::error_code error;
   if (fs::exists(fs::path(directory) / kManifestName, error)) return;
+  if (fs::exists(directory, error) && !fs::is_directory(directory, error))
+    throw FileError(directory,
+                    "is no directory, expected that of an export, as `quadtune export FILE --to "
+                    "json -o DIR` writes it");
   const std::vector<std::string> below = exports_below(directory);
   if (!below.empty())
     throw FileError(directory, fmt::format("has no {}, expected one export of those in it: {}",
@@ -62,17 +138,33 @@ void require_export(const std::string& directory) {
 
 }  // namespace
 
-VerifyReport verify_directory(const std::string& directory, const std::string& vehicle_name) {
-  require_export(directory);
+VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
+                         const std::vector<FileContent>& inputs) {
   const Manifest manifest = read_manifest(directory);
+  std::optional<VerifyModel> model;
+  VerifyFacts facts{{}, inputs};
   try {
-    return verify_export(directory, model_for(manifest, vehicle_name));
+    if (manifest.gains && manifest.gains->dt > 0) model = model_of(vehicle, *manifest.gains);
+    if (const auto cascade = cascade_of(directory))
+      facts.cascade_plant = cascade_plant(vehicle, *cascade, directory);
+    VerifyReport report = verify_export(directory, model, facts);
+    for (VerifyCheck& check : check_evidence(vehicle, manifest))
+      report.checks.push_back(std::move(check));
+    return report;
   } catch (const NoSolution& error) {
     // A trim that the vehicle cannot fly is an answer too.
-    VerifyReport report = verify_export(directory, std::nullopt);
+    VerifyReport report = verify_export(directory, model, facts);
     report.checks.push_back({"the vehicle can fly the trim", false, error.what()});
     return report;
   }
+}
+
+VerifyReport verify_directory(const std::string& directory, const std::string& vehicle_name,
+                              const std::string& design) {
+  require_export(directory);
+  const Manifest manifest = read_manifest(directory);
+  const Vehicle vehicle = vehicle_of(manifest, vehicle_name);
+  return verify_with(directory, vehicle, inputs_at_hand(directory, manifest, vehicle, design));
 }
 
 internal::Json to_json(const VerifyReport& report) {
@@ -92,9 +184,9 @@ std::string to_text(const VerifyReport& report) {
 
 Verb verify_verb() {
   struct Options {
-    std::string directory, vehicle;
+    std::string directory, vehicle, design;
   };
-  return {"verify", "DIR [--vehicle V]",
+  return {"verify", "DIR [--vehicle V] [--design FILE]",
           "re-read an export as the flight program would and check everything",
           "quadtune verify out/uquad-hover", [](CLI::App& app) -> Action {
             auto options = std::make_shared<Options>();
@@ -102,10 +194,14 @@ Verb verify_verb() {
             app.add_option("--vehicle", options->vehicle,
                            "the vehicle, where the manifest's is not built in")
                 ->type_name("V");
+            app.add_option("--design", options->design,
+                           "the design file that the export was made from, to compare its hash")
+                ->type_name("FILE");
             return [options](Context& context) {
               if (options->directory.empty())
                 throw UsageError("quadtune verify: expected an export's directory", "DIR");
-              const VerifyReport report = verify_directory(options->directory, options->vehicle);
+              const VerifyReport report =
+                  verify_directory(options->directory, options->vehicle, options->design);
               if (context.json)
                 context.out << internal::readable(to_json(report)) << "\n";
               else

@@ -3,17 +3,26 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/model/vehicle.hpp"
 
 namespace quadtune::cli {
 
 /// Re-reads the export with the vehicle that its manifest names.
 /// @param vehicle  another vehicle or its file; empty: that of the manifest
+/// @param design   the design file that it was made from; empty: one of that name where it is
+///                 likely to lie
 /// @throws FileError, InvalidInput  for what is no export, or a vehicle that is not built in
 [[nodiscard]] VerifyReport verify_directory(const std::string& directory,
-                                            const std::string& vehicle);
+                                            const std::string& vehicle,
+                                            const std::string& design = "");
+
+/// The same with a vehicle and inputs in memory.
+[[nodiscard]] VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
+                                       const std::vector<FileContent>& inputs);
 
 [[nodiscard]] internal::Json to_json(const VerifyReport& report);
 [[nodiscard]] std::string to_text(const VerifyReport& report);

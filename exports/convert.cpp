@@ -22,6 +22,22 @@ Eigen::Index row_of(const std::string& name, const Convention& convention) {
                                                   name, convention.name, names(convention.states)));
 }
 
+// The wrench of a convention from inputs that are named in another order.
+Eigen::MatrixXd order_of(const std::vector<Signal>& inputs, const Convention& convention) {
+  const auto n = static_cast<Eigen::Index>(convention.wrench.size());
+  Eigen::MatrixXd order = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(inputs.size()));
+  for (std::size_t j = 0; j < inputs.size(); ++j)
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (convention.wrench[static_cast<std::size_t>(i)].name == inputs[j].name)
+        order(i, static_cast<Eigen::Index>(j)) = 1;
+  if (inputs.size() != convention.wrench.size() || (order.rowwise().sum().array() != 1).any())
+    throw InvalidInput("in_convention",
+                       fmt::format("the inputs are {}, expected {} because they are the wrench in "
+                                   "convention {}",
+                                   names(inputs), names(convention.wrench), convention.name));
+  return order;
+}
+
 Map map_states(const std::vector<Signal>& signals, const Convention& from, const Convention& to) {
   // x_to = T x_from
   const Eigen::Matrix<double, 12, 12> T = to.from_ned * from.from_ned.transpose();
@@ -63,8 +79,9 @@ Gains in_convention(const Gains& gains, const Convention& target, SignLaw sign_l
   result.K_int = law * map_columns(gains.K_int, integrals);
   result.x0 = map_columns(gains.x0.transpose(), states).transpose();
   if (gains.input_kind == InputKind::wrench) {
-    // u_to = W u_from
-    const Eigen::MatrixXd W = target.wrench_from_ned * source.wrench_from_ned.transpose();
+    // u_to = W u_from, with u_from in whatever order the gains name it
+    const Eigen::MatrixXd W = target.wrench_from_ned * source.wrench_from_ned.transpose() *
+                              order_of(gains.inputs, source);
     result.inputs = target.wrench;
     result.K = W * result.K;
     result.K_int = W * result.K_int;

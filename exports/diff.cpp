@@ -49,6 +49,34 @@ Eigen::MatrixXd in_order(const Eigen::MatrixXd& M, const std::vector<Signal>& fr
   return result;
 }
 
+// Rows of M, named by `from`, in the order of `to`.
+Eigen::MatrixXd rows_in_order(const Eigen::MatrixXd& M, const std::vector<Signal>& from,
+                              const std::vector<Signal>& to) {
+  return in_order(M.transpose(), from, to).transpose();
+}
+
+// Gains 0 where the cascade has no such loop.
+PidLoop loop_of(const CascadeGains& gains, CascadeAxis axis) {
+  for (const PidLoop& loop : gains.loops)
+    if (loop.name == to_string(axis)) return loop;
+  return cascade_loop(axis);
+}
+
+// One number of a cascade. Infinite stands for a limit that there is not.
+void compare(const std::string& matrix, const std::string& loop, double a, double b,
+             GainsDiff& result) {
+  if (a == b) return;
+  const double scale = std::max(std::abs(a), std::abs(b));
+  const double relative = std::isfinite(scale) ? std::abs(b - a) / scale : 1;
+  result.entries.push_back({matrix, loop, "", a, b, b - a, relative});
+}
+
+void sort_entries(GainsDiff& result) {
+  std::stable_sort(result.entries.begin(), result.entries.end(),
+                   [](const DiffEntry& x, const DiffEntry& y) { return x.relative > y.relative; });
+  if (!result.entries.empty()) result.max_relative = result.entries.front().relative;
+}
+
 void compare(const std::string& matrix, const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
              const std::vector<Signal>& inputs, const std::vector<Signal>& columns,
              GainsDiff& result) {
@@ -81,13 +109,42 @@ GainsDiff diff(const Gains& a, const Gains& b) {
   require_same_signals(a.states, turned.states, "states");
   require_same_signals(a.integrals, turned.integrals, "integrals");
   GainsDiff result;
-  compare("K", a.K, in_order(turned.K, turned.states, a.states), a.inputs, a.states, result);
-  compare("K_int", a.K_int, in_order(turned.K_int, turned.integrals, a.integrals), a.inputs,
+  // By name, rows as well as columns: a gain under other names is another gain.
+  const auto as_first = [&](const Eigen::MatrixXd& M, const std::vector<Signal>& columns,
+                            const std::vector<Signal>& wanted) {
+    return rows_in_order(in_order(M, columns, wanted), turned.inputs, a.inputs);
+  };
+  compare("K", a.K, as_first(turned.K, turned.states, a.states), a.inputs, a.states, result);
+  compare("K_int", a.K_int, as_first(turned.K_int, turned.integrals, a.integrals), a.inputs,
           a.integrals, result);
-  std::stable_sort(result.entries.begin(), result.entries.end(),
-                   [](const DiffEntry& x, const DiffEntry& y) { return x.relative > y.relative; });
-  if (!result.entries.empty()) result.max_relative = result.entries.front().relative;
+  sort_entries(result);
   return result;
+}
+
+GainsDiff diff(const CascadeDesign& a, const CascadeDesign& b) {
+  GainsDiff result;
+  compare("dt_s", "", a.gains.dt, b.gains.dt, result);
+  compare("integrator", "", static_cast<double>(a.method), static_cast<double>(b.method), result);
+  compare("attitude_limit_rad", "", a.attitude_limit, b.attitude_limit, result);
+  compare("integrator_limit", "", a.integrator_limit, b.integrator_limit, result);
+  compare("back_calculation_per_s", "", a.back_calculation, b.back_calculation, result);
+  compare("takeoff_time_s", "", a.takeoff_time, b.takeoff_time, result);
+  for (const CascadeAxis axis : kAllCascadeAxes) {
+    const std::string name = to_string(axis);
+    const PidLoop x = loop_of(a.gains, axis);
+    const PidLoop y = loop_of(b.gains, axis);
+    compare("Kp", name, x.Kp, y.Kp, result);
+    compare("Ki", name, x.Ki, y.Ki, result);
+    compare("Kd", name, x.Kd, y.Kd, result);
+  }
+  sort_entries(result);
+  return result;
+}
+
+std::string name_of(const DiffEntry& entry) {
+  if (entry.input.empty()) return entry.matrix;
+  return fmt::format("{}({}{}{})", entry.matrix, entry.input, entry.state.empty() ? "" : ", ",
+                     entry.state);
 }
 
 }  // namespace quadtune

@@ -59,11 +59,14 @@ Manifest make_manifest(ExportKind kind, const ExportContent& content,
   for (const FileContent& file : content.inputs) manifest.inputs.push_back(listed(file));
   for (const FileContent& file : files) manifest.files.push_back(listed(file));
   manifest.gains = content.gains;
+  if (kind != ExportKind::uquad) manifest.cascade = content.cascade;  // its files have none
   manifest.Q = content.Q;
   manifest.R = content.R;
   manifest.evidence = content.evidence;
   if (content.gains && content.plant)
     manifest.closed_loop_poles = closed_loop_poles(*content.plant, *content.gains);
+  if (manifest.cascade && content.cascade_plant)
+    manifest.cascade_poles = closed_loop_poles(*content.cascade_plant, *content.cascade);
   if (kind == ExportKind::mambo)
     for (const FileContent& file : files)
       for (NamedMatrix& number : parse_m_file(file.bytes, file.name))

@@ -4,14 +4,23 @@
 
 #include <filesystem>
 #include <string>
+#include <system_error>
 
+#include "quadtune/errors.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune::exports {
 
-/// @throws FileError     if it cannot be read, with the system's reason.
+/// @throws FileError     if it cannot be read, with the system's reason, or is a pipe, a socket or
+///                       a device: a program that loads its gains would wait there, or read more.
 /// @throws InvalidInput  if it is no text or larger than any export.
 inline std::string export_text(const std::filesystem::path& path) {
+  std::error_code unreadable;  // reading says why
+  const std::filesystem::file_type type = std::filesystem::status(path, unreadable).type();
+  if (type == std::filesystem::file_type::fifo || type == std::filesystem::file_type::socket)
+    throw FileError(path.string(), "is a pipe or a socket, expected a regular file");
+  if (type == std::filesystem::file_type::character || type == std::filesystem::file_type::block)
+    throw FileError(path.string(), "is a device, expected a regular file");
   return internal::read_text_file(path.string(), std::size_t{16} << 20);
 }
 

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -131,7 +132,9 @@ class Transaction {
   Transaction(const Transaction&) = delete;
   Transaction& operator=(const Transaction&) = delete;
 
-  void write_temporary(const FileContent& file) {
+  /// @param ask  called between pieces; what it throws leaves nothing behind
+  void write_temporary(const FileContent& file, const std::function<void()>& ask) {
+    constexpr std::size_t kPiece = std::size_t{1} << 22;
     const std::string name = temporary(file.name);
     ::unlinkat(fd_, name.c_str(), 0);  // left by a crash; the lock says that nobody writes it now
     Descriptor out(
@@ -140,10 +143,11 @@ class Transaction {
     temporaries_.push_back(name);
     std::size_t done = 0;
     while (done < file.bytes.size()) {
-      const ssize_t n = ::write(out.get(), file.bytes.data() + done, file.bytes.size() - done);
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) fail(directory_ / file.name, errno);
-      done += static_cast<std::size_t>(n);
+      const std::size_t count = std::min(kPiece, file.bytes.size() - done);
+      const ssize_t n = ::write(out.get(), file.bytes.data() + done, count);
+      if (n < 0 && errno != EINTR) fail(directory_ / file.name, errno);
+      if (n > 0) done += static_cast<std::size_t>(n);
+      if (done < file.bytes.size()) ask();
     }
     if (::fsync(out.get()) != 0 || out.close() != 0) fail(directory_ / file.name, errno);
   }
@@ -261,7 +265,7 @@ void write_files(const fs::path& directory, const std::vector<FileContent>& file
   for (const FileContent& file : files) {
     require_no_directory(fd.get(), path, file.name);
     stop_if_interrupted();
-    transaction.write_temporary(file);
+    transaction.write_temporary(file, stop_if_interrupted);
   }
   stop_if_interrupted();  // the last chance: from here on it is a few renames
   for (const FileContent& file : files) transaction.put_in_place(file.name);

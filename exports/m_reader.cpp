@@ -98,6 +98,11 @@ const Eigen::MatrixXd* find(const std::vector<NamedMatrix>& numbers, const std::
   return nullptr;
 }
 
+bool has_any(const std::vector<NamedMatrix>& all, const std::string& prefix) {
+  return std::any_of(all.begin(), all.end(),
+                     [&](const NamedMatrix& one) { return one.name.starts_with(prefix); });
+}
+
 // The words of "name = {'a', 'b'};" or "name = 'a';".
 std::vector<std::string> words_of(const std::string& text, const std::string& name,
                                   const std::string& origin) {
@@ -165,6 +170,55 @@ std::vector<NamedMatrix> parse_m_file(const std::string& text, const std::string
     numbers.push_back({origin, name, M, M.size() > 0 ? "" : value});
   }
   return numbers;
+}
+
+bool has_state_feedback(const std::string& text, const std::string& origin) {
+  return has_any(parse_m_file(text, origin), "Controller.StateFeedback.");
+}
+
+std::optional<CascadeDesign> parse_cascade_vars(const std::string& text,
+                                                const std::string& origin) {
+  const std::vector<NamedMatrix> all = parse_m_file(text, origin);
+  const std::string prefix = "Controller.Cascade.";
+  const auto scalar = [&](const std::string& name) -> std::optional<double> {
+    const Eigen::MatrixXd* found = find(all, prefix + name);
+    if (found == nullptr || found->size() == 0) return std::nullopt;
+    if (found->size() != 1)
+      throw InvalidInput(origin, fmt::format("{}{} is {}x{}, expected one number", prefix, name,
+                                             found->rows(), found->cols()));
+    return (*found)(0, 0);
+  };
+  const auto required = [&](const std::string& name) {
+    const std::optional<double> value = scalar(name);
+    if (!value)
+      throw InvalidInput(origin, fmt::format("has no number {}{}, expected one because the other "
+                                             "loops are there",
+                                             prefix, name));
+    return *value;
+  };
+  const std::optional<double> dt = scalar("Ts");
+  if (!dt) return std::nullopt;
+  if (!(*dt > 0))
+    throw InvalidInput(origin, fmt::format("{}Ts is {}, expected more than 0", prefix, *dt));
+  CascadeDesign cascade;
+  cascade.gains.dt = *dt;
+  for (const CascadeAxis axis : kAllCascadeAxes) {
+    PidLoop loop = cascade_loop(axis);
+    loop.Kp = required(loop.name + ".Kp");
+    loop.Ki = required(loop.name + ".Ki");
+    loop.Kd = required(loop.name + ".Kd");
+    cascade.gains.loops.push_back(std::move(loop));
+  }
+  // A limit that there is not is written as [], which is no number.
+  cascade.attitude_limit = scalar("attitudeLimit").value_or(cascade.attitude_limit);
+  cascade.integrator_limit = scalar("integratorLimit").value_or(cascade.integrator_limit);
+  cascade.back_calculation = scalar("backCalculation").value_or(0);
+  cascade.takeoff_time = scalar("takeoffTime").value_or(0);
+  if (find(all, prefix + "integrator") != nullptr) {
+    const std::vector<std::string> word = words_of(text, prefix + "integrator", origin);
+    cascade.method = pid_method(word.empty() ? "" : word.front(), origin);
+  }
+  return cascade;
 }
 
 Gains parse_controller_vars(const std::string& text, const std::string& origin) {

@@ -224,6 +224,9 @@ void add_cascade(MFile& m, const CascadeDesign& design) {
     else
       m.number("Controller.Cascade." + name, value, unit);
   };
+  // The model project's own; files without it mean it, too.
+  if (design.method != PidMethod::forward_euler)
+    m.expression("Controller.Cascade.integrator", "'" + to_string(design.method) + "'");
   limit("attitudeLimit", design.attitude_limit, "rad");
   limit("integratorLimit", design.integrator_limit, "");
   limit("backCalculation", design.back_calculation, "1/s");
@@ -295,6 +298,15 @@ std::string estimator_vars(const ExportContent& content) {
 }
 
 }  // namespace
+
+bool takes_mambo_files(const Vehicle& vehicle) {
+  try {
+    (void)vehicle_vars(vehicle);
+    return true;
+  } catch (const InvalidInput&) {
+    return false;
+  }
+}
 
 std::vector<FileContent> mambo_files(const ExportContent& content) {
   return {{"vehicleVars.m", vehicle_vars(content.vehicle)},

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <tuple>
 
@@ -17,8 +18,6 @@ namespace {
 
 using internal::Json;
 using internal::member;
-
-constexpr char kFormat[] = "quadtune-export";
 
 Json files_to_json(const std::vector<ManifestFile>& files) {
   Json json = Json::array();
@@ -34,7 +33,8 @@ std::vector<ManifestFile> files_from_json(const Json& json, const std::string& w
     const std::string here = fmt::format("{}[{}]", where, i);
     const Json& size = member(json[i], "size", here);
     if (!size.is_number_unsigned())
-      throw InvalidInput(here + ".size", fmt::format("is {}, expected bytes", size.dump()));
+      throw InvalidInput(here + ".size",
+                         fmt::format("is {}, expected bytes", internal::json_text(size)));
     files.push_back({internal::string_from_json(member(json[i], "path", here), here + ".path"),
                      internal::string_from_json(member(json[i], "sha256", here), here + ".sha256"),
                      size.get<std::size_t>()});
@@ -81,14 +81,26 @@ ExportEvidence evidence_from_json(const Json& json, const std::string& where) {
   return evidence;
 }
 
-Json closed_loop_to_json(const Eigen::VectorXcd& poles) {
+Json closed_loop_to_json(const Eigen::VectorXcd& poles, const char* about) {
   Json json;
-  json["about"] =
-      "the law as written with the sampled vehicle; integrals advance by dt times the error";
+  json["about"] = about;
   json["spectral_radius"] =
       internal::number_to_json(poles.cwiseAbs().maxCoeff(), "closed_loop.spectral_radius");
   json["poles"] = internal::poles_to_json(poles, "closed_loop.poles");
   return json;
+}
+
+Eigen::VectorXcd closed_loop_from_json(const Json& json, const std::string& where) {
+  Eigen::VectorXcd poles =
+      internal::poles_from_json(member(json, "poles", where), where + ".poles");
+  const double radius = internal::number_from_json(member(json, "spectral_radius", where),
+                                                   where + ".spectral_radius");
+  const double largest = poles.size() > 0 ? poles.cwiseAbs().maxCoeff() : 0;
+  if (!(std::abs(radius - largest) <= 1e-12 * std::max(1.0, largest)))
+    throw InvalidInput(where + ".spectral_radius",
+                       fmt::format("is {}, expected {}, the modulus of the largest of its poles",
+                                   radius, largest));
+  return poles;
 }
 
 }  // namespace
@@ -118,7 +130,7 @@ ExportKind export_kind(const std::string& name, const std::string& where) {
 
 std::string manifest_text(const Manifest& manifest) {
   Json json;
-  json["format"] = kFormat;
+  json["format"] = exports::kManifestFormat;
   json["format_version"] = 1;
   json["kind"] = to_string(manifest.kind);
   json["vehicle"] = manifest.vehicle;
@@ -128,10 +140,17 @@ std::string manifest_text(const Manifest& manifest) {
   json["inputs"] = files_to_json(manifest.inputs);
   json["files"] = files_to_json(manifest.files);
   if (manifest.gains) json["gains"] = exports::gains_to_json(*manifest.gains);
+  if (manifest.cascade) json["cascade"] = exports::cascade_to_json(*manifest.cascade);
   exports::add_weights(json, manifest.Q, manifest.R);
   json["evidence"] = evidence_to_json(manifest.evidence);
   if (manifest.closed_loop_poles.size() > 0)
-    json["closed_loop"] = closed_loop_to_json(manifest.closed_loop_poles);
+    json["closed_loop"] = closed_loop_to_json(
+        manifest.closed_loop_poles,
+        "the law as written with the sampled vehicle; integrals advance by dt times the error");
+  if (manifest.cascade_poles.size() > 0)
+    json["cascade_closed_loop"] =
+        closed_loop_to_json(manifest.cascade_poles,
+                            "the cascade as written with the sampled vehicle and its motors' lag");
   json["numbers"] = Json::array();
   for (const NamedMatrix& number : manifest.numbers)
     json["numbers"].push_back({{"file", number.file},
@@ -142,7 +161,7 @@ std::string manifest_text(const Manifest& manifest) {
 }
 
 Manifest parse_manifest(const std::string& text, const std::string& origin) {
-  const Json json = exports::parse_json(text, origin, kFormat);
+  const Json json = exports::parse_json(text, origin, exports::kManifestFormat);
   const auto path = [&](const std::string& key) { return origin + ": " + key; };
   Manifest manifest;
   manifest.kind = export_kind(
@@ -157,11 +176,15 @@ Manifest parse_manifest(const std::string& text, const std::string& origin) {
   manifest.files = files_from_json(member(json, "files", origin), path("files"));
   if (json.contains("gains"))
     manifest.gains = exports::gains_from_json(json["gains"], path("gains"));
+  if (json.contains("cascade"))
+    manifest.cascade = exports::cascade_from_json(json["cascade"], path("cascade"));
   std::tie(manifest.Q, manifest.R) = exports::weights_from_json(json, origin);
   manifest.evidence = evidence_from_json(member(json, "evidence", origin), path("evidence"));
   if (json.contains("closed_loop"))
-    manifest.closed_loop_poles = internal::poles_from_json(
-        member(json["closed_loop"], "poles", path("closed_loop")), path("closed_loop.poles"));
+    manifest.closed_loop_poles = closed_loop_from_json(json["closed_loop"], path("closed_loop"));
+  if (json.contains("cascade_closed_loop"))
+    manifest.cascade_poles =
+        closed_loop_from_json(json["cascade_closed_loop"], path("cascade_closed_loop"));
   const Json& numbers = member(json, "numbers", origin);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const std::string here = path(fmt::format("numbers[{}]", i));

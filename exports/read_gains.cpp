@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quadtune/exports/read_gains.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "export_text.hpp"
 #include "quadtune/errors.hpp"
@@ -18,22 +23,54 @@ namespace fs = std::filesystem;
 
 constexpr char kControllerVars[] = "controllerVars.m";
 
-Gains read_gains_json(const fs::path& path) {
-  const internal::Json json =
-      exports::parse_json(exports::export_text(path), path.string(), "quadtune-gains");
-  return exports::gains_from_json(internal::member(json, "gains", path.string()),
-                                  path.string() + ": gains");
+constexpr char kGainsFormat[] = "quadtune-gains";
+
+using internal::Json;
+
+// gains.json, and what `lqr` and `pid` print as JSON: there "vehicle" is the name alone.
+StoredLaws laws_of_json(const Json& json, const std::string& origin) {
+  StoredLaws laws;
+  if (json.contains("gains")) {
+    laws.gains = exports::gains_from_json(json["gains"], origin + ": gains");
+    laws.vehicle = laws.gains->vehicle;
+  }
+  if (json.contains("cascade"))
+    laws.cascade = exports::cascade_from_json(json["cascade"], origin + ": cascade");
+  if (laws.vehicle.empty() && json.contains("vehicle")) {
+    const Json& vehicle = json["vehicle"];
+    const std::string where = origin + ": vehicle";
+    laws.vehicle =
+        vehicle.is_object()
+            ? internal::string_from_json(internal::member(vehicle, "name", where), where + ".name")
+            : internal::string_from_json(vehicle, where);
+  }
+  return laws;
 }
 
-Gains read_controller_vars(const fs::path& path) {
-  return parse_controller_vars(exports::export_text(path), path.string());
+StoredLaws laws_of_json_text(const std::string& text, const std::string& origin) {
+  return laws_of_json(exports::parse_json(text, origin, kGainsFormat), origin);
 }
 
-Gains read_manifest_gains(const fs::path& path) {
-  const Manifest manifest = parse_manifest(exports::export_text(path), path.string());
-  if (!manifest.gains) throw InvalidInput(path.string(), "has no gains");
-  return *manifest.gains;
+StoredLaws laws_of_m_text(const std::string& text, const std::string& origin) {
+  StoredLaws laws;
+  laws.cascade = parse_cascade_vars(text, origin);
+  if (has_state_feedback(text, origin)) laws.gains = parse_controller_vars(text, origin);
+  return laws;
 }
+
+StoredLaws laws_of_manifest(const Manifest& manifest) {
+  return {manifest.vehicle, manifest.gains, manifest.cascade};
+}
+
+StoredLaws read_json(const fs::path& path) {
+  return laws_of_json_text(exports::export_text(path), path.string());
+}
+
+StoredLaws read_m(const fs::path& path) {
+  return laws_of_m_text(exports::export_text(path), path.string());
+}
+
+StoredLaws read_uquad(const fs::path& path) { return {"", read_uquad_gains(path), {}}; }
 
 // A uquad directory may hold other builds' files that the manifest does not list.
 fs::path listed_uquad_file(const fs::path& directory, const Manifest& manifest) {
@@ -43,24 +80,26 @@ fs::path listed_uquad_file(const fs::path& directory, const Manifest& manifest) 
   throw InvalidInput((directory / kManifestName).string(), "lists no gain file of uquad");
 }
 
-Gains read_by_manifest(const fs::path& directory) {
+StoredLaws read_by_manifest(const fs::path& directory) {
   const Manifest manifest = read_manifest(directory);
-  Gains gains;
+  StoredLaws laws;
   switch (manifest.kind) {
     case ExportKind::json:
-      return read_gains_json(directory / kGainsJsonName);
+      return read_json(directory / kGainsJsonName);
     case ExportKind::mambo:
-      gains = read_controller_vars(directory / kControllerVars);
+      laws = read_m(directory / kControllerVars);
       break;
     case ExportKind::uquad:
-      gains = read_uquad_gains(listed_uquad_file(directory, manifest));
+      laws = read_uquad(listed_uquad_file(directory, manifest));
       break;
   }
+  laws.vehicle = manifest.vehicle;
+  if (!laws.gains) return laws;
+  Gains& gains = *laws.gains;
   gains.vehicle = manifest.vehicle;
-  if (!manifest.gains) return gains;
   // What the files cannot say; the columns are compared by name, so the order may differ.
-  gains.dt = manifest.gains->dt;
-  if (manifest.kind == ExportKind::uquad) {
+  if (manifest.kind == ExportKind::uquad && manifest.gains) {
+    gains.dt = manifest.gains->dt;
     gains.sign_law = manifest.gains->sign_law;
     gains.u0 = manifest.gains->u0;
     for (std::size_t i = 0; i < gains.states.size(); ++i)
@@ -68,26 +107,64 @@ Gains read_by_manifest(const fs::path& directory) {
         if (gains.states[i].name == manifest.gains->states[j].name)
           gains.x0(static_cast<Eigen::Index>(i)) = manifest.gains->x0(static_cast<Eigen::Index>(j));
   }
-  return gains;
+  return laws;
+}
+
+StoredLaws read_directory(const fs::path& path) {
+  if (fs::exists(path / kManifestName)) return read_by_manifest(path);
+  if (fs::exists(path / kGainsJsonName)) return read_json(path / kGainsJsonName);
+  if (fs::exists(path / kControllerVars)) return read_m(path / kControllerVars);
+  return read_uquad(path);
+}
+
+bool is_uquad_name(const std::string& name) {
+  const std::vector<UquadFileSet>& sets = uquad_file_sets();
+  return std::any_of(sets.begin(), sets.end(), [&](const UquadFileSet& set) {
+    return name == set.proportional || (!set.integral.empty() && name == set.integral);
+  });
+}
+
+// A file by what is in it, so that any name may be given to it; only uquad's have no mark but
+// theirs.
+StoredLaws read_file(const fs::path& path) {
+  if (is_uquad_name(path.filename().string())) return read_uquad(path);
+  const std::string origin = path.string();
+  const std::string text = exports::export_text(path);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  const char mark = first == std::string::npos ? '\0' : text[first];
+  if (mark == '{' || path.extension() == ".json") {
+    if (exports::json_format(text, origin) == exports::kManifestFormat)
+      return laws_of_manifest(parse_manifest(text, origin));
+    return laws_of_json_text(text, origin);
+  }
+  if (mark == '%' || path.extension() == ".m") return laws_of_m_text(text, origin);
+  if (std::isdigit(static_cast<unsigned char>(mark)) != 0 || mark == '-' || mark == '+')
+    return read_uquad(path);  // which tells the names that it takes
+  throw InvalidInput(
+      origin, fmt::format("is no file of gains, expected gains.json, manifest.json, {}, one of "
+                          "uquad ({}, …), or what `quadtune lqr` or `pid` writes as JSON: with "
+                          "--json, or into a name that ends in .json",
+                          kControllerVars, uquad_file_sets().front().proportional));
 }
 
 }  // namespace
 
-Gains read_gains(const fs::path& path) {
+StoredLaws read_laws(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status))
     throw FileError(path.string(), error ? error.message() : std::strerror(ENOENT));
-  if (fs::is_directory(status)) {
-    if (fs::exists(path / kManifestName)) return read_by_manifest(path);
-    if (fs::exists(path / kGainsJsonName)) return read_gains_json(path / kGainsJsonName);
-    if (fs::exists(path / kControllerVars)) return read_controller_vars(path / kControllerVars);
-    return read_uquad_gains(path);
-  }
-  if (path.filename() == kManifestName) return read_manifest_gains(path);
-  if (path.extension() == ".json") return read_gains_json(path);
-  if (path.extension() == ".m") return read_controller_vars(path);
-  return read_uquad_gains(path);
+  return fs::is_directory(status) ? read_directory(path) : read_file(path);
+}
+
+Gains read_gains(const fs::path& path) {
+  StoredLaws laws = read_laws(path);
+  if (!laws.gains)
+    throw InvalidInput(path.string(),
+                       laws.cascade
+                           ? "holds a PID cascade and no state feedback, expected a state feedback"
+                           : "holds no control law, expected a state feedback");
+  return std::move(*laws.gains);
 }
 
 }  // namespace quadtune

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "quadtune/errors.hpp"
 
@@ -53,6 +55,7 @@ Json motor_to_json(const MotorCommand& motor) {
   json["min_" + unit] = number_to_json(motor.min, "motor.min");
   json["max_" + unit] = number_to_json(motor.max, "motor.max");
   if (squared) json["gain_rad2_per_s2_per_count"] = number_to_json(motor.gain, "motor.gain");
+  add_unless(0, json, "quantum_" + unit, motor.quantum);
   const auto is_one = [](int sign) { return sign == 1; };
   if (!std::all_of(motor.direction.begin(), motor.direction.end(), is_one))
     json["direction"] = motor.direction;
@@ -73,6 +76,11 @@ Json body_to_json(const Vehicle& vehicle) {
   return json;
 }
 
+std::string law_text(SignLaw law) {
+  return law == SignLaw::set_point_minus_state ? "u = u0 + K (x_sp - x) + K_int integral(x_sp - x)"
+                                               : "u = u0 + K (x - x_sp) + K_int integral(x - x_sp)";
+}
+
 }  // namespace
 
 Json gains_to_json(const Gains& gains) {
@@ -82,9 +90,7 @@ Json gains_to_json(const Gains& gains) {
   json["vehicle"] = gains.vehicle;
   json["convention"] = {{"name", c.name}, {"description", c.description}};
   json["sign_law"] = to_string(gains.sign_law);
-  json["law"] = gains.sign_law == SignLaw::set_point_minus_state
-                    ? "u = u0 + K (x_sp - x) + K_int integral(x_sp - x)"
-                    : "u = u0 + K (x - x_sp) + K_int integral(x - x_sp)";
+  json["law"] = law_text(gains.sign_law);
   json["input_kind"] = to_string(gains.input_kind);
   json["dt_s"] = gains.dt;
   json["states"] = signals_to_json(gains.states);
@@ -109,6 +115,11 @@ Gains gains_from_json(const Json& json, const std::string& where) {
   (void)convention(gains.convention, path("convention.name"));
   gains.sign_law = sign_law(text("sign_law"), path("sign_law"));
   gains.input_kind = input_kind(text("input_kind"), path("input_kind"));
+  // Derived from the sign law, for who reads the file: it must not say something else.
+  if (json.contains("law") && text("law") != law_text(gains.sign_law))
+    throw InvalidInput(path("law"),
+                       fmt::format("is '{}', expected '{}' because sign_law is {}", text("law"),
+                                   law_text(gains.sign_law), to_string(gains.sign_law)));
   gains.dt = internal::number_from_json(at("dt_s"), path("dt_s"));
   gains.states = internal::signals_from_json(at("states"), path("states"));
   gains.inputs = internal::signals_from_json(at("inputs"), path("inputs"));
@@ -153,6 +164,8 @@ Json vehicle_to_json(const Vehicle& vehicle) {
   add_unless(0, flight, "takeoff_gain", vehicle.takeoff_gain);
   add_unless(1, flight, "altitude_thrust_fraction", vehicle.altitude_thrust_fraction);
   if (!flight.empty()) json["flight"] = flight;
+  if (vehicle.sensors_known) json["sensors"] = sensors_to_json(vehicle.sensors);
+  if (vehicle.battery) json["battery"] = battery_to_json(*vehicle.battery);
   if (vehicle.published_cascade) {
     Json& published = json["published_cascade"];
     published["source"] = vehicle.published_cascade->source;
@@ -194,6 +207,7 @@ Json filter_to_json(const KalmanFilter& filter) {
 Json cascade_to_json(const CascadeDesign& cascade) {
   Json json;
   json["dt_s"] = number_to_json(cascade.gains.dt, "cascade.dt");
+  json["integrator"] = to_string(cascade.method);
   const auto add_finite = [&](const char* key, double value) {
     if (!std::isinf(value)) json[key] = number_to_json(value, std::string("cascade.") + key);
   };
@@ -216,10 +230,58 @@ Json cascade_to_json(const CascadeDesign& cascade) {
   return json;
 }
 
-Json parse_json(const std::string& text, const std::string& origin, const std::string& format) {
-  Json json;
+CascadeDesign cascade_from_json(const Json& json, const std::string& where) {
+  using internal::member;
+  CascadeDesign cascade;
+  const auto number = [&](const char* key, double if_absent, bool zero) {
+    if (!json.contains(key)) return if_absent;
+    const std::string here = where + "." + key;
+    const double value = internal::number_from_json(json[key], here);
+    if (value < 0 || (value == 0 && !zero))
+      throw InvalidInput(
+          here, fmt::format("is {}, expected {}", value, zero ? "0 or more" : "more than 0"));
+    return value;
+  };
+  cascade.gains.dt = internal::number_from_json(member(json, "dt_s", where), where + ".dt_s");
+  if (!(cascade.gains.dt > 0))
+    throw InvalidInput(where + ".dt_s",
+                       fmt::format("is {} s, expected more than 0", cascade.gains.dt));
+  if (json.contains("integrator"))
+    cascade.method =
+        pid_method(internal::string_from_json(json["integrator"], where + ".integrator"),
+                   where + ".integrator");
+  cascade.attitude_limit = number("attitude_limit_rad", cascade.attitude_limit, false);
+  cascade.integrator_limit = number("integrator_limit", cascade.integrator_limit, false);
+  cascade.back_calculation = number("back_calculation_per_s", 0, true);
+  cascade.takeoff_time = number("takeoff_time_s", 0, true);
+  const Json& loops = member(json, "loops", where);
+  if (!loops.is_array())
+    throw InvalidInput(where + ".loops", fmt::format("is {}, expected a list", loops.type_name()));
+  std::array<bool, kCascadeAxes> came{};
+  for (const CascadeAxis axis : kAllCascadeAxes) cascade.gains.loops.push_back(cascade_loop(axis));
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    const std::string here = fmt::format("{}.loops[{}]", where, i);
+    const CascadeAxis axis = cascade_axis(
+        internal::string_from_json(member(loops[i], "name", here), here + ".name"), here + ".name");
+    if (std::exchange(came[index_of(axis)], true))
+      throw InvalidInput(here + ".name", "names a loop twice, expected each once");
+    PidLoop& loop = cascade.gains.loops[index_of(axis)];
+    for (const auto& [key, gain] : {std::pair("Kp", &PidLoop::Kp), std::pair("Ki", &PidLoop::Ki),
+                                    std::pair("Kd", &PidLoop::Kd)})
+      loop.*gain = internal::number_from_json(member(loops[i], key, here), here + "." + key);
+  }
+  for (const CascadeAxis axis : kAllCascadeAxes)
+    if (!came[index_of(axis)])
+      throw InvalidInput(where + ".loops",
+                         fmt::format("has no loop '{}', expected all six", to_string(axis)));
+  return cascade;
+}
+
+namespace {
+
+Json parsed(const std::string& text, const std::string& origin) {
   try {
-    json = Json::parse(text);
+    return Json::parse(text);
   } catch (const Json::parse_error& error) {
     const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
     throw InvalidInput(fmt::format("{}:{}", origin, 1 + std::count(text.begin(), end, '\n')),
@@ -227,15 +289,28 @@ Json parse_json(const std::string& text, const std::string& origin, const std::s
   } catch (const Json::out_of_range& error) {  // 1e999
     throw InvalidInput(origin, std::string("has a number beyond a double: ") + error.what());
   }
-  const std::string came =
-      internal::string_from_json(internal::member(json, "format", origin), origin + ": format");
+}
+
+std::string format_of(const Json& json, const std::string& origin) {
+  return internal::string_from_json(internal::member(json, "format", origin), origin + ": format");
+}
+
+}  // namespace
+
+std::string json_format(const std::string& text, const std::string& origin) {
+  return format_of(parsed(text, origin), origin);
+}
+
+Json parse_json(const std::string& text, const std::string& origin, const std::string& format) {
+  Json json = parsed(text, origin);
+  const std::string came = format_of(json, origin);
   if (came != format)
     throw InvalidInput(origin, fmt::format("format is '{}', expected '{}'", came, format));
   const Json& version = internal::member(json, "format_version", origin);
   if (version != 1)
     throw InvalidInput(origin, fmt::format("format_version is {}, expected 1, the only one that "
                                            "this version of quadtune knows",
-                                           version.dump()));
+                                           internal::json_text(version)));
   return json;
 }
 

@@ -29,6 +29,10 @@ void add_weights(Json& json, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R)
 [[nodiscard]] std::pair<Eigen::MatrixXd, Eigen::MatrixXd> weights_from_json(
     const Json& json, const std::string& origin);
 
+/// [sensors] and [battery] of a vehicle file, likewise.
+[[nodiscard]] Json sensors_to_json(const Sensors& sensors);
+[[nodiscard]] Json battery_to_json(const Battery& battery);
+
 /// The tables and keys of a vehicle file. What is not known, and what a file without the key would
 /// mean, is left out; the environment and the curves of thrust and torque always stand.
 [[nodiscard]] Json vehicle_to_json(const Vehicle& vehicle);
@@ -36,6 +40,18 @@ void add_weights(Json& json, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R)
 [[nodiscard]] Json filter_to_json(const KalmanFilter& filter);
 
 [[nodiscard]] Json cascade_to_json(const CascadeDesign& cascade);
+
+/// A cascade with its gains, the loops in the order of kAllCascadeAxes.
+/// @param where  "file: path" for messages
+/// @throws InvalidInput  naming the JSON path, what came and what was expected.
+[[nodiscard]] CascadeDesign cascade_from_json(const Json& json, const std::string& where);
+
+/// "format" of a manifest.
+inline constexpr char kManifestFormat[] = "quadtune-export";
+
+/// What a JSON text calls its format.
+/// @throws InvalidInput  "origin:line: …" for bad syntax, or where it says nothing.
+[[nodiscard]] std::string json_format(const std::string& text, const std::string& origin);
 
 /// Parses a JSON text whose member "format" must be `format` in version 1.
 /// @throws InvalidInput  "origin:line: …" for bad syntax or another format.

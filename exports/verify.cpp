@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <limits>
+#include <utility>
 
 #include "export_text.hpp"
 #include "quadtune/errors.hpp"
@@ -20,10 +23,6 @@ namespace quadtune {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Poles of the same files and vehicle on another machine agree to about 1e-12; one gain that is off
-// by a thousandth moves them by more than this.
-constexpr double kPoleTolerance = 1e-7;
 
 // Trims are solved to 1e-10, so two of one flight agree to less than this share of their largest
 // entry, or of 1 in its unit.
@@ -74,6 +73,38 @@ VerifyCheck check_no_others(const fs::path& directory, const Manifest& manifest)
                       fmt::join(others, ", "))};
 }
 
+// Inputs are told by their names alone: which of them are at hand, and are these as they were?
+VerifyCheck check_inputs(const Manifest& manifest, const std::vector<FileContent>& at_hand) {
+  VerifyCheck check{"inputs are those of the manifest", true, ""};
+  std::vector<std::string> same, missing;
+  for (const ManifestFile& input : manifest.inputs) {
+    const auto named = [&](const FileContent& file) { return file.name == input.path; };
+    const auto as_listed = [&](const FileContent& file) {
+      return named(file) && file.bytes.size() == input.size && sha256(file.bytes) == input.sha256;
+    };
+    if (std::any_of(at_hand.begin(), at_hand.end(), as_listed)) {
+      same.push_back(input.path);
+      continue;
+    }
+    const auto other = std::find_if(at_hand.begin(), at_hand.end(), named);
+    if (other == at_hand.end()) {
+      missing.push_back(input.path);
+      continue;
+    }
+    check.ok = false;
+    check.detail = fmt::format(
+        "{} has {} bytes and SHA-256 {}, the manifest lists {} and {}: made from another file",
+        input.path, other->bytes.size(), sha256(other->bytes), input.size, input.sha256);
+    return check;
+  }
+  if (!same.empty()) check.detail = fmt::format("{} as listed", fmt::join(same, ", "));
+  if (!missing.empty())
+    check.detail += fmt::format("{}not at hand, so not compared: {}", same.empty() ? "" : "; ",
+                                fmt::join(missing, ", "));
+  if (check.detail.empty()) check.detail = "the manifest lists none";
+  return check;
+}
+
 // The filter's diagonals that travel with uquad's gains.
 void read_diagonals(const fs::path& directory, const Manifest& manifest) {
   for (const ManifestFile& file : manifest.files) {
@@ -102,29 +133,36 @@ void read_weights(const fs::path& directory, const Manifest& manifest, const Gai
   }
 }
 
+std::string in_words(const StoredLaws& laws) {
+  std::string text;
+  if (laws.gains)
+    text = fmt::format("K {}x{}, K_int {}x{}, all finite", laws.gains->K.rows(),
+                       laws.gains->K.cols(), laws.gains->K_int.rows(), laws.gains->K_int.cols());
+  if (laws.cascade) text += fmt::format("{}a PID cascade", text.empty() ? "" : "; ");
+  return text.empty() ? "no control law in this export" : text;
+}
+
 void check_readable(const fs::path& directory, const Manifest* manifest, VerifyReport& report) {
   VerifyCheck check{"files read as the flight program reads them", false, ""};
   try {
-    if (manifest != nullptr && manifest->kind == ExportKind::mambo && !manifest->gains) {
-      check.detail = "no state feedback in this export";  // its numbers are compared one by one
-    } else {
-      report.gains = read_gains(directory);
-      const Gains& gains = *report.gains;
-      if (manifest != nullptr && manifest->kind == ExportKind::uquad) {
-        (void)uquad_file_set(gains);  // refuses a trim that the flight program does not fly
-        read_weights(directory, *manifest, gains);
-        read_diagonals(directory, *manifest);
-      }
-      check.detail = fmt::format("K {}x{}, K_int {}x{}, all finite", gains.K.rows(), gains.K.cols(),
-                                 gains.K_int.rows(), gains.K_int.cols());
+    StoredLaws laws = read_laws(directory);
+    if (manifest != nullptr && manifest->gains && !laws.gains)
+      throw InvalidInput(directory.string(), "has no state feedback, but its manifest has");
+    if (manifest != nullptr && manifest->cascade && !laws.cascade)
+      throw InvalidInput(directory.string(), "has no cascade, but its manifest has");
+    if (laws.gains && manifest != nullptr && manifest->kind == ExportKind::uquad) {
+      (void)uquad_file_set(*laws.gains);  // refuses a trim that the flight program does not fly
+      read_weights(directory, *manifest, *laws.gains);
+      read_diagonals(directory, *manifest);
     }
+    check.detail = in_words(laws);
     check.ok = true;
+    report.gains = std::move(laws.gains);
+    report.cascade = std::move(laws.cascade);
   } catch (const InvalidInput& error) {
     check.detail = error.what();
-    report.gains.reset();
   } catch (const FileError& error) {
     check.detail = error.what();
-    report.gains.reset();
   }
   report.checks.push_back(check);
 }
@@ -139,20 +177,54 @@ Eigen::VectorXd in_order(const Gains& gains, const std::vector<Signal>& states) 
   return x0;
 }
 
+// What of `found` is not what `expected` says, or "": K has no meaning without its signals.
+std::string signal_difference(const char* what, const std::vector<Signal>& found,
+                              const std::vector<Signal>& expected, bool in_this_order) {
+  for (std::size_t i = 0; i < std::max(found.size(), expected.size()); ++i) {
+    if (i >= found.size() || i >= expected.size())
+      return fmt::format("{} {}, the manifest has {}", what, names(found), names(expected));
+    const auto same_name = [&](const Signal& signal) { return signal.name == found[i].name; };
+    const auto at = in_this_order ? expected.begin() + static_cast<std::ptrdiff_t>(i)
+                                  : std::find_if(expected.begin(), expected.end(), same_name);
+    if (at == expected.end() || at->name != found[i].name)
+      return fmt::format("{} {}, the manifest has {}", what, names(found), names(expected));
+    if (at->unit != found[i].unit)
+      return fmt::format("{} in '{}', the manifest has '{}'", found[i].name, found[i].unit,
+                         at->unit);
+  }
+  return "";
+}
+
+// Everything of a gain but its numbers.
+std::string description_difference(const Gains& read, const Gains& expected) {
+  const auto differ = [](const char* what, const std::string& a, const std::string& b) {
+    return a == b ? "" : fmt::format("{} {} in the file, {} in the manifest", what, a, b);
+  };
+  for (const std::string& difference :
+       {differ("sign law", to_string(read.sign_law), to_string(expected.sign_law)),
+        differ("convention", read.convention, expected.convention),
+        differ("kind of inputs", to_string(read.input_kind), to_string(expected.input_kind)),
+        differ("sample time", fmt::format("{}", read.dt), fmt::format("{}", expected.dt)),
+        signal_difference("inputs", read.inputs, expected.inputs, true),
+        signal_difference("states", read.states, expected.states, false),
+        signal_difference("integrals", read.integrals, expected.integrals, false)})
+    if (!difference.empty()) return difference;
+  return "";
+}
+
 VerifyCheck check_same_gains(const Gains& read, const Gains& expected) {
   VerifyCheck check{"gains are those of the manifest", false, ""};
   try {
+    check.detail = description_difference(read, expected);
+    if (!check.detail.empty()) return check;
     const GainsDiff difference = diff(read, expected);
-    check.ok = difference.entries.empty() && read.sign_law == expected.sign_law;
+    check.ok = difference.entries.empty();
     check.detail = "every entry is the same double";
     if (check.ok && (read.x0 != in_order(expected, read.states) || read.u0 != expected.u0)) {
       check.ok = false;
       check.detail = "trim x0 or u0 differs";
     }
-    if (read.sign_law != expected.sign_law) {
-      check.detail = fmt::format("sign law {} in the file, {} in the manifest",
-                                 to_string(read.sign_law), to_string(expected.sign_law));
-    } else if (!difference.entries.empty()) {
+    if (!difference.entries.empty()) {
       const DiffEntry& worst = difference.entries.front();
       check.detail = fmt::format(
           "{} entries differ, most {}({}, {}): {} in the file, {} in the "
@@ -163,6 +235,16 @@ VerifyCheck check_same_gains(const Gains& read, const Gains& expected) {
     check.detail = error.what();
   }
   return check;
+}
+
+VerifyCheck check_same_cascade(const CascadeDesign& read, const CascadeDesign& expected) {
+  const GainsDiff difference = diff(read, expected);
+  if (difference.entries.empty())
+    return {"cascade is that of the manifest", true, "every number is the same double"};
+  const DiffEntry& worst = difference.entries.front();
+  return {"cascade is that of the manifest", false,
+          fmt::format("{} numbers differ, most {}: {} in the file, {} in the manifest",
+                      difference.entries.size(), name_of(worst), worst.a, worst.b)};
 }
 
 bool same(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
@@ -250,20 +332,6 @@ VerifyCheck check_numbers(const fs::path& directory, const Manifest& manifest) {
   return check;
 }
 
-// Largest distance when each pole is paired with the nearest that is left.
-double pole_distance(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
-  std::vector<std::complex<double>> left(b.begin(), b.end());
-  double worst = 0;
-  for (const std::complex<double>& pole : a) {
-    const auto nearest = std::min_element(left.begin(), left.end(), [&](auto x, auto y) {
-      return std::abs(x - pole) < std::abs(y - pole);
-    });
-    worst = std::max(worst, std::abs(*nearest - pole));
-    left.erase(nearest);
-  }
-  return worst;
-}
-
 // "" where `found` is `expected` up to kTrimTolerance, else the entry that is furthest off.
 std::string trim_difference(const char* name, const std::vector<Signal>& signals,
                             const Eigen::VectorXd& found, const Eigen::VectorXd& expected) {
@@ -290,6 +358,21 @@ VerifyCheck check_trim(const Gains& gains, const std::optional<VerifyModel>& mod
   return check;
 }
 
+VerifyCheck check_poles(const char* name, const Eigen::VectorXcd& found,
+                        const Eigen::VectorXcd& listed) {
+  VerifyCheck check{name, false, "no poles could be computed"};
+  if (listed.size() == 0) {
+    check.detail = "the manifest lists none";
+  } else if (found.size() == listed.size()) {
+    const double distance = pole_distance(found, listed);
+    check.ok = distance <= kPoleTolerance;
+    check.detail = fmt::format("largest distance {:.3g}, at most {:g}", distance, kPoleTolerance);
+  } else if (found.size() > 0) {
+    check.detail = fmt::format("{} poles, the manifest lists {}", found.size(), listed.size());
+  }
+  return check;
+}
+
 void check_closed_loop(const std::optional<VerifyModel>& model, const Manifest* manifest,
                        VerifyReport& report) {
   const DiscreteLti* plant = model ? &model->plant : nullptr;
@@ -313,19 +396,33 @@ void check_closed_loop(const std::optional<VerifyModel>& model, const Manifest* 
     report.checks.push_back({"sample time is the vehicle model's",
                              std::abs(plant->dt - report.gains->dt) <= 1e-12,
                              fmt::format("gains {} s, model {} s", report.gains->dt, plant->dt)});
-  if (manifest == nullptr) return;
-  VerifyCheck poles{"poles are those of the manifest", false, "no poles could be computed"};
-  if (manifest->closed_loop_poles.size() == 0) {
-    poles.detail = "the manifest lists none";
-  } else if (report.poles.size() == manifest->closed_loop_poles.size()) {
-    const double distance = pole_distance(report.poles, manifest->closed_loop_poles);
-    poles.ok = distance <= kPoleTolerance;
-    poles.detail = fmt::format("largest distance {:.3g}, at most {:g}", distance, kPoleTolerance);
-  } else if (report.poles.size() > 0) {
-    poles.detail = fmt::format("{} poles, the manifest lists {}", report.poles.size(),
-                               manifest->closed_loop_poles.size());
+  if (manifest != nullptr)
+    report.checks.push_back(
+        check_poles("poles are those of the manifest", report.poles, manifest->closed_loop_poles));
+}
+
+void check_cascade_loop(const std::optional<DiscreteLti>& plant, const Manifest* manifest,
+                        VerifyReport& report) {
+  VerifyCheck stable{"closed loop of the cascade is stable", false,
+                     "not computed: no vehicle to close the loop with"};
+  Eigen::VectorXcd poles;
+  if (plant) {
+    try {
+      poles = closed_loop_poles(*plant, *report.cascade);
+      const double radius = poles.cwiseAbs().maxCoeff();
+      stable.ok = radius < 1 && std::abs(plant->dt - report.cascade->gains.dt) <= 1e-12;
+      stable.detail =
+          fmt::format("spectral radius {:.9f}, all loops closed, integrals by {}, dt {} s", radius,
+                      to_string(report.cascade->method), plant->dt);
+    } catch (const InvalidInput& error) {
+      stable.detail = error.what();
+    }
   }
-  report.checks.push_back(poles);
+  report.checks.push_back(stable);
+  // Of an export whose manifest does not know the cascade, the numbers of its files are compared.
+  if (manifest != nullptr && manifest->cascade)
+    report.checks.push_back(check_poles("poles of the cascade are those of the manifest", poles,
+                                        manifest->cascade_poles));
 }
 
 std::optional<Manifest> check_manifest(const fs::path& directory, VerifyReport& report) {
@@ -354,7 +451,22 @@ bool VerifyReport::ok() const {
          std::all_of(checks.begin(), checks.end(), [](const VerifyCheck& c) { return c.ok; });
 }
 
-VerifyReport verify_export(const fs::path& directory, const std::optional<VerifyModel>& model) {
+double pole_distance(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
+  if (a.size() != b.size()) return std::numeric_limits<double>::infinity();
+  std::vector<std::complex<double>> left(b.begin(), b.end());
+  double worst = 0;
+  for (const std::complex<double>& pole : a) {
+    const auto nearest = std::min_element(left.begin(), left.end(), [&](auto x, auto y) {
+      return std::abs(x - pole) < std::abs(y - pole);
+    });
+    worst = std::max(worst, std::abs(*nearest - pole));
+    left.erase(nearest);
+  }
+  return worst;
+}
+
+VerifyReport verify_export(const fs::path& directory, const std::optional<VerifyModel>& model,
+                           const VerifyFacts& facts) {
   std::error_code error;
   if (!fs::is_directory(directory, error))
     throw FileError(directory.string(),
@@ -365,18 +477,25 @@ VerifyReport verify_export(const fs::path& directory, const std::optional<Verify
     for (const ManifestFile& file : manifest->files)
       report.checks.push_back(check_file(directory, file));
     report.checks.push_back(check_no_others(directory, *manifest));
+    report.checks.push_back(check_inputs(*manifest, facts.inputs));
   }
   check_readable(directory, manifest ? &*manifest : nullptr, report);
   if (manifest && manifest->gains && report.gains)
     report.checks.push_back(check_same_gains(*report.gains, *manifest->gains));
+  if (manifest && report.cascade && (manifest->cascade || manifest->kind == ExportKind::json))
+    report.checks.push_back(
+        manifest->cascade
+            ? check_same_cascade(*report.cascade, *manifest->cascade)
+            : VerifyCheck{"cascade is that of the manifest", false, "the manifest has none"});
   if (manifest && manifest->gains && manifest->kind != ExportKind::mambo)
     report.checks.push_back(check_weights(directory, *manifest));
   if (manifest && manifest->kind == ExportKind::mambo)
     report.checks.push_back(check_numbers(directory, *manifest));
   if (manifest && manifest->gains && report.gains)
     report.checks.push_back(check_trim(*report.gains, model));
-  if (!manifest || manifest->gains)
-    check_closed_loop(model, manifest ? &*manifest : nullptr, report);
+  const Manifest* known = manifest ? &*manifest : nullptr;
+  if (!manifest || manifest->gains || report.gains) check_closed_loop(model, known, report);
+  if (report.cascade) check_cascade_loop(facts.cascade_plant, known, report);
   return report;
 }
 

@@ -251,6 +251,7 @@ EstimatorDesign read_estimator(const TomlTable& table, const std::filesystem::pa
 CascadeDesign read_cascade(const TomlTable& table) {
   std::vector<TomlKey> keys = internal::cascade_gain_keys();
   keys.insert(keys.end(), {{"design"},
+                           {"integrator"},
                            {"attitude_limit", "rad"},
                            {"integrator_limit"},
                            {"back_calculation", "per_s"},
@@ -266,8 +267,14 @@ CascadeDesign read_cascade(const TomlTable& table) {
                                        name));
     cascade.gains.dt = table.number("dt_s", Range::positive());
     cascade.specification = internal::read_cascade_specification(*wanted, cascade.gains.dt);
+    cascade.method = cascade.specification->method;
+    if (table.has("integrator"))
+      throw InvalidInput(table.where("integrator"),
+                         "[cascade] has an integrator beside [cascade.design], expected it there");
   } else {
     cascade.gains = internal::read_cascade_gains(table);
+    if (table.has("integrator"))
+      cascade.method = pid_method(table.text("integrator"), table.where("integrator"));
   }
   cascade.attitude_limit =
       table.number_or("attitude_limit_rad", cascade.attitude_limit, Range::positive());

@@ -82,7 +82,9 @@ LqrWeights DiagonalLqr::weights(const Eigen::Ref<const VectorXd>& w) const {
 }
 
 RiccatiResult DiagonalLqr::solve(const Eigen::Ref<const VectorXd>& w) const {
-  return std::visit([&](const auto& plant) { return lqr(plant, weights(w)); }, plant_);
+  return std::visit(
+      [&](const auto& plant) { return lqr(plant, weights(w), RiccatiEvidence::essential); },
+      plant_);
 }
 
 LqrDerivative DiagonalLqr::derivative(const Eigen::Ref<const VectorXd>& w,

@@ -10,6 +10,9 @@ namespace quadtune::internal {
 /// and 13.
 [[nodiscard]] DiskMargin disk_of_peak(double peak, double w, double skew);
 
+/// Of a stable loop of one channel.
+[[nodiscard]] DiskMargin disk_margin(const OpenLoop& loop, double skew);
+
 /// Whether the loop is stable when closed; with a delay, too.
 [[nodiscard]] bool closed_loop_is_stable(const OpenLoop& loop);
 

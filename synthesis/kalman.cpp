@@ -88,6 +88,7 @@ KalmanResult from_dual(const RiccatiResult& dual) {
   result.rcond = dual.rcond;
   result.iterations = dual.iterations;
   result.culprit = dual.culprit;
+  result.warning = dual.warning;
   return result;
 }
 

@@ -13,18 +13,20 @@
 namespace quadtune {
 namespace {
 
-RiccatiOptions named(const std::vector<Signal>& states, Eigen::Index nx) {
+RiccatiOptions named(const std::vector<Signal>& states, Eigen::Index nx, RiccatiEvidence evidence) {
   RiccatiOptions options;
+  options.evidence = evidence;
   if (!states.empty()) options.state_names = names_or_numbers(states, nx);
   return options;
 }
 
 /// Runs care() or dare() with the plant's state names; what they refuse is said in lqr()'s name.
 template <class Equation, class Lti>
-RiccatiResult solve(Equation equation, const Lti& plant, const LqrWeights& weights) {
+RiccatiResult solve(Equation equation, const Lti& plant, const LqrWeights& weights,
+                    RiccatiEvidence evidence) {
   try {
     return equation(plant.A, plant.B, weights.Q, weights.R, weights.N,
-                    named(plant.states, plant.A.rows()));
+                    named(plant.states, plant.A.rows(), evidence));
   } catch (const InvalidInput& error) {
     const std::string what = error.what();
     throw InvalidInput("lqr", what.substr(std::min(what.size(), error.where().size() + 2)));
@@ -45,14 +47,14 @@ Eigen::Index index_of(const std::vector<Signal>& states, const std::string& name
 
 }  // namespace
 
-RiccatiResult lqr(const ContinuousLti& plant, const LqrWeights& weights) {
+RiccatiResult lqr(const ContinuousLti& plant, const LqrWeights& weights, RiccatiEvidence evidence) {
   validate(plant, "lqr");
-  return solve(care, plant, weights);
+  return solve(care, plant, weights, evidence);
 }
 
-RiccatiResult lqr(const DiscreteLti& plant, const LqrWeights& weights) {
+RiccatiResult lqr(const DiscreteLti& plant, const LqrWeights& weights, RiccatiEvidence evidence) {
   validate(plant, "lqr");
-  return solve(dare, plant, weights);
+  return solve(dare, plant, weights, evidence);
 }
 
 SampledLqr sample(const ContinuousLti& plant, const LqrWeights& weights, double dt) {

@@ -14,6 +14,7 @@
 #include "disk.hpp"
 #include "frequency_grid.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/frequency_response.hpp"
 
 namespace quadtune {
 
@@ -32,9 +33,24 @@ struct Samples {
   std::vector<Complex> S;
 };
 
+/// The same loop with its states in reverse order: its response differs by rounding only.
+FrequencyResponse reordered(const OpenLoop& loop) {
+  const auto fill = [&](auto plant) {
+    plant.A = loop.A().reverse();
+    plant.B = loop.B().colwise().reverse();
+    plant.C = loop.C().rowwise().reverse();
+    plant.D = loop.D();
+    return plant;
+  };
+  if (!loop.discrete()) return FrequencyResponse(fill(ContinuousLti{}));
+  DiscreteLti plant = fill(DiscreteLti{});
+  plant.dt = loop.dt();
+  return FrequencyResponse(plant);
+}
+
 class SingleLoop {
  public:
-  explicit SingleLoop(const OpenLoop& loop) : loop_(loop) {
+  explicit SingleLoop(const OpenLoop& loop) : loop_(loop), reordered_(reordered(loop)) {
     for (const double w : frequency_grid(loop)) {
       const Complex L = at(w);
       // A pole on the axis has no value; its neighbours show its size.
@@ -51,21 +67,39 @@ class SingleLoop {
   [[nodiscard]] Complex sensitivity(double w) const { return loop_.sensitivity(w)(0, 0); }
 
   /// Roots of f(L) on the grid, and between neighbours where it changes sign. f is continuous
-  /// there. Where it is 0 at neighbours it is so all along, and this is no root.
+  /// there. Where it is 0 at neighbours it is so all along, and this is no root; nor is a change of
+  /// sign where f is nothing but rounding on both sides.
   [[nodiscard]] std::vector<double> roots(const std::function<double(Complex)>& f) const {
     std::vector<double> found;
     const std::size_t count = samples_.w.size();
+    const auto is_seen = [&](std::size_t i) {
+      return i < count && std::abs(f(samples_.L[i])) > kOverRounding * rounding(samples_.w[i], f);
+    };
     for (std::size_t i = 0; i < count; ++i) {
       const double here = f(samples_.L[i]);
       const bool last = i + 1 == count;
       const double next = last ? 1 : f(samples_.L[i + 1]);
       const double before = i == 0 ? 1 : f(samples_.L[i - 1]);
-      if (here == 0 && next != 0 && before != 0) found.push_back(samples_.w[i]);
-      if (!last && here * next < 0)
+      if (here == 0 && last && loop_.discrete()) {
+        // Symmetry, not rounding, makes L real at Nyquist, however near its neighbour is.
+        std::size_t k = count;
+        while (k > 0 && !is_seen(k - 1)) --k;
+        if (k > 0) found.push_back(samples_.w[i]);
+      } else if (here == 0 && next != 0 && before != 0 && (is_seen(i + 1) || is_seen(i - 1))) {
+        found.push_back(samples_.w[i]);
+      }
+      if (!last && here * next < 0 && (is_seen(i) || is_seen(i + 1)))
         found.push_back(
             refine_root([&](double w) { return f(at(w)); }, samples_.w[i], samples_.w[i + 1]));
     }
     return found;
+  }
+
+  /// Whether |L| at w is more than its rounding.
+  [[nodiscard]] bool is_seen(double w) const {
+    const double part = std::max(rounding(w, [](Complex L) { return L.real(); }),
+                                 rounding(w, [](Complex L) { return L.imag(); }));
+    return std::abs(at(w)) > kOverRounding * part;
   }
 
   /// The largest |S + offset| and where.
@@ -85,7 +119,26 @@ class SingleLoop {
   }
 
  private:
+  static constexpr double kOverRounding = 30;
+
+  /// The error of f(L) at w, from how much it differs when the states come in another order, and
+  /// scatters over frequencies so near to one another that L does not change: by a few last digits
+  /// of w, or, at 0, of the lowest frequency.
+  [[nodiscard]] double rounding(double w, const std::function<double(Complex)>& f) const {
+    constexpr double kNear = 0x1p-50;
+    const double lowest = samples_.w.size() > 1 ? samples_.w[1] : 0;
+    const double centre = w > 0 ? f(at(w)) : f(at(kNear * lowest));
+    const Complex turn = std::polar(1.0, -w * loop_.delay());
+    double scatter = std::abs(f(reordered_.at(w)(0, 0) * turn) - f(at(w)));
+    for (const int k : {2, 3, 4, 5, 6, 7}) {
+      const double there = w > 0 ? w * (1 - k * kNear) : k * kNear * lowest;
+      scatter = std::max(scatter, std::abs(f(at(there)) - centre));
+    }
+    return scatter;
+  }
+
   const OpenLoop& loop_;
+  FrequencyResponse reordered_;
   Samples samples_;
 };
 
@@ -105,21 +158,27 @@ std::vector<GainCrossover> gain_crossovers(const SingleLoop& loop) {
 }
 
 std::vector<PhaseCrossover> phase_crossovers(const SingleLoop& loop) {
-  // A delay turns the smallest L on and on, and the largest, beside an integrator, is at rounding's
-  // mercy; by this factor nobody changes a gain.
-  constexpr double kOfInterest = 1e6;
   std::vector<PhaseCrossover> all;
   for (const double w : loop.roots([](Complex L) { return L.imag(); })) {
     const Complex L = loop.at(w);
     // A change of sign through infinity, at a pole on the axis, is not one through 0.
     const bool real = std::abs(L.imag()) <= 1e-6 * std::abs(L);
-    const double size = std::abs(L);
-    if (real && L.real() < 0 && size * kOfInterest > 1 && size < kOfInterest)
-      all.push_back({w, 1 / size});
+    if (real && L.real() < 0 && loop.is_seen(w)) all.push_back({w, 1 / std::abs(L)});
   }
   // A continuous loop's feed-through is real as well, but no frequency of the grid.
   if (loop.feed_through() < 0) all.push_back({kInfinite, -1 / loop.feed_through()});
   return all;
+}
+
+/// Leaves out what nobody changes a gain by, unless it is a margin. A delay turns the smallest L on
+/// and on.
+void shorten(LoopMargins& margins) {
+  constexpr double kOfInterest = 1e6;
+  const auto is_far = [&](const PhaseCrossover& at) {
+    return at.gain_margin != margins.gain_margin && at.gain_margin != margins.gain_reduction &&
+           !(at.gain_margin < kOfInterest && at.gain_margin * kOfInterest > 1);
+  };
+  margins.far_phase_crossovers = static_cast<int>(std::erase_if(margins.phase_crossovers, is_far));
 }
 
 /// Stability with a delay (Walton, Marshall 1987): as the delay grows from 0, roots cross the axis
@@ -159,13 +218,19 @@ DiskMargin disk_of_peak(double peak, double w, double skew) {
   disk.gain_low = (2 - a * (1 - skew)) / (2 + a * (1 + skew));
   const double open = 2 - a * (1 + skew);
   disk.gain_high = open > 0 ? (2 + a * (1 - skew)) / open : kInfinite;
-  const double cosine =
-      open > 0 ? (1 + disk.gain_low * disk.gain_high) / (disk.gain_low + disk.gain_high)
-               : disk.gain_low;
-  disk.phase = cosine < -1 || disk.gain_low + (open > 0 ? disk.gain_high : 1) <= 0
-                   ? kPi
-                   : std::acos(std::clamp(cosine, -1.0, 1.0));
+  // The factor e^(jθ) belongs to |δ|² = (2 - 2 cos θ)/((1 + σ²)/2 + (1 - σ²)/2 cos θ), which grows
+  // with θ; at π it is (2/σ)².
+  disk.phase =
+      a * std::abs(skew) >= 2
+          ? kPi
+          : std::acos(std::clamp((4 - a * a * (1 + skew * skew)) / (4 + a * a * (1 - skew * skew)),
+                                 -1.0, 1.0));
   return disk;
+}
+
+DiskMargin disk_margin(const OpenLoop& loop, double skew) {
+  const auto [peak, w] = SingleLoop(loop).peak((skew - 1) / 2);
+  return disk_of_peak(peak, w, skew);
 }
 
 }  // namespace internal
@@ -193,6 +258,9 @@ LoopMargins loop_margins(const OpenLoop& loop, double skew) {
     margins.phase_margin = at.phase_margin;
     margins.crossover = at.w;
   }
+  // What a turn either way leaves of a stable loop; the crossover's sign says which way.
+  if (margins.stable) margins.phase_margin = std::abs(margins.phase_margin);
+  shorten(margins);
   std::tie(margins.Ms, margins.w_Ms) = response.peak(0);
   std::tie(margins.Mt, margins.w_Mt) = response.peak(-1);  // |T| = |1 - S|
   if (margins.stable) {

@@ -26,6 +26,14 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kNoCoupling = 1e-14;
 /// What is called a culprit after every method has failed.
 constexpr double kWeakCoupling = 1e-9;
+/// Below this rcond a solution carries a warning.
+constexpr double kLowRcond = 1e-12;
+/// Below this one it is solved in 50 digits if all evidence is wanted.
+constexpr double kDoubtfulRcond = 1e-10;
+/// From this gain_error on, too.
+constexpr double kLargeGainError = 1e-6;
+/// The same from this internal::gain_rounding() on.
+constexpr double kDoubtfulGain = 1e-9;
 
 void check_options(const RiccatiOptions& options, Eigen::Index nx, const std::string& where) {
   if (!(options.relative_tolerance > 0 && options.relative_tolerance < 1))
@@ -46,6 +54,7 @@ void fill_with_nan(RiccatiResult& result, Eigen::Index nx, Eigen::Index nu) {
   result.K.setConstant(nu, nx, nan);
   result.residual = nan;
   result.rcond = nan;
+  result.gain_error = nan;
   result.iterations = 0;
 }
 
@@ -79,18 +88,45 @@ bool residual_is_small(const Candidate& found, const RiccatiOptions& options) {
   return found.residual <= std::max(options.relative_tolerance, unavoidable);
 }
 
-Culprit culprit_after_all(const RiccatiEquation& problem, const internal::SchurOutcome& schur,
-                          const RiccatiOptions& options) {
-  Culprit culprit = internal::find_culprit(problem, kWeakCoupling, options);
-  if (culprit.status != RiccatiStatus::no_convergence) return culprit;
-  constexpr double kOnBoundary = 1e-6;
-  if (schur.distance < kOnBoundary)
-    return {RiccatiStatus::boundary_pair,
-            fmt::format("closed-loop eigenvalue at {} is on the {}",
-                        internal::format_mode(schur.nearest),
-                        problem.time == Time::continuous ? "imaginary axis" : "unit circle")};
-  culprit.text = "neither doubling nor the Schur method reached the tolerance";
-  return culprit;
+Culprit culprit_after_all(const RiccatiEquation& problem, const internal::SchurOutcome& schur) {
+  const bool continuous = problem.time == Time::continuous;
+  const auto on_boundary = [&](std::complex<double> value) {
+    return Culprit{
+        RiccatiStatus::boundary_pair,
+        fmt::format("closed-loop eigenvalue at {} is on the {}", internal::format_mode(value),
+                    continuous ? "imaginary axis" : "unit circle")};
+  };
+  if (continuous && internal::fits_extended(problem.A.rows(), problem.B.cols())) {
+    // Beside the largest, which may be 1e7 times as large, a double knows too little of it.
+    if (const auto value = internal::axis_eigenvalue(problem)) return on_boundary(*value);
+  } else {
+    constexpr double kOnBoundary = 1e-6;
+    if (schur.distance < kOnBoundary) return on_boundary(schur.nearest);
+  }
+  return {RiccatiStatus::no_convergence,
+          "neither doubling nor the Schur method reached the tolerance"};
+}
+
+/// "0.7 %", or "6e-05" where that is shorter.
+std::string share(double part) {
+  return part >= 1e-3 ? fmt::format("{:.2g} %", 100 * part) : fmt::format("{:.1g}", part);
+}
+
+/// Empty, or that the last digits of the matrices matter, and how much.
+std::string condition_warning(const RiccatiResult& result, RiccatiProblem problem) {
+  if (!(result.rcond < kLowRcond) && !(result.gain_error > kLargeGainError)) return {};
+  const std::string what =
+      fmt::format("the equation is ill-conditioned (rcond {:.1g}): ", result.rcond);
+  if (!std::isfinite(result.gain_error))
+    return what + "rounding the matrices once more decides whether there is a solution";
+  const char* gain = problem == RiccatiProblem::filter ? "L" : "K";
+  if (result.used_extended)
+    return what + fmt::format(
+                      "{} is exact for these numbers, but changes by about {} of its norm "
+                      "when they are rounded once more (by 1e-16)",
+                      gain, share(result.gain_error));
+  return what +
+         fmt::format("{} may be off by up to about {} of its norm", gain, share(result.gain_error));
 }
 
 }  // namespace
@@ -121,6 +157,8 @@ struct RiccatiSolver::State {
     result.used_schur = false;
     result.culprit.clear();
     result.warning.clear();
+    result.used_extended = false;
+    result.gain_error = std::numeric_limits<double>::quiet_NaN();
     if (result.poles.size() > 0) result.poles.resize(0);
     if (problem.A.rows() != nx || problem.B.cols() != nu) refuse_sizes(problem);
     const WeightR weight_R = internal::check_problem(problem, buffers, result.warning);
@@ -130,7 +168,8 @@ struct RiccatiSolver::State {
     if (weight_R == WeightR::well_conditioned && solve_by_doubling(problem)) {
       if (want_poles) result.poles = internal::closed_loop_poles(problem, found.K);
       if (!want_poles || internal::all_stable(problem.time, result.poles)) {
-        succeed();
+        if (!want_poles || !is_doubtful(problem, weight_R) || !solve_exactly(problem))
+          succeed(problem);
         return result;
       }
     }
@@ -157,19 +196,48 @@ struct RiccatiSolver::State {
     return residual_is_small(found, options);
   }
 
-  void succeed() {
+  void succeed(const RiccatiEquation& problem) {
     result.status = RiccatiStatus::solved;
     result.X = found.X;
     result.K = found.K;
     result.residual = found.residual;
     result.rcond = found.rcond;
     result.iterations = found.iterations;
+    if (std::isnan(result.gain_error) && result.rcond < kLowRcond)
+      result.gain_error = 0.5 * kEps / result.rcond;
+    if (result.warning.empty() && options.evidence == RiccatiEvidence::full)
+      result.warning = internal::cost_indefiniteness(problem);
+    const std::string warning = condition_warning(result, options.problem);
+    if (!result.warning.empty() && !warning.empty()) result.warning += "; ";
+    result.warning += warning;
+  }
+
+  /// Whether the digits of `found` are in doubt.
+  [[nodiscard]] bool is_doubtful(const RiccatiEquation& problem, WeightR weight_R) const {
+    return found.rcond < kDoubtfulRcond || weight_R != WeightR::well_conditioned ||
+           !(internal::gain_rounding(problem, found) < kDoubtfulGain);
+  }
+
+  /// In 50 digits, where that is affordable.
+  bool solve_exactly(const RiccatiEquation& problem) {
+    internal::ExtendedSolution exact;
+    if (!internal::fits_extended(nx, nu)) return false;
+    if (!internal::solve_extended(problem, exact)) {
+      result.gain_error = std::numeric_limits<double>::infinity();
+      return false;
+    }
+    found = std::move(exact.candidate);
+    result.used_extended = true;
+    result.gain_error = exact.gain_error;
+    if (options.evidence == RiccatiEvidence::full) result.poles = std::move(exact.poles);
+    succeed(problem);
+    return true;
   }
 
   /// Asks first whether there is a solution at all: the Schur method does not tell.
   void solve_slowly(const RiccatiEquation& problem, WeightR weight_R, bool want_poles) {
     const double rounding = kNoCoupling * static_cast<double>(nx);
-    const Culprit culprit = internal::find_culprit(problem, rounding, options);
+    Culprit culprit = internal::find_culprit(problem, rounding, options);
     if (culprit.status != RiccatiStatus::no_convergence) {
       fail(problem, culprit, result);
       return;
@@ -178,14 +246,21 @@ struct RiccatiSolver::State {
     if (schur.found) {
       result.poles = internal::estimate_condition(problem, found);
       if (internal::all_stable(problem.time, result.poles) && residual_is_small(found, options)) {
-        succeed();
+        if (want_poles && is_doubtful(problem, weight_R) && solve_exactly(problem)) return;
+        succeed(problem);
         result.used_schur = true;
         if (!want_poles) result.poles.resize(0);
         return;
       }
     }
     result.poles.resize(0);
-    fail(problem, culprit_after_all(problem, schur, options), result);
+    culprit = internal::find_culprit(problem, kWeakCoupling, options);
+    if (culprit.status != RiccatiStatus::no_convergence) {
+      fail(problem, culprit, result);
+      return;
+    }
+    if (solve_exactly(problem)) return;
+    fail(problem, culprit_after_all(problem, schur), result);
   }
 };
 
@@ -262,9 +337,10 @@ std::ostream& operator<<(std::ostream& out, const RiccatiResult& result) {
   out << to_string(result.status);
   if (!result.culprit.empty()) out << " (" << result.culprit << ")";
   if (result.solved())
-    out << fmt::format(
-        ", residual {:.2g}, rcond {:.2g}, {}", result.residual, result.rcond,
-        result.used_schur ? "Schur method" : fmt::format("{} doublings", result.iterations));
+    out << fmt::format(", residual {:.2g}, rcond {:.2g}, {}", result.residual, result.rcond,
+                       result.used_extended ? "50 digits"
+                       : result.used_schur  ? "Schur method"
+                                            : fmt::format("{} doublings", result.iterations));
   return out;
 }
 

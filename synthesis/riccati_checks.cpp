@@ -77,7 +77,8 @@ std::string indefiniteness(const ConstRef& M, const Look& look, const char* name
 
 WeightR check_R(const RiccatiEquation& problem, const Look& look, const std::string& where,
                 CheckBuffers& buffers) {
-  const double singular_pivot = 8 * kEps * static_cast<double>(problem.R.rows());
+  // What the rounding of R's own entries leaves open.
+  const double singular_pivot = kEps * static_cast<double>(problem.R.rows());
   const double pivot = cholesky(problem.R, 0, buffers.factor_R);
   if (pivot > 1e-10) return WeightR::well_conditioned;
   if (pivot > singular_pivot) return WeightR::ill_conditioned;
@@ -131,6 +132,17 @@ WeightR check_problem(const RiccatiEquation& p, CheckBuffers& buffers, std::stri
   buffers.factor_R.resize(p.R.rows(), p.R.cols());
   indefinite_Q = indefiniteness(p.Q, Q, "Q", buffers.factor_Q);
   return check_R(p, R, where, buffers);
+}
+
+std::string cost_indefiniteness(const RiccatiEquation& p) {
+  if (!p.has_cross_term()) return {};
+  const Eigen::Index nx = p.A.rows();
+  const Eigen::Index size = nx + p.B.cols();
+  Eigen::MatrixXd cost(size, size);
+  cost << p.Q, p.N, p.N.transpose(), p.R;
+  Eigen::MatrixXd buffer(size, size);
+  const std::string found = indefiniteness(cost, look_at(cost), "[Q N; N' R]", buffer);
+  return found.empty() ? found : found + ": the cost of K is stationary, but may not be the least";
 }
 
 }  // namespace quadtune::internal

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
+#include <limits>
 
 #include "riccati_parts.hpp"
 #include "riccati_scaling.hpp"
@@ -88,6 +90,20 @@ bool evaluate(const RiccatiEquation& p, Candidate& candidate) {
   const double size = terms.residual.norm();
   candidate.residual = size == 0 ? 0 : size / terms.scale;
   return std::isfinite(candidate.residual) && candidate.K.allFinite();
+}
+
+double gain_rounding(const RiccatiEquation& p, const Candidate& solution) {
+  const Eigen::MatrixXd Bt = p.B.transpose();
+  Eigen::MatrixXd S = p.R;
+  Eigen::MatrixXd F = Bt.cwiseAbs() * solution.X.cwiseAbs();
+  if (p.time == Time::discrete) {
+    S += Bt * solution.X * p.B;
+    F = (F * p.A.cwiseAbs()).eval();
+  }
+  if (p.has_cross_term()) F += p.N.transpose().cwiseAbs();
+  const double error = (S.partialPivLu().inverse().cwiseAbs() * F).norm();
+  const double size = solution.K.norm();
+  return error == 0 ? 0 : std::numeric_limits<double>::epsilon() * error / size;
 }
 
 void refine_by_newton(const RiccatiEquation& p, Candidate& candidate) {

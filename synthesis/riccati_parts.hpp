@@ -7,6 +7,7 @@
 #include <complex>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,9 @@ struct CheckBuffers {
 WeightR check_problem(const RiccatiEquation& problem, CheckBuffers& buffers,
                       std::string& indefinite_Q);
 
+/// "[Q N; N' R] has eigenvalue -0.1, …" when that is so beyond rounding because of N; else empty.
+[[nodiscard]] std::string cost_indefiniteness(const RiccatiEquation& problem);
+
 /// A candidate solution with the measures by which it is judged.
 struct Candidate {
   Eigen::MatrixXd X;  ///< (nx × nx)
@@ -58,6 +62,10 @@ struct Candidate {
   double rcond = std::numeric_limits<double>::quiet_NaN();
   int iterations = 0;
 };
+
+/// What rounding X and the products of K = S⁻¹ F, S = R or R + BᵀXB, may make of K in double
+/// precision, relative to its norm: eps ‖|S⁻¹| (|Bᵀ||X||A| + |Nᵀ|)‖ / ‖K‖, without A if continuous.
+[[nodiscard]] double gain_rounding(const RiccatiEquation& problem, const Candidate& solution);
 
 /// Squared Frobenius norms from which residual and rcond follow, in the caller's units. Those of a
 /// problem that falls into parts are the sums over its parts.
@@ -108,6 +116,26 @@ struct SchurOutcome {
   double distance = std::numeric_limits<double>::infinity();
 };
 SchurOutcome solve_by_schur(const RiccatiEquation& problem, WeightR weight_R, Candidate& found);
+
+/// What 50 decimal digits tell.
+struct ExtendedSolution {
+  Candidate candidate;  ///< X and K exact up to their rounding to double, residual that of both
+  /// ‖δK‖/‖K‖ when every entry of the problem is rounded once more, found by trial; infinite where
+  /// that decides whether there is a solution, as where only a Q raised by its rounding has one.
+  double gain_error = std::numeric_limits<double>::quiet_NaN();
+  Eigen::VectorXcd poles;  ///< (nx) of A - B K
+};
+
+/// Whether 50 digits take seconds at most: they cost a hundred times the time of a double.
+[[nodiscard]] bool fits_extended(Eigen::Index nx, Eigen::Index nu);
+
+/// Solves by doubling and Newton–Kleinman steps in 50 decimal digits, for equations whose matrices
+/// are too far apart for a double. True when the loop of K, as rounded to double, is proved stable.
+bool solve_extended(const RiccatiEquation& problem, ExtendedSolution& found);
+
+/// An eigenvalue of the Hamiltonian matrix of a continuous equation on the imaginary axis, by 50
+/// digits; none of a discrete equation, where this is not looked for.
+[[nodiscard]] std::optional<std::complex<double>> axis_eigenvalue(const RiccatiEquation& problem);
 
 /// Fills K and residual of `candidate` from its X.
 /// @return  false when R + BᵀXB is singular, or something overflowed.

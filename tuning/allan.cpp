@@ -163,6 +163,11 @@ std::vector<std::size_t> allan_factors(std::size_t samples, AllanTaus taus, Alla
   return factors;
 }
 
+Eigen::VectorXd rate_of_phase(const Eigen::Ref<const Eigen::VectorXd>& phase, double dt) {
+  if (phase.size() < 2) return {};
+  return (phase.tail(phase.size() - 1) - phase.head(phase.size() - 1)) / dt;
+}
+
 std::vector<AllanPoint> allan_deviation_of_phase(const Phase& phase, double dt,
                                                  const std::vector<std::size_t>& factors,
                                                  AllanKind kind) {

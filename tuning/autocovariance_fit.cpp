@@ -12,6 +12,7 @@
 #include "autocovariance_description.hpp"
 #include "autocovariance_map.hpp"
 #include "autocovariance_search.hpp"
+#include "constant_measurements.hpp"
 #include "noise_description.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/matrix_checks.hpp"
@@ -119,6 +120,8 @@ class Fit {
       if (!record.linearized.empty())
         return fail(AutocovarianceStatus::no_uniform_stretch,
                     "the model changes from instant to instant, autocovariances take one model");
+    const std::string constant = internal::constant_measurement(model_, records);
+    if (!constant.empty()) return fail(AutocovarianceStatus::not_computed, constant);
     const internal::UniformStretches uniform = internal::find_uniform_stretches(model_, records);
     if (uniform.typical < kLeastStretch) return no_stretch(uniform);
     const auto ny = static_cast<Index>(uniform.outputs.size());
@@ -195,9 +198,12 @@ class Fit {
         static_cast<int>(std::clamp<Index>(kMostMoments / (ny * ny), 1, options_.lags)));
     for (Index i = 0; i < ny; ++i)
       if (!(e.of[0](i, i) > 0) || !std::isfinite(e.of[0](i, i))) {
-        fail(
-            AutocovarianceStatus::not_computed,
-            fmt::format("the innovation of {} has the variance {}", output_name(i), e.of[0](i, i)));
+        fail(AutocovarianceStatus::not_computed,
+             std::isfinite(e.of[0](i, i))
+                 ? fmt::format("the innovation of {} has the variance {}", output_name(i),
+                               e.of[0](i, i))
+                 : fmt::format("the innovation of {} has a variance beyond the range of a double",
+                               output_name(i)));
         return false;
       }
     const internal::MomentMap map = internal::moment_map(sampled_, e.M, groups);

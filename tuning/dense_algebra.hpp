@@ -32,6 +32,11 @@ struct Square {
   double operator()(std::ptrdiff_t i, std::ptrdiff_t j) const { return at[j * N + i]; }
   double* column(std::ptrdiff_t j) { return at + j * N; }
   [[nodiscard]] const double* column(std::ptrdiff_t j) const { return at + j * N; }
+  /// To the entry, and to its mirror image where that is another.
+  void add_symmetric(std::ptrdiff_t i, std::ptrdiff_t j, double value) {
+    at[j * N + i] += value;
+    if (i != j) at[i * N + j] += value;
+  }
 };
 
 /// y += a x
@@ -164,6 +169,12 @@ void propagate(const Square<N>& F, Square<N>& P, const Square<N>* Q) {
     for (int i = 0; i < N * N / 4; ++i) fours(P.at)[i] += fours(Q->at)[i];
   for (int j = 0; j < N; ++j)
     for (int i = 0; i < j; ++i) P(i, j) = P(j, i);
+}
+
+template <int N>
+void transpose(const Square<N>& A, Square<N>& result) {
+  for (int j = 0; j < N; ++j)
+    for (int i = 0; i < N; ++i) result(i, j) = A(j, i);
 }
 
 /// M += a bᵀ times `factor`

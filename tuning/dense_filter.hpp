@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "dense_model.hpp"
+#include "dense_tangents.hpp"
 #include "steady_information.hpp"
 
 namespace quadtune::internal {
@@ -21,15 +22,20 @@ namespace quadtune::internal {
 template <int N>
 class DenseFilter {
  public:
-  DenseFilter(const DenseModel<N>& model, const KernelRecord& record, bool hold_steady_gains,
-              DenseWorkspace<N>& workspace)
-      : model_(model), record_(record), hold_(hold_steady_gains), work_(workspace) {}
+  /// @param instants  of a linearized record; else null
+  DenseFilter(const DenseModel<N>& model, const KernelRecord& record,
+              const DenseInstants<N>* instants, const RunOptions& how, DenseWorkspace<N>& workspace)
+      : model_(model), record_(record), instants_(instants), how_(how), work_(workspace) {}
 
-  /// @param slopes  whether sums.by_… are added to.
-  /// @return        false where an innovation has no positive variance; see sums.
-  bool run(DenseSums<N>& sums, bool slopes) {
+  /// @param slopes    whether sums.by_… are added to.
+  /// @param tangents  of a linearized record, taken along where not null
+  /// @return          false where an innovation has no positive variance; see sums.
+  /// @throws Interrupted  where the options say so
+  bool run(DenseSums<N>& sums, bool slopes, DenseTangents<N>* tangents = nullptr) {
     start();
     slopes_ = slopes;
+    tangents_ = tangents;
+    if (tangents != nullptr) tangents->start();
     work_.piece_count = 0;
     work_.steady.clear();
     tape_ = nullptr;
@@ -94,9 +100,11 @@ class DenseFilter {
   }
 
   bool go(const KernelSegment& segment, DenseSums<N>& sums) {
-    const bool may_settle = hold_ && segment.complete && segment.end - segment.begin > 2 * kEvery;
+    const bool may_settle =
+        how_.hold_steady_gains && segment.complete && segment.end - segment.begin > 2 * kEvery;
     Settling settling;
     for (Eigen::Index k = segment.begin; k < segment.end;) {
+      if ((k - segment.begin) % RunOptions::kEvery < kEvery) how_.ask();
       Eigen::Index stop = std::min(k + kEvery, segment.end);
       if (slopes_) {
         DensePiece<N>& piece = open_piece(k);
@@ -144,10 +152,9 @@ class DenseFilter {
     return true;
   }
 
-  const SparseEntries& row_of(Eigen::Index k, Eigen::Index i) {
-    if (record_.linearized == nullptr) return model_.C[static_cast<std::size_t>(i)];
-    row_.assign(record_.linearized[k].C.row(i));
-    return row_;
+  [[nodiscard]] SparseRow row_of(Eigen::Index k, Eigen::Index i) const {
+    if (instants_ == nullptr) return model_.C[static_cast<std::size_t>(i)];
+    return instants_->C[static_cast<std::size_t>(k * record_.ny + i)];
   }
 
   /// Row i of the measurements of instant k, less what the inputs say.
@@ -159,14 +166,14 @@ class DenseFilter {
     return value;
   }
 
-  static double product(const SparseEntries& c, const double* x) {
+  static double product(const SparseRow& c, const double* x) {
     double sum = 0;
-    for (std::size_t q = 0; q < c.column.size(); ++q) sum += c.value[q] * x[c.column[q]];
+    for (std::size_t q = 0; q < c.size; ++q) sum += c.value[q] * x[c.column[q]];
     return sum;
   }
-  static void product(const Square<N>& P, const SparseEntries& c, double* result) {
+  static void product(const Square<N>& P, const SparseRow& c, double* result) {
     for (int i = 0; i < N; ++i) result[i] = 0;
-    for (std::size_t q = 0; q < c.column.size(); ++q)
+    for (std::size_t q = 0; q < c.size; ++q)
       add_scaled<N>(c.value[q], P.column(c.column[q]), result);
   }
 
@@ -174,7 +181,7 @@ class DenseFilter {
     for (Eigen::Index i = 0; i < record_.ny; ++i) {
       const double y = record_.y[k * record_.ny + i];
       if (y != y) continue;
-      const SparseEntries& c = row_of(k, i);
+      const SparseRow c = row_of(k, i);
       const double R = model_.R[static_cast<std::size_t>(i)];
       const double e = measured(k, i) - product(c, at_.x.at);
       Column<N> PC, K;
@@ -194,6 +201,7 @@ class DenseFilter {
       sums.squares += e * e * inverse;
       ++sums.used;
       add_scaled<N>(inverse, PC.at, K.at);
+      if (tangents_ != nullptr) tangents_->correct(i, c, K.at, inverse, e);
       add_scaled<N>(e, K.at, at_.x.at);
       add_outer(-1, K.at, PC.at, at_.P);
       if (R < kLeastShare * S) {  // the rest of Joseph's form
@@ -217,13 +225,13 @@ class DenseFilter {
   }
 
   /// A measurement that sees a state of which nothing is known yet: LikelihoodKernel::take_up().
-  bool take_up(const SparseEntries& c, double e, double R, DenseSums<N>& sums, Column<N>& K) {
+  bool take_up(const SparseRow& c, double e, double R, DenseSums<N>& sums, Column<N>& K) {
     Column<N> PC;
     product(at_.diffuse_P, c, PC.at);
     const double F = product(c, PC.at);
     double scale = 0;
-    for (std::size_t q = 0; q < c.column.size(); ++q)
-      for (std::size_t r = 0; r < c.column.size(); ++r)
+    for (std::size_t q = 0; q < c.size; ++q)
+      for (std::size_t r = 0; r < c.size; ++r)
         scale += std::abs(c.value[q] * c.value[r] * at_.diffuse_P(c.column[q], c.column[r]));
     if (!(F > 1e-8 * scale)) return false;
     add_scaled<N>(1 / F, PC.at, K.at);
@@ -243,35 +251,34 @@ class DenseFilter {
     return true;
   }
 
-  /// The transition after instant k.
-  const DenseTransition<N>& transition_at(Eigen::Index k) {
-    if (record_.linearized == nullptr) return model_.transitions[record_.transition[k]];
-    const LinearizedInstant& step = record_.linearized[k];
-    const auto nx = static_cast<int>(step.F.rows());
-    for (int j = 0; j < nx; ++j)
-      for (int i = 0; i < nx; ++i) {
-        linearized_.F(i, j) = linearized_.F_transposed(j, i) = step.F(i, j);
-        double sum = 0;
-        for (std::size_t t = 0; t < step.noise.size(); ++t)
-          sum += model_.variances[t] * step.noise[t](i, j);
-        linearized_.Q(i, j) = sum;
-      }
-    return linearized_;
-  }
-
   void predict(Eigen::Index k) {
-    const DenseTransition<N>& step = transition_at(k);
+    if (instants_ != nullptr) {
+      predict_linearized(static_cast<std::size_t>(k));
+      return;
+    }
+    const DenseTransition<N>& step = model_.transitions[record_.transition[k]];
     Column<N> x;
     multiply<N>(step.F.at, at_.x.at, N, x.at);
-    if (record_.linearized == nullptr) {
-      add_inputs(step, k, x.at);
-    } else {
-      const Eigen::VectorXd& offset = record_.linearized[k].offset;
-      for (Eigen::Index i = 0; i < offset.size(); ++i) x.at[i] += offset(i);
-    }
+    add_inputs(step, k, x.at);
     at_.x = x;
     propagate<N>(step.F, at_.P, &step.Q);
     if (at_.rank > 0) propagate<N>(step.F, at_.diffuse_P, nullptr);
+  }
+
+  /// A linearized record's start is known: nothing is diffuse.
+  void predict_linearized(std::size_t k) {
+    const Square<N>& F = instants_->F[k];
+    Column<N> x;
+    multiply<N>(F.at, at_.x.at, N, x.at);
+    add_scaled<N>(1, instants_->offset[k].at, x.at);
+    at_.x = x;
+    propagate<N>(F, at_.P, nullptr);
+    if (tangents_ != nullptr) tangents_->predict(F);
+    instants_->each_noise(k, [&](std::size_t t, const SymmetricEntry& entry) {
+      const double part = model_.variances[t] * entry.value;
+      at_.P.add_symmetric(entry.row, entry.column, part);
+      if (tangents_ != nullptr) tangents_->add_noise(t, entry.row, entry.column, part);
+    });
   }
 
   void add_inputs(const DenseTransition<N>& step, Eigen::Index k, double* x) const {
@@ -289,7 +296,7 @@ class DenseFilter {
     const auto ny = static_cast<std::size_t>(record_.ny);
     const Square<N> P = at_.P;
     for (std::size_t i = 0; i < ny; ++i) {
-      const SparseEntries& c = model_.C[i];
+      const SparseRow c = model_.C[i];
       Column<N> PC, K;
       product(at_.P, c, PC.at);
       const double S = model_.R[i] + product(c, PC.at);
@@ -309,6 +316,7 @@ class DenseFilter {
     sums.used += record_.ny * (end - k);
     const Eigen::Index padded = gains.precision.size();
     while (k < end) {
+      how_.ask();
       const Eigen::Index stop = slopes_ ? std::min(k + kPiece, end) : end;
       double* tape = nullptr;
       if (slopes_) {
@@ -383,8 +391,8 @@ class DenseFilter {
 
   // --- back ---
 
-  static void add_row(const SparseEntries& c, double factor, double* r) {
-    for (std::size_t q = 0; q < c.column.size(); ++q) r[c.column[q]] += c.value[q] * factor;
+  static void add_row(const SparseRow& c, double factor, double* r) {
+    for (std::size_t q = 0; q < c.size; ++q) r[c.column[q]] += c.value[q] * factor;
   }
 
   void go_back(DenseSums<N>& sums) {
@@ -393,6 +401,7 @@ class DenseFilter {
     held_ = -1;
     DenseSums<N> again;  // counted already
     for (std::size_t p = work_.piece_count; p-- > 0;) {
+      how_.ask();
       DensePiece<N>& piece = work_.pieces[p];
       const Eigen::VectorXd* tape = &piece.tape;
       if (tape->size() == 0) {
@@ -431,15 +440,25 @@ class DenseFilter {
 
   void predict_back(Eigen::Index k, DenseSums<N>& sums) {
     if (k + 1 >= record_.samples) return;
-    const DenseTransition<N>& step = transition_at(k);
-    if (record_.linearized == nullptr)
+    if (instants_ == nullptr) {
       add_slope(sums.by_Q[record_.transition[k]]);
-    else
-      add_slope(record_.linearized[k], sums.by_variances);
+      predict_back(model_.transitions[record_.transition[k]].F_transposed);
+      return;
+    }
+    instants_->each_noise(static_cast<std::size_t>(k), [&](std::size_t t, const auto& entry) {
+      const double share = entry.row == entry.column ? 0.5 : 1;
+      sums.by_variances[t] +=
+          share * entry.value *
+          (r_.at[entry.row] * r_.at[entry.column] - N_(entry.row, entry.column));
+    });
+    transpose<N>(instants_->F[static_cast<std::size_t>(k)], F_transposed_);
+    predict_back(F_transposed_);
+  }
+  void predict_back(const Square<N>& F_transposed) {
     Column<N> r;
-    multiply<N>(step.F_transposed.at, r_.at, N, r.at);
+    multiply<N>(F_transposed.at, r_.at, N, r.at);
     r_ = r;
-    propagate<N>(step.F_transposed, N_, nullptr);
+    propagate<N>(F_transposed, N_, nullptr);
   }
 
   /// ½ (r rᵀ - N)
@@ -450,15 +469,8 @@ class DenseFilter {
         fours(by_Q.column(j))[i] += factor * fours(r_.at)[i] - half * fours(N_.column(j))[i];
     }
   }
-  void add_slope(const LinearizedInstant& step, std::vector<double>& by_variances) const {
-    for (std::size_t t = 0; t < step.noise.size(); ++t)
-      for (int j = 0; j < static_cast<int>(step.noise[t].cols()); ++j)
-        for (int i = 0; i < static_cast<int>(step.noise[t].rows()); ++i)
-          if (step.noise[t](i, j) != 0)
-            by_variances[t] += 0.5 * step.noise[t](i, j) * (r_.at[i] * r_.at[j] - N_(i, j));
-  }
 
-  void correct_back(const SparseEntries& c, const double* K, double precision, double weighed,
+  void correct_back(const SparseRow& c, const double* K, double precision, double weighed,
                     double& by_R) {
     const double u = weighed - dot<N>(K, r_.at);
     by_R += 0.5 * (u * u - inform(c, K, precision));
@@ -467,17 +479,17 @@ class DenseFilter {
 
   /// N before a measurement.
   /// @return  D
-  double inform(const SparseEntries& c, const double* K, double precision) {
+  double inform(const SparseRow& c, const double* K, double precision) {
     Column<N> NK;
     multiply<N>(N_.at, K, N, NK.at);
     const double D = precision + dot<N>(K, NK.at);
-    for (std::size_t q = 0; q < c.column.size(); ++q) {
+    for (std::size_t q = 0; q < c.size; ++q) {
       const int column = c.column[q];
       add_scaled<N>(-c.value[q], NK.at, N_.column(column));
       for (int j = 0; j < N; ++j) N_(column, j) -= c.value[q] * NK.at[j];
     }
-    for (std::size_t q = 0; q < c.column.size(); ++q)
-      for (std::size_t s = 0; s < c.column.size(); ++s)
+    for (std::size_t q = 0; q < c.size; ++q)
+      for (std::size_t s = 0; s < c.size; ++s)
         N_(c.column[q], c.column[s]) += c.value[q] * c.value[s] * D;
     return D;
   }
@@ -561,17 +573,17 @@ class DenseFilter {
 
   const DenseModel<N>& model_;
   const KernelRecord& record_;
-  bool hold_;
+  const DenseInstants<N>* instants_;
+  const RunOptions& how_;
   DenseWorkspace<N>& work_;
+  DenseTangents<N>* tangents_ = nullptr;
   bool slopes_ = false;
   Eigen::Index tape_left_ = 0;
   double* tape_ = nullptr;  ///< of the open piece
   DenseState<N> at_;
-  SparseEntries row_;
-  DenseTransition<N> linearized_;
   // On the way back.
   Column<N> r_;
-  Square<N> N_;
+  Square<N> N_, F_transposed_;
   int held_ = -1;  ///< index of the steady gains that N has been taken through
 };
 

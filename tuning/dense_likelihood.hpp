@@ -13,9 +13,14 @@ namespace quadtune::internal {
 class DenseLikelihood {
  public:
   virtual ~DenseLikelihood() = default;
-  /// Sums up all records; with the gradient where `slopes` asks for it.
-  virtual void evaluate(const Eigen::Ref<const Eigen::VectorXd>& theta, bool slopes,
-                        bool hold_steady_gains, Likelihood& result) = 0;
+  /// Sums up all records; with what `order` asks for, of which information only where
+  /// has_information().
+  virtual void evaluate(const Eigen::Ref<const Eigen::VectorXd>& theta, LikelihoodOrder order,
+                        const RunOptions& how, Likelihood& result) = 0;
+  /// Whether all records are linearized.
+  [[nodiscard]] virtual bool has_information() const = 0;
+  /// For another thread: it shares what does not depend on θ.
+  [[nodiscard]] virtual std::unique_ptr<DenseLikelihood> copy() const = 0;
 };
 
 /// @return  null where it does not apply: outputs correlated, or errors with long tails

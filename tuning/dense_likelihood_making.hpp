@@ -6,7 +6,9 @@
 #include <ceres/jet.h>
 
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <optional>
 
 #include "dense_filter.hpp"
 #include "dense_likelihood.hpp"
@@ -27,28 +29,46 @@ class DenseEvaluator final : public DenseLikelihood {
       step.B.setZero(N, from.B.cols());
       step.B.topRows(nx) = from.B;
     }
-    model_.C.resize(static_cast<std::size_t>(prepared.C.rows()));
-    for (std::size_t i = 0; i < model_.C.size(); ++i)
-      model_.C[i].assign(prepared.C.row(static_cast<Eigen::Index>(i)));
+    for (Eigen::Index i = 0; i < prepared.C.rows(); ++i) model_.C.add(prepared.C.row(i));
     find_noise_entries();
+    auto instants = std::make_shared<std::vector<DenseInstants<N>>>();
+    for (const FilterRecord& record : prepared.records) {
+      instants->push_back(instants_of(record));
+      linearized_ = linearized_ && !record.linearized.empty();
+    }
+    instants_ = std::move(instants);
     model_.D = prepared.D;
     model_.x0 = model.x0;
     model_.P0 = model.P0;
     model_.diffuse = model.diffuse;
   }
 
-  void evaluate(const Eigen::Ref<const Eigen::VectorXd>& theta, bool slopes, bool hold_steady_gains,
-                Likelihood& result) override {
+  /// Without the workspace, which may be large and is filled anew by each evaluation.
+  DenseEvaluator(const DenseEvaluator& other)
+      : DenseLikelihood(other),
+        prepared_(other.prepared_),
+        instants_(other.instants_),
+        linearized_(other.linearized_),
+        model_(other.model_) {}
+  DenseEvaluator& operator=(const DenseEvaluator&) = delete;
+
+  void evaluate(const Eigen::Ref<const Eigen::VectorXd>& theta, LikelihoodOrder order,
+                const RunOptions& how, Likelihood& result) override {
     fill(theta);
     DenseSums<N> sums;
+    const bool slopes = order == LikelihoodOrder::gradient;
+    std::optional<DenseTangents<N>> tangents;
+    if (order == LikelihoodOrder::information) tangents = tangents_at(theta);
     if (slopes) {
       sums.by_R.assign(model_.R.size(), 0);
       sums.by_variances.assign(model_.variances.size(), 0);
       sums.by_Q.assign(model_.transitions.size(), {});
     }
     for (std::size_t r = 0; r < prepared_.prepared.size(); ++r) {
-      DenseFilter<N> filter(model_, prepared_.prepared[r].view, hold_steady_gains, workspace_);
-      if (filter.run(sums, slopes)) continue;
+      const bool linearized = !prepared_.records[r].linearized.empty();
+      DenseFilter<N> filter(model_, prepared_.prepared[r].view,
+                            linearized ? &(*instants_)[r] : nullptr, how, workspace_);
+      if (filter.run(sums, slopes, tangents ? &*tangents : nullptr)) continue;
       result.status = LikelihoodStatus::not_positive;
       result.culprit = not_positive(prepared_, r, sums.bad_sample, sums.bad_output);
       return;
@@ -58,13 +78,62 @@ class DenseEvaluator final : public DenseLikelihood {
     result.value = -0.5 * (sums.logs.value() + sums.squares +
                            static_cast<double>(sums.used) * std::log(2 * std::numbers::pi));
     if (slopes) result.gradient = gradient(theta, sums);
-    result.status = std::isfinite(result.value) && (!slopes || result.gradient.allFinite())
+    if (tangents) {
+      result.gradient = tangents->gradient();
+      result.information = tangents->information();
+    }
+    result.status = std::isfinite(result.value) && result.gradient.allFinite()
                         ? LikelihoodStatus::computed
                         : LikelihoodStatus::overflowed;
   }
 
+  [[nodiscard]] bool has_information() const override { return linearized_; }
+  [[nodiscard]] std::unique_ptr<DenseLikelihood> copy() const override {
+    return std::make_unique<DenseEvaluator>(*this);
+  }
+
  private:
   using Slope = ceres::Jet<double, 1>;
+
+  /// Nothing where the record is linear.
+  static DenseInstants<N> instants_of(const FilterRecord& record) {
+    DenseInstants<N> result;
+    if (record.linearized.empty()) return result;
+    result.F.resize(record.linearized.size());
+    result.offset.resize(record.linearized.size());
+    result.terms = record.linearized.front().noise.size();
+    for (std::size_t k = 0; k < record.linearized.size(); ++k) {
+      const LinearizedInstant& at = record.linearized[k];
+      const auto nx = static_cast<int>(at.F.rows());
+      for (int j = 0; j < nx; ++j) {
+        for (int i = 0; i < nx; ++i) result.F[k](i, j) = at.F(i, j);
+        result.offset[k].at[j] = at.offset(j);
+      }
+      for (Eigen::Index i = 0; i < at.C.rows(); ++i) result.C.add(at.C.row(i));
+      for (const Eigen::MatrixXd& noise : at.noise) {
+        for (int j = 0; j < nx; ++j)
+          for (int i = j; i < nx; ++i)
+            if (noise(i, j) != 0) result.noise.push_back({i, j, noise(i, j)});
+        result.noise_end.push_back(result.noise.size());
+      }
+    }
+    return result;
+  }
+
+  DenseTangents<N> tangents_at(const Eigen::Ref<const Eigen::VectorXd>& theta) const {
+    Eigen::MatrixXd by_R(theta.size(), prepared_.C.rows());
+    std::vector<Slope> parameters;
+    for (const double entry : theta) parameters.emplace_back(entry);
+    for (Eigen::Index a = 0; a < theta.size(); ++a) {
+      Slope& parameter = parameters[static_cast<std::size_t>(a)];
+      parameter.v(0) = 1;
+      each_output(parameters, [&](Eigen::Index i, const Slope& R) { by_R(a, i) = R.v(0); });
+      parameter.v(0) = 0;
+    }
+    std::vector<int> of_term;
+    for (const ScaledCovariance& term : prepared_.model.Q.scaled) of_term.push_back(term.parameter);
+    return {std::move(by_R), std::move(of_term)};
+  }
 
   void find_noise_entries() {
     Eigen::MatrixXd depends = Eigen::MatrixXd::Zero(N, N);
@@ -155,16 +224,26 @@ class DenseEvaluator final : public DenseLikelihood {
   /// Of the one parameter whose derivative is 1.
   double by_measurements(const DenseSums<N>& sums, const std::vector<Slope>& parameters) const {
     double slope = 0;
-    std::size_t first = 0;
-    for (const FilterSensor& sensor : prepared_.model.sensors) {
-      Eigen::Matrix<Slope, Eigen::Dynamic, Eigen::Dynamic> R(sensor.C.rows(), sensor.C.rows());
-      fill_covariance(sensor.R, parameters.data(), R);
-      for (Eigen::Index i = 0; i < R.rows(); ++i) slope += sums.by_R[first++] * R(i, i).v(0);
-    }
+    each_output(parameters, [&](Eigen::Index i, const Slope& R) {
+      slope += sums.by_R[static_cast<std::size_t>(i)] * R.v(0);
+    });
     return slope;
   }
 
+  /// f(output, its variance) of all outputs.
+  template <class Function>
+  void each_output(const std::vector<Slope>& parameters, Function&& f) const {
+    Eigen::Index output = 0;
+    for (const FilterSensor& sensor : prepared_.model.sensors) {
+      Eigen::Matrix<Slope, Eigen::Dynamic, Eigen::Dynamic> R(sensor.C.rows(), sensor.C.rows());
+      fill_covariance(sensor.R, parameters.data(), R);
+      for (Eigen::Index i = 0; i < R.rows(); ++i) f(output++, R(i, i));
+    }
+  }
+
   const PreparedModel& prepared_;
+  std::shared_ptr<const std::vector<DenseInstants<N>>> instants_;  ///< one a record
+  bool linearized_ = true;                                         ///< all records are
   DenseModel<N> model_;
   DenseWorkspace<N> workspace_;
 };

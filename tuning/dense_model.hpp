@@ -13,19 +13,59 @@
 
 namespace quadtune::internal {
 
-/// A row of C: the entries that are not 0.
-struct SparseEntries {
-  std::vector<int> column;
-  std::vector<double> value;
+/// A row of C: the entries that are not 0, wherever they are kept.
+struct SparseRow {
+  const int* column = nullptr;
+  const double* value = nullptr;
+  std::size_t size = 0;
+};
 
-  void assign(const Eigen::Ref<const Eigen::RowVectorXd>& row) {
-    column.clear();
-    value.clear();
+/// Rows of C, one after the other, without their zeros.
+class SparseRows {
+ public:
+  void add(const Eigen::Ref<const Eigen::RowVectorXd>& row) {
     for (Eigen::Index j = 0; j < row.size(); ++j)
       if (row(j) != 0) {
-        column.push_back(static_cast<int>(j));
-        value.push_back(row(j));
+        column_.push_back(static_cast<int>(j));
+        value_.push_back(row(j));
       }
+    end_.push_back(column_.size());
+  }
+  [[nodiscard]] SparseRow operator[](std::size_t row) const {
+    const std::size_t begin = row == 0 ? 0 : end_[row - 1];
+    return {column_.data() + begin, value_.data() + begin, end_[row] - begin};
+  }
+
+ private:
+  std::vector<int> column_;
+  std::vector<double> value_;
+  std::vector<std::size_t> end_;
+};
+
+/// An entry of a symmetric matrix, on the diagonal or below it.
+struct SymmetricEntry {
+  int row = 0;
+  int column = 0;
+  double value = 0;
+};
+
+/// The linearized instants of a record as the filter reads them: padded, without zeros, one after
+/// the other, because the processor waits for memory where each is several blocks of the heap.
+template <int N>
+struct DenseInstants {
+  std::vector<Square<N>> F;            ///< from each instant to the next
+  std::vector<Column<N>> offset;       ///< likewise
+  SparseRows C;                        ///< ny an instant
+  std::size_t terms = 0;               ///< of Q.scaled
+  std::vector<SymmetricEntry> noise;   ///< of all terms of all instants
+  std::vector<std::size_t> noise_end;  ///< of each term of each instant
+
+  /// f(term, entry) of each entry of the noise after instant k.
+  template <class Function>
+  void each_noise(std::size_t k, Function&& f) const {
+    std::size_t q = k == 0 ? 0 : noise_end[k * terms - 1];
+    for (std::size_t t = 0; t < terms; ++t)
+      for (; q < noise_end[k * terms + t]; ++q) f(t, noise[q]);
   }
 };
 
@@ -44,8 +84,8 @@ struct NoiseEntries {
 template <int N>
 struct DenseModel {
   std::vector<DenseTransition<N>> transitions;
-  std::vector<SparseEntries> C;  ///< ny
-  std::vector<double> R;         ///< ny
+  SparseRows C;           ///< ny
+  std::vector<double> R;  ///< ny
   std::vector<NoiseEntries> noise_entries;
   std::vector<double> variances;  ///< exp(θ) of the terms of Q.scaled, for linearized records
   Eigen::MatrixXd D;              ///< (ny × nu), or empty

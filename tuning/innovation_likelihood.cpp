@@ -17,6 +17,7 @@ using Eigen::Index;
 using internal::DenseLikelihood;
 using internal::LikelihoodEvaluator;
 using internal::PreparedModel;
+using internal::RunOptions;
 
 std::unique_ptr<LikelihoodEvaluator> evaluator_of(const PreparedModel& prepared, int jets) {
   const bool linear = std::all_of(prepared.records.begin(), prepared.records.end(),
@@ -41,19 +42,37 @@ std::unique_ptr<LikelihoodEvaluator> evaluator_of(const PreparedModel& prepared,
 struct InnovationLikelihood::Parts {
   std::shared_ptr<const PreparedModel> prepared;
   std::unique_ptr<LikelihoodEvaluator> value, slope;
-  /// What is faster: of few states the gradient by many parameters, of many states the value too.
-  std::unique_ptr<DenseLikelihood> dense_value, dense_gradient;
+  std::unique_ptr<DenseLikelihood> dense;  ///< may be null
   int jets = 2;
-  bool hold = true;
+  RunOptions how;
 
   explicit Parts(std::shared_ptr<const PreparedModel> of) : prepared(std::move(of)) {
+    make_evaluators();
+    if (many_states() || prepared->model.parameters.size() > 4)
+      dense = internal::make_dense_likelihood(*prepared);
+  }
+  Parts(const Parts& other) : prepared(other.prepared), how(other.how) {
+    make_evaluators();
+    if (other.dense) dense = other.dense->copy();
+  }
+  Parts& operator=(const Parts&) = delete;
+
+  /// Whether the dense filter is faster: of few states it has the gradient by many parameters, of
+  /// many states the value too.
+  [[nodiscard]] bool dense_has(LikelihoodOrder order) const {
+    if (!dense) return false;
+    if (order == LikelihoodOrder::information) return dense->has_information();
+    return order == LikelihoodOrder::gradient || many_states();
+  }
+
+ private:
+  [[nodiscard]] bool many_states() const { return prepared->model.A.rows() > 4; }
+
+  void make_evaluators() {
     const std::size_t p = prepared->model.parameters.size();
     jets = prepared->correlated || p > 4 ? 16 : (p > 2 ? 4 : 2);
     value = evaluator_of(*prepared, 0);
     slope = evaluator_of(*prepared, jets);
-    const bool many_states = prepared->model.A.rows() > 4;
-    if (many_states) dense_value = internal::make_dense_likelihood(*prepared);
-    if (many_states || p > 4) dense_gradient = internal::make_dense_likelihood(*prepared);
   }
 };
 
@@ -75,9 +94,7 @@ InnovationLikelihood::~InnovationLikelihood() = default;
 InnovationLikelihood::InnovationLikelihood(InnovationLikelihood&&) noexcept = default;
 InnovationLikelihood& InnovationLikelihood::operator=(InnovationLikelihood&&) noexcept = default;
 InnovationLikelihood::InnovationLikelihood(const InnovationLikelihood& other)
-    : parts_(std::make_unique<Parts>(other.parts_->prepared)) {
-  parts_->hold = other.parts_->hold;
-}
+    : parts_(std::make_unique<Parts>(*other.parts_)) {}
 InnovationLikelihood& InnovationLikelihood::operator=(const InnovationLikelihood& other) {
   *this = InnovationLikelihood(other);
   return *this;
@@ -87,7 +104,10 @@ const FilterModel& InnovationLikelihood::model() const { return parts_->prepared
 const std::vector<FilterRecord>& InnovationLikelihood::records() const {
   return parts_->prepared->records;
 }
-void InnovationLikelihood::hold_steady_gains(bool hold) { parts_->hold = hold; }
+void InnovationLikelihood::hold_steady_gains(bool hold) { parts_->how.hold_steady_gains = hold; }
+void InnovationLikelihood::stop_when(std::function<bool()> stop) {
+  parts_->how.stop = std::move(stop);
+}
 
 Likelihood InnovationLikelihood::evaluate(const Eigen::Ref<const Eigen::VectorXd>& theta,
                                           LikelihoodOrder order) const {
@@ -95,22 +115,20 @@ Likelihood InnovationLikelihood::evaluate(const Eigen::Ref<const Eigen::VectorXd
   require_shape(theta, p, 1, "likelihood", "theta", "one entry a parameter");
   require_finite(theta, "likelihood", "theta");
   Likelihood result;
-  if (order == LikelihoodOrder::value || p == 0) {
-    if (parts_->dense_value)
-      parts_->dense_value->evaluate(theta, false, parts_->hold, result);
-    else
-      parts_->value->evaluate(theta, 0, false, parts_->hold, result);
+  if (p == 0) order = LikelihoodOrder::value;
+  if (parts_->dense_has(order)) {
+    parts_->dense->evaluate(theta, order, parts_->how, result);
     return result;
   }
-  if (order == LikelihoodOrder::gradient && parts_->dense_gradient) {
-    parts_->dense_gradient->evaluate(theta, true, parts_->hold, result);
+  if (order == LikelihoodOrder::value) {
+    parts_->value->evaluate(theta, 0, false, parts_->how, result);
     return result;
   }
   const bool information = order == LikelihoodOrder::information;
   result.gradient.setZero(p);
   if (information) result.information.setZero(p, p);
   for (Index first = 0; first < p; first += parts_->jets) {
-    parts_->slope->evaluate(theta, first, information, parts_->hold, result);
+    parts_->slope->evaluate(theta, first, information, parts_->how, result);
     if (!result.computed()) break;
   }
   return result;
@@ -125,7 +143,7 @@ FilterRun InnovationLikelihood::run(std::size_t record,
     throw InvalidInput("likelihood", fmt::format("record {} came, expected 0 to {}", record,
                                                  records().size() - 1));
   FilterRun run;
-  parts_->value->trace(theta, record, run);
+  parts_->value->trace(theta, record, parts_->how, run);
   return run;
 }
 

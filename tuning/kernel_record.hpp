@@ -5,7 +5,9 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 
+#include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_record.hpp"
 
 namespace quadtune::internal {
@@ -13,6 +15,19 @@ namespace quadtune::internal {
 /// Largest number of states of a model, and of outputs of all its sensors.
 inline constexpr int kMostStates = 24;
 inline constexpr int kMostOutputs = 64;
+
+/// How a filter goes through the records, whichever it is.
+struct RunOptions {
+  bool hold_steady_gains = true;
+  std::function<bool()> stop = {};  ///< true ends the run; may be empty
+
+  /// Samples from one question to the next, so that the question costs nothing.
+  static constexpr Eigen::Index kEvery = 1024;
+  /// @throws Interrupted  where `stop` says so
+  void ask() const {
+    if (stop && stop()) throw Interrupted();
+  }
+};
 
 /// Instants that are alike: all outputs measured, one transition.
 struct KernelSegment {

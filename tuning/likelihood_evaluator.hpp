@@ -16,10 +16,10 @@ class LikelihoodEvaluator {
   /// Sums up all records. Derivatives are those with respect to `jets` entries of θ from `first`
   /// on; result.gradient and result.information, of the size of θ, are filled there.
   virtual void evaluate(const Eigen::Ref<const Eigen::VectorXd>& theta, Eigen::Index first,
-                        bool information, bool hold_steady_gains, Likelihood& result) = 0;
+                        bool information, const RunOptions& how, Likelihood& result) = 0;
   /// One record, written down.
   virtual void trace(const Eigen::Ref<const Eigen::VectorXd>& theta, std::size_t record,
-                     FilterRun& run) = 0;
+                     const RunOptions& how, FilterRun& run) = 0;
 };
 
 /// @param jets  0, or how many derivatives at once: 2, 4, 8, 16.

@@ -62,7 +62,7 @@ class Evaluator final : public LikelihoodEvaluator {
   }
 
   void evaluate(const Eigen::Ref<const Eigen::VectorXd>& theta, Eigen::Index first,
-                bool information, bool hold_steady_gains, Likelihood& result) override {
+                bool information, const RunOptions& how, Likelihood& result) override {
     fill(theta, first);
     KernelSums<T> sums;
     if constexpr (is_jet<T>) {
@@ -72,7 +72,7 @@ class Evaluator final : public LikelihoodEvaluator {
       }
     }
     for (std::size_t r = 0; r < prepared_.prepared.size(); ++r) {
-      Kernel kernel(kernel_model_, prepared_.prepared[r].view, hold_steady_gains);
+      Kernel kernel(kernel_model_, prepared_.prepared[r].view, how);
       if (kernel.run(sums, nullptr)) continue;
       result.status = LikelihoodStatus::not_positive;
       result.culprit = not_positive(prepared_, r, sums.bad_sample, sums.bad_output);
@@ -97,7 +97,7 @@ class Evaluator final : public LikelihoodEvaluator {
   }
 
   void trace(const Eigen::Ref<const Eigen::VectorXd>& theta, std::size_t record,
-             FilterRun& run) override {
+             const RunOptions& how, FilterRun& run) override {
     fill(theta, 0);
     const KernelRecord& view = prepared_.prepared[record].view;
     const double none = std::numeric_limits<double>::quiet_NaN();
@@ -108,7 +108,9 @@ class Evaluator final : public LikelihoodEvaluator {
     run.refused.resize(view.ny, view.samples);
     const KernelTrace into{&run.innovation, &run.variance, &run.x, &run.x_variance, &run.refused};
     KernelSums<T> sums;
-    Kernel kernel(kernel_model_, view, false);
+    RunOptions every_step = how;
+    every_step.hold_steady_gains = false;
+    Kernel kernel(kernel_model_, view, every_step);
     run.status =
         kernel.run(sums, &into) ? LikelihoodStatus::computed : LikelihoodStatus::not_positive;
     if (run.status == LikelihoodStatus::not_positive)

@@ -27,10 +27,11 @@ class LikelihoodKernel {
   using Model = KernelModel<T, Row, nx>;
   using RowOfC = MeasurementRow<Row, nx>;
 
-  LikelihoodKernel(const Model& model, const KernelRecord& record, bool hold_steady_gains)
-      : model_(model), record_(record), hold_(hold_steady_gains), n_(model.x0.size()) {}
+  LikelihoodKernel(const Model& model, const KernelRecord& record, const RunOptions& how)
+      : model_(model), record_(record), how_(how), n_(model.x0.size()) {}
 
   /// @return  false where an innovation has no positive variance; see sums.
+  /// @throws Interrupted  where the options say so
   bool run(KernelSums<T>& sums, const KernelTrace* trace) {
     start();
     const bool one_output =
@@ -38,10 +39,11 @@ class LikelihoodKernel {
     for (std::size_t s = 0; s < record_.segment_count; ++s) {
       const KernelSegment& segment = record_.segments[s];
       Eigen::Index k = segment.begin;
-      const bool may_settle = hold_ && segment.complete && trace == nullptr &&
+      const bool may_settle = how_.hold_steady_gains && segment.complete && trace == nullptr &&
                               model_.student.empty() && segment.end - segment.begin > 2 * kEvery;
       Settling settling;
       while (k < segment.end) {
+        if ((k - segment.begin) % RunOptions::kEvery < kEvery) how_.ask();
         const Eigen::Index stop = std::min(k + kEvery, segment.end);
         if (one_output && segment.complete && rank_ == 0)
           k = few_steps(k, std::min(stop, record_.samples - 1), sums);
@@ -468,6 +470,7 @@ class LikelihoodKernel {
     std::vector<T> squares(static_cast<std::size_t>(m), T(0)), y(static_cast<std::size_t>(m));
     Vector x = x_, next(n());
     for (; k < end; ++k) {
+      if (k % RunOptions::kEvery == 0) how_.ask();
       for (Eigen::Index i = 0; i < m; ++i) y[static_cast<std::size_t>(i)] = measured(k, i);
       for (Eigen::Index i = 0; i < m; ++i) {
         T e = output_part(i, 0) * y[0];
@@ -578,7 +581,7 @@ class LikelihoodKernel {
 
   const Model& model_;
   const KernelRecord& record_;
-  bool hold_;
+  const RunOptions& how_;
   Eigen::Index n_;
   Vector x_, PC_;
   Matrix P_;

@@ -23,7 +23,8 @@ constexpr double kUnknown = 3;
 void check(const NoiseFit& fit, int parameter, const LikelihoodProfileOptions& options) {
   const auto count = static_cast<int>(fit.parameters.size());
   if (parameter < 0 || parameter >= count || fit.theta.size() != count ||
-      fit.parameters[static_cast<std::size_t>(parameter)].verdict == ParameterVerdict::fixed)
+      fit.parameters[static_cast<std::size_t>(parameter)].verdict == ParameterVerdict::fixed ||
+      fit.parameters[static_cast<std::size_t>(parameter)].verdict == ParameterVerdict::not_known)
     throw InvalidInput(
         "profile",
         fmt::format("parameter {} of {} came, expected one that was fitted", parameter, count));
@@ -73,8 +74,8 @@ LikelihoodProfile likelihood_profile(const InnovationLikelihood& likelihood, con
     VectorXd warm = fit.theta;
     for (Index k = from; k != to; k += step) {
       warm(parameter) = profile.theta(k);
-      const internal::SearchResult found =
-          internal::search(objective, warm, others, options.max_iterations);
+      const internal::SearchResult found = internal::search(
+          objective, warm, others, {.max_iterations = options.max_iterations, .rough = true});
       profile.value(k) = found.computed ? found.value - top : std::nan("");
       if (found.computed) warm = found.theta;
     }

@@ -5,9 +5,10 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
-#include <boost/math/distributions/normal.hpp>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
+
+#include "tails.hpp"
 
 namespace quadtune::internal {
 namespace {
@@ -65,6 +66,16 @@ std::vector<FittedParameter> unfitted_parameters(const FilterModel& model) {
   return parameters;
 }
 
+std::vector<FittedParameter> parameters_at(const FilterModel& model, const VectorXd& theta) {
+  std::vector<FittedParameter> parameters = unfitted_parameters(model);
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const double entry = theta(static_cast<Index>(i));
+    parameters[i].value = model.parameters[i].logarithmic ? std::exp(entry) : entry;
+    if (!model.parameters[i].fixed) parameters[i].verdict = ParameterVerdict::not_known;
+  }
+  return parameters;
+}
+
 void name_unmeasured(FittedParameter& parameter, std::vector<std::string>& unseen) {
   parameter.verdict = ParameterVerdict::not_seen;
   unseen.push_back(fmt::format("{}: no measurement depends on it", parameter.name));
@@ -110,8 +121,6 @@ double edge_of_loss(const std::function<double(double)>& loss, double most, doub
   return 0.5 * (bracket.first + bracket.second);
 }
 
-double deviations(double confidence) {
-  return boost::math::quantile(boost::math::normal(), 0.5 + 0.5 * confidence);
-}
+double deviations(double confidence) { return normal_exceeded(0.5 - 0.5 * confidence); }
 
 }  // namespace quadtune::internal

@@ -23,6 +23,10 @@ inline constexpr double kNoLoss = 0.05;
 /// The model's parameters by name, marked where fixed.
 [[nodiscard]] std::vector<FittedParameter> unfitted_parameters(const FilterModel& model);
 
+/// The same with their values at θ; how well they are known is not.
+[[nodiscard]] std::vector<FittedParameter> parameters_at(const FilterModel& model,
+                                                         const Eigen::VectorXd& theta);
+
 /// Marks and names a parameter of which nothing depends.
 void name_unmeasured(FittedParameter& parameter, std::vector<std::string>& unseen);
 

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <optional>
 #include <random>
 
+#include "constant_measurements.hpp"
 #include "noise_description.hpp"
 #include "noise_search.hpp"
 #include "quadtune/errors.hpp"
@@ -45,27 +47,59 @@ class Fit {
       : likelihood_(likelihood),
         model_(likelihood.model()),
         options_(options),
-        objective_(likelihood) {}
+        objective_(likelihood, options.threads, [this](double value) { tell(value); }) {}
 
   NoiseFit run() {
-    begin();
-    if (fit_.status == NoiseFitStatus::not_computed) return fit_;
-    search_from_all_starts();
-    if (fit_.status == NoiseFitStatus::converged || fit_.status == NoiseFitStatus::not_converged) {
+    try {
+      begin();
+      if (fit_.status == NoiseFitStatus::not_computed) return fit_;
+      search_from_all_starts();
       find_zeros();
       describe();
+      fit_.after = likelihood_.evaluate(fit_.theta, LikelihoodOrder::gradient);
+    } catch (const Interrupted&) {
+      end_early();
     }
-    fit_.after = likelihood_.evaluate(fit_.theta, LikelihoodOrder::gradient);
     fit_.evaluations = objective_.evaluations();
     return fit_;
   }
 
  private:
+  /// Who waits hears of each evaluation; called by any thread.
+  void tell(double value) {
+    if (!options_.progress) return;
+    const std::lock_guard lock(telling_);
+    if (told_ == 0 || value > greatest_) greatest_ = value;
+    options_.progress(++told_, greatest_);
+  }
+
+  /// With the best that there was, and nothing of how well it is known.
+  void end_early() {
+    fit_.status = NoiseFitStatus::interrupted;
+    fit_.theta = start_of(model_);
+    fit_.after = fit_.before;
+    if (const NoiseObjective::Best& best = objective_.best(); best.theta.size() > 0) {
+      fit_.theta = best.theta;
+      fit_.after = best.likelihood;
+    }
+    fit_.information.resize(0, 0);
+    fit_.unseen.clear();
+    fit_.parameters = internal::parameters_at(model_, fit_.theta);
+  }
+
   /// What is free, and what no measurement depends on.
   void begin() {
     fit_.theta = start_of(model_);
     fit_.before = likelihood_.evaluate(fit_.theta, LikelihoodOrder::information);
     fit_.parameters = internal::unfitted_parameters(model_);
+    // Of linearized records the measurements are others: who makes them looks at those before.
+    const std::vector<FilterRecord>& records = likelihood_.records();
+    if (!records.empty() && records.front().linearized.empty())
+      fit_.culprit = internal::constant_measurement(model_, records);
+    if (!fit_.culprit.empty()) {
+      fit_.status = NoiseFitStatus::not_computed;
+      return;
+    }
     if (!fit_.before.computed()) {
       fit_.status = NoiseFitStatus::not_computed;
       fit_.culprit = fit_.before.culprit.empty() ? "the likelihood is not a number at the start"
@@ -114,31 +148,48 @@ class Fit {
   }
 
   void search_from_all_starts() {
-    std::vector<double> ends;
+    const std::vector<VectorXd> from = starts();
+    std::vector<SearchResult> found(from.size());
+    if (from.size() == 1)
+      found.front() = search(objective_, from.front(), free_, searching());
+    else
+      objective_.in_parallel(from.size(), [&](std::size_t s, const NoiseObjective& objective) {
+        found[s] = search(objective, from[s], free_, searching());
+      });
     SearchResult best;
-    bool stopped = false;
-    for (const VectorXd& start : starts()) {
-      const SearchResult found = search(objective_, start, free_, options_.max_iterations);
-      ++fit_.starts;
-      if (found.computed) {
-        ends.push_back(found.value);
-        if (!best.computed || found.value > best.value) best = found;
-      }
-      stopped = options_.interrupted && options_.interrupted();
-      if (stopped) break;
+    for (const SearchResult& end : found)
+      if (end.computed && (!best.computed || end.value > best.value)) best = end;
+    if (best.computed) {
+      fit_.theta = best.theta;
+      fit_.information = best.information;
     }
-    if (best.computed) fit_.theta = best.theta;
-    fit_.agreeing = static_cast<int>(std::count_if(
-        ends.begin(), ends.end(), [&](double value) { return value > best.value - 1e-4; }));
-    fit_.status = stopped          ? NoiseFitStatus::interrupted
-                  : best.converged ? NoiseFitStatus::converged
-                                   : NoiseFitStatus::not_converged;
+    fit_.starts = static_cast<int>(found.size());
+    fit_.agreeing =
+        static_cast<int>(std::count_if(found.begin(), found.end(), [&](const SearchResult& end) {
+          return end.computed && end.value > best.value - 1e-4;
+        }));
+    fit_.status = best.converged ? NoiseFitStatus::converged : NoiseFitStatus::not_converged;
+  }
+
+  [[nodiscard]] internal::SearchOptions searching() const {
+    return {.max_iterations = options_.max_iterations,
+            .rough = options_.rough,
+            .strides = options_.strides};
+  }
+
+  /// What is known of θ at fit_.theta.
+  [[nodiscard]] MatrixXd curvature() const {
+    if (!options_.rough) return objective_.curvature(fit_.theta, free_);
+    const auto at = objective_.at(fit_.theta, LikelihoodOrder::information);
+    MatrixXd result = MatrixXd::Zero(fit_.theta.size(), fit_.theta.size());
+    result(free_, free_) = internal::chosen(at.information, free_);
+    return result;
   }
 
   /// Variances that the logs want none of: their logarithms run to minus infinity.
   void find_zeros() {
     const double here = objective_.at(fit_.theta, LikelihoodOrder::value).value;
-    fit_.information = objective_.curvature(fit_.theta, free_);
+    fit_.information = curvature();
     bool moved = false;
     for (const int i : std::vector<int>(free_)) {
       const auto k = static_cast<std::size_t>(i);
@@ -153,12 +204,12 @@ class Fit {
       moved = true;
     }
     if (moved) {
-      const SearchResult again = search(objective_, fit_.theta, free_, options_.max_iterations);
+      const SearchResult again = search(objective_, fit_.theta, free_, searching());
       if (again.computed && again.value >= here - internal::kNoLoss) {
         fit_.theta = again.theta;
         if (again.converged) fit_.status = NoiseFitStatus::converged;
       }
-      fit_.information = objective_.curvature(fit_.theta, free_);
+      fit_.information = curvature();
     }
     best_ = objective_.at(fit_.theta, LikelihoodOrder::value).value;
   }
@@ -170,45 +221,69 @@ class Fit {
       FittedParameter& p = fit_.parameters[i];
       const double theta = fit_.theta(static_cast<Index>(i));
       p.value = model_.parameters[i].logarithmic ? std::exp(theta) : theta;
-      if (p.verdict == ParameterVerdict::at_zero) {
-        p.value = p.low = 0;
-        if (options_.bounds)
-          p.high = std::exp(edge(static_cast<int>(i), 2 * options_.confidence - 1, +1));
+      if (p.verdict == ParameterVerdict::at_zero) p.value = p.low = 0;
+      if (p.verdict == ParameterVerdict::seen) {
+        const double z = internal::deviations(options_.confidence);
+        set(p.low, i, theta - z * p.standard_error);
+        set(p.high, i, theta + z * p.standard_error);
       }
     }
-    for (const int i : free_) {
-      FittedParameter& p = fit_.parameters[static_cast<std::size_t>(i)];
-      if (p.verdict == ParameterVerdict::seen) interval(i, p);
-    }
+    if (options_.bounds && !options_.rough) find_edges();
   }
 
-  void interval(int i, FittedParameter& p) {
-    const double z = internal::deviations(options_.confidence);
-    const double theta = fit_.theta(i);
-    double low = theta - z * p.standard_error, high = theta + z * p.standard_error;
-    if (options_.profile && options_.bounds) {
-      low = edge(i, options_.confidence, -1);
-      high = edge(i, options_.confidence, +1);
+  /// An end of an interval, from θ to what is told.
+  void set(double& end, std::size_t i, double theta) const {
+    end = model_.parameters[i].logarithmic ? std::exp(theta) : theta;
+  }
+
+  /// Ends of intervals by the profile of the likelihood, each a task of its own.
+  void find_edges() {
+    struct Edge {
+      std::size_t parameter;
+      int side;
+      double confidence;
+      double* end;
+    };
+    std::vector<Edge> edges;
+    for (std::size_t i = 0; i < fit_.parameters.size(); ++i) {
+      FittedParameter& p = fit_.parameters[i];
+      if (p.verdict == ParameterVerdict::at_zero)
+        edges.push_back({i, +1, 2 * options_.confidence - 1, &p.high});
+      if (p.verdict == ParameterVerdict::seen && options_.profile) {
+        edges.push_back({i, -1, options_.confidence, &p.low});
+        edges.push_back({i, +1, options_.confidence, &p.high});
+      }
     }
-    const bool logarithmic = model_.parameters[static_cast<std::size_t>(i)].logarithmic;
-    p.low = logarithmic ? std::exp(low) : low;
-    p.high = logarithmic ? std::exp(high) : high;
+    if (edges.empty()) return;
+    objective_.in_parallel(edges.size(), [&](std::size_t part, const NoiseObjective& objective) {
+      const Edge& of = edges[part];
+      set(*of.end, of.parameter,
+          edge(objective, static_cast<int>(of.parameter), of.confidence, of.side));
+    });
   }
 
   /// Where the profile of the likelihood has fallen by half the quantile of χ² of one degree.
   /// @param side  -1 below the optimum, +1 above
   /// @return      NaN where it does not fall so far
-  double edge(int i, double confidence, int side) {
+  [[nodiscard]] double edge(const NoiseObjective& objective, int i, double confidence,
+                            int side) const {
     const double z = internal::deviations(confidence);
     std::vector<int> others = free_;
     std::erase(others, i);
-    VectorXd warm = fit_.theta;
+    VectorXd last = fit_.theta;
     const auto loss = [&](double value) {
-      VectorXd there = warm;
-      there(i) = value;
-      const SearchResult found = search(objective_, there, others, options_.max_iterations);
+      // Far out the others go where no slope leads back from: the fit may be the better start.
+      VectorXd there = fit_.theta;
+      there(i) = last(i) = value;
+      const auto of_fit = objective.at(there, LikelihoodOrder::value);
+      const auto of_last = objective.at(last, LikelihoodOrder::value);
+      if (of_last.computed && !(of_fit.computed && of_fit.value >= of_last.value)) there = last;
+      SearchResult found = search(objective, there, others,
+                                  {.max_iterations = options_.max_iterations, .rough = true});
+      if (found.computed && !found.converged)
+        found = search(objective, found.theta, others, {.max_iterations = options_.max_iterations});
       if (!found.computed) return 1e6;
-      warm = found.theta;
+      last = found.theta;
       return best_ - found.value;
     };
     const double error = fit_.parameters[static_cast<std::size_t>(i)].standard_error;
@@ -223,6 +298,9 @@ class Fit {
   std::vector<int> free_;
   double best_ = 0;
   NoiseFit fit_;
+  std::mutex telling_;
+  int told_ = 0;
+  double greatest_ = 0;
 };
 
 }  // namespace
@@ -237,6 +315,8 @@ std::string to_string(ParameterVerdict verdict) {
       return "at zero";
     case ParameterVerdict::not_seen:
       return "not seen";
+    case ParameterVerdict::not_known:
+      return "not known";
     case ParameterVerdict::combination:
       break;
   }
@@ -253,6 +333,8 @@ std::string to_string(NoiseFitStatus status) {
       return "not computed";
     case NoiseFitStatus::not_converged:
       return "not converged";
+    case NoiseFitStatus::out_of_time:
+      return "out of time";
     case NoiseFitStatus::interrupted:
       break;
   }
@@ -261,7 +343,10 @@ std::string to_string(NoiseFitStatus status) {
 
 NoiseFit fit_noise(const InnovationLikelihood& likelihood, const NoiseFitOptions& options) {
   check(options);
-  return Fit(likelihood, options).run();
+  if (!options.interrupted) return Fit(likelihood, options).run();
+  InnovationLikelihood asking = likelihood;
+  asking.stop_when(options.interrupted);
+  return Fit(asking, options).run();
 }
 
 }  // namespace quadtune

@@ -2,13 +2,16 @@
 #include "quadtune/tuning/noise_tuning.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
+#include <chrono>
 #include <cmath>
 #include <functional>
-#include <numbers>
 
+#include "constant_measurements.hpp"
+#include "held_out.hpp"
+#include "noise_description.hpp"
 #include "quadtune/errors.hpp"
 
 namespace quadtune {
@@ -17,17 +20,21 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// Least number of innovations that a stretch held out must have to say something.
-constexpr Index kLeastHeldOut = 30;
 /// Fits with a new path or new refusals each.
 constexpr int kMostRounds = 20;
 /// Change of θ, in standard errors or, of what is not seen, in logarithms, that ends them.
 constexpr double kSettled = 0.01;
+/// Growth of a root mean square error that is worth saying.
+constexpr double kLessAccurate = 1.01;
+/// The same, of a last fit that is precise: it went where the rough ones before it did not look.
+constexpr double kFarOff = 0.1;
 /// Tails of a gated sensor in the first fit: with these an outlier has little weight.
 constexpr double kLongTails = 4;
 
-/// The records at a θ: what is refused is NaN, and what is nonlinear is linearized.
-using Records = std::function<LinearizedLogs(const VectorXd&)>;
+using Stop = std::function<bool()>;
+/// The records at a θ: what is refused is NaN, and what is nonlinear is linearized. Throws
+/// Interrupted where it is told to stop.
+using Records = std::function<LinearizedLogs(const VectorXd&, const Stop&)>;
 
 bool has_gate(const FilterModel& model) {
   for (const FilterSensor& sensor : model.sensors)
@@ -71,8 +78,11 @@ void take_out(const FilterModel& model, const FilterRun& run, FilterRecord& reco
 
 /// Records of a linear model without what its gates refuse.
 Records gated(const FilterModel& model, const std::vector<FilterRecord>& records) {
-  if (!has_gate(model)) return [&records](const VectorXd&) { return LinearizedLogs{records, ""}; };
-  return [likelihood = InnovationLikelihood(model, records)](const VectorXd& theta) {
+  if (!has_gate(model))
+    return [&records](const VectorXd&, const Stop&) { return LinearizedLogs{records, ""}; };
+  return [likelihood = InnovationLikelihood(model, records)](const VectorXd& theta,
+                                                             const Stop& stop) mutable {
+    likelihood.stop_when(stop);
     LinearizedLogs result{likelihood.records(), ""};
     for (std::size_t r = 0; r < result.records.size(); ++r) {
       const FilterRun run = likelihood.run(r, theta);
@@ -114,13 +124,13 @@ std::vector<RefusedCount> count_refused(const FilterModel& model,
 
 /// θ of a fit that outliers do not spoil, because gated sensors' errors have long tails in it.
 VectorXd first_guess(const FilterModel& model, const std::vector<FilterRecord>& records,
-                     const NoiseTuningOptions& options) {
+                     const NoiseFitOptions& options, double holdout) {
   FilterModel tailed = model;
   for (FilterSensor& sensor : tailed.sensors)
     if (std::isfinite(sensor.gate) && sensor.student == 0 && is_diagonal(sensor.R))
       sensor.student = kLongTails;
-  const InnovationLikelihood likelihood(tailed, fitted_parts(records, options.holdout));
-  const NoiseFit fit = fit_noise(likelihood, options.fit);
+  const InnovationLikelihood likelihood(tailed, fitted_parts(records, holdout));
+  const NoiseFit fit = fit_noise(likelihood, options);
   return fit.status == NoiseFitStatus::not_computed ? start_of(model) : fit.theta;
 }
 
@@ -166,44 +176,16 @@ std::vector<FilterRun> part_of(const std::vector<FilterRun>& runs,
   return result;
 }
 
-double log_density(double e, double S, double student) {
-  if (student == 0) return -0.5 * (std::log(2 * std::numbers::pi * S) + e * e / S);
-  return std::lgamma(0.5 * (student + 1)) - std::lgamma(0.5 * student) -
-         0.5 * std::log(std::numbers::pi * student * S) -
-         0.5 * (student + 1) * std::log1p(e * e / (student * S));
-}
-
-/// Log-densities of the innovations that both runs compared, and whether one is larger.
-struct Comparison {
-  Index count = 0;
-  double before = 0, after = 0;  ///< means
-  double deviation = 0;          ///< of the mean of their differences
-};
-
-Comparison compare_densities(const FilterModel& model, const std::vector<FilterRun>& before,
-                             const std::vector<FilterRun>& after) {
-  Comparison result;
-  double squares = 0;
-  for (std::size_t r = 0; r < after.size(); ++r) {
-    Index i = 0;
-    for (const FilterSensor& sensor : model.sensors)
-      for (Index row = 0; row < sensor.C.rows(); ++row, ++i)
-        for (Index k = 0; k < after[r].innovation.cols(); ++k) {
-          const double e0 = before[r].innovation(i, k), e1 = after[r].innovation(i, k);
-          if (std::isnan(e0) || std::isnan(e1)) continue;
-          const double l0 = log_density(e0, before[r].variance(i, k), sensor.student);
-          const double l1 = log_density(e1, after[r].variance(i, k), sensor.student);
-          ++result.count;
-          result.before += l0;
-          result.after += l1;
-          squares += (l1 - l0) * (l1 - l0);
-        }
+/// What was true in the part of each record that part_of() takes.
+std::vector<FilterRecord> truths_of(const std::vector<FilterRecord>& records, double holdout,
+                                    bool held_out) {
+  std::vector<FilterRecord> result(records.size());
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    if (records[r].truth.size() == 0) continue;
+    const Index cut = first_held_out(records[r], holdout), all = records[r].samples();
+    result[r].truth =
+        held_out ? records[r].truth.rightCols(all - cut) : records[r].truth.leftCols(cut);
   }
-  const auto n = static_cast<double>(result.count);
-  result.before /= n;
-  result.after /= n;
-  const double mean = result.after - result.before;
-  result.deviation = std::sqrt(std::max(squares / n - mean * mean, 0.0) / n);
   return result;
 }
 
@@ -213,7 +195,11 @@ enum class Kind { constant, gated, linearized };
 class Tuner {
  public:
   Tuner(const FilterModel& model, Records records, const NoiseTuningOptions& options)
-      : model_(model), records_(std::move(records)), options_(options) {
+      : model_(model),
+        records_(std::move(records)),
+        options_(options),
+        begin_(std::chrono::steady_clock::now()) {
+    require(options.seconds > 0, "seconds", options.seconds, "a positive number");
     require(options.holdout >= 0 && options.holdout <= 0.9, "holdout", options.holdout, "0 to 0.9");
     require(options.most_refused >= 0 && options.most_refused < 1, "most_refused",
             options.most_refused, "0 or more and less than 1");
@@ -223,28 +209,43 @@ class Tuner {
   /// @param kind   how the records depend on θ
   /// @param first  θ of the first records
   NoiseTuning run(const std::vector<FilterRecord>& all, Kind kind, const VectorXd& first) {
-    LinearizedLogs logs = records_(first);
-    if (logs.culprit.empty()) fit(logs, kind != Kind::constant);
-    if (!logs.culprit.empty()) {
-      tuning_.fit.status = NoiseFitStatus::not_computed;
-      tuning_.fit.culprit = logs.culprit;
+    LinearizedLogs logs;
+    tuning_.warnings = internal::hanging_measurements(model_, all);
+    try {
+      if (kind == Kind::linearized)  // else the fit looks at the records itself
+        logs.culprit = internal::constant_measurement(model_, fitted_parts(all, options_.holdout));
+      if (logs.culprit.empty()) logs = records_(first, over());
+      if (logs.culprit.empty()) fit(logs, kind != Kind::constant);
+      if (!logs.culprit.empty()) {
+        tuning_.fit.status = NoiseFitStatus::not_computed;
+        tuning_.fit.culprit = logs.culprit;
+      }
+    } catch (const Interrupted&) {
+      tuning_.fit.status = NoiseFitStatus::interrupted;
     }
-    if (tuning_.fit.status != NoiseFitStatus::not_computed) {
-      const VectorXd start = start_of(model_);
-      tuning_.refused = count_refused(model_, all, logs.records);
-      const auto look = [&](const LinearizedLogs& at_start) {
-        compare(logs, at_start, start);
-        if (!options_.keep_records) return;
-        tuning_.records_before = at_start.records;
-        tuning_.records_after = logs.records;
-      };
-      if (kind == Kind::linearized)
-        look(records_(start));
-      else
-        look(logs);
+    tuning_.fit.evaluations = evaluations_;
+    if (tuning_.fit.status == NoiseFitStatus::interrupted) end_early();
+    if (tuning_.fit.status != NoiseFitStatus::not_computed &&
+        tuning_.fit.status != NoiseFitStatus::interrupted) {
+      try {
+        look_at_innovations(all, kind, logs);
+      } catch (const Interrupted&) {
+        tuning_.fit.status = NoiseFitStatus::interrupted;
+      }
     }
     judge();
-    return tuning_;
+    return std::move(tuning_);
+  }
+
+  /// As they were asked for, but ended by the time too, and told of as a part of the whole.
+  [[nodiscard]] NoiseFitOptions fit_options() {
+    NoiseFitOptions options = options_.fit;
+    options.interrupted = over();
+    if (options_.progress)
+      options.progress = [this](int evaluations, double best) {
+        options_.progress(tuning_.rounds, evaluations_ + evaluations, best);
+      };
+    return options;
   }
 
  private:
@@ -253,39 +254,98 @@ class Tuner {
       throw InvalidInput("tuning", fmt::format("{} is {}, expected {}", name, value, expected));
   }
 
+  /// Whether the search is to end: the time is up, or somebody wants it to.
+  [[nodiscard]] Stop over() const {
+    return [this] {
+      return wanted() ||
+             std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count() >=
+                 options_.seconds;
+    };
+  }
+  /// Whether somebody wants all of it to end.
+  [[nodiscard]] bool wanted() const {
+    return options_.fit.interrupted && options_.fit.interrupted();
+  }
+
+  /// What is left of a search that was ended: the best so far, or else the model as it was.
+  void end_early() {
+    NoiseFit& fit = tuning_.fit;
+    if (!wanted()) fit.status = NoiseFitStatus::out_of_time;
+    if (fit.theta.size() == 0) fit.theta = start_of(model_);
+    fit.parameters = internal::parameters_at(model_, fit.theta);
+    fit.unseen.clear();
+    if (before_.computed()) fit.before = before_;
+  }
+
+  /// Of the whole records with what was found and with what the model started with.
+  void look_at_innovations(const std::vector<FilterRecord>& all, Kind kind, LinearizedLogs& logs) {
+    const Stop stop = options_.fit.interrupted;
+    const VectorXd start = start_of(model_);
+    if (tuning_.fit.status == NoiseFitStatus::out_of_time && kind != Kind::constant) {
+      logs = records_(tuning_.fit.theta, stop);
+      if (!logs.culprit.empty()) {
+        tuning_.fit.status = NoiseFitStatus::not_computed;
+        tuning_.fit.culprit = logs.culprit;
+        return;
+      }
+    }
+    tuning_.refused = count_refused(model_, all, logs.records);
+    const auto look = [&](const LinearizedLogs& at_start) {
+      compare(logs, at_start, start);
+      if (!options_.keep_records) return;
+      tuning_.records_before = at_start.records;
+      tuning_.records_after = logs.records;
+    };
+    if (kind == Kind::linearized)
+      look(records_(start, stop));
+    else
+      look(logs);
+  }
+
   void fit_once(const InnovationLikelihood& likelihood, const NoiseFitOptions& options) {
     if (options_.method == NoiseMethod::likelihood) {
       tuning_.fit = fit_noise(likelihood, options);
+      evaluations_ += tuning_.fit.evaluations;
       return;
     }
     tuning_.autocovariances =
         fit_autocovariances(likelihood.model(), likelihood.records(),
                             {.confidence = options.confidence, .profile = options.profile});
     tuning_.fit = as_noise_fit(*tuning_.autocovariances, likelihood);
+    evaluations_ += tuning_.fit.evaluations;
+  }
+
+  /// The last fit beside that of the other method.
+  void compare_with_other(const InnovationLikelihood& likelihood) {
+    if (!options_.compare || !tuning_.fit.converged() || over()()) return;
+    tuning_.agreement =
+        compare_methods(tuning_.fit, options_.method, likelihood, options_.agreement);
+    for (const std::string& reason : tuning_.agreement->disagreements)
+      tuning_.warnings.push_back(reason);
   }
 
   /// Fits until neither the path nor the refusals change.
   void fit(LinearizedLogs& logs, bool changing) {
-    NoiseFitOptions options = options_.fit;
+    NoiseFitOptions options = fit_options();
     options.bounds = !changing;  // those of the last fit are enough
     options.profile = options_.fit.profile && !changing;
+    options.rough = changing;
     FilterModel model = model_;
     for (tuning_.rounds = 1;; ++tuning_.rounds) {
       const InnovationLikelihood likelihood(model, fitted_parts(logs.records, options_.holdout));
       fit_once(likelihood, options);
-      tuning_.fit.before = likelihood.evaluate(start_of(model_));
+      if (tuning_.rounds == 1) before_ = tuning_.fit.before;
       if (!changing || tuning_.fit.status == NoiseFitStatus::not_computed ||
-          tuning_.fit.status == NoiseFitStatus::interrupted)
+          tuning_.fit.status == NoiseFitStatus::interrupted) {
+        compare_with_other(likelihood);
         return;
-      LinearizedLogs next = records_(tuning_.fit.theta);
+      }
+      LinearizedLogs next = records_(tuning_.fit.theta, over());
       const bool settled = next.culprit.empty() && refused_since(logs.records, next.records) == 0 &&
                            change(start_of(model)) < kSettled;
       logs = std::move(next);
       if (!logs.culprit.empty()) return;
-      if (settled) {
-        finish(logs, with_noise(model_, tuning_.fit.theta));
-        return;
-      }
+      if (settled && finish(logs, with_noise(model_, tuning_.fit.theta))) return;
       if (tuning_.rounds == kMostRounds) {
         tuning_.fit.status = NoiseFitStatus::not_converged;
         tuning_.fit.culprit = fmt::format(
@@ -294,18 +354,23 @@ class Tuner {
       }
       model = with_noise(model_, tuning_.fit.theta);
       options.starts = 1;
+      options.strides = false;  // the last fit makes them
     }
   }
 
   /// The settled fit once more, with all that is wanted of it.
-  void finish(const LinearizedLogs& logs, const FilterModel& model) {
-    const InnovationLikelihood likelihood(model, fitted_parts(logs.records, options_.holdout));
-    NoiseFitOptions options = options_.fit;
+  /// @return  false where it went elsewhere, and the path with it
+  bool finish(const LinearizedLogs& logs, const FilterModel& model) {
+    InnovationLikelihood likelihood(model, fitted_parts(logs.records, options_.holdout));
+    NoiseFitOptions options = fit_options();
     options.starts = 1;
-    const int evaluations = tuning_.fit.evaluations;
     fit_once(likelihood, options);
-    tuning_.fit.evaluations += evaluations;
+    if (tuning_.fit.status == NoiseFitStatus::interrupted) return true;
+    likelihood.stop_when(over());
     tuning_.fit.before = likelihood.evaluate(start_of(model_));
+    const bool settled = change(start_of(model)) < kFarOff;
+    if (settled) compare_with_other(likelihood);
+    return settled;
   }
 
   /// Greatest change of a free parameter from `before`, in its standard errors.
@@ -324,13 +389,64 @@ class Tuner {
     // Without gates: what is left is looked at whole.
     FilterModel open = model_;
     for (FilterSensor& sensor : open.sensors) sensor.gate = std::numeric_limits<double>::infinity();
-    const Runs new_runs = run_all(InnovationLikelihood(open, records), tuning_.fit.theta);
-    const Runs old_runs = at_start.culprit.empty()
-                              ? run_all(InnovationLikelihood(open, at_start.records), start)
-                              : Runs{{}, at_start.culprit};
-    tuning_.before = consistency_of(old_runs, records);
+    const auto all_runs = [&](const std::vector<FilterRecord>& of, const VectorXd& theta) {
+      InnovationLikelihood likelihood(open, of);
+      likelihood.stop_when(options_.fit.interrupted);
+      return run_all(likelihood, theta);
+    };
+    const Runs new_runs = all_runs(records, tuning_.fit.theta);
+    const Runs old_runs =
+        at_start.culprit.empty() ? all_runs(at_start.records, start) : Runs{{}, at_start.culprit};
+    if (new_runs.culprit.empty()) {
+      const std::string exact = internal::exact_measurement(model_, records, new_runs.runs);
+      if (!exact.empty()) {
+        tuning_.fit.status = NoiseFitStatus::not_computed;
+        tuning_.fit.culprit = exact;
+        return;
+      }
+    }
+    tuning_.before = consistency_of(old_runs, at_start.records);
     tuning_.after = consistency_of(new_runs, records);
     if (options_.holdout > 0) hold_out(old_runs, new_runs, records);
+    if (old_runs.culprit.empty() && new_runs.culprit.empty())
+      compare_accuracy({at_start.records, old_runs.runs}, {records, new_runs.runs});
+  }
+
+  /// How far from the truth both are, over what the fit has not seen if it is told there.
+  void compare_accuracy(const TrueRuns& before, const TrueRuns& after) {
+    const auto over = [&](bool held_out) {
+      const double holdout = options_.holdout;
+      return compare_errors(model_,
+                            {truths_of(before.records, holdout, held_out),
+                             part_of(before.runs, before.records, holdout, held_out)},
+                            {truths_of(after.records, holdout, held_out),
+                             part_of(after.runs, after.records, holdout, held_out)});
+    };
+    if (options_.holdout > 0) tuning_.accuracy = over(true);
+    tuning_.accuracy_held_out = !tuning_.accuracy.empty();
+    if (tuning_.accuracy.empty()) tuning_.accuracy = over(false);
+    std::vector<std::string> worse;
+    for (const StateAccuracy& state : tuning_.accuracy)
+      if (state.after > kLessAccurate * state.before)
+        worse.push_back(fmt::format("{} errs by {:.3g} {}, {:.0f} % more than before{}",
+                                    state.state, state.after, state.unit,
+                                    100 * (state.after / state.before - 1),
+                                    state.p < 0.05 ? "" : ", which may be chance"));
+    if (worse.empty()) return;
+    tuning_.warnings.push_back(fmt::format(
+        "the tuned filter is {}less accurate{}: {}",
+        distance_from_one(tuning_.after) < distance_from_one(tuning_.before)
+            ? "more consistent but "
+            : "",
+        tuning_.accuracy_held_out ? " on the stretch held out" : "", fmt::join(worse, "; ")));
+  }
+
+  /// How far the sizes of innovations and of errors are from what they should be.
+  static double distance_from_one(const Consistency& consistency) {
+    double sum = 0;
+    for (const ConsistencyCheck& c : consistency.checks)
+      if (c.name == "size" || c.name == "error") sum += std::abs(std::log(c.value));
+    return sum;
   }
 
   [[nodiscard]] Consistency consistency_of(const Runs& runs,
@@ -354,45 +470,31 @@ class Tuner {
 
   void hold_out(const Runs& old_runs, const Runs& new_runs,
                 const std::vector<FilterRecord>& records) {
-    HoldOut& result = tuning_.holdout;
     if (!new_runs.culprit.empty()) {
-      result.verdict = CheckVerdict::fail;
-      result.reason = new_runs.culprit;
+      tuning_.holdout.verdict = CheckVerdict::fail;
+      tuning_.holdout.reason = new_runs.culprit;
       return;
     }
-    const bool both = old_runs.culprit.empty();
-    const std::vector<FilterRun> fresh = part_of(new_runs.runs, records, options_.holdout, true);
-    const Comparison compared = compare_densities(
-        model_, both ? part_of(old_runs.runs, records, options_.holdout, true) : fresh, fresh);
-    result.innovations = compared.count;
-    result.after = compared.after;
-    if (both) result.before = compared.before;
-    const double z = boost::math::quantile(
-        boost::math::complement(boost::math::normal(), options_.consistency.significance));
-    if (compared.count < kLeastHeldOut) {
-      result.reason = fmt::format("{} innovations held out, too few to tell", compared.count);
-    } else if (!std::isfinite(result.after) ||
-               (both && result.after < result.before - z * compared.deviation)) {
-      result.verdict = CheckVerdict::fail;
-      result.reason = fmt::format(
-          "the stretch held out is less likely than before: {:.4g} an innovation instead of {:.4g}",
-          result.after, result.before);
-    } else {
-      result.verdict = CheckVerdict::pass;
-    }
+    std::vector<FilterRun> before;
+    if (old_runs.culprit.empty()) before = part_of(old_runs.runs, records, options_.holdout, true);
+    tuning_.holdout = internal::judge_held_out(
+        model_, before, part_of(new_runs.runs, records, options_.holdout, true),
+        options_.consistency.significance);
   }
 
   void judge() {
     const NoiseFit& fit = tuning_.fit;
+    std::vector<std::string> doubts;  // they come after the flaws
     const auto worsen = [&](CheckVerdict to, const std::string& reason) {
-      tuning_.reasons.push_back(reason);
+      (to == CheckVerdict::fail ? tuning_.reasons : doubts).push_back(reason);
       if (tuning_.verdict != CheckVerdict::fail) tuning_.verdict = to;
     };
     tuning_.verdict = CheckVerdict::pass;
     if (!fit.converged())
       worsen(CheckVerdict::fail, fmt::format("the fit is {}{}", to_string(fit.status),
                                              fit.culprit.empty() ? "" : ": " + fit.culprit));
-    if (fit.status == NoiseFitStatus::not_computed) return;
+    if (fit.status == NoiseFitStatus::not_computed || fit.status == NoiseFitStatus::interrupted)
+      return;
     for (const std::string& direction : fit.unseen) worsen(CheckVerdict::fail, direction);
     for (const RefusedCount& count : tuning_.refused)
       if (static_cast<double>(count.refused) >
@@ -403,11 +505,15 @@ class Tuner {
     for (const std::string& reason : tuning_.after.reasons) worsen(tuning_.after.verdict, reason);
     if (options_.holdout > 0 && tuning_.holdout.verdict != CheckVerdict::pass)
       worsen(tuning_.holdout.verdict, tuning_.holdout.reason);
+    tuning_.reasons.insert(tuning_.reasons.end(), doubts.begin(), doubts.end());
   }
 
   const FilterModel& model_;
   Records records_;
   const NoiseTuningOptions& options_;
+  std::chrono::steady_clock::time_point begin_;
+  int evaluations_ = 0;  ///< of the fits that are over
+  Likelihood before_;    ///< of the first fit
   NoiseTuning tuning_;
 };
 
@@ -432,13 +538,18 @@ NoiseTuning tune_noise(const FilterModel& model, const std::vector<FilterRecord>
                        const NoiseTuningOptions& options) {
   Tuner tuner(model, gated(model, records), options);
   if (!has_gate(model)) return tuner.run(records, Kind::constant, start_of(model));
-  return tuner.run(records, Kind::gated, first_guess(model, records, options));
+  const VectorXd first = first_guess(model, records, tuner.fit_options(), options.holdout);
+  return tuner.run(records, Kind::gated, first);
 }
 
 NoiseTuning tune_noise(const NonlinearFilter& filter, const NoiseTuningOptions& options) {
   Tuner tuner(
-      filter.model(), [&](const VectorXd& theta) { return filter.linearize(theta); }, options);
-  return tuner.run(filter.measurements(), Kind::linearized, start_of(filter.model()));
+      filter.model(),
+      [&](const VectorXd& theta, const Stop& stop) { return filter.linearize(theta, stop); },
+      options);
+  NoiseTuning tuning = tuner.run(filter.measurements(), Kind::linearized, start_of(filter.model()));
+  tuning.left_out = filter.left_out();
+  return tuning;
 }
 
 }  // namespace quadtune

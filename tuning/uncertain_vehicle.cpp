@@ -249,7 +249,7 @@ class HoverFamily {
     for (const char* axis : {"inertia x", "inertia y", "inertia z"})
       all.push_back({axis, "", u.inertia.low, 1, u.inertia.high});
     all.push_back({"thrust", "", u.thrust.low, 1, u.thrust.high});
-    if (lag_moves_) all.push_back({"lag", "s", u.lag.low, lag_, u.lag.high});
+    all.push_back({"lag", "s", u.lag.low, lag_, u.lag.high});
     all.push_back({"delay", "s", u.delay.low, u.delay.low, u.delay.high});
     return all;
   }

@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "quadtune/exports/file_set.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/utf8.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -21,13 +23,8 @@ void append_little_endian(std::vector<unsigned char>& out, std::uint64_t bits, i
 }  // namespace
 
 std::string html_text(std::string_view text) {
-  // The JSON library knows what UTF-8 is; between its quotes only two characters are escaped, as
-  // control characters are taken out after.
-  const std::string quoted = nlohmann::json(std::string(text))
-                                 .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  const std::string clean = nlohmann::json::parse(quoted).get<std::string>();
   std::string result;
-  for (const char c : clean) {
+  for (const char c : internal::valid_utf8(text)) {
     switch (c) {
       case '&':
         result += "&amp;";
@@ -55,7 +52,7 @@ std::string html_text(std::string_view text) {
 }
 
 std::string script_json(const nlohmann::json& value) {
-  const std::string text = value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  const std::string text = internal::json_text(value, /*ascii=*/true);
   std::string result;
   result.reserve(text.size());
   // These three stand in strings only, where their escapes mean the same.

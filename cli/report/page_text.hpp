@@ -11,12 +11,12 @@
 namespace quadtune::cli {
 
 /// Text as the content of an HTML element: `&`, `<`, `>` and quotes as references, control
-/// characters and what is no UTF-8 as U+FFFD.
+/// characters as U+FFFD, bytes that are not UTF-8 as \xff.
 [[nodiscard]] std::string html_text(std::string_view text);
 
 /// JSON as the content of a `<script>` element: ASCII only, no `<`, `>` or `&`, so that neither
-/// `</script>` nor `<!--` can stand in it. What is no UTF-8 becomes U+FFFD; what is not finite
-/// null.
+/// `</script>` nor `<!--` can stand in it. Otherwise as internal::json_text(); what is not finite
+/// is null.
 [[nodiscard]] std::string script_json(const nlohmann::json& value);
 
 /// Bytes in base64 with padding.

@@ -3,22 +3,21 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "quadtune/errors.hpp"
 
 namespace quadtune::internal {
 
 using Eigen::Index;
 
-DrivenRecord driven_record(const FilterModel& model, const FilterRecord& record, bool mean,
-                           double longest) {
+std::optional<DrivenRecord> driven_record(const FilterModel& model, const FilterRecord& record,
+                                          bool mean, double longest) {
   validate_samples(record, model, record.name);
   std::vector<Index> instants;
   for (Index k = 0; k < record.samples(); ++k)
     if (!record.y.col(k).array().isNaN().all()) instants.push_back(k);
-  if (instants.size() < 2)
-    throw InvalidInput(record.name, fmt::format("{} instants with measurements came, expected at "
-                                                "least 2",
-                                                instants.size()));
+  if (instants.size() < 2) return {};
   DrivenRecord result;
   result.first = instants.front();
   FilterRecord& measured = result.measured;
@@ -53,17 +52,34 @@ DrivenRecord driven_record(const FilterModel& model, const FilterRecord& record,
   return result;
 }
 
-const DrivenRecord& ExtendedFilter::add(const FilterRecord& record, bool mean, double longest) {
-  driven_.push_back(driven_record(model_, record, mean, longest));
-  measurements_.push_back(driven_.back().measured);
-  return driven_.back();
+ExtendedFilter::ExtendedFilter(FilterModel model, const std::vector<FilterRecord>& records,
+                               bool mean, double longest)
+    : model_(std::move(model)) {
+  for (const FilterRecord& record : records) {
+    std::optional<DrivenRecord> driven = driven_record(model_, record, mean, longest);
+    if (!driven) {
+      left_out_.push_back(quadtune::left_out(record));
+      continue;
+    }
+    driven->of = static_cast<std::size_t>(&record - records.data());
+    measurements_.push_back(driven->measured);
+    driven_.push_back(std::move(*driven));
+  }
+  if (!driven_.empty()) return;
+  if (records.empty()) throw InvalidInput("logs", "none came, expected at least one");
+  Index most = 0;
+  for (const LeftOutRecord& record : left_out_) most = std::max(most, record.measurements);
+  throw InvalidInput(records.front().name,
+                     fmt::format("{} instants with measurements came{}, expected at least 2", most,
+                                 records.size() > 1 ? " at most between two gaps" : ""));
 }
 
-LinearizedLogs ExtendedFilter::linearize(const Eigen::Ref<const Eigen::VectorXd>& theta) const {
+LinearizedLogs ExtendedFilter::linearize(const Eigen::Ref<const Eigen::VectorXd>& theta,
+                                         const std::function<bool()>& stop) const {
   LinearizedLogs result;
   for (std::size_t r = 0; r < driven_.size(); ++r) {
     double failed_at = 0;
-    if (run(r, theta, result.records.emplace_back(), failed_at)) continue;
+    if (run(r, theta, stop, result.records.emplace_back(), failed_at)) continue;
     result.culprit = fmt::format("{}: the extended filter leaves the range of a double at {:.6g} s",
                                  measurements_[r].name, failed_at);
     break;
@@ -76,9 +92,10 @@ LinearizedLogs ExtendedFilter::linearize(const Eigen::Ref<const Eigen::VectorXd>
 namespace quadtune {
 
 std::unique_ptr<NonlinearFilter> nonlinear_filter(FilterModel model,
-                                                  const std::vector<FilterRecord>& records) {
+                                                  const std::vector<FilterRecord>& records,
+                                                  const std::function<bool()>& stop) {
   validate(model, "filter model");
-  if (model.gravity) return internal::inertial_filter(std::move(model), records);
+  if (model.gravity) return internal::inertial_filter(std::move(model), records, stop);
   if (!model.vehicle.empty()) return internal::rigid_body_filter(std::move(model), records);
   throw InvalidInput("filter model",
                      fmt::format("'{}' is linear, expected dynamics = \"inertial\" or "

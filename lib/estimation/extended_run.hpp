@@ -5,10 +5,13 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_model.hpp"
 #include "quadtune/estimation/filter_record.hpp"
 #include "quadtune/estimation/nonlinear_filter.hpp"
@@ -30,52 +33,59 @@ struct Drive {
 struct DrivenRecord {
   FilterRecord measured;  ///< instants with measurements only; u is 0
   Drive drive;
-  Eigen::Index first = 0;  ///< the first measurement's instant in the whole record
+  std::size_t of = 0;      ///< index of the whole record
+  Eigen::Index first = 0;  ///< the first measurement's instant in it
 };
 
 /// @param mean     whether inputs were sampled at both ends of a step, or hold over it
 /// @param longest  longest step [s]; longer ones are divided
-/// @throws InvalidInput  as validate_samples(); for fewer than two instants with measurements.
-[[nodiscard]] DrivenRecord driven_record(const FilterModel& model, const FilterRecord& record,
-                                         bool mean, double longest);
+/// @return         nothing for fewer than two instants with measurements
+/// @throws InvalidInput  as validate_samples()
+[[nodiscard]] std::optional<DrivenRecord> driven_record(const FilterModel& model,
+                                                        const FilterRecord& record, bool mean,
+                                                        double longest);
 
 /// An extended filter of 15 states over its logs.
 class ExtendedFilter : public NonlinearFilter {
  public:
   [[nodiscard]] const FilterModel& model() const override { return model_; }
-  [[nodiscard]] LinearizedLogs linearize(
-      const Eigen::Ref<const Eigen::VectorXd>& theta) const override;
+  [[nodiscard]] LinearizedLogs linearize(const Eigen::Ref<const Eigen::VectorXd>& theta,
+                                         const std::function<bool()>& stop) const override;
   [[nodiscard]] const std::vector<FilterRecord>& measurements() const override {
     return measurements_;
   }
+  [[nodiscard]] const std::vector<LeftOutRecord>& left_out() const override { return left_out_; }
 
  protected:
-  explicit ExtendedFilter(FilterModel model) : model_(std::move(model)) {}
-  /// @return  the record, as driven_record() says
-  const DrivenRecord& add(const FilterRecord& record, bool mean, double longest);
+  /// Takes the records that driven_record() makes something of.
+  /// @throws InvalidInput  where it makes nothing of any
+  ExtendedFilter(FilterModel model, const std::vector<FilterRecord>& records, bool mean,
+                 double longest);
 
   /// Runs the filter over one of the records.
   /// @return  false where a number left the range of a double, at `failed_at`
   [[nodiscard]] virtual bool run(std::size_t record, const Eigen::Ref<const Eigen::VectorXd>& theta,
-                                 FilterRecord& into, double& failed_at) const = 0;
+                                 const std::function<bool()>& stop, FilterRecord& into,
+                                 double& failed_at) const = 0;
 
   FilterModel model_;
   std::vector<DrivenRecord> driven_;
 
  private:
   std::vector<FilterRecord> measurements_;
+  std::vector<LeftOutRecord> left_out_;
 };
 
 /// The filters that there are; each refuses a model of other dynamics.
 [[nodiscard]] std::unique_ptr<NonlinearFilter> inertial_filter(
-    FilterModel model, const std::vector<FilterRecord>& records);
+    FilterModel model, const std::vector<FilterRecord>& records, const std::function<bool()>& stop);
 [[nodiscard]] std::unique_ptr<NonlinearFilter> rigid_body_filter(
     FilterModel model, const std::vector<FilterRecord>& records);
 
 /// Motion is the model: move() takes the state over a step of inputs and keeps what advance(),
 /// M ← F M, and add_noise(), N += G shape Gᵀ dt, need; observe() says what is measured at a state,
 /// with its slope; difference() is y less that; absorb() takes what a state stands for besides its
-/// number out of it.
+/// number out of it; relate() puts what is true into the terms of the state before that.
 template <class Motion>
 class ExtendedRun {
  public:
@@ -86,14 +96,17 @@ class ExtendedRun {
   double log_likelihood = 0;  ///< but for constants
   double failed_at = 0;       ///< [s] where a number left the range of a double
 
+  /// @param stop  asked now and then: run() ends with Interrupted where it returns true
   ExtendedRun(const FilterModel& model, const DrivenRecord& record,
-              const Eigen::Ref<const Eigen::VectorXd>& theta, Motion motion)
+              const Eigen::Ref<const Eigen::VectorXd>& theta, Motion motion,
+              const std::function<bool()>& stop)
       : x(model.x0),
         P(model.P0),
         model_(model),
         record_(record.measured),
         drive_(record.drive),
         motion_(std::move(motion)),
+        stop_(stop),
         R_(model.outputs()),
         gate_(model.outputs()),
         student_(model.outputs()) {
@@ -122,9 +135,11 @@ class ExtendedRun {
     for (Eigen::Index k = 0; k < record_.samples(); ++k) {
       const double now = record_.time[static_cast<std::size_t>(k)];
       if (now > until) break;
+      if (k % kAskedEvery == 0 && stop_ && stop_()) throw Interrupted();
       LinearizedInstant at;
       correct(k, at.C, into);
       const ExtendedVector corrected = x;
+      if (into != nullptr && into->truth.size() > 0) motion_.relate(record_, k, x, *into);
       motion_.absorb(x);
       const Eigen::Index end =
           k + 1 < record_.samples() ? drive_.arrival[static_cast<std::size_t>(k) + 1] : step;
@@ -142,6 +157,8 @@ class ExtendedRun {
   }
 
  private:
+  static constexpr Eigen::Index kAskedEvery = 1024;
+
   /// By all measurements of an instant, linearized once for all of them.
   void correct(Eigen::Index k, Eigen::MatrixXd& C, FilterRecord* into) {
     const ExtendedVector predicted = x;
@@ -178,28 +195,32 @@ class ExtendedRun {
 
   void predict(Eigen::Index begin, Eigen::Index end, LinearizedInstant& at) {
     ExtendedMatrix F = ExtendedMatrix::Identity();
-    std::vector<ExtendedMatrix> noises(variances_.size(), ExtendedMatrix::Zero());
+    noises_.assign(variances_.size(), ExtendedMatrix::Zero());
     for (Eigen::Index step = begin; step < end; ++step) {
       motion_.move(drive_.dt[static_cast<std::size_t>(step)], drive_.u.col(step), x);
       motion_.advance(F);
-      for (std::size_t t = 0; t < noises.size(); ++t) {
-        motion_.advance(noises[t]);
-        noises[t].transposeInPlace();
-        motion_.advance(noises[t]);
-        motion_.add_noise(model_.Q.scaled[t].shape, noises[t]);
+      for (std::size_t t = 0; t < noises_.size(); ++t) {
+        if (step > begin) {  // before, there is none to be carried on
+          motion_.advance(noises_[t]);
+          noises_[t].transposeInPlace();
+          motion_.advance(noises_[t]);
+        }
+        motion_.add_noise(model_.Q.scaled[t].shape, noises_[t]);
       }
     }
     P = (F * P * F.transpose()).eval();
-    for (std::size_t t = 0; t < noises.size(); ++t) P += variances_[t] * noises[t];
+    for (std::size_t t = 0; t < noises_.size(); ++t) P += variances_[t] * noises_[t];
     P = (0.5 * (P + P.transpose())).eval();
     at.F = F;
-    at.noise.assign(noises.begin(), noises.end());
+    at.noise.assign(noises_.begin(), noises_.end());
   }
 
   const FilterModel& model_;
   const FilterRecord& record_;
   const Drive& drive_;
   Motion motion_;
+  const std::function<bool()>& stop_;
+  std::vector<ExtendedMatrix> noises_;  ///< of each term over the steps to the next measurement
   Eigen::VectorXd R_, gate_, student_, expected_;
   std::vector<double> variances_;
 };

@@ -95,6 +95,13 @@ void check_start(const FilterRecord& record, const FilterModel& model, const std
 
 }  // namespace
 
+LeftOutRecord left_out(const FilterRecord& record) {
+  LeftOutRecord result{record.name, record.time.front(), record.time.back()};
+  for (Index k = 0; k < record.samples(); ++k)
+    if (!record.y.col(k).array().isNaN().all()) ++result.measurements;
+  return result;
+}
+
 void validate(const FilterRecord& record, const FilterModel& model, const std::string& where) {
   validate_samples(record, model, where);
   check_linearized(record, model, where);

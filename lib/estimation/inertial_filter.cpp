@@ -95,6 +95,15 @@ class InertialMotion {
   }
   static double difference(Index, double y, double expected) { return y - expected; }
 
+  /// From the true attitude's rotation vector the true turn, which is from the attitude kept here.
+  void relate(const FilterRecord& record, Index k, const ExtendedVector&,
+              FilterRecord& into) const {
+    const Vector3d truth = record.truth.col(k).segment<3>(kInertialAttitude);
+    if (!truth.allFinite()) return;
+    const Eigen::AngleAxisd turn(Matrix3d(rotation(truth) * attitude_.transpose()));
+    into.truth.col(k).segment<3>(kInertialAttitude) = turn.angle() * turn.axis();
+  }
+
   /// The turn goes into the attitude.
   void absorb(ExtendedVector& x) {
     attitude_ = rotation(x.head<3>()) * attitude_;
@@ -181,13 +190,13 @@ void doubt_heading(const FilterModel& model, InertialRun& run) {
 
 /// Of kHeadings directions, that which the measurements like best.
 Matrix3d attitude_at_start(const FilterModel& model, const internal::DrivenRecord& driven,
-                           const Matrix3d& tilt) {
+                           const Matrix3d& tilt, const std::function<bool()>& stop) {
   Matrix3d result = tilt;
   double best = -std::numeric_limits<double>::infinity();
   for (int h = 0; h < kHeadings; ++h) {
     const Matrix3d attitude =
         rotation(2 * std::numbers::pi * h / kHeadings * model.gravity->normalized()) * tilt;
-    InertialRun run(model, driven, start_of(model), InertialMotion(model, attitude));
+    InertialRun run(model, driven, start_of(model), InertialMotion(model, attitude), stop);
     doubt_heading(model, run);
     if (!run.run(driven.measured.time.front() + kComparison, nullptr) ||
         !(run.log_likelihood > best))
@@ -200,20 +209,21 @@ Matrix3d attitude_at_start(const FilterModel& model, const internal::DrivenRecor
 
 class InertialFilter final : public internal::ExtendedFilter {
  public:
-  InertialFilter(FilterModel model, const std::vector<FilterRecord>& records)
-      : ExtendedFilter(std::move(model)) {
-    check_inertial(model_);
-    for (const FilterRecord& record : records) {
-      const internal::DrivenRecord& driven = add(record, true, kLongestStep);
+  InertialFilter(FilterModel model, const std::vector<FilterRecord>& records,
+                 const std::function<bool()>& stop)
+      : ExtendedFilter(std::move(model), records, true, kLongestStep) {
+    for (const internal::DrivenRecord& driven : driven_)
       attitude_.push_back(attitude_at_start(
-          model_, driven, level(mean_force(record, driven.first), *model_.gravity)));
-    }
+          model_, driven, level(mean_force(records[driven.of], driven.first), *model_.gravity),
+          stop));
   }
 
  private:
-  bool run(std::size_t record, const Eigen::Ref<const VectorXd>& theta, FilterRecord& into,
+  bool run(std::size_t record, const Eigen::Ref<const VectorXd>& theta,
+           const std::function<bool()>& stop, FilterRecord& into,
            double& failed_at) const override {
-    InertialRun run(model_, driven_[record], theta, InertialMotion(model_, attitude_[record]));
+    InertialRun run(model_, driven_[record], theta, InertialMotion(model_, attitude_[record]),
+                    stop);
     doubt_heading(model_, run);
     const bool done = run.run(std::numeric_limits<double>::infinity(), &into);
     failed_at = run.failed_at;
@@ -225,9 +235,11 @@ class InertialFilter final : public internal::ExtendedFilter {
 
 }  // namespace
 
-std::unique_ptr<NonlinearFilter> internal::inertial_filter(
-    FilterModel model, const std::vector<FilterRecord>& records) {
-  return std::make_unique<InertialFilter>(std::move(model), records);
+std::unique_ptr<NonlinearFilter> internal::inertial_filter(FilterModel model,
+                                                           const std::vector<FilterRecord>& records,
+                                                           const std::function<bool()>& stop) {
+  check_inertial(model);
+  return std::make_unique<InertialFilter>(std::move(model), records, stop);
 }
 
 }  // namespace quadtune

@@ -8,6 +8,7 @@
 #include <cctype>
 
 #include "logs/log_titles.hpp"
+#include "own_log.hpp"
 #include "quadtune/estimation/filter_file.hpp"
 
 namespace quadtune {
@@ -83,9 +84,13 @@ std::vector<std::string> candidates_for(const Signal& signal, const LogSurvey& l
 /// Fills in what feeds a signal, or what is missing.
 class Matcher {
  public:
-  Matcher(const LogSurvey& log, ModelNeeds& needs) : log_(log), needs_(needs) {}
+  Matcher(const LogSurvey& log, ModelNeeds& needs) : log_(log), needs_(needs) {
+    for (const LogGroupSurvey& group : log.groups) groups_.push_back(group.group);
+    own_ = needs.own_log = internal::is_own_log(groups_);
+  }
 
   bool match(const Signal& signal, const std::string& sensor) {
+    if (own_) return match_own(signal, sensor);
     const std::vector<const LogChannelSurvey*> found = channels_named(signal.name, log_);
     MissingSignal missing{signal, sensor, "", {}};
     if (found.size() > 1) {
@@ -97,6 +102,11 @@ class Matcher {
       const std::string& unit = found[0]->channel.unit;
       if (missing.why.empty() && !unit_agrees(signal.unit, unit))
         missing.why = fmt::format("is in {}, expected {}", unit, signal.unit);
+      if (missing.why.empty() &&
+          internal::may_be_anything(signal, found[0]->channel, groups_[found[0]->group])) {
+        missing.why = "stands for anything";
+        missing.candidates = {name_in(log_, *found[0])};
+      }
       if (missing.why.empty()) {
         needs_.uses.push_back({signal.name, name_in(log_, *found[0])});
         return true;
@@ -108,8 +118,27 @@ class Matcher {
   }
 
  private:
+  /// By what the vehicle's sensors are called in flight logs of quadtune.
+  bool match_own(const Signal& signal, const std::string& sensor) {
+    const std::vector<internal::OwnSignal> own = internal::own_signals(signal, false);
+    const internal::OwnSignal* there = internal::first_that_is_there(own, groups_);
+    const bool measured =
+        there != nullptr &&
+        std::all_of(there->channels.begin(), there->channels.end(), [&](const std::string& name) {
+          const std::vector<const LogChannelSurvey*> found = channels_named(name, log_);
+          return found.size() == 1 && fault_of(*found[0], log_).empty();
+        });
+    if (measured)
+      needs_.uses.push_back({signal.name, there->from});
+    else
+      needs_.missing.push_back({signal, sensor, "", candidates_for(signal, log_)});
+    return measured;
+  }
+
   const LogSurvey& log_;
   ModelNeeds& needs_;
+  std::vector<LogGroup> groups_;
+  bool own_ = false;
 };
 
 std::string with_unit(const Signal& signal) {
@@ -176,7 +205,8 @@ std::string to_text(const ModelNeeds& needs) {
     std::string text = fmt::format("{}: fed by {}", needs.model, fmt::join(channels, ", "));
     return needs.missing.empty()
                ? text
-               : text + "; --map the measurements that are there, without " + list_of(needs);
+               : text + (needs.own_log ? "; " : "; --map the measurements that are there, ") +
+                     "without " + list_of(needs);
   }
   std::string text = fmt::format("{}: needs {}; --map {}=CHANNEL names {} called otherwise",
                                  needs.model, list_of(needs), needs.missing.front().signal.name,

@@ -12,16 +12,12 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "record_truth.hpp"
 
 namespace quadtune {
 namespace {
 
 using Eigen::Index;
-
-/// Instants nearer than this are one [s].
-constexpr double kSameInstant = 1e-7;
-/// An input that is away for so many of its typical periods is not held any longer.
-constexpr double kLongestHold = 10;
 
 /// What is left of one signal's samples, in the order of their times.
 struct Cursor {
@@ -30,57 +26,15 @@ struct Cursor {
   std::size_t next = 0;
 };
 
-/// Median time from sample to sample [s].
-double typical_period(const LogSeries& series) {
-  Samples steps;
-  steps.reserve(series.time.size());
-  for (std::size_t i = 1; i < series.time.size(); ++i)
-    steps.push_back(series.time[i] - series.time[i - 1]);
-  if (steps.empty()) return std::numeric_limits<double>::infinity();
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
-}
-
-/// The series at t, NaN outside of it and in its gaps.
-double value_at(const LogSeries& series, double longest, double t) {
-  const auto after = std::lower_bound(series.time.begin(), series.time.end(), t - kSameInstant);
-  if (after == series.time.end()) return std::nan("");
-  const auto i = static_cast<std::size_t>(after - series.time.begin());
-  if (std::abs(series.time[i] - t) <= kSameInstant) return series.values[i];
-  if (i == 0 || series.time[i] - series.time[i - 1] > longest) return std::nan("");
-  const double share = (t - series.time[i - 1]) / (series.time[i] - series.time[i - 1]);
-  return series.values[i - 1] + share * (series.values[i] - series.values[i - 1]);
-}
-
-void add_truth(const FilterModel& model, const ChannelUse& truth, const std::string& name,
-               std::vector<FilterRecord>& records) {
-  std::vector<std::string> states;
-  for (const Signal& state : model.states) states.push_back(state.name);
-  const auto found = std::find(states.begin(), states.end(), truth.signal);
-  if (found == states.end())
-    throw InvalidInput(
-        name, fmt::format("the model '{}' has no state '{}', expected one of {}{}", model.name,
-                          internal::printable(truth.signal), fmt::join(states, ", "),
-                          internal::did_you_mean(truth.signal, states)));
-  const auto i = static_cast<Index>(found - states.begin());
-  const std::string& unit = model.states[static_cast<std::size_t>(i)].unit;
-  if (!unit.empty() && !truth.series.unit.empty()) require_unit(truth.series, unit, name);
-  require_usable(truth.series, name);
-  const double longest = kLongestHold * typical_period(truth.series);
-  for (FilterRecord& record : records) {
-    if (record.truth.size() == 0)
-      record.truth = Eigen::MatrixXd::Constant(model.A.rows(), record.samples(), std::nan(""));
-    for (Index k = 0; k < record.samples(); ++k)
-      record.truth(i, k) =
-          value_at(truth.series, longest, record.time[static_cast<std::size_t>(k)]);
-  }
-}
-
 class Builder {
  public:
-  Builder(const FilterModel& model, const std::vector<ChannelUse>& uses, const std::string& name)
-      : model_(model), uses_(uses), name_(name), unit_(model.dt > 0 ? model.dt : kSameInstant) {
+  Builder(const FilterModel& model, const std::vector<ChannelUse>& uses, const std::string& name,
+          std::vector<LeftOutRecord>* left_out)
+      : model_(model),
+        uses_(uses),
+        name_(name),
+        left_out_(left_out),
+        unit_(model.dt > 0 ? model.dt : internal::kSameInstant) {
     for (const Signal& input : model.inputs) known_.push_back(input.name);
     for (const FilterSensor& sensor : model.sensors)
       for (const Signal& output : sensor.outputs) known_.push_back(output.name);
@@ -155,7 +109,9 @@ class Builder {
       const bool is_input = k < model_.inputs.size();
       const double delay = is_input ? 0 : sensor_of(k - model_.inputs.size()).first.delay;
       cursors_.push_back({of_signal_[k], delay});
-      if (is_input) longest_hold_.push_back(kLongestHold * typical_period(*of_signal_[k]) / unit_);
+      if (is_input)
+        longest_hold_.push_back(internal::kLongestHold * internal::typical_period(*of_signal_[k]) /
+                                unit_);
     }
   }
 
@@ -195,6 +151,8 @@ class Builder {
       if (N >= 2 && measured)
         records.push_back({name_, std::move(times), SampleMatrix(std::move(y), ny, N),
                            SampleMatrix(std::move(u), static_cast<Index>(nu), N)});
+      else if (measured && left_out_ != nullptr)
+        left_out_->push_back({name_, times.front(), times.back(), N});
       times = y = u = {};  // their memory, too
     };
     std::vector<double> row(static_cast<std::size_t>(ny));
@@ -240,6 +198,7 @@ class Builder {
   const FilterModel& model_;
   const std::vector<ChannelUse>& uses_;
   const std::string& name_;
+  std::vector<LeftOutRecord>* left_out_;
   double unit_;
   double start_ = 0;
   std::vector<std::string> known_;  ///< inputs, then outputs
@@ -253,9 +212,10 @@ class Builder {
 std::vector<FilterRecord> records_of_log(const FilterModel& model,
                                          const std::vector<ChannelUse>& uses,
                                          const std::string& name,
-                                         const std::vector<ChannelUse>& truths) {
-  std::vector<FilterRecord> records = Builder(model, uses, name).build();
-  for (const ChannelUse& truth : truths) add_truth(model, truth, name, records);
+                                         const std::vector<ChannelUse>& truths,
+                                         std::vector<LeftOutRecord>* left_out) {
+  std::vector<FilterRecord> records = Builder(model, uses, name, left_out).build();
+  internal::add_truths(model, truths, name, records);
   return records;
 }
 

@@ -131,6 +131,12 @@ class RigidBodyMotion {
     return rows_[static_cast<std::size_t>(i)].seen == Seen::angle ? wrapped(e) : e;
   }
   static void absorb(ExtendedVector&) {}
+  /// True angles that are nearest to the state's.
+  static void relate(const FilterRecord& record, Index k, const ExtendedVector& x,
+                     FilterRecord& into) {
+    for (Index i = kAttitude; i < kAttitude + 3; ++i)
+      into.truth(i, k) = x(i) + wrapped(record.truth(i, k) - x(i));
+  }
 
   void hold(const Eigen::Ref<const VectorXd>& speeds) { loads_ = rotor_loads(*body_, speeds); }
 
@@ -206,20 +212,21 @@ namespace {
 class RigidBodyFilter final : public internal::ExtendedFilter {
  public:
   RigidBodyFilter(FilterModel model, const std::vector<FilterRecord>& records)
-      : ExtendedFilter(std::move(model)),
+      : ExtendedFilter(std::move(model), records, false, kLongestStep),
         body_(load_vehicle(model_.vehicle)),
         rows_(rows_of(model_)) {
-    for (const FilterRecord& record : records)
-      start_.push_back(first_guess(model_, add(record, false, kLongestStep).measured, rows_));
+    for (const FilterRecord& measured : measurements())
+      start_.push_back(first_guess(model_, measured, rows_));
   }
 
  private:
-  bool run(std::size_t record, const Eigen::Ref<const VectorXd>& theta, FilterRecord& into,
+  bool run(std::size_t record, const Eigen::Ref<const VectorXd>& theta,
+           const std::function<bool()>& stop, FilterRecord& into,
            double& failed_at) const override {
     const internal::DrivenRecord& driven = driven_[record];
     RigidBodyMotion motion(body_, rows_);
     motion.hold(driven.drive.u.col(0));
-    internal::ExtendedRun<RigidBodyMotion> run(model_, driven, theta, motion);
+    internal::ExtendedRun<RigidBodyMotion> run(model_, driven, theta, motion, stop);
     run.x = start_[record];
     const bool done = run.run(std::numeric_limits<double>::infinity(), &into);
     failed_at = run.failed_at;

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -78,6 +79,7 @@ GuardedProcess::GuardedProcess(const ProcessLimits& limits,
     : limits_(limits) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw FileError("a pipe", std::strerror(errno));
+  const pid_t parent = ::getpid();
   child_ = ::fork();
   if (child_ < 0) {
     const int error = errno;
@@ -87,6 +89,9 @@ GuardedProcess::GuardedProcess(const ProcessLimits& limits,
   }
   if (child_ == 0) {
     ::close(ends[0]);
+    // Nobody waits for it once the parent is gone, which a signal may end at any time.
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != parent) ::_exit(1);
     ::signal(SIGPIPE, SIG_IGN);
     confine(limits);
     work(ends[1]);

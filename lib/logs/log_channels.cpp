@@ -106,8 +106,8 @@ class Collector {
       hint = ", expected one of";
       for (const std::string& one : known) hint += ' ' + printable(one);
     }
-    throw InvalidInput(origin_, fmt::format("has no channel '{}'{}", printable(name),
-                                            hint.empty() ? "; 'quadtune log' lists them" : hint));
+    throw UnknownChannel(origin_, fmt::format("has no channel '{}'{}", printable(name),
+                                              hint.empty() ? "; 'quadtune log' lists them" : hint));
   }
 
   std::vector<std::string> names_;
@@ -135,7 +135,38 @@ LogChannels read_log_channels(const std::string& path, const std::vector<std::st
   collector.take_groups(reader->groups());
   LogChannels result = collector.result(reader->groups());
   result.condition = reader->condition();
+  if (!result.condition.unclear_time.empty())
+    throw InvalidInput(path, result.condition.unclear_time);
   result.epoch_s = reader->epoch_s();
+  result.groups = reader->groups();
+  return result;
+}
+
+LogSeries interpolated(const LogSeries& series, const Samples& times) {
+  constexpr double kLongest = 10;  // median steps
+  LogSeries result{series.name, series.unit, series.timed, {}, {}};
+  const Samples& t = series.time;
+  if (t.empty()) return result;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < t.size(); ++i) steps.push_back(t[i] - t[i - 1]);
+  double longest = 0;
+  if (!steps.empty()) {
+    const auto middle = steps.begin() + std::ssize(steps) / 2;
+    std::nth_element(steps.begin(), middle, steps.end());
+    longest = kLongest * *middle;
+  }
+  std::size_t after = 0;
+  for (const double time : times) {
+    while (after < t.size() && t[after] < time) ++after;
+    if (after == t.size()) break;
+    const bool exact = t[after] == time;
+    if (!exact && (after == 0 || t[after] - t[after - 1] > longest)) continue;
+    const double share = exact ? 1 : (time - t[after - 1]) / (t[after] - t[after - 1]);
+    const double before = exact ? 0 : series.values[after - 1];
+    result.time.push_back(time);
+    result.values.push_back(exact ? series.values[after]
+                                  : before + share * (series.values[after] - before));
+  }
   return result;
 }
 

@@ -2,6 +2,7 @@
 /// Lines of words as logging programs write them, and what all readers of such lines share.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,6 +26,8 @@ class LogLines {
 
   /// The next line that ends; nothing at the end, which a torn line is noted in `condition` for.
   std::optional<std::string_view> next(LogCondition& condition);
+  /// What follows the line that came last, `count` bytes at most, without passing over it.
+  [[nodiscard]] std::string_view ahead(std::size_t count) { return stream_.peek(count); }
   /// "file:line" of the line that came last.
   [[nodiscard]] std::string where() const;
   [[nodiscard]] const std::string& name() const { return stream_.name(); }

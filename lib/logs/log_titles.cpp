@@ -18,9 +18,22 @@ std::string lower(std::string_view text) {
   return result;
 }
 
+// ROS calls the time of a measurement header.stamp, with a path before it.
 bool is_clock(std::string_view name) {
   const std::string word = lower(name);
-  return word == "t" || word == "time" || word == "timestamp";
+  return word == "t" || word == "time" || word == "timestamp" || word == "stamp" ||
+         word.ends_with("header.stamp");
+}
+
+// "TimeUS" is a clock in microseconds, as ArduPilot calls it.
+std::string_view unit_of_clock_name(std::string_view name) {
+  const std::string word = lower(name);
+  for (const std::string_view unit : {"us", "ms", "ns"})
+    for (const std::string_view clock : {"time", "timestamp"})
+      if (word.size() == clock.size() + unit.size() && word.starts_with(clock) &&
+          word.ends_with(unit))
+        return unit;
+  return {};
 }
 
 // Endings of the project's own keys. Single letters but m are names as well (v_N is north).
@@ -67,9 +80,9 @@ std::string_view trimmed(std::string_view text) {
 
 double ticks_of(std::string_view unit) {
   if (unit == "s" || unit == "sec" || unit == "seconds") return 1;
-  if (unit == "ms") return 1e3;
-  if (unit == "us" || unit == "\xc2\xb5s" || unit == "\xce\xbcs") return 1e6;
-  if (unit == "ns") return 1e9;
+  if (unit == "ms" || unit == "msec") return 1e3;
+  if (unit == "us" || unit == "usec" || unit == "\xc2\xb5s" || unit == "\xce\xbcs") return 1e6;
+  if (unit == "ns" || unit == "nsec") return 1e9;
   return 0;
 }
 
@@ -99,10 +112,15 @@ LogTitle title_of(std::string_view text) {
   LogTitle title{std::string(name), common_unit(unit), 0, false};
   if (is_clock(name)) {
     title.ticks = unit.empty() ? 1 : ticks_of(unit);
-    title.guessed = unit.empty() && lower(name) != "t";
+    title.guessed = unit.empty();
     return title;
   }
   if (!unit.empty()) return title;
+  if (const std::string_view ending = unit_of_clock_name(name); !ending.empty()) {
+    title.unit = ending;
+    title.ticks = ticks_of(ending);
+    return title;
+  }
   const std::size_t bar = name.rfind('_');
   if (bar != std::string_view::npos && is_clock(name.substr(0, bar))) {
     title.ticks = ticks_of(name.substr(bar + 1));

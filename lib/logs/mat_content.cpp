@@ -13,6 +13,7 @@
 #include "logs/log_lines.hpp"
 #include "logs/mat_elements.hpp"
 #include "logs/mat_inner_names.hpp"
+#include "logs/mat_tables.hpp"
 #include "logs/mat_variable.hpp"
 #include "logs/memory_file.hpp"
 #include "quadtune/errors.hpp"

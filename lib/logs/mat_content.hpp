@@ -2,12 +2,24 @@
 /// A MAT v5 file, compressed or not, decoded in this process.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "logs/byte_stream.hpp"
-#include "logs/mat_tables.hpp"
+#include "quadtune/logs/log_reader.hpp"
 
 namespace quadtune::internal {
+
+/// A group with its numbers, whole.
+struct MatTable {
+  LogGroup group;
+  std::vector<double> time;                  ///< [s]; empty where the group is not timed
+  std::vector<std::vector<double>> columns;  ///< one a channel, all of one length
+
+  [[nodiscard]] std::size_t rows() const {
+    return columns.empty() ? time.size() : columns.front().size();
+  }
+};
 
 struct MatContent {
   std::vector<MatTable> tables;

@@ -8,6 +8,7 @@
 
 #include "logs/log_checks.hpp"
 #include "logs/mat_elements.hpp"
+#include "logs/mat_table.hpp"
 #include "logs/mat_variable.hpp"
 #include "logs/memory_file.hpp"
 #include "logs/unicode.hpp"
@@ -159,7 +160,7 @@ class Reader {
 
 }  // namespace
 
-LogTable table_of_mat(const std::string& bytes, const std::string& origin) {
+LogTable internal::table_by_matio(const std::string& bytes, const std::string& origin) {
   internal::require_mat_v5(bytes, origin);
   const internal::MemoryFile file;
   file.write(bytes);

@@ -16,7 +16,7 @@
 #include "logs/guarded_process.hpp"
 #include "logs/log_clock.hpp"
 #include "logs/log_lines.hpp"
-#include "logs/mat_content.hpp"
+#include "logs/mat_library.hpp"
 #include "quadtune/errors.hpp"
 
 namespace quadtune::internal {
@@ -34,6 +34,7 @@ enum Piece : char {
   kSkipped = 'S',
   kNote = 'N',
   kError = 'E',  // InvalidInput
+  kFault = 'F',  // FileError: where, why
   kEnd = 'Z',
 };
 
@@ -112,7 +113,18 @@ void send_content(const MatContent& content, Writer& writer) {
   writer.send(kEnd);
 }
 
-// In the child.
+// In the child. The libraries are loaded before the filter forbids to open files.
+MatContent decoded(ByteStream& stream, std::size_t memory) {
+  const MatFunctions& mat = mat_functions();
+  const bool confined = mat.forbid_system_calls();
+  MatContent content = mat.decode(stream, memory);
+  if (!confined)
+    content.condition.notes.emplace_back(
+        "the system lets no filter of system calls be set (seccomp), so the process that read this "
+        "file was confined by its limits of memory and time alone");
+  return content;
+}
+
 void decode_into(ByteStream& stream, std::size_t memory, int pipe) {
   Writer writer(pipe);
   const auto fail = [&](std::string_view why) {
@@ -121,12 +133,17 @@ void decode_into(ByteStream& stream, std::size_t memory, int pipe) {
     error.send(kError);
   };
   try {
-    send_content(decode_mat(stream, memory), writer);
+    send_content(decoded(stream, memory), writer);
   } catch (const std::bad_alloc&) {
     fail(fmt::format("{}: needs more than {} MiB of memory to be read", stream.name(),
                      memory >> 20U));
   } catch (const InvalidInput& error) {
     fail(error.what());
+  } catch (const FileError& error) {
+    Writer fault(pipe);
+    fault.add(error.path());
+    fault.add(std::string_view(error.what()).substr(error.path().size() + 2));
+    fault.send(kFault);
   } catch (const std::exception& error) {
     fail(fmt::format("{}: {}", stream.name(), error.what()));
   }
@@ -208,6 +225,10 @@ class MatReader final : public LogReader {
           break;
         case kError:
           throw InvalidInput("", content.text());
+        case kFault: {
+          const std::string path = content.text();
+          throw FileError(path, content.text());
+        }
         default:
           return;
       }
@@ -222,7 +243,7 @@ class MatReader final : public LogReader {
       bytes_.resize(size);
       got = process_.read(bytes_.data(), size);
     }
-    constexpr std::string_view kPieces = "GRTSNEZ";
+    constexpr std::string_view kPieces = "GRTSNEFZ";
     if (got && kPieces.find(letter) != std::string_view::npos) return static_cast<Piece>(letter);
     throw InvalidInput(name_, fmt::format("cannot be read: the process that reads MAT files {}",
                                           process_.why_ended()));

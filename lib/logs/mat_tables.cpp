@@ -10,6 +10,7 @@
 #include <optional>
 #include <string_view>
 
+#include "logs/clock_unit.hpp"
 #include "logs/log_titles.hpp"
 #include "logs/unicode.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -158,19 +159,14 @@ std::string text_of(const matvar_t* variable) {
   return width == 1 ? std::string(bytes, letters) : "";
 }
 
-// Ticks a second of a vector called like a clock; 0 for none.
-double clock_ticks(const Leaf& leaf) {
-  if (leaf.matrix.columns != 1 || leaf.matrix.rows < 2) return 0;
+// What a vector called like a clock is; none where it is not.
+std::optional<LogTitle> clock_title(const Leaf& leaf) {
+  if (leaf.matrix.columns != 1 || leaf.matrix.rows < 2) return std::nullopt;
   const std::size_t dot = leaf.name.rfind('.');
   const std::string name = dot == std::string::npos ? leaf.name : leaf.name.substr(dot + 1);
-  if (name == "tout" || name == "rt_tout") return 1;
-  return title_of(name).ticks;
-}
-
-std::vector<double> time_of(const Matrix& matrix, double ticks) {
-  std::vector<double> time = column_of(matrix, 0);
-  for (double& t : time) t /= ticks;
-  return time;
+  if (name == "tout" || name == "rt_tout") return LogTitle{name, "s", 1, false};
+  const LogTitle title = title_of(name);
+  return title.ticks > 0 ? std::optional(title) : std::nullopt;
 }
 
 void add_columns(const std::string& name, const std::string& unit, const Matrix& matrix,
@@ -286,13 +282,37 @@ class Finder {
       return std::count(leaf.name.begin(), leaf.name.end(), '.');
     };
     for (const Leaf& leaf : leaves_)
-      if (clock_ticks(leaf) > 0 && (best == nullptr || depth(leaf) < depth(*best))) best = &leaf;
+      if (clock_title(leaf) && (best == nullptr || depth(leaf) < depth(*best))) best = &leaf;
     return best;
+  }
+
+  // The times of a clock [s]; none, with a note, where its unit is not stated and ambiguous.
+  std::vector<double> times_of(const Leaf& leaf, const std::string& scope) {
+    std::vector<double> time = column_of(leaf.matrix, 0);
+    const LogTitle title = clock_title(leaf).value_or(LogTitle{});
+    double ticks = title.ticks;
+    if (title.guessed) {
+      const ClockUnit unit = unit_of_clock(sample_of_clock(time));
+      const std::string name = printable(scope.empty() ? leaf.name : scope + '.' + leaf.name);
+      ticks = unit.ticks;
+      if (ticks == 0)
+        notes_.push_back(
+            fmt::format("'{}' states no unit and is no clock, because {}: call it {}_{}", name,
+                        unit.reason, printable(leaf.name), unit.unit));
+      else if (ticks != 1)
+        notes_.push_back(fmt::format("the clock '{}' states no unit and {}", name, unit.reason));
+    }
+    if (ticks == 0) return {};
+    for (double& t : time) t /= ticks;
+    return time;
   }
 
   // The gathered leaves as a group for each number of rows, in the order in which they come.
   void make_tables(const std::string& scope) {
-    const Leaf* const own_clock = clock();
+    const Leaf* own_clock = clock();
+    const std::vector<double> own_time =
+        own_clock == nullptr ? std::vector<double>{} : times_of(*own_clock, scope);
+    if (own_time.empty()) own_clock = nullptr;
     std::vector<std::size_t> lengths;
     for (const Leaf& leaf : leaves_)
       if (&leaf != own_clock &&
@@ -310,13 +330,12 @@ class Finder {
                     leaf.matrix, table);
       }
       if (own_clock != nullptr && own_clock->matrix.rows == rows)
-        table.time = time_of(own_clock->matrix, clock_ticks(*own_clock));
+        table.time = own_time;
       else
         take_file_clock(rows, table);
       finish(std::move(table));
     }
-    if (scope.empty() && own_clock != nullptr)
-      file_time_ = time_of(own_clock->matrix, clock_ticks(*own_clock));
+    if (scope.empty() && own_clock != nullptr) file_time_ = own_time;
     leaves_.clear();
     units_.clear();
   }
@@ -357,7 +376,28 @@ class Finder {
     return count == 1 ? "values" : fmt::format("values_{}", i + 1);
   }
 
+  // Rows whose time was never set.
+  void leave_out_strays(MatTable& table) {
+    const ClockSample sample = sample_of_clock(table.time);
+    if (!zero_is_stray(sample, 1)) return;
+    const std::vector<double> time = table.time;
+    const auto without = [&](std::vector<double>& values) {
+      std::size_t kept = 0;
+      for (std::size_t i = 0; i < time.size(); ++i)
+        if (time[i] != 0) values[kept++] = values[i];
+      values.resize(kept);
+    };
+    without(table.time);
+    if (table.time.size() == time.size()) return;
+    for (std::vector<double>& column : table.columns) without(column);
+    notes_.push_back(fmt::format(
+        "{} of {} rows of '{}' are at time 0, which was never set, and are left out: the others "
+        "are at {:.6g} s and about",
+        time.size() - table.time.size(), time.size(), printable(table.group.name), sample.time));
+  }
+
   void finish(MatTable table) {
+    leave_out_strays(table);
     table.group.timed = !table.time.empty();
     std::map<std::string, int> seen;
     for (LogChannel& channel : table.group.channels)

@@ -5,21 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "logs/mat_content.hpp"
 #include "logs/mat_variable.hpp"
-#include "quadtune/logs/log_reader.hpp"
 
 namespace quadtune::internal {
-
-/// A group with its numbers, whole.
-struct MatTable {
-  LogGroup group;
-  std::vector<double> time;                  ///< [s]; empty where the group is not timed
-  std::vector<std::vector<double>> columns;  ///< one a channel, all of one length
-
-  [[nodiscard]] std::size_t rows() const {
-    return columns.empty() ? time.size() : columns.front().size();
-  }
-};
 
 /// Finds what is a log in variables, in their order:
 /// - structs with `time` and `signals`, as Simulink writes them: a group each;

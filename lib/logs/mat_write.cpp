@@ -9,6 +9,7 @@
 #include "logs/log_checks.hpp"
 #include "logs/mat_elements.hpp"
 #include "logs/mat_fields.hpp"
+#include "logs/mat_table.hpp"
 #include "logs/mat_variable.hpp"
 #include "logs/memory_file.hpp"
 #include "logs/unicode.hpp"
@@ -172,7 +173,7 @@ std::size_t most_bytes(const LogTable& table) {
 
 }  // namespace
 
-std::string bytes_of_mat(const LogTable& table) {
+std::string internal::bytes_by_matio(const LogTable& table) {
   internal::require_log(table, "log");
   if (most_bytes(table) >= kLogLimit)
     throw InvalidInput("log", fmt::format("has {} rows of {} columns and {} events, expected less "

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "logs/foreign_formats.hpp"
 #include "logs/mat_reader.hpp"
 #include "logs/replay_reader.hpp"
 #include "logs/text_reader.hpp"
@@ -89,6 +90,9 @@ namespace internal {
 
 std::unique_ptr<LogReader> open_log(ByteStream stream, const LogOptions& options) {
   if (stream.peek(1).empty()) throw InvalidInput(stream.name(), "is empty, expected a log");
+  if (options.format.empty())
+    if (const std::string_view other = foreign_format(stream.peek(kLooked)); !other.empty())
+      throw InvalidInput(stream.name(), std::string(other));
   const std::string format =
       options.format.empty() ? format_of(stream.peek(kLooked)) : options.format;
   require_options(options, format, stream.name());

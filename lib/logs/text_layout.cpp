@@ -81,49 +81,61 @@ class Chooser {
     });
   }
 
+  struct TimePart {
+    std::size_t column;
+    double ticks;
+    bool stated;
+  };
+
   void choose_time() {
-    struct Part {
-      std::size_t column;
-      double ticks;
-    };
-    std::vector<Part> parts;
+    std::vector<TimePart> parts;
     for (const LogColumnChoice& choice : options_.columns) {
       columns_.push_back(choice.name.empty() ? 0 : find(choice));
       if (!choice.name.empty()) chosen_.insert(columns_.back());
       if (choice.ticks == 0) continue;
-      const LogTitle& title = titles_[columns_.back()];
-      const double said = title.ticks > 0 ? title.ticks : ticks_of(title.unit);
-      parts.push_back({columns_.back(), choice.unit.empty() && said > 0 ? said : choice.ticks});
+      const double said = stated_ticks(titles_[columns_.back()]);
+      const bool by_title = choice.unit.empty() && said > 0;
+      parts.push_back(
+          {columns_.back(), by_title ? said : choice.ticks, by_title || !choice.unit.empty()});
     }
     if (!parts.empty() && options_.rate_hz > 0)
       throw InvalidInput(where_, "has a time column and a rate, expected one of them");
     if (parts.empty() && options_.rate_hz == 0)
       if (const std::optional<std::size_t> clock = clock_of_names())
-        parts.push_back({*clock, titles_[*clock].ticks});
+        parts.push_back({*clock, titles_[*clock].ticks, !titles_[*clock].guessed});
     // The largest unit first, as it has the digits that an epoch is taken from.
     std::sort(parts.begin(), parts.end(),
-              [](const Part& a, const Part& b) { return a.ticks < b.ticks; });
-    for (const Part& part : parts) {
+              [](const TimePart& a, const TimePart& b) { return a.ticks < b.ticks; });
+    for (const TimePart& part : parts) {
       layout_.roles[part.column] = {TextRole::Kind::kTime, layout_.ticks.size()};
       layout_.ticks.push_back(part.ticks);
     }
+    if (parts.size() == 1 && !parts[0].stated) layout_.unstated = unstated(parts[0].column);
     if (parts.empty() && options_.rate_hz == 0)
       layout_.notes.push_back(
           "no column is known to be the time: name it with --columns, such as 't_s:1, *', or give "
           "--rate");
   }
 
-  std::optional<std::size_t> clock_of_names() {
-    for (std::size_t i = 0; i < titles_.size(); ++i) {
-      if (titles_[i].ticks == 0 || chosen_.contains(i)) continue;
-      if (titles_[i].guessed)
-        layout_.notes.push_back(
-            fmt::format("'{0}' says no unit and is taken as seconds; if it is "
-                        "in microseconds, say so: --columns 't_us:{0}, *'",
-                        printable(titles_[i].name)));
-      return i;
-    }
+  static double stated_ticks(const LogTitle& title) {
+    if (title.unit.empty()) return 0;
+    return title.ticks > 0 ? title.ticks : ticks_of(title.unit);
+  }
+
+  std::optional<std::size_t> clock_of_names() const {
+    for (std::size_t i = 0; i < titles_.size(); ++i)
+      if (titles_[i].ticks > 0 && !chosen_.contains(i)) return i;
     return std::nullopt;
+  }
+
+  [[nodiscard]] UnstatedClock unstated(std::size_t column) const {
+    const std::string& name = titles_[column].name;
+    const std::string number = std::to_string(column + 1);
+    const bool plain = named_ && !name.empty() &&
+                       name.find_first_not_of("0123456789") != std::string::npos &&
+                       name.find_first_of(",:*[]' ") == std::string::npos;
+    return {plain ? fmt::format("'{}'", printable(name)) : "column " + number,
+            plain ? printable(name) : number, name == "t" || name == "T"};
   }
 
   std::size_t find(const LogColumnChoice& choice) {

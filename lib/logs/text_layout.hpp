@@ -2,6 +2,7 @@
 /// What the columns of a text are: found in its first lines and in what the user says.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,12 +20,20 @@ struct TextRole {
   std::size_t index = 0;  ///< of the channel, or of the part of the time
 };
 
+/// A clock whose unit nobody stated.
+struct UnstatedClock {
+  std::string name;    ///< what messages call it
+  std::string remedy;  ///< its name or number, as --columns takes it
+  bool usual = false;  ///< it is called t, which is in seconds as a rule
+};
+
 struct TextLayout {
   TextSeparator separator = TextSeparator::kBlanks;
   std::vector<TextRole> roles;  ///< one a column of the file
   std::vector<LogChannel> channels;
   std::vector<double> ticks;  ///< of the parts of the time, fewest a second first; may be empty
-  std::vector<std::string> notes;  ///< what was taken without being told
+  std::optional<UnstatedClock> unstated;  ///< the only part of the time, its ticks being a guess
+  std::vector<std::string> notes;         ///< what was taken without being told
 };
 
 /// The separator of a line of names, or of numbers.

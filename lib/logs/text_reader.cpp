@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "logs/clock_unit.hpp"
 #include "logs/log_clock.hpp"
 #include "logs/log_lines.hpp"
 #include "logs/log_titles.hpp"
@@ -22,8 +23,10 @@ namespace quadtune::internal {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kBlockValues = 8192;   // 64 KiB: stays in the cache
-constexpr std::size_t kMostColumns = 10000;  // more is no log
+constexpr std::size_t kBlockValues = 8192;                   // 64 KiB: stays in the cache
+constexpr std::size_t kMostColumns = 10000;                  // more is no log
+constexpr std::size_t kLookedAhead = std::size_t{1} << 18U;  // [bytes] for the unit of the time
+constexpr std::size_t kTimesLookedAt = 64;
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 constexpr std::string_view kOwnRows = "# rows,";
 
@@ -110,6 +113,7 @@ class TextReader final : public LogReader {
     read_head(options);
     add_group({"", layout_.channels, !layout_.ticks.empty() || rate_hz_ > 0});
     condition_.notes = layout_.notes;
+    if (layout_.ticks.size() == 1) settle_clock();
     ticks_.resize(layout_.ticks.size());
     bad_.resize(layout_.channels.size());
   }
@@ -176,7 +180,13 @@ class TextReader final : public LogReader {
     const std::size_t count = split_names(*first, numbers).size();
     require_columns(count);
     std::vector<std::string> names = split_names(comment, numbers);
-    if (names.size() != count || holds_a_number(comment, numbers)) names.clear();
+    if (holds_a_number(comment, numbers)) names.clear();
+    if (names.size() > 1 && names.size() != count)
+      condition_.notes.push_back(
+          fmt::format("the columns have no names: the comment before the numbers, '{}', has {} "
+                      "fields, expected {}, as many as the rows",
+                      printable(trimmed(comment)), names.size(), count));
+    if (names.size() != count) names.clear();
     layout_ = text_layout(names, count, numbers, options, lines_.name());
     first_row_ = std::move(first);
   }
@@ -193,8 +203,66 @@ class TextReader final : public LogReader {
     if (error == std::errc() && end == text.data() + text.size()) expected_rows_ = rows;
   }
 
+  // Looks at the first rows: what unit their time is in where nobody said, and whether a time of 0
+  // can be meant.
+  void settle_clock() {
+    std::vector<double> times;
+    if (first_row_) add_time(*first_row_, times);
+    std::string_view ahead = lines_.ahead(kLookedAhead);
+    for (std::size_t feed = ahead.find('\n');
+         feed != std::string_view::npos && times.size() < kTimesLookedAt;
+         ahead.remove_prefix(feed + 1), feed = ahead.find('\n'))
+      add_time(trimmed(ahead.substr(0, feed)), times);
+    const ClockSample sample = sample_of_clock(times);
+    if (layout_.unstated) settle_unit(*layout_.unstated, sample);
+    zero_is_stray_ = zero_is_stray(sample, layout_.ticks[0]);
+    if (zero_is_stray_) typical_time_s_ = sample.time / layout_.ticks[0];
+  }
+
+  void add_time(std::string_view line, std::vector<double>& times) const {
+    if (is_comment(line)) return;
+    Fields fields(line, layout_.separator);
+    for (const TextRole& role : layout_.roles) {
+      if (role.kind == TextRole::Kind::kTime && !fields.empty()) {
+        const LogTicks ticks = fields.ticks();
+        const double time = static_cast<double>(ticks.whole) + ticks.rest;
+        if (time != 0) times.push_back(time);
+        return;
+      }
+      fields.pass_over();
+      if (!fields.next()) return;
+    }
+  }
+
+  void settle_unit(const UnstatedClock& clock, const ClockSample& sample) {
+    const ClockUnit unit = unit_of_clock(sample);
+    const auto remedy = [&](const char* likely) {
+      return fmt::format("--columns 't_{}:{}, *'", likely, clock.remedy);
+    };
+    if (unit.ticks == 0) {
+      layout_.ticks[0] = 1;
+      condition_.unclear_time =
+          fmt::format("the clock {} states no unit, and {}: state it, as in {}", clock.name,
+                      unit.reason, remedy(unit.unit));
+      condition_.notes.push_back(condition_.unclear_time);
+      return;
+    }
+    layout_.ticks[0] = unit.ticks;
+    if (unit.ticks == 1 && clock.usual) return;
+    const std::string apart =
+        sample.step > 0 ? fmt::format(", samples being {:.4g} s apart", sample.step / unit.ticks)
+                        : "";
+    condition_.notes.push_back(
+        fmt::format("the clock {} states no unit and {}{}; if that is wrong, state it, as in {}",
+                    clock.name, unit.reason, apart, remedy(unit.ticks == 1 ? "us" : "s")));
+  }
+
+  static bool is_comment(std::string_view line) {
+    return !line.empty() && (line.front() == '#' || line.front() == '%');
+  }
+
   void read_row(std::string_view line, LogBlock& block) {
-    if (!line.empty() && (line.front() == '#' || line.front() == '%')) return;
+    if (is_comment(line)) return;
     Fields fields(line, layout_.separator);
     const std::size_t columns = layout_.channels.size();
     // An empty line is a row only where the one column may be empty.
@@ -218,6 +286,8 @@ class TextReader final : public LogReader {
     if (count != layout_.roles.size())
       skip_record(condition_, fmt::format("{}: the row has {} fields, expected {}", lines_.where(),
                                           count, layout_.roles.size()));
+    else if (zero_is_stray_ && ticks_[0].whole == 0 && ticks_[0].rest == 0)
+      pass_over_stray();
     else if (std::isnan(time) && groups().front().timed)
       skip_record(condition_, lines_.where() + ": the row has no time, expected a number");
     else {
@@ -246,10 +316,15 @@ class TextReader final : public LogReader {
 
   double time_of_row() {
     if (ticks_.empty()) return kNaN;
+    if (zero_is_stray_ && ticks_[0].whole == 0 && ticks_[0].rest == 0) return 0;
     double time = clock_.seconds(ticks_[0], layout_.ticks[0]);
     for (std::size_t i = 1; i < ticks_.size(); ++i)
       time += (static_cast<double>(ticks_[i].whole) + ticks_[i].rest) / layout_.ticks[i];
     return time;
+  }
+
+  void pass_over_stray() {
+    if (strays_.count++ == 0) strays_.where = lines_.where();
   }
 
   // Fields of a row that is delivered.
@@ -269,9 +344,21 @@ class TextReader final : public LogReader {
         });
     if (rows_ > 0 && words_alone && !groups().front().timed)
       throw InvalidInput(lines_.name(), "holds no number and no time, expected a log");
-    if (condition_.torn.empty() && expected_rows_ && *expected_rows_ != rows_ + condition_.skipped)
+    if (condition_.skipped > rows_)
+      throw InvalidInput(
+          lines_.name(),
+          fmt::format("{} of {} rows cannot be read, expected at most half of them, because this "
+                      "is no table then; the first: {}",
+                      condition_.skipped, rows_ + condition_.skipped, condition_.first_skipped));
+    if (condition_.torn.empty() && expected_rows_ &&
+        *expected_rows_ != rows_ + strays_.count + condition_.skipped)
       condition_.torn = fmt::format("{}: has {} rows, expected {} as its head says", lines_.name(),
                                     rows_, *expected_rows_);
+    if (strays_.count > 0)
+      condition_.notes.push_back(
+          fmt::format("{} of {} rows are at time 0, which was never set, and are left out: the "
+                      "others are at {:.6g} s and about; the first at {}",
+                      strays_.count, rows_ + strays_.count, typical_time_s_, strays_.where));
     for (std::size_t i = 0; i < bad_.size(); ++i)
       if (bad_[i].count > 0)
         condition_.notes.push_back(
@@ -292,7 +379,10 @@ class TextReader final : public LogReader {
   std::optional<std::string> first_row_;
   std::optional<std::uint64_t> expected_rows_;
   std::vector<LogTicks> ticks_;  // of the row that is read
-  std::vector<BadFields> bad_;   // by channel
+  bool zero_is_stray_ = false;   // the clock stands far from 0
+  double typical_time_s_ = 0;
+  BadFields strays_;            // rows at time 0 where it is stray
+  std::vector<BadFields> bad_;  // by channel
   std::vector<std::size_t> bad_in_row_;
   std::uint64_t index_ = 0;  // of the row that is read next
   std::uint64_t rows_ = 0;   // delivered

@@ -36,6 +36,8 @@ constexpr std::size_t kBlockValues = 4096;
 constexpr double kTicks = 1e6;           // microseconds
 constexpr std::size_t kTopicNumber = 2;  // [bytes] before a record
 constexpr std::uint64_t kLastTime = std::numeric_limits<std::int64_t>::max();  // [us]
+constexpr std::uint64_t kFarFromStart = 1'000'000;        // [us]: no logger is that quick
+constexpr std::uint64_t kOtherClock = 1'000'000'000'000;  // [us] = 1e6 s
 constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
 
 template <typename Number>
@@ -51,8 +53,11 @@ class UlogReader final : public LogReader {
       : LogReader("ulog"), stream_(std::move(stream)), clock_(options.epoch_s) {
     if (!is_ulog(stream_.peek(kMagic.size())))
       throw InvalidInput(stream_.name(), "does not begin as a ULog does, expected one");
-    if (stream_.skip(kHeaderSize) < kHeaderSize)
+    const std::string_view header = stream_.peek(kHeaderSize);
+    if (header.size() < kHeaderSize)
       throw InvalidInput(stream_.name(), "has no whole header, expected a ULog; is it cut short?");
+    latest_ = number_at<std::uint64_t>(header, kMagic.size() + 1);
+    stream_.skip(kHeaderSize);
   }
 
   // A block ends where another topic comes, so that the file's order is kept.
@@ -66,8 +71,10 @@ class UlogReader final : public LogReader {
       if (message->type == 'D') {
         const Topic* const topic = topic_of(message->body);
         if (topic != nullptr && group && topic->group != *group) break;  // stays for the next block
-        if (topic != nullptr) {
-          add_row(topic->layout, message->body.substr(kTopicNumber), block);
+        if (topic != nullptr && !is_stray(*topic, message->body)) {
+          // Anew: looking ahead may have moved it.
+          const std::string_view whole = stream_.peek(kMessageHeader + message->body.size());
+          add_row(topic->layout, whole.substr(kMessageHeader + kTopicNumber), block);
           group = topic->group;
         }
       } else {
@@ -76,6 +83,7 @@ class UlogReader final : public LogReader {
       stream_.skip(kMessageHeader + message->body.size());
     }
     block.group = group.value_or(0);
+    if (block.time.empty()) report_strays();
     return !block.time.empty();
   }
 
@@ -276,6 +284,50 @@ class UlogReader final : public LogReader {
     return &found->second;
   }
 
+  // PX4 leaves a time at 0 that it never set; only where logging began at 0 it is one.
+  bool is_stray(const Topic& topic, std::string_view body) {
+    if (!topic.layout.timed) return false;
+    const std::uint64_t ticks = ulog_whole(topic.layout.timestamp, body.substr(kTopicNumber));
+    if (ticks != 0) {
+      latest_ = ticks;
+      return false;
+    }
+    if (latest_ < kFarFromStart) {
+      if (!ahead_) ahead_ = next_time();
+      if (*ahead_ < kOtherClock) return false;
+    }
+    if (strays_++ == 0) first_stray_ = groups()[topic.group].name;
+    return true;
+  }
+
+  // Of the next record with a time that is not 0, as far as one can look ahead [us]; else 0.
+  std::uint64_t next_time() {
+    const std::string_view ahead = stream_.peek(ByteStream::kWindow);
+    for (std::size_t at = 0; at + kMessageHeader <= ahead.size();) {
+      const std::size_t size = number_at<std::uint16_t>(ahead, at);
+      const std::string_view body = ahead.substr(at + kMessageHeader, size);
+      if (ahead[at + 2] == 'D' && body.size() == size && size > kTopicNumber) {
+        const auto topic = topics_.find(number_at<std::uint16_t>(body, 0));
+        if (topic != topics_.end() && topic->second.layout.timed &&
+            size - kTopicNumber >= topic->second.layout.least)
+          if (const std::uint64_t time =
+                  ulog_whole(topic->second.layout.timestamp, body.substr(kTopicNumber));
+              time != 0)
+            return time;
+      }
+      at += kMessageHeader + size;
+    }
+    return 0;
+  }
+
+  void report_strays() {
+    if (strays_ == 0) return;
+    condition_.notes.push_back(
+        fmt::format("{} {} at time 0, which was never set, and left out, the first of '{}'",
+                    strays_, strays_ == 1 ? "record is" : "records are", printable(first_stray_)));
+    strays_ = 0;
+  }
+
   void add_row(const UlogLayout& layout, std::string_view record, LogBlock& block) {
     const auto time = [&] {
       const std::uint64_t ticks = ulog_whole(layout.timestamp, record);
@@ -291,7 +343,11 @@ class UlogReader final : public LogReader {
   std::unordered_map<std::uint16_t, Topic> topics_;  // by the number that records name them with
   std::vector<std::uint64_t> borders_;               // where appended data begin
   std::size_t borders_passed_ = 0;
-  std::size_t channels_ = 0;  // of all groups
+  std::size_t channels_ = 0;            // of all groups
+  std::uint64_t latest_ = 0;            // time that was read and is not 0, the header's first [us]
+  std::optional<std::uint64_t> ahead_;  // next_time() of the first record at 0
+  std::uint64_t strays_ = 0;            // records whose time was never set
+  std::string first_stray_;             // the group of the first
 };
 
 }  // namespace

@@ -2,7 +2,8 @@
 #include "logs/unicode.hpp"
 
 #include <cstddef>
-#include <cstdint>
+
+#include "quadtune/internal/utf8.hpp"
 
 namespace quadtune::internal {
 namespace {
@@ -11,36 +12,15 @@ constexpr char32_t kFirstPair = 0x10000;  // from here on UTF-16 needs two units
 
 bool is_surrogate(char32_t c) { return c >= 0xd800 && c < 0xe000; }
 
-// How many bytes follow a first byte, and the least that so many may stand for; -1 for no first
-// byte. The least refuses overlong forms, with which one text would have several spellings.
-struct Lead {
-  int following;
-  char32_t bits;
-  char32_t least;
-};
-Lead lead_of(unsigned char byte) {
-  if (byte < 0x80) return {0, byte, 0};
-  if (byte >= 0xc0 && byte < 0xe0) return {1, byte & 0x1fU, 0x80};
-  if (byte >= 0xe0 && byte < 0xf0) return {2, byte & 0x0fU, 0x800};
-  if (byte >= 0xf0 && byte < 0xf8) return {3, byte & 0x07U, kFirstPair};
-  return {-1, 0, 0};
-}
-
 }  // namespace
 
 std::optional<std::u16string> utf16_of(std::string_view text) {
   std::u16string units;
-  for (std::size_t i = 0; i < text.size();) {
-    const Lead lead = lead_of(static_cast<unsigned char>(text[i++]));
-    if (lead.following < 0) return std::nullopt;
-    char32_t c = lead.bits;
-    for (int k = 0; k < lead.following; ++k) {
-      if (i == text.size()) return std::nullopt;
-      const auto byte = static_cast<unsigned char>(text[i++]);
-      if ((byte & 0xc0U) != 0x80) return std::nullopt;
-      c = c << 6U | (byte & 0x3fU);
-    }
-    if (c < lead.least || c > 0x10ffff || is_surrogate(c)) return std::nullopt;
+  while (!text.empty()) {
+    const Utf8Character character = first_character(text);
+    if (!character.valid) return std::nullopt;
+    text.remove_prefix(character.length);
+    const char32_t c = character.code;
     if (c < kFirstPair) {
       units += static_cast<char16_t>(c);
     } else {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <utility>
@@ -68,6 +69,11 @@ Wind wind_of_words(const std::string& words, const std::string& where) {
     double* target = nullptr;
     for (const auto& [name, number] : keys)
       if (name == key) target = number;
+    if (equals == std::string::npos && std::isdigit(static_cast<unsigned char>(key[0])) != 0)
+      throw InvalidInput(where, fmt::format("'{0}' has no direction, expected where the wind blows "
+                                            "to [m/s], such as north={0}, or light, moderate or "
+                                            "severe for turbulence",
+                                            internal::printable(entry)));
     if (target == nullptr || equals == std::string::npos)
       throw InvalidInput(
           where, fmt::format("no wind '{}', expected calm, light, moderate, severe or a list like "

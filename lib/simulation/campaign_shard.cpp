@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -134,6 +135,13 @@ class Writer {
     if (::close(std::exchange(file_, -1)) != 0) fail(path_);
   }
   [[nodiscard]] const fs::path& path() const { return path_; }
+  /// Whether what is written still lies at path(). A file that was removed, or whose folder was,
+  /// takes what is written without an error, and all of it is lost.
+  [[nodiscard]] bool is_in_place() const {
+    struct stat written = {}, there = {};
+    return ::fstat(file_, &written) == 0 && ::stat(path_.c_str(), &there) == 0 &&
+           written.st_dev == there.st_dev && written.st_ino == there.st_ino;
+  }
 
  private:
   fs::path path_;
@@ -317,13 +325,24 @@ ShardWork fly_shard(const Campaign& campaign, const CampaignFolder& folder, std:
     std::string bytes;
     internal::append(header, bytes);
     part.write_or_remove(bytes, /*synced=*/false);
+    // A worker that was faster takes all parts away when the shard is complete.
+    const auto lost = [&] { return !part.is_in_place() && !shard_is_there(folder, shard); };
+    const auto stop = [&] { return (interrupted && interrupted()) || lost(); };
     for (std::size_t i = 0; i < missing.size();) {
       // As many as follow one another.
       std::size_t end = i + 1;
       while (end < missing.size() && end - i < kDrawsAtOnce && missing[end] == missing[end - 1] + 1)
         ++end;
-      const std::vector<CampaignRecord> flown =
-          fly_draws(campaign, missing[i], missing[end - 1] + 1, threads, interrupted);
+      std::vector<CampaignRecord> flown;
+      try {
+        flown = fly_draws(campaign, missing[i], missing[end - 1] + 1, threads, stop);
+      } catch (const Interrupted&) {
+        if (lost())
+          throw FileError(part.path().string(),
+                          "is gone, or its folder is, while its flights were flown, expected it to "
+                          "stay until the shard is complete; what it held is lost");
+        throw;
+      }
       part.write(bytes_of(flown));
       for (const CampaignRecord& record : flown)
         if (records.emplace(record.number, record).second) ++work.flown;

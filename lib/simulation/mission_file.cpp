@@ -490,10 +490,13 @@ Mission load_mission(const std::string& name_or_path) {
     if (file.name == name_or_path) return parse_mission(file.text, file.path);
   if (!internal::looks_like_path(name_or_path)) {
     const std::vector<std::string> known = built_in_missions();
+    // The path that others call by its shape.
+    const bool eight = name_or_path.starts_with("figure") || name_or_path.starts_with("eight");
     throw InvalidInput("mission",
                        fmt::format("no mission '{}', expected {} or a mission file{}",
                                    internal::printable(name_or_path), fmt::join(known, ", "),
-                                   internal::did_you_mean(name_or_path, known)));
+                                   eight ? "; did you mean 'lemniscate'?"
+                                         : internal::did_you_mean(name_or_path, known)));
   }
   Mission mission = parse_mission(internal::read_text_file(name_or_path, kMissionFileLimit),
                                   name_or_path, std::filesystem::path(name_or_path).parent_path());

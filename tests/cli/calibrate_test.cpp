@@ -5,7 +5,10 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "matrix_near.hpp"
 #include "quadtune/exports/imu_calibration_file.hpp"
@@ -97,6 +100,28 @@ TEST(CalibrateVerb, WritesTheFileThatTheFlightProgramReads) {
   EXPECT_NEAR(read.gyroscope_coefficient(1), 1.4, 0.05);
   EXPECT_EQ(read.gyroscope_constant.norm(), 0);
   EXPECT_NEAR(read.gyroscope_t0, 25, 0.5);
+}
+
+// The magnetometer in a file of its own, at half the rate and with times of its own.
+TEST(CalibrateVerb, TakesSensorsOfAnotherFile) {
+  const TemporaryDirectory folder;
+  const MadeUpImu made = make_up_imu({.seed = 3, .warming = 8});
+  const std::string imu = folder.write("imu.csv", csv(made.log, false)).string();
+  std::string text = "t[s],mx,my,mz\n";
+  for (Eigen::Index i = 0; i + 1 < made.log.t.size(); i += 2)
+    text += fmt::format("{},{},{},{}\n", made.log.t(i) + 1e-4, made.log.magnetometer(0, i),
+                        made.log.magnetometer(1, i), made.log.magnetometer(2, i));
+  const std::string magnetometer = folder.write("mag.csv", text).string();
+  const std::string list = "mx@" + magnetometer + ",my@" + magnetometer + ",mz@" + magnetometer;
+  const Json json = json_of({"calibrate", "imu", "--log", imu, "--magnetometer", list});
+  EXPECT_THAT(matrix(json["magnetometer"]["M"]), MatrixRelativelyNear(made.magnetometer.M, 5e-3));
+  EXPECT_THAT(matrix(json["accelerometer"]["M"]), MatrixRelativelyNear(made.accelerometer.M, 2e-3));
+  EXPECT_TRUE(json["warnings"].empty());
+  const ProgramResult lacking =
+      run_program({"calibrate", "imu", "--log", imu, "--magnetometer", "mx,my,mz"});
+  EXPECT_EQ(lacking.status, 3);
+  EXPECT_THAT(lacking.err, HasSubstr(imu + ": has no channel 'mx'"));
+  EXPECT_THAT(lacking.err, HasSubstr("a channel of another file is called CHANNEL@FILE"));
 }
 
 // Columns by number, a rate for the times, no header, the log on standard input.
@@ -259,6 +284,62 @@ TEST(AllanVerb, ReadsNamedColumns) {
     EXPECT_NEAR(double(json["dt"]), 0.01, 1e-15);
     EXPECT_EQ(json_of({"allan", "--log", log, "--column", "2", "--rate", "100"})["adev"].size(),
               json["adev"].size());
+  }
+}
+
+// A clock's error, an angle: the deviation of the rate that it is the integral of.
+TEST(AllanVerb, TakesAPhase) {
+  const TemporaryDirectory folder;
+  const MadeUpGyroscope made = make_up_gyroscope(2);
+  std::string rates = "t[s],w[rad/s]\n", angles = "t[s],angle[rad]\n";
+  double angle = 0.5;
+  for (int i = 0; i < 3000; ++i) {
+    rates += fmt::format("{:.2f},{}\n", i * 0.01, made.rate(i));
+    angles += fmt::format("{:.2f},{}\n", i * 0.01, angle);
+    angle += 0.01 * made.rate(i);
+  }
+  angles += fmt::format("{:.2f},{}\n", 30.0, angle);
+  const Json rate =
+      json_of({"allan", "--log", folder.write("r.csv", rates).string(), "--column", "w"});
+  const std::string file = folder.write("a.csv", angles).string();
+  const Json phase = json_of({"allan", "--log", file, "--column", "angle", "--phase"});
+  EXPECT_EQ(phase["samples"], 3000);
+  EXPECT_EQ(phase["unit"], "rad/s");
+  EXPECT_EQ(phase["column"], "angle");
+  EXPECT_EQ(phase["phase"], true);
+  EXPECT_EQ(rate["phase"], false);
+  ASSERT_EQ(phase["adev"].size(), rate["adev"].size());
+  for (std::size_t i = 0; i < phase["adev"].size(); ++i)
+    EXPECT_NEAR(double(phase["adev"][i]), double(rate["adev"][i]), 1e-9 * double(rate["adev"][i]));
+  EXPECT_THAT(run_program({"allan", "--log", file, "--column", "angle", "--phase"}).out,
+              HasSubstr("the rate of angle [rad/s], 3000 samples"));
+  EXPECT_EQ(
+      json_of({"allan", "--log", file, "--column", "angle", "--phase", "--unit", "s"})["unit"],
+      "1");
+  EXPECT_EQ(run_program({"allan", "--simulate", "--phase"}).status, 2);
+}
+
+// The reader's warnings are no less for who uses the log.
+TEST(AllanVerb, SaysWhatTheReaderWarnsOf) {
+  const TemporaryDirectory folder;
+  const MadeUpGyroscope made = make_up_gyroscope(2);
+  std::string text = "timestamp,w[rad/s]\n0,7\n";
+  for (std::int64_t i = 0; i < 1000; ++i)
+    text += fmt::format("{},{}\n", 1403636579758555392 + i * 5000000, made.rate(i));
+  const std::string file = folder.write("l.csv", text).string();
+  for (const std::vector<std::string>& clock :
+       {std::vector<std::string>{}, {"--time", "1"}, {"--time", "timestamp"}}) {
+    std::vector<std::string> args = {"allan", "--log", file, "--column", "w", "--json"};
+    args.insert(args.end(), clock.begin(), clock.end());
+    const ProgramResult result = run_program(args);
+    ASSERT_EQ(result.status, 0) << result.err;
+    const Json json = Json::parse(result.out);
+    EXPECT_NEAR(double(json["dt"]), 0.005, 1e-9);
+    EXPECT_EQ(json["samples"], 1000);
+    ASSERT_EQ(json["warnings"].size(), 2U);
+    EXPECT_THAT(std::string(json["warnings"][0]), HasSubstr("taken as nanoseconds since 1970"));
+    EXPECT_THAT(std::string(json["warnings"][1]), HasSubstr("1 of 1001 rows are at time 0"));
+    EXPECT_THAT(result.err, HasSubstr("allan: warning: " + file + ": 1 of 1001 rows"));
   }
 }
 

@@ -26,24 +26,37 @@ TOML
 # What came out, whatever the way there.
 merged() { (cd "$1" && sha256sum flights.csv campaign.sqlite); }
 
-# Waits until a file has more bytes than a number.
-wait_for_more_than() {
-  local bytes=$1 file=$2
-  for _ in $(seq 6000); do
-    # shellcheck disable=SC2086  # a pattern
-    for found in $file; do
-      [ ! -f "$found" ] || [ "$(stat -c %s "$found" 2>/dev/null || echo 0)" -le "$bytes" ] || return 0
-    done
-    sleep 0.01
-  done
-  echo "waited for $file in vain"
-  return 1
-}
-
-# Kills the worker that writes a part, which its name tells: SHARD.HOST-PROCESS-TIME.part
-kill_writer_of() {
-  local part=$1 process
-  process=${part%-*.part}
-  process=${process##*-}
-  grep -qa campaign "/proc/$process/cmdline" && kill -KILL "$process"
+# Writes a program that does what quadtune does, but the first worker of a shard is killed in the
+# middle, with records on disk; the marker WORK/killed tells that it was. It kills a child of its own
+# and looks at how that ended: one that was done first, as on a machine that is busy with other
+# things, has its files taken away and is started afresh. Then it ends by the same signal itself,
+# which is what an engine sees.
+# usage: program_killed_once SHARD FILE
+program_killed_once() {
+  cat >"$2" <<SCRIPT
+#!/usr/bin/env bash
+set -u
+program='${program:?}' work='$work' shard=$1
+SCRIPT
+  cat >>"$2" <<'SCRIPT'
+[ "$1 $2 $4 $5" = "campaign work --shard $shard" ] && mkdir "$work/begun" 2>/dev/null ||
+  exec "$program" "$@"
+files=$3/0000$shard
+# A header, and a record that is whole.
+has_records() { [ -n "$(find "$3" -name "0000$shard.*.part" -size +600c)" ]; }
+while true; do
+  "$program" "$@" >"$work/killed.txt" 2>&1 &
+  worker=$!
+  until has_records "$@" || ! kill -0 $worker 2>/dev/null; do sleep 0.01; done
+  kill -KILL $worker 2>/dev/null
+  status=0
+  wait $worker || status=$?
+  [ $status != 137 ] || [ -f "$files.flights" ] || ! has_records "$@" || break
+  [ $status = 137 ] || [ $status = 0 ] || { cat "$work/killed.txt" && exit $status; }
+  rm -f "$files".*
+done
+touch "$work/killed"
+kill -KILL $$
+SCRIPT
+  chmod +x "$2"
 }

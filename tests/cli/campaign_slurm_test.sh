@@ -25,7 +25,7 @@ here=$(dirname "$0")
 # shellcheck source=tests/cli/campaign_file.sh
 . "$here/campaign_file.sh"
 
-user=$(id -un) host=$(hostname -s) port=$((20000 + $$ % 20000))
+user=$(id -un) host=$(hostname -s) port=$((20000 + 2 * ($$ % 6000)))
 mkdir "$work/state" "$work/spool"
 cat >"$work/slurm.conf" <<CONF
 ClusterName=test
@@ -61,7 +61,7 @@ daemons+=($!)
 slurmd -D >"$work/slurmd.out" 2>&1 &
 daemons+=($!)
 up=no
-for _ in $(seq 150); do
+for _ in $(seq 900); do
   if sinfo -h 2>/dev/null | grep -q idle; then
     up=yes
     break
@@ -76,19 +76,27 @@ fi
 
 "$program" campaign init "$work/campaign.toml" "$work/array" --shards 8
 cd "$work/array"
-export QUADTUNE=$program
+program_killed_once 3 "$work/quadtune"
+export QUADTUNE=$work/quadtune
 job=$(sbatch --parsable slurm.sh)
 
 # Killed in the middle, its records of a part on disk.
-wait_for_more_than 64 "$work/array/00003.*.part"
-kill_writer_of "$work"/array/00003.*.part || { echo "no worker to kill" && exit 1; }
-[ ! -f 00003.flights ] || { echo "shard 3 was complete before it was killed" && exit 1; }
-for _ in $(seq 300); do
-  scontrol requeue "${job}_3" 2>/dev/null && break
+for _ in $(seq 3000); do
+  [ ! -f "$work/killed" ] || break
   sleep 0.1
 done
+[ -f "$work/killed" ] || { echo "no worker was killed" && tail -n 5 ./*.log && exit 1; }
+requeued=no
+for _ in $(seq 600); do
+  if scontrol requeue "${job}_3" 2>/dev/null; then
+    requeued=yes
+    break
+  fi
+  sleep 0.1
+done
+[ $requeued = yes ] || { echo "the job is not requeued" && squeue && exit 1; }
 for _ in $(seq 3000); do
-  [ -n "$(squeue -h)" ] || [ ! -f 00003.flights ] || break
+  if left=$(squeue -h) && [ -z "$left" ] && [ -f 00003.flights ]; then break; fi
   # Slurm would wait two minutes before it begins a requeued job.
   scontrol update "JobId=${job}_3" StartTime=now 2>/dev/null || true
   sleep 0.1

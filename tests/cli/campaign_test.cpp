@@ -165,8 +165,10 @@ TEST_F(Campaign, RunNamesItsFolderItself) {
   EXPECT_THAT(result.err, HasSubstr("note: plan, flights and tables go into " + expected));
   EXPECT_TRUE(fs::exists(fs::path(path(expected)) / "flights.csv"));
   // Nothing goes anywhere where there is no such file.
-  EXPECT_EQ(run_program({"campaign", "run", path("none.toml")}).err,
-            path("none.toml") + ": No such file or directory\n");
+  EXPECT_THAT(run_program({"campaign", "run", path("none.toml")}).err,
+              ::testing::StartsWith(path("none.toml") +
+                                    ": No such file or directory, expected for FILE: a campaign "
+                                    "file"));
 }
 
 TEST_F(Campaign, StatusTellsWhatIsThere) {
@@ -209,7 +211,8 @@ TEST_F(Campaign, StatusTellsHowLongItTakesByThoseThatAreAtIt) {
   ASSERT_EQ(run_program({"campaign", "work", path("out"), "--shard", "1"}).status, 0);
   const std::string shard = bytes("out/00001.flights");
   fs::remove(path("out/00001.flights"));
-  const auto now = std::chrono::system_clock::now();
+  // Ahead of the clock: however long the test takes, they have only just written.
+  const auto now = std::chrono::system_clock::now() + std::chrono::hours(1);
   const auto part = [&](const std::string& number, double seconds, std::size_t size) {
     const auto began = now - std::chrono::duration<double>(seconds);
     const std::string name = fmt::format(
@@ -498,17 +501,18 @@ pid_t start_worker(const std::string& folder, const std::string& shard) {
 // Workers are killed 200 times, two of them often on one shard; what is merged is what an
 // undisturbed run gives.
 TEST_F(Campaign, TwoHundredKilledWorkersLeaveTheSameBytes) {
-  // Enough work that most are at it when they are killed.
   const std::string flights = testing::kSanitized ? "flights = 6000" : "flights = 150000";
   const std::string file = write(
       replaced(replaced(kCampaign, "flights = 24", flights), "duration_s = 1", "duration_s = 0.3"));
   ASSERT_EQ(run_program({"campaign", "init", file, path("out"), "--shards", "4"}).status, 0);
   std::mt19937 random(2);
   int killed = 0;
-  for (int i = 0; i < 100; ++i) {
-    const std::string shard = std::to_string(std::uniform_int_distribution(0, 3)(random));
-    const pid_t workers[] = {start_worker(path("out"), shard),
-                             start_worker(path("out"), i % 2 == 0 ? shard : std::to_string(i % 4))};
+  while (killed < 200) {
+    const int i = killed;
+    const int shards[] = {std::uniform_int_distribution(0, 3)(random), i % 4};
+    const int second = i % 2 == 0 ? shards[0] : shards[1];
+    const pid_t workers[] = {start_worker(path("out"), std::to_string(shards[0])),
+                             start_worker(path("out"), std::to_string(second))};
     for (const pid_t worker : workers) {
       std::this_thread::sleep_for(
           std::chrono::milliseconds(std::uniform_int_distribution(1, 30)(random)));
@@ -517,10 +521,17 @@ TEST_F(Campaign, TwoHundredKilledWorkersLeaveTheSameBytes) {
     for (const pid_t worker : workers) {
       int status = 0;
       ASSERT_EQ(waitpid(worker, &status, 0), worker);
-      if (WIFSIGNALED(status)) ++killed;
+      if (WIFSIGNALED(status)) {
+        ++killed;
+        continue;
+      }
+      // It was done first, as where this process waits for the processor: the next ones shall have
+      // work.
+      ASSERT_EQ(WEXITSTATUS(status), 0);
+      for (const int shard : {shards[0], second})
+        fs::remove(path(fmt::format("out/{:05}.flights", shard)));
     }
   }
-  EXPECT_GT(killed, 100);
   ASSERT_EQ(run_program({"campaign", "run", file, path("out"), "--shards", "4"}).status, 0);
   ASSERT_EQ(run_program({"campaign", "run", file, path("alone")}).status, 0);
   EXPECT_EQ(bytes("out/flights.csv"), bytes("alone/flights.csv"));

@@ -66,6 +66,7 @@ TEST_F(CertifyTest, ProvesTheUquadInItsDefaultBox) {
   EXPECT_GE(law["worst"]["radius"], 0.999683);  // of the nominal loop
   EXPECT_GE(law["scale"]["proved"], 1);
   EXPECT_EQ(law["box"]["delay"]["high"], 0.01);
+  EXPECT_EQ(law["box"]["lag"]["high"], 0);
 }
 
 // 45 ms of delay are too much for this box, 40 ms are not: search and proof agree to 2 %.
@@ -115,6 +116,24 @@ TEST_F(CertifyTest, TakesTheCascadeOfAMamboExport) {
   EXPECT_EQ(one["laws"][0]["proof"]["proved_boxes"], one["laws"][0]["proof"]["boxes"]);
 }
 
+// The vehicle's own lag acts although nobody asked for one, so the box has it. The export is of
+// what `pid` wrote as JSON.
+TEST_F(CertifyTest, ListsTheLagThatItUsed) {
+  const TemporaryDirectory folder;
+  const std::string gains = (folder.path() / "pid.json").string();
+  const std::string out = (folder.path() / "out").string();
+  ASSERT_EQ(run_program({"pid", "crazyflie", "--quiet", "-o", gains}).status, 0);
+  ASSERT_EQ(run_program({"export", gains, "--to", "json", "-o", out, "--quiet"}).status, 0);
+  const std::vector<std::string> one = {out,        "--mass", "1:1",     "--inertia", "1:1",
+                                        "--thrust", "1:1",    "--delay", "0"};
+  const nlohmann::json box = certified(one, 0)["laws"][0]["box"];
+  EXPECT_EQ(box["lag"],
+            (nlohmann::json{{"low", 0.072}, {"nominal", 0.072}, {"high", 0.072}, {"unit", "s"}}));
+  std::vector<std::string> text = one;
+  text.insert(text.begin(), "certify");
+  EXPECT_THAT(run_program(text).out, HasSubstr("lag         0.072 s"));
+}
+
 TEST_F(CertifyTest, SaysWhereTheVehicleCannotHover) {
   EXPECT_THAT(refused({exported("uquad-hover"), "--mass", "0.9:1.7"}, 1),
               HasSubstr("cannot hover everywhere in the box: "));
@@ -136,7 +155,7 @@ TEST_F(CertifyTest, RefusesBadBoxes) {
   EXPECT_THAT(refused({out, "--delay", "-0.1:0"}, 2), HasSubstr("--delay is '-0.1:0'"));
   EXPECT_THAT(refused({out, "--delay", "0:1"}, 2), HasSubstr("at most 60 periods of 0.01 s"));
   EXPECT_THAT(refused({out, "--lag", "0:0.1"}, 2), HasSubstr("--lag is '0:0.1'"));
-  EXPECT_THAT(refused({out, "--controller", "pid"}, 2), HasSubstr("--controller is 'pid'"));
+  EXPECT_THAT(refused({out, "--controller", "pdi"}, 2), HasSubstr("--controller is 'pdi'"));
   EXPECT_THAT(refused({out, "--budget", "0"}, 2), HasSubstr("--budget"));
   EXPECT_THAT(refused({out, "--weight", "1"}, 2), StartsWith("quadtune certify: no option"));
   EXPECT_THAT(refused({}, 2), HasSubstr("expected an export's directory"));

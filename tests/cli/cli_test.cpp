@@ -16,6 +16,7 @@
 #include "matrix_near.hpp"
 #include "program.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/model/vehicle.hpp"
 #include "quadtune/version.hpp"
 #include "run_program.hpp"
 #include "temporary_directory.hpp"
@@ -290,6 +291,10 @@ std::string toml_of(const internal::Json& vehicle) {
     for (const auto& [name, loop] : cascade.items())
       if (loop.is_object()) text += "[published_cascade." + name + "]\n" + toml_lines(loop);
   }
+  if (vehicle.contains("sensors"))
+    for (const auto& [name, sensor] : vehicle["sensors"].items())
+      text += "[sensors." + name + "]\n" + toml_lines(sensor);
+  if (vehicle.contains("battery")) text += "[battery]\n" + toml_lines(vehicle["battery"]);
   for (internal::Json rotor : vehicle["rotors"]) {
     if (rotor.contains("Ct"))
       rotor.erase("thrust_a2_N_s2_per_rad2");  // a file has one or the other
@@ -302,11 +307,41 @@ std::string toml_of(const internal::Json& vehicle) {
 TEST(Vehicle, ShowsTheKeysOfAVehicleFile) {
   const TemporaryDirectory folder;
   const internal::Json list = json_of({"vehicle", "list"});
-  for (const auto& name : list["vehicles"]) {
-    const internal::Json shown = json_of({"vehicle", "show", name});
-    const std::string file = folder.write("v.toml", toml_of(shown)).string();
-    EXPECT_EQ(json_of({"vehicle", "show", file}), shown) << toml_of(shown);
-  }
+  const auto compare = [&](const std::string& name) {
+    internal::Json shown = json_of({"vehicle", "show", name});
+    const std::string text = toml_of(shown);
+    internal::Json again = json_of({"vehicle", "show", folder.write("again.toml", text).string()});
+    // A file may say what another leaves open.
+    shown.erase("assumed");
+    again.erase("assumed");
+    EXPECT_EQ(again, shown) << text;
+  };
+  for (const auto& name : list["vehicles"]) compare(name);
+  // With every sensor and a battery.
+  compare(folder
+              .write("full.toml", load_vehicle("mambo").text + R"(
+[sensors.magnetometer]
+rate_Hz = 100
+bias_uT = [1, 2, 3]
+dropout = 0.1
+[sensors.gps]
+rate_Hz = 1
+noise_m = 0.5
+velocity_noise_m_per_s = [0.1, 0.1, 0.3]
+[sensors.vision]
+rate_Hz = 5
+delay_s = 0.3
+quantum_m = 0.01
+[battery]
+capacity_A_h = 0.55
+full_voltage_V = 4.2
+empty_voltage_V = 3.2
+cutoff_voltage_V = 3
+resistance_ohm = 0.1
+idle_power_W = 1
+regulated = false
+)")
+              .string());
 }
 
 TEST(Vehicle, LeavesOutWhatTheFileLeavesOut) {
@@ -324,8 +359,8 @@ TEST(Vehicle, LeavesOutWhatTheFileLeavesOut) {
     return names;
   };
   using ::testing::ElementsAre;
-  EXPECT_THAT(keys(shown),
-              ElementsAre("name", "environment", "body", "motor", "rotors", "derived"));
+  EXPECT_THAT(keys(shown), ElementsAre("name", "environment", "body", "motor", "rotors", "assumed",
+                                       "warnings", "derived"));
   EXPECT_THAT(keys(shown["environment"]), ElementsAre("gravity_m_per_s2", "air_density_kg_per_m3"));
   EXPECT_THAT(keys(shown["body"]), ElementsAre("mass_kg", "inertia_kg_m2", "inertia_tolerance"));
   EXPECT_THAT(keys(shown["motor"]), ElementsAre("command", "min_rad_s", "max_rad_s"));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune log.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <fstream>
@@ -90,6 +91,19 @@ TEST(LogVerb, WarnsOfATornLogAndReadsItUpToThere) {
   EXPECT_THAT(json["torn"].get<std::string>(), HasSubstr("f.csv:4: the line does not end"));
   EXPECT_EQ(json["channels"][0]["samples"], 2);
   EXPECT_THAT(result.err, HasSubstr("log: warning: partial: "));
+}
+
+TEST(LogVerb, NamesTheFormatOfArduPilotsTexts) {
+  const TemporaryDirectory folder;
+  std::string text = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n";
+  for (int i = 0; i < 100; ++i) text += fmt::format("IMU, {}, 0.1, 0.2, 0.3\nBARO, {}, 1\n", i, i);
+  const std::string file = folder.write("00000001.log", text).string();
+  const ProgramResult result = run_program({"log", file});
+  EXPECT_EQ(result.status, 3);
+  EXPECT_THAT(result.err, HasSubstr(file + ": is a text log of ArduPilot"));
+  const ProgramResult told = run_program({"log", file, "--format", "text"});
+  EXPECT_EQ(told.status, 3);
+  EXPECT_THAT(told.err, HasSubstr("200 of 201 rows cannot be read"));
 }
 
 TEST(LogVerb, TakesColumnsAndARate) {

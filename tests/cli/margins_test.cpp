@@ -2,6 +2,7 @@
 /// quadtune margins, and the margins in lqr and design.
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "quadtune/internal/json.hpp"
@@ -106,6 +107,187 @@ TEST(MarginsVerb, OfLqrAreTheGuaranteed) {
   EXPECT_TRUE(loop["gain_margin_db"].is_null());  // infinite
   EXPECT_GE(double(loop["phase_margin_deg"]), 60);
   EXPECT_NEAR(loop["Ms"], 1, 1e-6);
+}
+
+struct Matrices {
+  TemporaryDirectory folder;
+  std::string A, B, K;
+  Matrices(const std::string& a, const std::string& b, const std::string& k)
+      : A(folder.write("A", a).string()),
+        B(folder.write("B", b).string()),
+        K(folder.write("K", k).string()) {}
+  [[nodiscard]] std::vector<std::string> arguments(std::vector<std::string> more) const {
+    std::vector<std::string> all = {"margins", "--A", A, "--B", B, "--K", K};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+};
+
+// A double integrator with the gain of an LQR: stable as continuous matrices, not as discrete ones.
+TEST(MarginsVerb, SaysWhatMatricesAreTakenFor) {
+  const Matrices m("0 1\n0 0\n", "0\n1\n", "1 1.7320508\n");
+  const ProgramResult by_period = run_program(m.arguments({"--dt", "0.01"}));
+  EXPECT_EQ(by_period.status, 0);
+  EXPECT_THAT(by_period.out, HasSubstr("discrete, every 0.01 s"));
+  EXPECT_THAT(
+      by_period.err,
+      HasSubstr("margins: warning: A and B are taken as discrete because of --dt, but A - B "
+                "K is stable only if they are continuous: --sampled DT"));
+  const ProgramResult declared = run_program(m.arguments({"--discrete", "--dt", "0.01"}));
+  EXPECT_THAT(declared.err, ::testing::Not(HasSubstr("taken as")));
+  EXPECT_THAT(declared.err, HasSubstr("unstable"));
+  const Json continuous = json_of(m.arguments({"--continuous"}));
+  EXPECT_EQ(continuous["time"], "continuous");
+  EXPECT_TRUE(continuous["dt"].is_null());
+  EXPECT_EQ(run_program(m.arguments({})).err, "");
+  const Json sampled = json_of(m.arguments({"--sampled", "0.01"}));
+  EXPECT_EQ(sampled["time"], "discrete");
+  EXPECT_EQ(sampled["dt"], 0.01);
+  EXPECT_TRUE(sampled["loops"][0]["stable"]);
+  // Half a sample of delay is what holding costs.
+  const double cut = double(continuous["loops"][0]["crossover"]);
+  EXPECT_NEAR(double(continuous["loops"][0]["phase_margin_deg"]) -
+                  double(sampled["loops"][0]["phase_margin_deg"]),
+              cut * 0.005 * 180 / M_PI, 0.01);
+  // x[k+1] = x + 0.1 u, closed 0.5: as continuous matrices it grows.
+  const Matrices discrete("1\n", "0.1\n", "5\n");
+  EXPECT_THAT(run_program(discrete.arguments({})).err,
+              HasSubstr("margins: warning: A and B are taken as continuous, but A - B K is stable "
+                        "only if they are discrete: --discrete --dt T"));
+  const ProgramResult noted = run_program(discrete.arguments({"--dt", "0.1"}));
+  EXPECT_THAT(noted.err, HasSubstr("margins: note: A and B are taken as discrete because of --dt"));
+}
+
+TEST(MarginsVerb, RefusesContradictoryKinds) {
+  const Matrices m("0 1\n0 0\n", "0\n1\n", "1 1.7\n");
+  const auto refused = [&](std::vector<std::string> more, const std::string& why) {
+    const ProgramResult result = run_program(m.arguments(std::move(more)));
+    EXPECT_EQ(result.status, 2);
+    EXPECT_THAT(result.err, HasSubstr(why));
+  };
+  refused({"--continuous", "--discrete"},
+          "more than one of --continuous, --discrete and --sampled");
+  refused({"--discrete"}, "--dt is missing, expected the sample period with --discrete");
+  refused({"--continuous", "--dt", "0.1"}, "--dt came with --continuous");
+  refused({"--sampled", "0.1", "--dt", "0.1"}, "--dt came with --sampled");
+  refused({"--sampled", "-1"}, "--sampled is -1");
+  const ProgramResult fraction =
+      run_program({"margins", "--num", "1", "--den", "1,1", "--discrete"});
+  EXPECT_EQ(fraction.status, 2);
+  EXPECT_THAT(fraction.err, HasSubstr("belong to matrices"));
+}
+
+TEST(MarginsVerb, TellsItsConventions) {
+  const ProgramResult rest = run_program({"margins", "--num", "1", "--den", "1,1"});
+  EXPECT_THAT(rest.err, HasSubstr("margins: note: the loop: |L(0)| is 1, which counts as a "
+                                  "crossover at 0 rad/s"));
+  const ProgramResult late =
+      run_program({"margins", "--num", "1e-4", "--den", "1,1", "--delay", "1"});
+  EXPECT_THAT(late.err,
+              HasSubstr("phase crossovers with |L| below 1e-6 or above 1e6 are not listed"));
+  const Json far = json_of({"margins", "--num", "1e-6", "--den", "1,3,3,1"});
+  EXPECT_NEAR(double(far["loops"][0]["gain_margin_db"]), 20 * std::log10(8e6), 1e-6);  // 138 dB
+}
+
+// Random plants of many inputs: bounded work, told, and chosen.
+TEST(LqrEvidence, IsBoundedAndChosen) {
+  const TemporaryDirectory folder;
+  const auto identity = [](int n) {
+    std::string text;
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j) text += i == j ? "1 " : (j == i + 1 ? "0.3 " : "0 ");
+      text += "\n";
+    }
+    return text;
+  };
+  const auto plain = [](int n) {
+    std::string text;
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j) text += i == j ? "1 " : "0 ";
+      text += "\n";
+    }
+    return text;
+  };
+  const auto arguments = [&](int n, std::vector<std::string> more) {
+    const std::string A = folder.write("A", identity(n)).string();
+    const std::string I = folder.write("I", plain(n)).string();
+    std::vector<std::string> all = {"lqr", "--A", A, "--B", I, "--Q", I, "--R", I};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  const ProgramResult large = run_program(arguments(64, {"--json"}));
+  EXPECT_EQ(large.status, 0);
+  EXPECT_THAT(large.err,
+              HasSubstr("lqr: note: the margins are left out, since with 64 states and 64 "
+                        "inputs it would take more than about a second; --evidence full"));
+  const Json none = Json::parse(large.out);
+  EXPECT_EQ(none["K"].size(), 64U);
+  EXPECT_TRUE(none["margins"]["loops"].empty());
+  EXPECT_TRUE(none["margins"]["multivariable"].is_null());
+  const Json full = json_of(arguments(3, {}));
+  EXPECT_EQ(full["margins"]["loops"].size(), 3U);
+  EXPECT_GT(double(full["margins"]["multivariable"]["disk_alpha"]), 0);
+  const Json essential = json_of(arguments(3, {"--evidence", "essential"}));
+  EXPECT_EQ(essential["margins"]["loops"], full["margins"]["loops"]);
+  EXPECT_TRUE(essential["margins"]["multivariable"].is_null());
+  EXPECT_TRUE(json_of(arguments(3, {"--evidence", "none"}))["margins"]["loops"].empty());
+  EXPECT_THAT(run_program(arguments(3, {"--evidence", "none"})).out, HasSubstr("not computed"));
+  const ProgramResult wrong = run_program(arguments(3, {"--evidence", "ful"}));
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("expected none, essential or full; did you mean 'full'?"));
+}
+
+// x[k+1] = u[k]: the closed loop's pole is 0, which has no logarithm.
+TEST(LqrVerb, PoleAtZeroIsNoNan) {
+  const TemporaryDirectory folder;
+  const std::string A = folder.write("A", "0 0\n0 1\n").string();
+  const std::string I = folder.write("I", "1 0\n0 1\n").string();
+  const std::string zero = folder.write("Z", "0 0\n0 0\n").string();
+  for (const std::string& R : {I, zero}) {
+    const ProgramResult result =
+        run_program({"lqr", "--discrete", "--A", A, "--B", I, "--Q", I, "--R", R});
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_THAT(result.out, ::testing::Not(HasSubstr("nan")));
+    if (R == zero)
+      EXPECT_THAT(result.err, HasSubstr("lqr: note: R is singular; there is a solution because R + "
+                                        "B'SB is not"));
+  }
+}
+
+TEST(LqrVerb, TellsAnIndefiniteCost) {
+  const TemporaryDirectory folder;
+  const auto file = [&](const std::string& name, const std::string& text) {
+    return folder.write(name, text).string();
+  };
+  const ProgramResult result =
+      run_program({"lqr", "--discrete", "--A", file("A", "0.5\n"), "--B", file("B", "1\n"), "--Q",
+                   file("Q", "1\n"), "--R", file("R", "1\n"), "--N", file("N", "1.1\n")});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("lqr: warning: [Q N; N' R] has eigenvalue -0.1"));
+}
+
+// The equation of the fault report whose Q is 2e7 and R 3e-9: K is exact, and may change.
+TEST(LqrVerb, TellsThatAnEquationIsIllConditioned) {
+  const TemporaryDirectory folder;
+  const auto file = [&](const std::string& name, const std::string& text) {
+    return folder.write(name, text).string();
+  };
+  const std::vector<std::string> arguments = {"lqr",
+                                              "--A",
+                                              file("A", "0 1\n0 0\n"),
+                                              "--B",
+                                              file("B", "0 1\n1 1\n"),
+                                              "--Q",
+                                              file("Q", "1 0\n0 0\n"),
+                                              "--R",
+                                              file("R", "1 1\n1 1.00000000000001\n")};
+  const ProgramResult text = run_program(arguments);
+  EXPECT_EQ(text.status, 0) << text.err;
+  EXPECT_THAT(text.err, HasSubstr("lqr: warning: the equation is ill-conditioned (rcond "));
+  EXPECT_THAT(text.err, HasSubstr("K is exact for these numbers, but changes by about"));
+  const Json json = json_of(arguments);
+  EXPECT_GT(double(json["gain_error"]), 1e-5);
+  EXPECT_THAT(std::string(json["warning"]), HasSubstr("ill-conditioned"));
 }
 
 }  // namespace

@@ -2,12 +2,16 @@
 /// quadtune tune kalman.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include "golden.hpp"
 #include "quadtune/estimation/filter_file.hpp"
@@ -258,6 +262,52 @@ TEST(TuneVerb, TakesChannelsOfAnotherLogOfTheFlight) {
   EXPECT_EQ(json["logs"][0]["files"][1]["file"], sonar);
 }
 
+// The same log with the times of a clock that states no unit: nanoseconds since 1970 give the same
+// numbers and a warning, microseconds from the start are refused.
+TEST(TuneVerb, SaysWhatItTakesAClockFor) {
+  const TemporaryDirectory folder;
+  const std::string log = bobbing(1000);
+  const auto clocked = [&](std::int64_t first, std::int64_t tick) {
+    std::istringstream lines(log);
+    std::string line, text;
+    std::getline(lines, line);
+    text = "#timestamp,az[m/s^2],height[m]\n";
+    for (std::int64_t k = 0; std::getline(lines, line); ++k)
+      text += fmt::format("{}{}\n", first + 20 * tick * k, line.substr(line.find(',')));
+    return text;
+  };
+  const Json expected = Json::parse(tune(folder.write("s.csv", log), {"--json"}).out);
+  EXPECT_TRUE(expected["logs"][0]["warnings"].empty());
+  const std::string ns = folder.write("ns.csv", clocked(1403636579758555392, 1000000));
+  const std::string tuned = (folder.path() / "tuned.toml").string();
+  const ProgramResult result = tune(ns, {"--json", "-o", tuned, "--force"});
+  const Json json = Json::parse(result.out);
+  for (std::size_t i = 0; i < 2; ++i)
+    EXPECT_NEAR(json["parameters"][i]["value"].get<double>(),
+                expected["parameters"][i]["value"].get<double>(),
+                1e-6 * expected["parameters"][i]["value"].get<double>());
+  const std::string said = "states no unit and is taken as nanoseconds since 1970";
+  EXPECT_THAT(json["logs"][0]["warnings"][0].get<std::string>(), HasSubstr(said));
+  EXPECT_THAT(result.err, HasSubstr("tune: warning: " + ns + ": the clock 'timestamp' " + said));
+  EXPECT_THAT(folder.read("tuned.toml"), HasSubstr(said));
+  const std::string us = folder.write("us.csv", clocked(0, 1000));
+  const ProgramResult refused = tune(us);
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_THAT(refused.err,
+              HasSubstr(us + ": the clock 'timestamp' states no unit, and as seconds its samples "
+                             "would be 20000 s apart"));
+  EXPECT_EQ(tune(us, {"--columns", "t_us:timestamp, *", "--quiet"}).err, "");
+}
+
+TEST(TuneVerb, SaysHowAChannelOfAnotherFileIsCalled) {
+  const TemporaryDirectory folder;
+  const std::string imu = folder.write("imu.csv", columns_of(bobbing(100), {0, 1}));
+  const ProgramResult result = tune(imu);
+  EXPECT_EQ(result.status, 3);
+  EXPECT_THAT(result.err, HasSubstr("has no channel 'height'"));
+  EXPECT_THAT(result.err, HasSubstr("a channel of another file is called CHANNEL@FILE"));
+}
+
 TEST(TuneVerb, RefusesOutliers) {
   const TemporaryDirectory folder;
   std::stringstream lines(bobbing(2000));
@@ -276,6 +326,101 @@ TEST(TuneVerb, RefusesOutliers) {
   EXPECT_NEAR(double(json["parameters"][1]["value"]), 4e-4, 5e-5);
   EXPECT_THAT(tune(log, {"--gate", "1"}).err,
               HasSubstr("the gate of sensor 'sonar' is 1, expected at least 4"));
+}
+
+/// An inertial sensor at rest at 100 Hz and its position at 10 Hz, with two gaps: between them
+/// there is one position.
+std::string resting_with_gaps() {
+  const RandomSource<1> source{7, {0}};
+  std::string text =
+      "t_s,gyro_x[rad/s],gyro_y[rad/s],gyro_z[rad/s],force_x[m/s^2],force_y[m/s^2],force_z[m/s^2],"
+      "x[m],y[m],z[m]\n";
+  std::uint64_t drawn = 0;
+  const auto noise = [&] { return lane(random_normal(source, 1, drawn++).first, 0); };
+  for (int k = 0; k < 1000; ++k) {
+    const bool middle = k >= 400 && k < 430;
+    const double t = 0.01 * k + (k < 400 ? 0 : 2) + (k < 430 ? 0 : 2);
+    text += fmt::format("{:.2f}", t);
+    for (int i = 0; i < 3; ++i) text += fmt::format(",{:.6f}", 0.01 * noise());
+    for (int i = 0; i < 3; ++i) text += fmt::format(",{:.6f}", (i == 2 ? 9.81 : 0) + 0.3 * noise());
+    const bool seen = middle ? k == 410 : k % 10 == 0;
+    for (int i = 0; i < 3; ++i) text += seen ? fmt::format(",{:.5f}", 0.1 * noise()) : ",";
+    text += "\n";
+  }
+  return text;
+}
+
+// It once refused all of the log.
+TEST(TuneVerb, LeavesOutWhatHasOneMeasurementBetweenGaps) {
+  const TemporaryDirectory folder;
+  const std::string log = folder.write("gaps.csv", resting_with_gaps());
+  const std::vector<std::string> args = {
+      "tune",  "kalman",         "--model",  "inertial", "--log", log,     "--map",
+      "x=x",   "--map",          "y=y",      "--map",    "z=z",   "--fix", "Q.gyro_offset",
+      "--fix", "Q.force_offset", "--starts", "1"};
+  const ProgramResult result = run_program(args);
+  EXPECT_THAT(result.status, ::testing::AnyOf(0, 1)) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("left out    " + log +
+                                    ": 6 to 6.29 s, 1 instant of measurements between two gaps"));
+  std::vector<std::string> json_args = args;
+  json_args.push_back("--json");
+  const Json json = Json::parse(run_program(json_args).out);
+  ASSERT_EQ(json["left_out"].size(), 1);
+  EXPECT_EQ(json["left_out"][0]["record"], log);
+  EXPECT_EQ(json["left_out"][0]["measurements"], 1);
+  EXPECT_NEAR(double(json["left_out"][0]["from_s"]), 6, 1e-9);
+  EXPECT_NEAR(double(json["left_out"][0]["to_s"]), 6.29, 1e-9);
+}
+
+TEST(TuneVerb, EndsWithTheBestOfItsBudget) {
+  const TemporaryDirectory folder;
+  const std::string log = folder.write("log.csv", bobbing(2000));
+  const std::string file = (folder.path() / "tuned.toml").string();
+  const ProgramResult result = tune(log, {"--budget", "1e-9", "-o", file});
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.out,
+              HasSubstr("fit         out of time after 0 evaluations: the best so far"));
+  EXPECT_THAT(result.err, HasSubstr("the fit is out of time"));
+  EXPECT_THAT(result.out, HasSubstr("innovations output"));  // the start is judged all the same
+  EXPECT_FALSE(std::filesystem::exists(file));
+  const Json json =
+      Json::parse(tune(log, {"--budget", "1e-9", "--json", "-o", file, "--force"}).out);
+  EXPECT_EQ(json["status"], "out of time");
+  EXPECT_EQ(json["gate"]["verdict"], "fail");
+  EXPECT_EQ(load_filter_model(file).verdict, "fail");
+  EXPECT_EQ(tune(log, {"--budget", "600"}).status, 0);
+  EXPECT_EQ(tune(log, {"--budget", "0"}).status, 2);
+}
+
+/// Ends the process with the status of a tuning that a signal comes into: after twice the time that
+/// one of few searches takes from its start to its end.
+[[noreturn]] void be_interrupted(const std::string& log, const std::string& file) {
+  const auto begin = std::chrono::steady_clock::now();
+  (void)tune(log, {"--starts", "1"});
+  const auto one = std::chrono::steady_clock::now() - begin;
+  cli::install_signal_handlers();
+  std::thread([one] {
+    std::this_thread::sleep_for(2 * one + std::chrono::milliseconds(300));
+    ::kill(::getpid(), SIGTERM);
+  }).detach();
+  const ProgramResult result =
+      tune(log, {"--starts", "1000", "--threads", "1", "--json", "-o", file, "--force"});
+  const Json json = Json::parse(result.out, nullptr, false);
+  const bool told = !json.is_discarded() && json["status"] == "interrupted" &&
+                    json["parameters"][0]["value"] > 0 &&
+                    json["log_likelihood"]["after"] >= json["log_likelihood"]["before"] &&
+                    json["gate"]["verdict"] == "fail" &&
+                    result.err == "interrupted; " + file + " is written and complete\n";
+  ::_exit(told ? result.status : 99);
+}
+
+TEST(TuneVerb, AnInterruptLeavesTheBestFound) {
+  const TemporaryDirectory folder;
+  const std::string log = folder.write("log.csv", bobbing(20000));
+  const std::string file = (folder.path() / "tuned.toml").string();
+  EXPECT_EXIT(be_interrupted(log, file), ::testing::ExitedWithCode(130), "");
+  EXPECT_THAT(folder.read("tuned.toml"), HasSubstr("the fit is interrupted"));
+  EXPECT_EQ(load_filter_model(file).verdict, "fail");
 }
 
 TEST(TuneVerb, JudgesErrorsByATruth) {
@@ -337,6 +482,177 @@ TEST(TuneVerb, SaysWhenALogIsTooShort) {
   const ProgramResult result = tune(file);
   EXPECT_EQ(result.status, 1);
   EXPECT_THAT(result.out, HasSubstr("too short to tell"));
+}
+
+/// Rows t and columns of one shape each: 0 constant, 1 noisy up to the middle and then stuck, 2 of
+/// two values, 3 a ramp that a model may predict to the last digit, 4 constant but for one sample.
+std::string shaped(const std::vector<std::string>& columns, int shape, int rows) {
+  const RandomSource<1> source{7, {0}};
+  std::string text = "t_s";
+  for (const std::string& column : columns) text += "," + column;
+  text += "\n";
+  for (int k = 0; k < rows; ++k) {
+    text += fmt::format("{:.3f}", 0.004 * k);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const double noise = lane(
+          random_normal(source, static_cast<std::uint32_t>(i), static_cast<std::uint64_t>(k)).first,
+          0);
+      const double values[] = {3, k < rows / 2 ? 3 + 0.1 * noise : 3, noise > 0 ? 3.01 : 3.0,
+                               3 + 0.25 * 0.004 * k, k == rows / 3 ? 3.5 : 3.0};
+      text += fmt::format(",{}", values[shape]);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+// A sensor that hangs tells no noise: that is said in one line, by either method.
+TEST(TuneVerb, RefusesWhatNeverChanges) {
+  const TemporaryDirectory folder;
+  const std::string log = folder.write("c.csv", shaped({"position[m]"}, 0, 1000)).string();
+  for (const char* method : {"ml", "als"}) {
+    const ProgramResult result = run_program(
+        {"tune", "kalman", "--model", "constant-velocity", "--log", log, "--method", method});
+    EXPECT_EQ(result.status, 4) << result.out;
+    EXPECT_EQ(result.out, "");
+    EXPECT_THAT(result.err,
+                HasSubstr("tune: position: position is constant over the fitted part: all 800 "
+                          "measurements are 3 m, expected ones that change because their noise is "
+                          "to be found from them"));
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  }
+  // Nothing is to be found of it.
+  const ProgramResult held = run_program(
+      {"tune", "kalman", "--model", "constant-velocity", "--log", log, "--fix", "R.position"});
+  EXPECT_EQ(held.status, 1) << held.err;
+  EXPECT_THAT(held.out, Not(HasSubstr("nan")));
+}
+
+// Whatever a channel holds, the command ends as it says, and prints no NaN.
+TEST(TuneVerb, EndsAsDocumentedWhateverAChannelHolds) {
+  const TemporaryDirectory folder;
+  struct Case {
+    std::string model;
+    std::vector<std::string> columns;
+  };
+  const std::vector<Case> cases = {
+      {"local-level", {"y"}},
+      {"constant-velocity", {"position[m]"}},
+      {"altitude", {"az[m/s^2]", "height[m]"}},
+      {"velocity-xy", {"ax[m/s^2]", "ay[m/s^2]", "flow_vx[m/s]", "flow_vy[m/s]"}},
+      {"attitude", {"rate[rad/s]", "tilt[rad]"}},
+  };
+  for (const Case& one : cases)
+    for (int shape = 0; shape < 5; ++shape) {
+      const std::string log = folder.write("log.csv", shaped(one.columns, shape, 250)).string();
+      for (const char* method : {"ml", "als"}) {
+        SCOPED_TRACE(fmt::format("{} {} {}", one.model, shape, method));
+        const ProgramResult result = run_program(
+            {"tune", "kalman", "--model", one.model, "--log", log, "--method", method, "--json"});
+        EXPECT_THAT(result.status, ::testing::AnyOf(0, 1, 4)) << result.err;
+        if (shape == 0) EXPECT_EQ(result.status, 4) << result.out;
+        if (result.status == 0 || result.status == 1) EXPECT_TRUE(Json::accept(result.out));
+        EXPECT_THAT(result.err, Not(HasSubstr("nan")));
+      }
+    }
+}
+
+TEST(TuneVerb, NamesTheChannelsThatItTook) {
+  const TemporaryDirectory folder;
+  const std::string log = bobbing(3000);
+  const std::string file = folder.write("whole.csv", log);
+  const std::string sonar = folder.write("sonar.csv", columns_of(log, {0, 2}));
+  const std::string tuned = (folder.path() / "tuned.toml").string();
+  const ProgramResult result = tune(file, {"-o", tuned});
+  EXPECT_THAT(result.out,
+              HasSubstr("channels    az: az [m/s^2]\n            height: height [m]\n"));
+  std::stringstream text;
+  text << std::ifstream(tuned).rdbuf();
+  EXPECT_THAT(text.str(), HasSubstr("# height: height [m] of " + file));
+  const Json json = Json::parse(tune(file, {"--map", "height=height@" + sonar, "--json"}).out);
+  const Json& channels = json["logs"][0]["channels"];
+  ASSERT_EQ(channels.size(), 2);
+  EXPECT_EQ(channels[1]["signal"], "height");
+  EXPECT_EQ(channels[1]["channel"], "height [m]");
+  EXPECT_EQ(channels[1]["file"], sonar);
+}
+
+TEST(TuneVerb, AsksWhatALocalLevelIs) {
+  const TemporaryDirectory folder;
+  std::string text = bobbing(1000);
+  text.replace(0, text.find('\n'), "t_s,x,y[uT]");
+  const std::string log = folder.write("field.csv", text).string();
+  const ProgramResult asked =
+      run_program({"tune", "kalman", "--model", "local-level", "--log", log});
+  EXPECT_EQ(asked.status, 3);
+  EXPECT_THAT(asked.err,
+              HasSubstr("'y' of the model 'local-level' stands for any quantity, and the "
+                        "channel 'y' [uT] may be another one, expected --map y=CHANNEL"));
+  const ProgramResult told =
+      run_program({"tune", "kalman", "--model", "local-level", "--log", log, "--map", "y=y"});
+  EXPECT_THAT(told.out, HasSubstr("channels    y: y [uT]\n"));
+}
+
+// The program's own flights feed its own models.
+TEST(TuneVerb, TakesFlightLogsAsTheyAre) {
+  const TemporaryDirectory folder;
+  for (const char* ending : {"csv", "mat"}) {
+    const std::string log = (folder.path() / "flight.").string() + ending;
+    ASSERT_EQ(
+        run_program({"fly", "mambo", "--mission", "step-north", "--sensors", "real", "--log", log})
+            .status,
+        0);
+    for (const char* model : {"altitude", "velocity-xy", "attitude", "constant-velocity"}) {
+      const ProgramResult result =
+          run_program({"tune", "kalman", "--model", model, "--log", log, "--json"});
+      ASSERT_LE(result.status, 1) << model << " " << result.err;
+      EXPECT_GT(Json::parse(result.out)["logs"][0]["samples"], 100) << model;
+    }
+    EXPECT_EQ(run_program({"tune", "kalman", "--model", "local-level", "--log", log}).status, 3);
+    const ProgramResult survey = run_program({"log", log});
+    EXPECT_THAT(survey.out, HasSubstr("altitude: fed by accelerometer.* along world z, sonar"));
+  }
+}
+
+// The errors in the states' own units, of the part that the fit has not seen.
+TEST(TuneVerb, TellsRootMeanSquareErrors) {
+  const TemporaryDirectory folder;
+  std::string text = "t_s,z[m]\n";
+  double z = -1, vz = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const double t = 0.02 * k, a = 2 * std::sin(3 * t) + std::sin(7 * t);
+    text += fmt::format("{:.2f},{:.9f}\n", t, z);
+    z += vz * 0.02 + 0.5 * a * 0.0004;
+    vz += a * 0.02;
+  }
+  const std::string truth = folder.write("truth.csv", text);
+  const std::string log = folder.write("log.csv", bobbing(2000));
+  const Json json = Json::parse(tune(log, {"--truth", "z=z@" + truth, "--json"}).out);
+  EXPECT_EQ(json["accuracy"]["held_out"], true);
+  const Json& state = json["accuracy"]["states"][0];
+  EXPECT_EQ(state["name"], "z");
+  EXPECT_EQ(state["unit"], "m");
+  EXPECT_EQ(state["samples"], 400);
+  // Echoes err by 0.02 m, the tuned filter by less, and the one before by more than that.
+  EXPECT_LT(double(state["after"]), 0.015);
+  EXPECT_GT(double(state["before"]), double(state["after"]));
+  EXPECT_EQ(json["warnings"].size(), 0);
+  EXPECT_THAT(tune(log, {"--truth", "z=z@" + truth}).out, HasSubstr("accuracy    rms error"));
+  // An error of the echoes that comes and goes slowly: the likelihood follows it, the start did
+  // not.
+  std::stringstream lines(bobbing(2000));
+  std::string line, swaying;
+  for (int k = -1; std::getline(lines, line); ++k) {
+    const std::size_t comma = line.rfind(',');
+    if (k >= 0 && comma + 1 < line.size())
+      line = fmt::format("{},{:.4f}", line.substr(0, comma),
+                         std::stod(line.substr(comma + 1)) + 0.1 * std::sin(4 * 0.02 * k));
+    swaying += line + "\n";
+  }
+  const ProgramResult worse =
+      tune(folder.write("swaying.csv", swaying),
+           {"--truth", "z=z@" + truth, "--start", "Q.az=0.01", "--start", "R.sonar=0.04"});
+  EXPECT_THAT(worse.out, HasSubstr("less accurate on the stretch held out: z errs by 0."));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "quadtune/discretize/matched.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
 #include <complex>
@@ -41,16 +42,86 @@ TEST(DiscretizeMatched, KeepsAllZerosOfAPlantWithFeedthrough) {
   EXPECT_THAT(d.num, MatrixNear(list({gain, -gain * std::exp(-0.2)}), 1e-14));
 }
 
-// A zero at DC: the gain is matched at s = 0.1/dt.
-TEST(DiscretizeMatched, MatchesTheGainElsewhereWhenDcHasNone) {
-  const double dt = 0.01;
-  const ContinuousTransferFunction p{list({1, 0}), list({1, 2, 10})};
-  const DiscreteTransferFunction d = discretize_matched(p, dt);
-  EXPECT_NEAR(d(std::exp(0.1)).real(), p(10).real(), 1e-14);
-  EXPECT_NEAR(std::abs(d(1)), 0, 1e-15);
-  // A pole at 10 as well: at 0.2/dt then.
-  const ContinuousTransferFunction q{list({1, 0}), list({1, -8, -20})};
-  EXPECT_NEAR(discretize_matched(q, dt)(std::exp(0.2)).real(), q(20).real(), 1e-13);
+// With n poles at 0, sⁿ G(s) at s → 0 is what ((z - 1)/dt)ⁿ G_d(z) is at z → 1.
+TEST(DiscretizeMatched, KeepsTheGainOfIntegratorsAtLowFrequency) {
+  const DiscreteTransferFunction one =
+      discretize_matched(ContinuousTransferFunction{list({1}), list({1, 0})}, 0.1);
+  EXPECT_THAT(one.num, MatrixNear(list({0.1}), 1e-16));
+  EXPECT_THAT(one.den, MatrixNear(list({1, -1}), 0));
+  for (const double dt : {1e-4, 0.1, 2.0}) {
+    // (s + 3)/(s² (s + 2)): (z - 1)² G_d → 3/2 dt² = gain (1 - e^(-3 dt)) 2/(1 - e^(-2 dt)).
+    const ContinuousTransferFunction p{list({1, 3}), list({1, 2, 0, 0})};
+    const DiscreteTransferFunction d = discretize_matched(p, dt);
+    const double gain = 0.75 * dt * dt * std::expm1(-2 * dt) / std::expm1(-3 * dt);
+    EXPECT_NEAR(d.num[0] / gain, 1, 1e-13) << dt;
+    // Far below the sampling frequency the two are the same.
+    const double w = 1e-3 / dt;
+    const std::complex<double> ratio = d(std::polar(1.0, w * dt)) / p(std::complex<double>(0, w));
+    EXPECT_NEAR(std::abs(ratio), 1, 1e-3) << dt;
+  }
+}
+
+// A zero at 0 is a pole there the other way round: G/s and G_d dt/(z - 1).
+TEST(DiscretizeMatched, KeepsTheSlopeOfDifferentiatorsAtLowFrequency) {
+  for (const double dt : {0.01, 0.3}) {
+    const ContinuousTransferFunction p{list({1, 0}), list({1, 2, 10})};
+    const DiscreteTransferFunction d = discretize_matched(p, dt);
+    EXPECT_EQ(d.num.sum(), 0);
+    EXPECT_NEAR(d.num[0] / d.den.sum(), 0.1 / dt, 1e-12 / dt);
+  }
+}
+
+// Neither a pole nor a zero near 0 makes the gain jump: the low-frequency gain is continuous.
+TEST(DiscretizeMatched, AlmostAnIntegratorIsAlmostTheSame) {
+  const double dt = 0.05;
+  const double integrator =
+      discretize_matched(ContinuousTransferFunction{list({1}), list({1, 3, 0})}, dt).num[0];
+  for (const double pole : {1e-3, 1e-6, 1e-9, 1e-12}) {
+    const ContinuousTransferFunction p{list({1}), list({1, 3 + pole, 3 * pole})};
+    EXPECT_NEAR(discretize_matched(p, dt).num[0] / integrator, 1, pole) << pole;
+  }
+}
+
+// The same plants as matrices, an integrator chain turned so that rounding scatters its poles too.
+TEST(DiscretizeMatched, StateSpaceOfIntegratorsIsTheSame) {
+  const double dt = 0.02;
+  const MatrixXd turn =
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  ContinuousLti p;  // (2 s + 1)/s³
+  p.A = turn * MatrixXd{{0, 1, 0}, {0, 0, 1}, {0, 0, 0}} * turn.transpose();
+  p.B = turn * Eigen::Vector3d(0, 0, 1);
+  p.C = Eigen::RowVector3d(1, 2, 0) * turn.transpose();
+  const DiscreteLti d = discretize_matched(p, dt);
+  const DiscreteTransferFunction want =
+      discretize_matched(ContinuousTransferFunction{list({2, 1}), list({1, 0, 0, 0})}, dt);
+  for (const double w : {1.0, 10.0, 100.0}) {
+    const std::complex<double> z = std::polar(1.0, w * dt);
+    const Eigen::MatrixXcd zI = z * Eigen::MatrixXcd::Identity(3, 3);
+    const std::complex<double> got =
+        (d.C.cast<std::complex<double>>() *
+         (zI - d.A).partialPivLu().solve(d.B.cast<std::complex<double>>()))
+            .value() +
+        d.D(0, 0);
+    EXPECT_LT(std::abs(got / want(z) - 1.0), 1e-4) << w;
+  }
+  // A differentiator with a lag, s/(s + 4): (z - 1)/(z - e^(-4 dt)) times (1 - e^(-4 dt))/(4 dt).
+  ContinuousLti q;
+  q.A = MatrixXd{{-4}};
+  q.B = MatrixXd{{1}};
+  q.C = MatrixXd{{-4}};
+  q.D = MatrixXd{{1}};
+  const DiscreteLti slope = discretize_matched(q, dt);
+  EXPECT_NEAR(slope.D(0, 0), -std::expm1(-4 * dt) / (4 * dt), 1e-13);
+}
+
+// Poles ±2πi/dt come to z = 1, where an integrator's is.
+TEST(DiscretizeMatched, RefusesModesOfWholeTurns) {
+  const double w = 2 * M_PI / 0.1;
+  EXPECT_THAT(
+      [&] {
+        (void)discretize_matched(ContinuousTransferFunction{list({1}), list({1, 0, w * w})}, 0.1);
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("a mode of 62.8319 rad/s makes whole turns")));
 }
 
 TEST(DiscretizeMatched, StateSpaceIsTheSamePlant) {

@@ -59,6 +59,48 @@ TEST(Diff, MeasuresRoundingAgainstTheRowAndColumn) {
   EXPECT_NEAR(diff(a, b).max_relative, 0.01 / 1.01, 1e-6);  // against its own column
 }
 
+// A gain whose rows stand under other names is another gain; in another order it is the same.
+TEST(Diff, MatchesRowsByTheNamesOfInputs) {
+  const Gains a = uquad_gains();
+  Gains b = a;
+  std::swap(b.inputs[0], b.inputs[1]);
+  EXPECT_GT(diff(a, b).max_relative, 0.1);
+  b.K.row(0).swap(b.K.row(1));
+  b.K_int.row(0).swap(b.K_int.row(1));
+  EXPECT_TRUE(diff(a, b).entries.empty());
+  // A wrench is turned into other axes by its names, too.
+  const Gains mambo =
+      testing::hover_gains(testing::sampled_mambo(), "mambo", InputKind::wrench, 1, {"pz", "psi"});
+  Gains swapped = mambo;
+  std::swap(swapped.inputs[1], swapped.inputs[2]);
+  EXPECT_GT(diff(in_convention(mambo, ned_convention()), swapped).max_relative, 0.01);
+  swapped.inputs[1].name = "M";
+  EXPECT_THAT([&] { (void)in_convention(swapped, ned_convention()); },
+              ThrowsMessage<InvalidInput>(HasSubstr("the inputs are ")));
+}
+
+TEST(Diff, ComparesCascades) {
+  CascadeDesign a;
+  a.gains.dt = 0.005;
+  for (const CascadeAxis axis : kAllCascadeAxes) {
+    a.gains.loops.push_back(cascade_loop(axis));
+    a.gains.loops.back().Kp = 2;
+  }
+  CascadeDesign b = a;
+  std::swap(b.gains.loops[0], b.gains.loops[5]);  // the order has no meaning
+  EXPECT_TRUE(diff(a, b).entries.empty());
+  b = a;
+  b.gains.loops[3].Kp = 2.5;
+  b.attitude_limit = 0.5;
+  b.method = PidMethod::tustin;
+  const GainsDiff difference = diff(a, b);
+  ASSERT_EQ(difference.entries.size(), 3U);
+  EXPECT_EQ(name_of(difference.entries[0]), "integrator");
+  EXPECT_EQ(name_of(difference.entries[1]), "attitude_limit_rad");
+  EXPECT_EQ(name_of(difference.entries[2]), "Kp(roll)");
+  EXPECT_DOUBLE_EQ(difference.entries[2].relative, 0.2);
+}
+
 TEST(Diff, RefusesWhatCannotBeCompared) {
   const auto refusal = [](const Gains& a, const Gains& b, const std::string& message) {
     EXPECT_THAT([&] { (void)diff(a, b); }, ThrowsMessage<InvalidInput>(HasSubstr(message)));

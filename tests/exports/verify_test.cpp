@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
+#include <filesystem>
 #include <functional>
 #include <regex>
 
@@ -49,6 +51,29 @@ VerifyModel uquad_model() {
 
 VerifyModel mambo_model() {
   return {sampled_mambo(), mambo_content().gains->x0, mambo_content().gains->u0};
+}
+
+// What the cascade of mambo_content() is closed around: the same hover in ned, all states measured.
+VerifyFacts mambo_facts() {
+  const DiscreteLti mambo = sampled_mambo();
+  const Convention& c = convention("mambo", "test");
+  DiscreteLti plant = mambo;
+  plant.A = c.from_ned.transpose() * mambo.A * c.from_ned;
+  plant.B = c.from_ned.transpose() * mambo.B * c.wrench_from_ned;
+  plant.C = Eigen::MatrixXd::Identity(12, 12);
+  plant.D = Eigen::MatrixXd::Zero(12, 4);
+  plant.states = plant.outputs = ned_convention().states;
+  plant.inputs = ned_convention().wrench;
+  VerifyFacts facts;
+  facts.cascade_plant = plant;
+  return facts;
+}
+
+// mambo_content() with the plant from which the poles of its cascade go into the manifest.
+ExportContent mambo_with_cascade() {
+  ExportContent content = mambo_content();
+  content.cascade_plant = mambo_facts().cascade_plant;
+  return content;
 }
 
 // How far a forger goes: changes the file; mends its hash; mends the manifest's gains as well.
@@ -155,8 +180,9 @@ TEST(Verify, SaysYesToWhatWasWritten) {
   EXPECT_TRUE(uquad.ok()) << all_details(uquad);
   EXPECT_LT(uquad.poles.cwiseAbs().maxCoeff(), 1);
   for (const ExportKind kind : {ExportKind::mambo, ExportKind::json}) {
-    write_export(directory.path() / to_string(kind), kind, mambo_content());
-    const VerifyReport report = verify_export(directory.path() / to_string(kind), mambo_model());
+    write_export(directory.path() / to_string(kind), kind, mambo_with_cascade());
+    const VerifyReport report =
+        verify_export(directory.path() / to_string(kind), mambo_model(), mambo_facts());
     EXPECT_TRUE(report.ok()) << all_details(report);
   }
 }
@@ -205,6 +231,19 @@ TEST(Verify, NoticesMissingAndForeignFiles) {
               Contains("lqr-R.txt matches the manifest"));
   directory.write(kManifestName, "{");
   EXPECT_THAT(failed(verify_export(directory.path(), uquad_model())), Contains("manifest"));
+}
+
+// It waited for ever.
+TEST(Verify, NoticesAPipeInThePlaceOfAFile) {
+  const TemporaryDirectory directory;
+  const std::vector<ManifestFile> files =
+      write_export(directory.path(), ExportKind::uquad, uquad_content());
+  const std::filesystem::path path = directory.path() / files.front().path;
+  std::filesystem::remove(path);
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+  const VerifyReport report = verify_export(directory.path(), uquad_model());
+  EXPECT_FALSE(report.ok());
+  EXPECT_THAT(all_details(report), HasSubstr("is a pipe or a socket, expected a regular file"));
 }
 
 TEST(Verify, NoticesChangedNumbersInParameterFiles) {
@@ -310,6 +349,69 @@ TEST(Verify, CannotSayYesWithoutAVehicleOrInAnotherSampleTime) {
   plant.states[0].name = "north";
   EXPECT_THAT(all_details(verify_export(directory.path(), model)),
               HasSubstr("FAIL closed loop is stable: open_loop: no state 'y'"));
+}
+
+TEST(Verify, NoticesAnotherCascade) {
+  const TemporaryDirectory directory;
+  write_export(directory.path(), ExportKind::json, mambo_with_cascade());
+  EXPECT_THAT(failed(verify_export(directory.path(), mambo_model())),
+              ElementsAre("closed loop of the cascade is stable",
+                          "poles of the cascade are those of the manifest"));
+  forge(directory, kGainsJsonName, Forgery::hash, [](const std::string& text) {
+    internal::Json json = internal::Json::parse(text);
+    json["cascade"]["loops"][3]["Kp"] = 0.02;
+    return json.dump();
+  });
+  EXPECT_THAT(failed(verify_export(directory.path(), mambo_model(), mambo_facts())),
+              ElementsAre("cascade is that of the manifest",
+                          "poles of the cascade are those of the manifest"));
+  // A manifest that does not know of the cascade does not vouch for it.
+  Manifest manifest = read_manifest(directory.path());
+  manifest.cascade.reset();
+  directory.write(kManifestName, manifest_text(manifest));
+  EXPECT_THAT(failed(verify_export(directory.path(), mambo_model(), mambo_facts())),
+              ElementsAre("cascade is that of the manifest"));
+}
+
+TEST(Verify, NoticesOtherSignals) {
+  const std::vector<std::pair<std::string, std::function<void(Gains&)>>> changes = {
+      {"inputs w1 w2 w3 w4, the manifest has w2 w1 w3 w4",
+       [](Gains& gains) { std::swap(gains.inputs[0], gains.inputs[1]); }},
+      {"x in 'm', the manifest has 'ft'", [](Gains& gains) { gains.states[0].unit = "ft"; }},
+      {"integrals x y z theta, the manifest has x y psi theta",
+       [](Gains& gains) { gains.integrals[2].name = "psi"; }},
+      {"convention uquad in the file, ned in the manifest",
+       [](Gains& gains) { gains.convention = "ned"; }},
+  };
+  for (const auto& [said, change] : changes) {
+    const TemporaryDirectory directory;
+    write_export(directory.path(), ExportKind::uquad, uquad_content());
+    Manifest manifest = read_manifest(directory.path());
+    change(*manifest.gains);
+    directory.write(kManifestName, manifest_text(manifest));
+    const VerifyReport report = verify_export(directory.path(), uquad_model());
+    EXPECT_THAT(failed(report), Contains("gains are those of the manifest"));
+    EXPECT_THAT(all_details(report), HasSubstr(said));
+  }
+}
+
+TEST(Verify, ComparesTheInputsThatAreAtHand) {
+  const TemporaryDirectory directory;
+  write_export(directory.path(), ExportKind::uquad, uquad_content());
+  const auto checked = [&](const std::vector<FileContent>& at_hand) {
+    const VerifyReport report = verify_export(directory.path(), uquad_model(), {{}, at_hand});
+    for (const VerifyCheck& check : report.checks)
+      if (check.name == "inputs are those of the manifest")
+        return (check.ok ? "ok " : "FAIL ") + check.detail;
+    return std::string("no check");
+  };
+  EXPECT_EQ(checked({}), "ok not at hand, so not compared: uquad-hover.toml");
+  EXPECT_EQ(checked({{"uquad-hover.toml", "abc"}}), "ok uquad-hover.toml as listed");
+  EXPECT_THAT(checked({{"uquad-hover.toml", "abd"}}),
+              HasSubstr("FAIL uquad-hover.toml has 3 bytes and SHA-256 "));
+  // Of two with one name, the one that it was.
+  EXPECT_EQ(checked({{"uquad-hover.toml", "abd"}, {"uquad-hover.toml", "abc"}}),
+            "ok uquad-hover.toml as listed");
 }
 
 TEST(Verify, NeedsADirectory) {

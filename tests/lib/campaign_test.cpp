@@ -11,6 +11,7 @@
 #include <fstream>
 #include <random>
 #include <thread>
+#include <utility>
 
 #include "designed_mambo.hpp"
 #include "quadtune/errors.hpp"
@@ -200,11 +201,11 @@ TEST(Campaign, KilledWorkersLoseNothing) {
   const CampaignFolder folder = folder_of(directory, campaign, 2);
   std::mt19937 random(1);
   int killed = 0;
-  for (int attempt = 0; attempt < 30; ++attempt) {
+  while (killed < 30) {
     const pid_t child = fork();
     ASSERT_GE(child, 0);
     if (child == 0) {
-      (void)fly_shard(campaign, folder, static_cast<std::uint32_t>(attempt % 2), 1);
+      (void)fly_shard(campaign, folder, static_cast<std::uint32_t>(killed % 2), 1);
       _exit(0);
     }
     std::this_thread::sleep_for(
@@ -212,9 +213,12 @@ TEST(Campaign, KilledWorkersLoseNothing) {
     kill(child, SIGKILL);
     int status = 0;
     ASSERT_EQ(waitpid(child, &status, 0), child);
-    if (WIFSIGNALED(status)) ++killed;
+    // One that was done first leaves the next one nothing to do.
+    if (WIFSIGNALED(status))
+      ++killed;
+    else
+      fs::remove(directory.path() / fmt::format("{:05}.flights", killed % 2));
   }
-  EXPECT_GT(killed, 0);
   std::uint64_t found = 0;
   for (std::uint32_t shard = 0; shard < 2; ++shard) {
     const ShardWork work = fly_shard(campaign, folder, shard, 1);
@@ -392,6 +396,36 @@ TEST(Campaign, RefusesWhatCannotBeFlown) {
                   HasSubstr("c.toml: designed in hover: vision_noise: the vehicle 'mambo'")));
   EXPECT_THAT([&] { (void)setup_of(small_campaign(4), 8); },
               ThrowsMessage<InvalidInput>(HasSubstr("flight: 8 came, expected 0 to 7")));
+}
+
+// It flew on, for hours, and wrote into a file that nobody could find.
+TEST(CampaignShards, AWorkerNoticesThatItsFolderIsGone) {
+  const Campaign campaign = small_campaign(8);
+  const TemporaryDirectory directory;
+  CampaignFolder folder = folder_of(directory, campaign, 1);
+  folder.path /= "flown";
+  fs::create_directories(folder.path);
+  const auto remove_it = [&] {
+    fs::remove_all(folder.path);
+    return false;
+  };
+  EXPECT_THAT([&] { (void)fly_shard(campaign, folder, 0, 1, {}, remove_it); },
+              ThrowsMessage<FileError>(HasSubstr("is gone")));
+  EXPECT_FALSE(fs::exists(folder.path));
+}
+
+// The worker that finished a shard first takes all parts away: nothing is lost.
+TEST(CampaignShards, AWorkerWhosePartIsOfNoMoreUseIsNotLost) {
+  const Campaign campaign = small_campaign(8);
+  const TemporaryDirectory directory;
+  const CampaignFolder folder = folder_of(directory, campaign, 1);
+  bool flown = false;
+  const auto be_faster = [&] {
+    if (!std::exchange(flown, true)) (void)fly_shard(campaign, folder, 0, 1);
+    return false;
+  };
+  (void)fly_shard(campaign, folder, 0, 1, {}, be_faster);
+  EXPECT_TRUE(fly_shard(campaign, folder, 0, 1).was_complete);
 }
 
 }  // namespace

@@ -119,6 +119,7 @@ TEST(Design, ReadsACascadeAsWritten) {
                               "yaw = { Kp = 0.004, Kd = -0.0012 }\n"
                               "altitude = { Kp = 0.8, Ki = 0.1, Kd = -0.5 }\n");
   EXPECT_FALSE(design.cascade->specification.has_value());
+  EXPECT_EQ(design.cascade->method, PidMethod::forward_euler);
   ASSERT_EQ(design.cascade->gains.loops.size(), kCascadeAxes);
   const PidLoop& pitch = design.cascade->gains.loops[2];
   EXPECT_EQ(pitch.output, "tau_y");
@@ -135,6 +136,7 @@ TEST(Design, ReadsWhatIsAskedOfACascade) {
             "Ms_max = 1.6\ntracking_max = 1.2\nintegral = [\"roll\", \"altitude\"]\n"
             "published = false\n");
   const CascadeSpecification& asked = *design.cascade->specification;
+  EXPECT_EQ(design.cascade->method, PidMethod::tustin);
   EXPECT_EQ(asked.dt, 0.01);
   EXPECT_EQ(asked.method, PidMethod::tustin);
   EXPECT_EQ(asked.lag, 0.02);
@@ -160,6 +162,8 @@ TEST(Design, RefusesACascadeThatIsAskedWrongly) {
     return "nothing";
   };
   EXPECT_THAT(said("x = { Kp = 1 }\n[cascade.design]\n"), HasSubstr("has gains of x beside"));
+  EXPECT_THAT(said("integrator = \"tustin\"\n[cascade.design]\n"),
+              HasSubstr("[cascade] has an integrator beside [cascade.design]"));
   EXPECT_THAT(said("[cascade.design]\nMs_max = 1\n"), HasSubstr("more than 1"));
   EXPECT_THAT(said("[cascade.design]\nintegrator = \"tusin\"\n"),
               HasSubstr("did you mean 'tustin'"));

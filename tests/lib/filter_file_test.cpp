@@ -104,7 +104,7 @@ TEST(FilterFile, BuiltInModelsAreThoseOfTheSources) {
     EXPECT_FALSE(title.description.empty());
   }
   EXPECT_THAT(names, ElementsAre("local-level", "constant-velocity", "altitude", "velocity-xy",
-                                 "attitude", "inertial", "uquad"));
+                                 "attitude", "inertial", "inertial-ned", "uquad"));
   // Oliveira 2020, tables 3.1 and 3.2: 0.0005 and 0.09 a step of 5 ms.
   const FilterModel altitude = load_filter_model("altitude");
   EXPECT_NEAR(covariance(altitude.Q, start_of(altitude))(0, 0) * 0.005, 0.0005, 1e-15);

@@ -1,19 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 /// MAT files of other programs, through the guarded process.
+#include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <thread>
 #include <vector>
 
 #include "logs/guarded_process.hpp"
+#include "logs/memory_file.hpp"
+#include "logs/system_call_filter.hpp"
 #include "mat_writer.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/logs/flight_log.hpp"
 #include "read_logs.hpp"
 #include "sample_logs.hpp"
+#include "temporary_directory.hpp"
 
 namespace quadtune {
 namespace {
@@ -101,6 +115,40 @@ TEST(MatLog, DamagedVariablesArePassedOver) {
   EXPECT_THAT(log.condition.first_skipped, HasSubstr("is damaged or too large"));
 }
 
+TEST(MatLog, JudgesAClockWithoutUnitByItsValues) {
+  const auto log_of = [](double first, double step) {
+    MatWriter mat(false);
+    mat.matrix("time", {3, 1}, {first, first + step, first + 2 * step});
+    mat.matrix("z", {3, 1}, {1, 2, 3});
+    return read_bytes(mat.bytes());
+  };
+  const WholeLog us = log_of(1700000000e6, 5000);
+  EXPECT_EQ(us.epoch_s, 1700000000);
+  EXPECT_THAT(us.group("").time[1], ::testing::DoubleNear(0.005, 1e-6));
+  EXPECT_THAT(us.condition.notes,
+              ElementsAre(HasSubstr("the clock 'time' states no unit and is taken as microseconds "
+                                    "since 1970")));
+  EXPECT_THAT(log_of(3, 0.5).condition.notes, ::testing::IsEmpty());
+  const WholeLog ambiguous = log_of(0, 4000);
+  EXPECT_FALSE(ambiguous.group("").group.timed);
+  EXPECT_THAT(ambiguous.group("").names(), ElementsAre("time", "z"));
+  EXPECT_THAT(ambiguous.condition.notes,
+              ElementsAre("'time' states no unit and is no clock, because as seconds its samples "
+                          "would be 4000 s apart; they may be milliseconds, microseconds or "
+                          "nanoseconds: call it time_us"));
+}
+
+TEST(MatLog, LeavesOutRowsWhoseTimeWasNeverSet) {
+  MatWriter mat(false);
+  mat.matrix("t_s", {4, 1}, {0, 1700000000.0, 1700000000.5, 1700000001.0});
+  mat.matrix("z", {4, 1}, {7, 1, 2, 3});
+  const WholeLog log = read_bytes(mat.bytes());
+  EXPECT_EQ(log.epoch_s, 1700000000);
+  EXPECT_THAT(log.group("").time, ElementsAre(0, 0.5, 1));
+  EXPECT_THAT(log.group("").column("z"), ElementsAre(1, 2, 3));
+  EXPECT_THAT(log.condition.notes, ElementsAre(HasSubstr("1 of 4 rows of '' are at time 0")));
+}
+
 TEST(MatLog, RefusesOtherKindsWithTheWayOut) {
   std::string hdf5 = "MATLAB 7.3 MAT-file";
   hdf5.resize(512, ' ');
@@ -120,6 +168,112 @@ TEST(MatLog, NeedsNoMoreMemoryThanItMay) {
   EXPECT_THAT([&] { (void)read_bytes(mat.bytes(), options); },
               ThrowsMessage<InvalidInput>(
                   AnyOf(HasSubstr("needs more than 64 MiB of memory"), HasSubstr("too large"))));
+}
+
+// The errors that system calls end with in a process under the filter.
+struct Tried {
+  int opened = 0, opened_for_writing = 0, listed = 0, reopened_pipe = 0, socket = 0, started = 0,
+      killed = 0;
+  bool in_memory = false, allocates = false;
+};
+
+Tried what_a_filtered_process_can() {
+  Tried tried;
+  const auto error_of = [](long result) { return result < 0 ? errno : 0; };
+  tried.opened = error_of(::open("/etc/passwd", O_RDONLY | O_CLOEXEC));
+  tried.opened_for_writing = error_of(
+      ::openat(AT_FDCWD, "/tmp/quadtune-must-not-be", O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+  tried.listed = error_of(::open("/proc/self/fd", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  tried.reopened_pipe = error_of(::open("/proc/self/fd/0x", O_RDONLY | O_CLOEXEC));
+  tried.socket = error_of(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  tried.started = error_of(::fork());
+  tried.killed = error_of(::kill(::getppid(), 0));
+  const internal::MemoryFile file;
+  file.write("in memory");
+  const int again = ::open(file.path().c_str(), O_RDONLY | O_CLOEXEC);
+  std::array<char, 16> bytes{};
+  tried.in_memory = ::read(again, bytes.data(), bytes.size()) == 9 &&
+                    std::string_view(bytes.data()) == "in memory" && ::close(again) == 0;
+  tried.allocates = std::vector<double>(10'000'000, 1).back() == 1;
+  return tried;
+}
+
+TEST(SystemCallFilter, OpensNoFileAndMakesNoSocket) {
+  GuardedProcess child({std::size_t{4} << 30U, 10}, [](int pipe) {
+    const bool confined = internal::forbid_system_calls();
+    const Tried tried = confined ? what_a_filtered_process_can() : Tried{};
+    (void)internal::write_fully(pipe, &confined, sizeof confined);
+    (void)internal::write_fully(pipe, &tried, sizeof tried);
+  });
+  bool confined = false;
+  Tried tried;
+  ASSERT_TRUE(child.read(&confined, sizeof confined)) << child.why_ended();
+  if (!confined) GTEST_SKIP() << "this system lets no filter of system calls be set";
+  ASSERT_TRUE(child.read(&tried, sizeof tried)) << child.why_ended();
+  EXPECT_EQ(tried.opened, EPERM);
+  EXPECT_EQ(tried.opened_for_writing, EPERM);
+  EXPECT_EQ(tried.listed, EPERM);
+  EXPECT_EQ(tried.reopened_pipe, EPERM);
+  EXPECT_EQ(tried.socket, EPERM);
+  EXPECT_EQ(tried.started, EPERM);
+  EXPECT_EQ(tried.killed, EPERM);
+  EXPECT_TRUE(tried.in_memory);
+  EXPECT_TRUE(tried.allocates);
+  EXPECT_EQ(::access("/tmp/quadtune-must-not-be", F_OK), -1);
+}
+
+// Whether a child of this process is under a filter, as the kernel says.
+bool has_filtered_child() {
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::ifstream children(task.path() / "children");
+    for (int child = 0; children >> child;) {
+      std::ifstream status(fmt::format("/proc/{}/status", child));
+      for (std::string line; std::getline(status, line);)
+        if (line.starts_with("Seccomp:") && line.ends_with("2")) return true;
+    }
+  }
+  return false;
+}
+
+// The process that reads a MAT file waits for the rest of it, and is looked at meanwhile.
+TEST(SystemCallFilter, IsSetWhereMatFilesAreRead) {
+  bool available = false;
+  GuardedProcess probe({std::size_t{4} << 30U, 10}, [](int pipe) {
+    const bool confined = internal::forbid_system_calls();
+    (void)internal::write_fully(pipe, &confined, sizeof confined);
+  });
+  ASSERT_TRUE(probe.read(&available, sizeof available));
+  if (!available ||
+      !std::filesystem::exists("/proc/self/task/" + std::to_string(::getpid()) + "/children"))
+    GTEST_SKIP() << "no filter of system calls here, or no list of children";
+  EXPECT_EQ(probe.why_ended(), "ended with status 0");
+  MatWriter mat(false);
+  mat.matrix("t_s", {2000, 1}, std::vector<double>(2000, 1)).matrix("z", {2, 1}, {1, 2});
+  const std::string bytes = mat.bytes();
+  const testing::TemporaryDirectory folder;
+  const std::string fifo = (folder.path() / "f.mat").string();
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  // A process of its own writes: the reading one has what this one has open, and would wait for it.
+  const std::filesystem::path looked = folder.path() / "looked";
+  GuardedProcess writer({std::size_t{4} << 30U, 60}, [&](int) {
+    std::ofstream pipe(fifo, std::ios::binary);
+    const auto most = static_cast<std::streamsize>(bytes.size() - 1);
+    pipe.write(bytes.data(), most).flush();
+    while (!std::filesystem::exists(looked)) ::usleep(10000);
+    pipe.write(bytes.data() + most, 1);
+  });
+  WholeLog log;
+  std::thread reader([&] { log = testing::read_whole(*open_log(fifo)); });
+  bool filtered = false;
+  for (int i = 0; i < 6000 && !filtered; ++i) {
+    filtered = has_filtered_child();
+    if (!filtered) ::usleep(10000);
+  }
+  EXPECT_TRUE(filtered);
+  folder.write("looked", "");
+  reader.join();
+  EXPECT_EQ(log.group("").column("z").size(), 2U);
+  EXPECT_TRUE(log.condition.whole()) << log.condition.torn;
 }
 
 // What no reader of ours does, matio may.
@@ -146,12 +300,14 @@ TEST(GuardedProcess, TellsHowItEnded) {
   EXPECT_TRUE(talks_on.read(&byte, 1));
   EXPECT_EQ(talks_on.why_ended(), "ended with status 0");
 
-  GuardedProcess busy({std::size_t{4} << 30U, 1}, [](int) {
-    volatile bool forever = true;
-    while (forever) {
+  // It never falls silent, so that it is the processor's time and not the clock that ends it,
+  // however little of the processor a loaded machine gives it.
+  GuardedProcess busy({std::size_t{4} << 30U, 1}, [](int pipe) {
+    while (internal::write_fully(pipe, "x", 1)) {
     }
   });
-  EXPECT_FALSE(busy.read(&byte, 1));
+  while (busy.read(&byte, 1)) {
+  }
   EXPECT_EQ(busy.why_ended(), "ran into its limits of 1 s and 4096 MiB");
 
   GuardedProcess idle({std::size_t{4} << 30U, 0.1}, [](int) { ::pause(); });

@@ -144,5 +144,16 @@ TEST(ModelNeeds, EveryBuiltInModelIsFedByALogOfItsOwnNames) {
   }
 }
 
+// What stands for anything is not fed by a magnetometer that happens to have a y.
+TEST(ModelNeeds, DoesNotGuessWhatStandsForAnything) {
+  EXPECT_EQ(to_text(needs("local-level", "t,y\n0,1\n1,2\n")), "local-level: fed by y");
+  for (const char* log : {"t,y[uT]\n0,1\n1,2\n", "t,x,y,z\n0,1,1,1\n1,2,2,2\n"}) {
+    const ModelNeeds found = needs("local-level", log);
+    EXPECT_FALSE(found.feeds) << log;
+    EXPECT_EQ(found.missing[0].why, "stands for anything");
+    EXPECT_THAT(found.missing[0].candidates, ElementsAre("y"));
+  }
+}
+
 }  // namespace
 }  // namespace quadtune

@@ -144,5 +144,68 @@ TEST(RecordOfLog, InterpolatesATruthButNotOverItsGaps) {
                 "expected one of position, velocity")));
 }
 
+/// Inputs and heights of an inertial record, every 0.1 s.
+std::vector<ChannelUse> still_inertial(int samples) {
+  std::vector<ChannelUse> uses;
+  Samples time, zero;
+  for (int k = 0; k < samples; ++k) {
+    time.push_back(0.1 * k);
+    zero.push_back(0);
+  }
+  for (const char* name : {"gyro_x", "gyro_y", "gyro_z", "force_x", "force_y", "force_z", "height"})
+    uses.push_back({name, series(name, "", time, zero)});
+  return uses;
+}
+
+// Turned by 0.4 rad about z at 0 s and 0.8 rad at 1 s, the second with the other sign of the same
+// quaternion.
+TEST(RecordOfLog, TakesAnAttitudeForATruth) {
+  const FilterModel model = load_filter_model("inertial");
+  const Samples time = {0, 1};
+  const auto component = [&](const char* name, double first, double last) {
+    return ChannelUse{name, series(std::string("gt.") + name, "", time, {first, last})};
+  };
+  const std::vector<ChannelUse> truths = {component("qw", std::cos(0.2), -std::cos(0.4)),
+                                          component("qx", 0, 0), component("qy", 0, 0),
+                                          component("qz", std::sin(0.2), -std::sin(0.4))};
+  const auto records = records_of_log(model, still_inertial(11), "a.csv", truths);
+  ASSERT_EQ(records.size(), 1);
+  const std::vector<double> turns = row(records[0].truth, 2);
+  EXPECT_NEAR(turns[0], 0.4, 1e-12);
+  EXPECT_NEAR(turns[5], 0.6, 1e-12);
+  EXPECT_NEAR(turns[10], 0.8, 1e-12);
+  EXPECT_NEAR(row(records[0].truth, 0)[5], 0, 1e-12);
+  EXPECT_THAT(row(records[0].truth, 3), ::testing::Each(IsNan()));
+  // The same in degrees, over the seam at half a turn.
+  const std::vector<ChannelUse> angles = {
+      {"roll", series("roll", "deg", time, {0, 0})},
+      {"pitch", series("pitch", "deg", time, {0, 0})},
+      {"yaw", series("yaw", "deg", time, {170, -170})},
+  };
+  const auto euler = records_of_log(model, still_inertial(11), "a.csv", angles);
+  EXPECT_NEAR(std::abs(row(euler[0].truth, 2)[5]), 3.14159265358979, 1e-9);
+  EXPECT_NEAR(row(euler[0].truth, 2)[0], 170 * 3.14159265358979 / 180, 1e-9);
+}
+
+TEST(RecordOfLog, RefusesAnAttitudeThatIsNone) {
+  const FilterModel model = load_filter_model("inertial");
+  const auto refused = [&](const std::vector<ChannelUse>& truths, const std::string& message) {
+    EXPECT_THAT([&] { (void)records_of_log(model, still_inertial(11), "a.csv", truths); },
+                ThrowsMessage<InvalidInput>(StrEq("a.csv: " + message)));
+  };
+  const auto one = [&](const char* name, double value) {
+    return ChannelUse{name, series(name, "", {0, 1}, {value, value})};
+  };
+  refused({one("qw", 1), one("qx", 0), one("qy", 0)},
+          "a truth for qz is missing, expected all of qw, qx, qy, qz because an attitude is told "
+          "by all of them");
+  refused({one("qw", 1), one("qx", 1), one("qy", 0), one("qz", 0)},
+          "the quaternion of 'qw' has the length 1.414 at 0 s, expected 1");
+  refused({one("qw", 1), one("qx", 0), one("qy", 0), one("qz", 0), one("roll", 0), one("pitch", 0),
+           one("yaw", 0)},
+          "the attitude came as a quaternion and as roll, pitch, yaw, expected one of them");
+  refused({one("yaw", 0), one("yaw", 0)}, "a truth for 'yaw' came twice, expected it once");
+}
+
 }  // namespace
 }  // namespace quadtune

@@ -3,22 +3,30 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/logs/flight_log.hpp"
+#include "quadtune/logs/log_channels.hpp"
 #include "read_logs.hpp"
 #include "sample_logs.hpp"
+#include "temporary_directory.hpp"
 
 namespace quadtune {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::DoubleEq;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::NanSensitiveDoubleEq;
 using testing::read_bytes;
+using testing::read_whole;
 using ::testing::ThrowsMessage;
 using testing::WholeGroup;
 using testing::WholeLog;
@@ -140,6 +148,146 @@ TEST(TextLog, RowsWithoutTimeAndFieldsWithoutNumberAreCounted) {
               ElementsAre(HasSubstr("1 of 2 fields of 'mode'"), HasSubstr("1 of 2 fields of 'x'")));
 }
 
+// Rows of a clock that begins at `first` and goes in `step`, below `names`.
+std::string clocked(const std::string& names, std::int64_t first, std::int64_t step) {
+  std::string text = names + "\n";
+  for (std::int64_t k = 0; k < 30; ++k) text += std::to_string(first + step * k) + ",1\n";
+  return text;
+}
+
+TEST(TextLog, TakesTimesSince1970InTheUnitThatTheirValuesShow) {
+  struct Case {
+    const char* names;
+    std::int64_t first, step;
+    const char* said;
+  };
+  for (const Case& one : {Case{"#timestamp,x", 1403636579758555392, 5000000, "nanoseconds"},
+                          Case{"%time,field.x", 1403636579758555392, 5000000, "nanoseconds"},
+                          Case{"field.header.stamp,x", 1403636579758555392, 5000000, "nanoseconds"},
+                          Case{"t,x", 1403636579758555, 5000, "microseconds"},
+                          Case{"Time,x", 1403636579758, 5, "milliseconds"}}) {
+    const WholeLog log = read_bytes(clocked(one.names, one.first, one.step));
+    EXPECT_EQ(log.epoch_s, 1403636579) << one.names;
+    ASSERT_EQ(log.group("").time.size(), 30U) << one.names;
+    EXPECT_NEAR(log.group("").time[1] - log.group("").time[0], 0.005, 1e-12) << one.names;
+    EXPECT_THAT(log.condition.notes,
+                ElementsAre(AllOf(HasSubstr("states no unit and is taken as " +
+                                            std::string(one.said) + " since 1970"),
+                                  HasSubstr("samples being 0.005 s apart"))))
+        << one.names;
+    // Who states the unit is not told of it.
+    EXPECT_THAT(read_bytes(clocked(one.names, one.first, one.step), with_columns("t_ns:1, x:2"))
+                    .condition.notes,
+                IsEmpty());
+  }
+}
+
+TEST(TextLog, SaysThatTheUnitOfAClockIsAmbiguous) {
+  struct Case {
+    std::int64_t first, step;
+    const char* why;
+  };
+  for (const Case& one :
+       {Case{0, 4000, "as seconds its samples would be 4000 s apart"},         // us from the start
+        Case{38116000, 4000, "as seconds its samples would be 4000 s apart"},  // ULog as CSV
+        Case{250000000000, 5000000, "its values, such as 2.50075e+11, are no seconds"},  // ns
+        Case{1403636579758, 4000, "are no seconds"},                                     // ms or us
+        Case{200000000000000, 50000000, "are no seconds"},  // ns of a clock that runs for two days
+        Case{20000000000000000, 5000000, "are no seconds"}})  // ns of one that runs for 230 days
+    EXPECT_THAT(read_bytes(clocked("timestamp,x", one.first, one.step)).condition.unclear_time,
+                AllOf(HasSubstr("the clock 'timestamp' states no unit, and "), HasSubstr(one.why),
+                      HasSubstr("s:timestamp, *'")))
+        << one.first;
+  EXPECT_THAT(read_bytes("0 1\n4000 2\n8000 3\n", with_columns("t:1, x:2")).condition.unclear_time,
+              HasSubstr("the clock column 1 states no unit"));
+  // Who looks at the log is told, who works with its times refused.
+  const testing::TemporaryDirectory folder;
+  const std::string file = folder.write("us.csv", clocked("timestamp,x", 0, 4000));
+  EXPECT_THAT(read_whole(*open_log(file)).condition.notes,
+              ElementsAre(HasSubstr("as seconds its samples would be 4000 s apart")));
+  EXPECT_THAT(
+      [&] { (void)read_log_channels(file, {"x"}); },
+      ThrowsMessage<InvalidInput>(HasSubstr(file + ": the clock 'timestamp' states no unit")));
+  EXPECT_EQ(read_log_channels(file, {"x"}, with_columns("t_us:timestamp, *")).series[0].time[1],
+            0.004);
+  EXPECT_THAT(read_bytes(clocked("timestamp,x", 0, 4000), with_columns("t_us:timestamp, *"))
+                  .group("")
+                  .time[1],
+              DoubleEq(0.004));
+}
+
+TEST(TextLog, TakesSecondsWithAWord) {
+  const WholeLog log = read_bytes("timestamp,x\n1403636579.75,1\n1403636579.80,2\n");
+  EXPECT_THAT(log.condition.notes,
+              ElementsAre(AllOf(HasSubstr("is taken as seconds, samples being 0.05 s apart"),
+                                HasSubstr("--columns 't_us:timestamp, *'"))));
+  EXPECT_THAT(read_bytes("t,x\n0,1\n0.1,2\n").condition.notes, IsEmpty());
+  // A ground truth as OpenVINS writes it.
+  const WholeLog truth = read_bytes(
+      "# timestamp(s) tx ty\n1.403636580838555574e+09 1.0 2.0\n1.403636580843555328e+09 1.1 2\n");
+  EXPECT_THAT(truth.group("").names(), ElementsAre("tx", "ty"));
+  EXPECT_EQ(truth.epoch_s, 1403636580);
+  EXPECT_NEAR(truth.group("").time[1] - truth.group("").time[0], 0.005, 1e-6);
+  EXPECT_THAT(truth.condition.notes, IsEmpty());
+}
+
+TEST(TextLog, KnowsClocksByTheirNames) {
+  for (const char* name : {"TimeUS", "time_usec", "timestamp_us", "t [us]", "Timestamp(usec)"}) {
+    const WholeLog log = read_bytes(clocked(std::string(name) + ",x", 5000000, 4000));
+    EXPECT_THAT(log.group("").time[1], DoubleEq(5.004)) << name;
+    EXPECT_THAT(log.condition.notes, IsEmpty()) << name;
+  }
+  EXPECT_FALSE(read_bytes("times,x\n1,2\n").group("").group.timed);
+}
+
+TEST(TextLog, LeavesOutRowsWhoseTimeWasNeverSet) {
+  std::string text = "t_ns,x\n0,-1\n0,-1\n";
+  for (std::int64_t k = 0; k < 50; ++k) {
+    text += std::to_string(1700000000000000000 + 20000000 * k) + ",1\n";
+    if (k == 20) text += "0,-1\n";
+  }
+  const WholeLog log = read_bytes(text);
+  EXPECT_EQ(log.epoch_s, 1700000000);
+  EXPECT_EQ(log.group("").time.size(), 50U);
+  EXPECT_THAT(log.group("").time.back(), DoubleEq(0.98));
+  EXPECT_THAT(log.group("").column("x"), ::testing::Each(1));
+  EXPECT_THAT(log.condition.notes,
+              ElementsAre(AllOf(HasSubstr("3 of 53 rows are at time 0, which was never set"),
+                                HasSubstr("the first at f.log:2"))));
+  EXPECT_TRUE(log.condition.whole());
+  // A clock that begins at 0 does so in earnest.
+  EXPECT_EQ(read_bytes(clocked("t_us,x", 0, 4000)).group("").time.size(), 30U);
+  EXPECT_EQ(read_bytes(clocked("t_s,x", 0, 5)).group("").time.size(), 30U);
+}
+
+TEST(TextLog, RefusesATextThatIsMostlyNoTable) {
+  std::string text = "t,x\n";
+  for (int i = 0; i < 10; ++i) text += "1,2\n1,2,3\n";
+  EXPECT_EQ(read_bytes(text).condition.skipped, 10U);
+  EXPECT_THAT([&] { (void)read_bytes(text + "7\n"); },
+              ThrowsMessage<InvalidInput>(
+                  AllOf(HasSubstr("f.log: 11 of 21 rows cannot be read, expected at most half"),
+                        HasSubstr("f.log:3: the row has 3 fields, expected 2"))));
+}
+
+TEST(TextLog, NamesFormatsThatItDoesNotRead) {
+  const std::string ardupilot =
+      "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n"
+      "FMT, 129, 31, PARM, QNf, TimeUS,Name,Value\nPARM, 3464, SYSID, 120\n";
+  for (const std::string& text : {ardupilot, "ArduCopter V3.2\nFree RAM: 1\n" + ardupilot})
+    EXPECT_THAT([&] { (void)read_bytes(text); },
+                ThrowsMessage<InvalidInput>(AllOf(HasSubstr("f.log: is a text log of ArduPilot"),
+                                                  HasSubstr("mavlogdump"))));
+  const std::vector<std::pair<std::string, std::string>> others = {
+      {"\xa3\x95\x80", "ArduPilot (DataFlash)"},
+      {"H Product:Blackbox flight data recorder\n", "Betaflight"},
+      {"#ROSBAG V2.0\n", "bag of ROS"},
+      {"\x1f\x8b\x08", "unpack it first"}};
+  for (const auto& other : others)
+    EXPECT_THAT([&] { (void)read_bytes(other.first); },
+                ThrowsMessage<InvalidInput>(HasSubstr(other.second)));
+}
+
 TEST(TextLog, RefusesWhatIsNoLog) {
   EXPECT_THAT([] { (void)read_bytes(""); }, ThrowsMessage<InvalidInput>(HasSubstr("is empty")));
   EXPECT_THAT([] { (void)read_bytes("1 2"); },
@@ -222,6 +370,20 @@ TEST(ReplayLog, MakesAGroupOfEachSensorInTheOrderOfTheFile) {
   EXPECT_THAT(log.group("odd").names(), ElementsAre("v[1]", "v[2]"));
   EXPECT_EQ(log.condition.skipped, 2U);
   EXPECT_EQ(log.condition.first_skipped, "f.log:6: odd has 1 values, expected 2 as before");
+}
+
+// They were passed over without a word.
+TEST(TextLog, TellsOfNamesThatAreTooManyOrTooFew) {
+  const WholeLog few = read_bytes("# t,x\n0,1,2\n1,2,3\n");
+  EXPECT_THAT(few.group("").names(), ElementsAre("c1", "c2", "c3"));
+  EXPECT_THAT(few.condition.notes,
+              ::testing::Contains(HasSubstr("'t,x', has 2 fields, expected 3")));
+  EXPECT_THAT(read_bytes("# t,x,y,z\n0,1,2\n").condition.notes,
+              ::testing::Contains(HasSubstr("has 4 fields, expected 3")));
+  for (const char* text : {"# a log\n# t,x,y\n0,1,2\n", "# recorded\n0,1,2\n", "0,1,2\n"})
+    EXPECT_THAT(read_bytes(text).condition.notes,
+                ::testing::Not(::testing::Contains(HasSubstr("have no names"))))
+        << text;
 }
 
 }  // namespace

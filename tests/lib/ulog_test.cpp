@@ -47,6 +47,34 @@ TEST(Ulog, UnfoldsTopicsIntoChannels) {
               ElementsAre(0, 1, 2, 0, 1, 0));
 }
 
+// A topic whose time was never set would make a log of half a minute one of 54 years.
+TEST(Ulog, LeavesOutRecordsWhoseTimeWasNeverSet) {
+  const std::uint64_t start = 1700000000000000;
+  UlogWriter log = small();
+  log.format("b:uint64_t timestamp;float x;").subscribe(0, 1, "b");
+  log.data(1, row(0, 7)).data(0, row(0, 7));
+  for (std::uint64_t k = 0; k < 10; ++k) log.data(0, row(start + 100000 * k, 1));
+  log.data(0, row(0, 7)).data(1, row(start, 2));
+  const WholeLog read = read_bytes(log.bytes());
+  EXPECT_EQ(read.epoch_s, 1700000000);
+  EXPECT_THAT(read.group("a").column("x"), ::testing::Each(1));
+  EXPECT_EQ(read.group("a").time.size(), 10U);
+  EXPECT_THAT(read.group("a").time.back(), DoubleNear(0.9, 1e-12));
+  EXPECT_THAT(read.group("b").column("x"), ElementsAre(2));
+  EXPECT_THAT(read.condition.notes,
+              ElementsAre("3 records are at time 0, which was never set, and left out, the first "
+                          "of 'b'"));
+  // So it is where the clock counts from the start of the vehicle.
+  UlogWriter since_boot = small();
+  since_boot.data(0, row(600000000, 1)).data(0, row(0, 7)).data(0, row(600100000, 1));
+  EXPECT_EQ(read_bytes(since_boot.bytes()).group("a").time.size(), 2U);
+  // A log that begins at 0 does so in earnest.
+  UlogWriter zero = small();
+  for (std::uint64_t k = 0; k < 3; ++k) zero.data(0, row(2000000 * k, 1));
+  EXPECT_EQ(read_bytes(zero.bytes()).group("a").time.size(), 3U);
+  EXPECT_TRUE(read_bytes(zero.bytes()).condition.notes.empty());
+}
+
 TEST(Ulog, KnowsAllTypes) {
   UlogWriter log;
   log.format(

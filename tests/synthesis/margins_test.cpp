@@ -2,10 +2,12 @@
 #include "quadtune/synthesis/margins.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <cmath>
 #include <numbers>
 #include <random>
 
+#include "disk.hpp"
 #include "matrix_near.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
@@ -321,6 +323,129 @@ TEST(DiskMargin, IsAsLargeAsCanBe) {
     }
     EXPECT_NEAR(m.disk.phase, least, 1e-3) << "skew " << skew;
   }
+}
+
+// A resonance above 1 whose phase is past -360 degrees after the delay, or ahead of -180 by lead: L
+// passes -1 with negative turns, and the stable loop's margin is their size.
+TEST(LoopMargins, PhaseMarginOfAStableLoopIsPositive) {
+  // s/(s² + 0.2 s + 1) · 0.4: |L| > 1 about 1 rad/s, between +90 and -90 degrees.
+  const LoopMargins ahead = loop_margins(loop({0.4, 0}, {1, 0.2, 1}));
+  ASSERT_TRUE(ahead.stable);
+  ASSERT_EQ(ahead.gain_crossovers.size(), 2U);
+  EXPECT_LT(ahead.gain_crossovers[0].phase_margin, 0);
+  EXPECT_GT(ahead.gain_crossovers[1].phase_margin, 0);
+  EXPECT_NEAR(ahead.phase_margin, std::abs(ahead.gain_crossovers[0].phase_margin), 1e-9);
+  EXPECT_NEAR(degrees(ahead.phase_margin), 120, 1e-9);  // |L| = 1 where its arg is ∓60 degrees
+  // The same with all of the phase turned by lag: stable at some delays, the turn to -1 is by lead.
+  std::mt19937_64 random(23);
+  std::uniform_real_distribution<double> number(0.05, 6);
+  int by_lead = 0;
+  for (int k = 0; k < 400; ++k) {
+    const double zeta = 0.05 * number(random);
+    const LoopMargins m = loop_margins(loop({number(random) * zeta, 0.1 * number(random) * (k % 3)},
+                                            {1, 2 * zeta, 1}, number(random)));
+    if (!m.stable || m.gain_crossovers.empty()) continue;
+    EXPECT_GT(m.phase_margin, 0);
+    EXPECT_LE(m.phase_margin, kPi);
+    for (const GainCrossover& at : m.gain_crossovers) by_lead += at.phase_margin < 0 ? 1 : 0;
+  }
+  EXPECT_GT(by_lead, 10);
+}
+
+// K (s + 1)²/s³ is stable for K > 1/2 only: the gain margin is a reduction.
+TEST(LoopMargins, OfAConditionallyStableLoop) {
+  const LoopMargins m = loop_margins(loop({1, 2, 1}, {1, 0, 0, 0}));
+  EXPECT_TRUE(m.stable);
+  EXPECT_NEAR(m.gain_reduction, 0.5, 1e-12);
+  EXPECT_EQ(m.gain_margin, kInfinite);
+  EXPECT_GT(m.phase_margin, 0);
+  const LoopMargins lost = loop_margins(loop({0.4, 0.8, 0.4}, {1, 0, 0, 0}));
+  EXPECT_FALSE(lost.stable);
+  EXPECT_LT(lost.phase_margin, 0);
+}
+
+// 1/(s + 1)³ · k has the gain margin 8/k whatever k is, and its reciprocal with a pole that needs
+// it.
+TEST(LoopMargins, FiniteGainMarginsOfAnySize) {
+  for (const double k : {1.0, 1e-5, 1e-6, 1e-9, 1e-15, 1e-30}) {
+    const LoopMargins m = loop_margins(loop({k}, {1, 3, 3, 1}));
+    EXPECT_NEAR(m.gain_margin * k / 8, 1, 1e-9) << k;
+    ASSERT_EQ(m.phase_crossovers.size(), 1U) << k;
+    EXPECT_EQ(m.far_phase_crossovers, 0);
+  }
+  for (const double k : {1e5, 1e8, 1e14}) {  // k (s + 1)²/s³
+    const LoopMargins m = loop_margins(loop({k, 2 * k, k}, {1, 0, 0, 0}));
+    EXPECT_NEAR(m.gain_reduction * k / 0.5, 1, 1e-9) << k;
+  }
+  // Discrete: real at Nyquist. 1e-8/(z - 0.5) is -1e-8/1.5 there.
+  const LoopMargins nyquist = loop_margins(
+      OpenLoop(DiscreteTransferFunction{coefficients({1e-8}), coefficients({1, -0.5}), 0.1, 0}));
+  EXPECT_NEAR(nyquist.gain_margin, 1.5e8, 1);
+}
+
+// What only rounding turns across the axis is no margin: loops of degree 2 that go to -180 degrees,
+// in any states.
+TEST(LoopMargins, RoundingIsNoCrossover) {
+  std::mt19937_64 random(29);
+  for (int k = 0; k < 40; ++k) {
+    const Eigen::Index n = 2 + k % 5;
+    ContinuousLti plant = random_plant(n, 1, random);
+    plant.A -= 3 * MatrixXd::Identity(n, n);
+    // The gain of an LQR has no crossover of the negative axis below 1: infinite margin.
+    const RiccatiResult design =
+        lqr(plant, {MatrixXd::Identity(n, n), MatrixXd::Identity(1, 1), {}});
+    ASSERT_TRUE(design.solved());
+    EXPECT_EQ(loop_margins(loop_at_inputs(plant, design.K)).gain_margin, kInfinite) << k;
+    // 1/((s + a)(s + b)) in turned states.
+    ContinuousLti second = random_plant(2, 1, random);
+    const MatrixXd T = random_matrix(2, 2, random);
+    const MatrixXd T_inverse = T.inverse();
+    const double a = 0.5 + k, b = 2 + 0.1 * k;
+    second.A = T_inverse * (MatrixXd(2, 2) << 0, 1, -a * b, -a - b).finished() * T;
+    second.B = T_inverse * Eigen::Vector2d(0, 1);
+    second.C = Eigen::RowVector2d(3, 0) * T;
+    EXPECT_EQ(loop_margins(OpenLoop(second)).gain_margin, kInfinite) << k;
+  }
+  // All-pass: |L| = 1 all along, and no crossover.
+  EXPECT_TRUE(loop_margins(loop({-0.999999, 1}, {1, 1})).gain_crossovers.size() <= 1);
+}
+
+// A delay turns a small L on and on: those of no interest are counted, the margin is kept.
+TEST(LoopMargins, CountsWhatItDoesNotList) {
+  const LoopMargins m = loop_margins(loop({1e-4}, {1, 1}, 1));
+  ASSERT_FALSE(m.phase_crossovers.empty());
+  EXPECT_GT(m.far_phase_crossovers, 0);
+  EXPECT_EQ(m.phase_crossovers.front().gain_margin, m.gain_margin);
+  EXPECT_GT(m.gain_margin, 1e4);
+  const LoopMargins tiny = loop_margins(loop({1e-9}, {1, 1}, 1));
+  EXPECT_NEAR(tiny.gain_margin * 1e-9, m.gain_margin * 1e-4, 1e-9);
+  EXPECT_EQ(tiny.phase_crossovers.size(), 1U);
+}
+
+TEST(LoopMargins, OneAtRestIsACrossover) {
+  const LoopMargins m = loop_margins(loop({1}, {1, 1}));
+  ASSERT_EQ(m.gain_crossovers.size(), 1U);
+  EXPECT_EQ(m.gain_crossovers[0].w, 0);
+  EXPECT_EQ(m.gain_crossovers[0].delay_margin, kInfinite);
+}
+
+// e^(jθ) leaves the symmetric disk where 2 tan(θ/2) = α, above 2 as below; in general where
+// |δ| = α solves f(δ) = e^(jθ).
+TEST(DiskMargin, TurnsThatLeaveTheDisk) {
+  for (const double alpha : {0.3, 1.0, 1.9, 2.0, 2.285, 5.0, 40.0})
+    EXPECT_NEAR(internal::disk_of_peak(1 / alpha, 1, 0).phase, 2 * std::atan(alpha / 2), 1e-12);
+  for (const double skew : {-1.0, -0.4, 0.3, 1.0, 2.5})
+    for (const double alpha : {0.2, 0.9, 1.7, 2.4, 6.0}) {
+      const double phase = internal::disk_of_peak(1 / alpha, 1, skew).phase;
+      const auto delta = [&](double theta) {
+        const Complex f = std::polar(1.0, theta);
+        return std::abs((f - 1.0) / (0.5 * (1 - skew) + 0.5 * (1 + skew) * f));
+      };
+      if (phase < kPi)
+        EXPECT_NEAR(delta(phase), alpha, 1e-9) << skew << " " << alpha;
+      else
+        EXPECT_LE(delta(kPi), alpha * (1 + 1e-12)) << skew << " " << alpha;
+    }
 }
 
 TEST(LoopMargins, Refusals) {

@@ -77,8 +77,12 @@ TEST(SimultaneousDiskMargin, OfOneLoopIsItsDisk) {
   const OpenLoop loop(
       ContinuousTransferFunction{Eigen::VectorXd{{25}}, Eigen::VectorXd{{1, 10, 10, 10}}});
   const SimultaneousDiskMargin margin = simultaneous_disk_margin(loop);
-  EXPECT_NEAR(margin.guaranteed.alpha, loop_margins(loop).disk.alpha, 1e-10);
-  EXPECT_NEAR(margin.alpha_destabilizing, margin.guaranteed.alpha, 1e-10);
+  EXPECT_EQ(margin.guaranteed.alpha, loop_margins(loop).disk.alpha);
+  EXPECT_EQ(margin.guaranteed.phase, loop_margins(loop).disk.phase);
+  EXPECT_EQ(margin.alpha_destabilizing, margin.guaranteed.alpha);
+  // The peak is at infinity, which is on no grid.
+  const OpenLoop lag(ContinuousTransferFunction{Eigen::VectorXd{{3}}, Eigen::VectorXd{{1, 1}}});
+  EXPECT_EQ(simultaneous_disk_margin(lag).guaranteed.alpha, 2);
   const OpenLoop unstable(
       ContinuousTransferFunction{Eigen::VectorXd{{1}}, Eigen::VectorXd{{1, 0, 0}}});
   EXPECT_EQ(simultaneous_disk_margin(unstable).guaranteed.alpha, 0);
@@ -113,6 +117,38 @@ TEST(SimultaneousDiskMargin, HoldsForRandomFactors) {
           plant.A.cast<Complex>() - plant.B.cast<Complex>() * f.asDiagonal() * K.cast<Complex>();
       EXPECT_LT(closed.eigenvalues().real().maxCoeff(), 0);
     }
+  }
+}
+
+// Two channels without coupling are as good as the worse; both at infinity, where the disk is 2.
+TEST(SimultaneousDiskMargin, LooksAtInfinity) {
+  ContinuousLti plant;
+  plant.A = (MatrixXd(2, 2) << -1, 0, 0, -2).finished();
+  plant.B = MatrixXd::Identity(2, 2);
+  plant.C = MatrixXd::Identity(2, 2);
+  EXPECT_EQ(simultaneous_disk_margin(OpenLoop(plant)).guaranteed.alpha, 2);
+}
+
+// Skipping frequencies that cannot be the worst finds the same: by all of a grid, one by one.
+TEST(SimultaneousDiskMargin, IsTheWorstOfAllFrequencies) {
+  std::mt19937_64 random(6);
+  std::normal_distribution<double> normal;
+  for (const Eigen::Index m : {2, 4, 6}) {
+    const Eigen::Index n = m + 2;
+    ContinuousLti plant;
+    plant.A = MatrixXd::NullaryExpr(n, n, [&] { return normal(random); });
+    plant.B = MatrixXd::NullaryExpr(n, m, [&] { return normal(random); });
+    const MatrixXd K = lqr(plant, {MatrixXd::Identity(n, n), MatrixXd::Identity(m, m), {}}).K +
+                       0.05 * MatrixXd::NullaryExpr(m, n, [&] { return normal(random); });
+    const OpenLoop loop = loop_at_inputs(plant, K);
+    const SimultaneousDiskMargin margin = simultaneous_disk_margin(loop);
+    if (margin.guaranteed.alpha == 0) continue;
+    double largest = 0;
+    for (double w = 1e-3; w < 1e3; w *= 1.02)
+      largest = std::max(
+          largest, structured_gain(loop.sensitivity(w) - 0.5 * MatrixXcd::Identity(m, m)).upper);
+    EXPECT_LE(margin.guaranteed.alpha * largest, 1 + 1e-6) << m;
+    EXPECT_GE(margin.guaranteed.alpha * largest, 1 - 1e-2) << m;
   }
 }
 

@@ -170,42 +170,75 @@ TEST(Consistency, RefusesWhatIsNotComputed) {
               ThrowsMessage<InvalidInput>(StrEq("consistency: lags is 0, expected at least 1")));
 }
 
-/// Errors of the states of a made-up height whose noise is taken for `times` as large.
-ConsistencyCheck error_of_speed(double times) {
-  std::mt19937_64 random(31);
-  FilterModel model = testing::discrete_altitude();
-  const Eigen::VectorXd theta = start_of(model);
-  // Whose states are known: what is measured, and a second sensor that tells the truth to a record
-  // that no filter sees.
-  FilterModel seen = model;
-  FilterSensor& speed = seen.sensors.emplace_back();
-  speed.name = "truth";
-  speed.outputs = {{"speed", "m/s"}};
-  speed.C = Eigen::MatrixXd{{0, 1}};
-  speed.R.fixed = Eigen::MatrixXd::Constant(1, 1, 1e-18);
-  FilterRecord record = testing::simulated(seen, theta, 20000, seen.dt, random);
-  record.truth = Eigen::MatrixXd::Constant(2, record.samples(), std::nan(""));
-  record.truth.row(1) = record.y.row(1);
-  record.y = record.y.topRows(1).eval();
-  const Eigen::VectorXd taken = theta.array() + std::log(times);
-  const std::vector<FilterRun> runs = {InnovationLikelihood(model, {record}).run(0, taken)};
-  const auto checks = check_errors(model, {record}, runs);
-  EXPECT_EQ(checks.size(), 1u);
-  return checks[0];
+/// A run of a local level whose standardized innovations are these.
+Consistency of_innovations(const std::vector<double>& z) {
+  FilterRun run;
+  run.status = LikelihoodStatus::computed;
+  run.innovation.resize(1, static_cast<Index>(z.size()));
+  run.variance.setConstant(1, static_cast<Index>(z.size()), 4);
+  for (std::size_t k = 0; k < z.size(); ++k) run.innovation(0, static_cast<Index>(k)) = 2 * z[k];
+  return check_consistency(testing::local_level(), {run});
 }
 
-TEST(ErrorsOfStates, AreWhatTheirCovariancesSay) {
-  const ConsistencyCheck right = error_of_speed(1);
-  EXPECT_EQ(right.output, "vz");
-  EXPECT_EQ(right.verdict, CheckVerdict::pass);
-  EXPECT_LT(right.low, right.value);
-  EXPECT_GT(right.high, right.value);
-  // Errors last for the filter's time constant, so that the band is wide.
-  EXPECT_GT(right.high, 1.1);
-  const ConsistencyCheck small = error_of_speed(0.2);
-  EXPECT_EQ(small.verdict, CheckVerdict::fail);
-  EXPECT_NEAR(small.value, 5 * right.value, 0.2 * small.value);
-  EXPECT_THAT(small.reason, HasSubstr("vz: the squared error is"));
+std::vector<double> normal_numbers(std::size_t count, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::vector<double> z(count);
+  for (double& value : z) value = normal(random);
+  return z;
+}
+
+// Each flaw that is large and significant fails, however few the innovations are, and comes first.
+TEST(FewInnovations, FailWhereAFlawIsPlain) {
+  std::vector<double> alternating = normal_numbers(40, 3);
+  for (std::size_t k = 0; k < 40; ++k)
+    alternating[k] = (k % 2 == 0 ? 1 : -1) + 0.2 * alternating[k];
+  const Consistency correlated = of_innovations(alternating);
+  EXPECT_EQ(correlated.verdict, CheckVerdict::fail);
+  EXPECT_THAT(correlated.reasons.front(), HasSubstr("innovations are not white: correlation -0.9"));
+  EXPECT_THAT(correlated.reasons, Contains("y: y: 40 innovations, too few to tell"));
+
+  std::vector<double> wild = normal_numbers(70, 4);
+  wild[30] = 30;
+  const Consistency outlier = of_innovations(wild);
+  EXPECT_GT(outlier.outputs[0].kurtosis, 55);
+  EXPECT_EQ(outlier.verdict, CheckVerdict::fail);
+  EXPECT_THAT(outlier.reasons, Contains(HasSubstr("innovations are not normal: excess kurtosis")));
+
+  std::vector<double> offset = normal_numbers(20, 5);
+  for (double& value : offset) value = 0.3 * value + 1;
+  EXPECT_THAT(of_innovations(offset).reasons.front(), HasSubstr("innovations have a mean of 1."));
+
+  std::vector<double> large = normal_numbers(10, 6);
+  for (double& value : large) value *= 5;
+  EXPECT_THAT(of_innovations(large).reasons.front(),
+              HasSubstr("the filter trusts itself too much"));
+  EXPECT_EQ(of_innovations({9}).verdict, CheckVerdict::fail);
+}
+
+// Of what the model made, one in a thousand by all checks together; and none is said to be right.
+TEST(FewInnovations, SeldomFailWithoutAFlaw) {
+  for (const std::size_t count : {2, 7, 12, 30, 99}) {
+    int failed = 0;
+    for (unsigned seed = 0; seed < 3000; ++seed) {
+      const CheckVerdict verdict = of_innovations(normal_numbers(count, seed)).verdict;
+      EXPECT_NE(verdict, CheckVerdict::pass);
+      failed += verdict == CheckVerdict::fail;
+    }
+    EXPECT_LE(failed, 10) << count;  // 3 are expected, more than 10 come once in 3,000 times
+  }
+}
+
+// Numbers that are no innovations are told, and none of them is given to what throws.
+TEST(Consistency, BearsNumbersThatAreNone) {
+  const double huge = 1e200, none = std::numeric_limits<double>::denorm_min();
+  EXPECT_THAT(of_innovations(std::vector<double>(200, 0)).reasons.front(),
+              HasSubstr("innovations are 0 times as large as their variance says"));
+  for (const double value : {huge, none, 1.0, -1.0})
+    EXPECT_EQ(of_innovations(std::vector<double>(200, value)).verdict, CheckVerdict::fail) << value;
+  std::vector<double> one(200, 0);
+  one[100] = huge;
+  EXPECT_EQ(of_innovations(one).verdict, CheckVerdict::fail);
 }
 
 }  // namespace

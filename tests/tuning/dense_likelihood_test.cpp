@@ -8,6 +8,7 @@
 
 #include "filter_models.hpp"
 #include "matrix_near.hpp"
+#include "quadtune/errors.hpp"
 #include "quadtune/tuning/innovation_likelihood.hpp"
 
 namespace quadtune {
@@ -123,14 +124,42 @@ TEST(DenseLikelihood, OfLinearizedInstantsIsThatOfTheModel) {
       for (const ScaledCovariance& term : model.Q.scaled)
         at.noise.push_back(model.G * term.shape * model.G.transpose());
     }
-    const Likelihood one =
-        InnovationLikelihood(model, {record}).evaluate(theta, LikelihoodOrder::gradient);
-    const Likelihood other =
-        InnovationLikelihood(model, {told}).evaluate(theta, LikelihoodOrder::gradient);
-    ASSERT_TRUE(one.computed() && other.computed());
-    EXPECT_NEAR(one.value, other.value, 1e-12 * std::abs(one.value));
-    EXPECT_THAT(other.gradient, MatrixNear(one.gradient, 1e-10 * (1 + one.gradient.norm())));
+    for (const LikelihoodOrder order : {LikelihoodOrder::gradient, LikelihoodOrder::information}) {
+      const Likelihood one = InnovationLikelihood(model, {record}).evaluate(theta, order);
+      const Likelihood other = InnovationLikelihood(model, {told}).evaluate(theta, order);
+      ASSERT_TRUE(one.computed() && other.computed());
+      EXPECT_NEAR(one.value, other.value, 1e-12 * std::abs(one.value));
+      EXPECT_THAT(other.gradient, MatrixNear(one.gradient, 1e-10 * (1 + one.gradient.norm())));
+      if (order == LikelihoodOrder::gradient) continue;
+      // Jets have the one, the derivatives that are carried along the other.
+      EXPECT_THAT(other.information, MatrixNear(one.information, 1e-10 * one.information.norm()));
+    }
     expect_both_ways(model, {told}, theta, std::to_string(nx) + " linearized ");
+  }
+}
+
+// Every way of evaluating asks, again and again, whether it is to stop.
+TEST(DenseLikelihood, StopsWithinAThousandSamples) {
+  std::mt19937_64 random(25);
+  for (const int nx : {2, 6}) {
+    FilterModel model = testing::random_model(random, nx, 0, false, false);
+    model.Q.fixed.setZero();
+    const FilterRecord record = testing::simulated(model, start_of(model), 5000, 0.1, random, 0.2);
+    for (const FilterRecord& of : {record, testing::linearized(model, record)}) {
+      InnovationLikelihood likelihood(model, {of});
+      for (const LikelihoodOrder order :
+           {LikelihoodOrder::value, LikelihoodOrder::gradient, LikelihoodOrder::information}) {
+        int asked = 0;
+        likelihood.stop_when([&] { return ++asked == 3; });
+        EXPECT_THROW((void)likelihood.evaluate(start_of(model), order), Interrupted) << nx;
+        EXPECT_EQ(asked, 3);
+        asked = 3;
+        EXPECT_TRUE(likelihood.evaluate(start_of(model), order).computed());
+      }
+      int asked = 0;
+      likelihood.stop_when([&] { return ++asked == 3; });
+      EXPECT_THROW((void)likelihood.run(0, start_of(model)), Interrupted) << nx;
+    }
   }
 }
 

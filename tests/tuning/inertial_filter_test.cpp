@@ -135,6 +135,42 @@ TEST(InertialFilter, FollowsTheVehicle) {
               MatrixNear(Vector3d(0.02, -0.05, 0.01), 0.03));
 }
 
+// The same flight, its world and its body turned about x by half a turn, as north-east-down and
+// forward-right-down are from z up.
+TEST(InertialFilter, WithZDownIsTheSameFilter) {
+  const FilterModel up = known_noise();
+  FilterModel down = load_filter_model("inertial-ned");
+  EXPECT_EQ(*down.gravity, -*up.gravity);
+  down.parameters = up.parameters;
+  FilterRecord record = flown(up, 30, 4);
+  // The height of the last sensor is up in both.
+  for (Index k = 0; k < record.samples(); k += 50) record.y(6, k) = record.y(2, k);
+  FilterRecord turned = record;
+  for (const Index row : {1, 2, 4, 5}) turned.y.row(row) *= -1;
+  for (const Index row : {1, 2, 4, 5}) turned.u.row(row) *= -1;
+  const auto value = [](const FilterModel& model, const FilterRecord& of) {
+    const LinearizedLogs logs = nonlinear_filter(model, {of})->linearize(start_of(model));
+    EXPECT_EQ(logs.culprit, "");
+    return InnovationLikelihood(model, logs.records).run(0, start_of(model));
+  };
+  const FilterRun a = value(up, record), b = value(down, turned);
+  ASSERT_EQ(b.innovation.cols(), a.innovation.cols());
+  int compared = 0;
+  for (Index k = 0; k < a.innovation.cols(); ++k)
+    for (const Index row : {0, 1, 2, 6}) {
+      if (std::isnan(a.innovation(row, k))) continue;
+      const double sign = row == 1 || row == 2 ? -1 : 1;
+      ++compared;
+      ASSERT_NEAR(b.innovation(row, k), sign * a.innovation(row, k), 1e-7) << row << ' ' << k;
+      ASSERT_NEAR(b.variance(row, k), a.variance(row, k), 1e-7) << row << ' ' << k;
+    }
+  EXPECT_GT(compared, 900);
+  const Index last = b.x.cols() - 1;
+  EXPECT_NEAR(b.x(kInertialPosition + 2, last), -a.x(kInertialPosition + 2, last), 1e-6);
+  EXPECT_NEAR(b.x(kForceOffset, last), a.x(kForceOffset, last), 1e-6);
+  EXPECT_NEAR(b.x(kForceOffset + 2, last), -a.x(kForceOffset + 2, last), 1e-6);
+}
+
 TEST(InertialFilter, FindsTheNoiseOfItsSensors) {
   const FilterModel truth = known_noise();
   FilterModel model = truth;

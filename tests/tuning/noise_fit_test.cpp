@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 
 #include "filter_models.hpp"
 #include "matrix_near.hpp"
@@ -251,7 +252,65 @@ TEST(NoiseFit, StopsWhenAsked) {
   const InnovationLikelihood likelihood(testing::local_level(), {testing::nile()});
   const NoiseFit fit = fit_noise(likelihood, {.starts = 50, .interrupted = [] { return true; }});
   EXPECT_EQ(fit.status, NoiseFitStatus::interrupted);
-  EXPECT_EQ(fit.starts, 1);
+  EXPECT_EQ(fit.theta, start_of(likelihood.model()));
+  EXPECT_EQ(fit.evaluations, 0);
+}
+
+// Wherever it is stopped, in the searches, their strides, the curvature or the bounds: what it ends
+// with is the best that it has evaluated.
+TEST(NoiseFit, EndsWithTheBestSoFarWhereverItIsStopped) {
+  std::mt19937_64 random(12);
+  FilterModel model = testing::discrete_altitude();
+  const FilterRecord record = testing::simulated(model, start_of(model), 3000, 0.005, random);
+  for (NoiseParameter& p : model.parameters) p.start *= 100;
+  const InnovationLikelihood likelihood(model, {record});
+  int asked = 0;
+  const NoiseFit whole = fit_noise(
+      likelihood, {.starts = 2, .profile = true, .interrupted = [&] { return ++asked < 0; }});
+  ASSERT_TRUE(whole.converged());
+  for (const int most : {1, 2, asked / 8, asked / 4, asked / 2, asked - 1}) {
+    SCOPED_TRACE(most);
+    int now = 0;
+    double best = -std::numeric_limits<double>::infinity();
+    const NoiseFit fit =
+        fit_noise(likelihood, {.starts = 2,
+                               .profile = true,
+                               .interrupted = [&] { return ++now > most; },
+                               .progress = [&](int, double greatest) { best = greatest; }});
+    EXPECT_EQ(fit.status, NoiseFitStatus::interrupted);
+    EXPECT_GE(fit.after.value, fit.before.value);
+    EXPECT_NEAR(likelihood.evaluate(fit.theta).value, fit.after.value,
+                1e-9 * std::abs(fit.after.value));
+    if (fit.evaluations > 0 && std::isfinite(best)) EXPECT_EQ(fit.after.value, best);
+    EXPECT_LT(now, most + 10);  // it does not go on asking
+    for (std::size_t i = 0; i < model.parameters.size(); ++i) {
+      EXPECT_EQ(fit.parameters[i].value, std::exp(fit.theta(static_cast<Index>(i))));
+      EXPECT_EQ(fit.parameters[i].verdict, ParameterVerdict::not_known);
+      EXPECT_TRUE(std::isnan(fit.parameters[i].low));
+    }
+  }
+}
+
+TEST(NoiseFit, IsTheSameOnAnyNumberOfThreads) {
+  std::mt19937_64 random(13);
+  FilterModel model = testing::random_model(random, 5, 0, false, false);
+  const FilterRecord record = testing::simulated(model, start_of(model), 400, 0.1, random, 0.2);
+  model.parameters.back().start = 1e-9;
+  const InnovationLikelihood likelihood(model, {record});
+  const NoiseFit one = fit_noise(likelihood, {.starts = 4, .profile = true, .threads = 1});
+  for (const std::size_t threads : {2, 3, 5}) {
+    const NoiseFit many = fit_noise(likelihood, {.starts = 4, .profile = true, .threads = threads});
+    EXPECT_EQ(many.theta, one.theta);
+    EXPECT_EQ(many.information, one.information);
+    EXPECT_EQ(many.evaluations, one.evaluations);
+    EXPECT_EQ(many.agreeing, one.agreeing);
+    for (std::size_t i = 0; i < one.parameters.size(); ++i) {
+      // Two that are not there are alike.
+      const auto same = [](double a, double b) { return a == b || (a != a && b != b); };
+      EXPECT_TRUE(same(many.parameters[i].low, one.parameters[i].low)) << i;
+      EXPECT_TRUE(same(many.parameters[i].high, one.parameters[i].high)) << i;
+    }
+  }
 }
 
 }  // namespace

@@ -137,6 +137,83 @@ TEST(RigidBodyFilter, FindsTheNoiseOfSeveralFlights) {
   }
 }
 
+// One measurement between two gaps once refused all of a log.
+TEST(RigidBodyFilter, LeavesOutWhatHasOneMeasurement) {
+  const FilterModel model = quiet();
+  const std::vector<FilterRecord> whole = hovers(model, 2);
+  std::vector<FilterRecord> torn = {whole[0], whole[1], whole[1]};
+  torn[1].name = "between gaps";
+  torn[1].y.rightCols(torn[1].y.cols() - 1).setConstant(std::nan(""));
+  const auto filter = nonlinear_filter(model, torn);
+  ASSERT_EQ(filter->left_out().size(), 1u);
+  EXPECT_EQ(filter->left_out()[0].name, "between gaps");
+  EXPECT_EQ(filter->left_out()[0].measurements, 1);
+  EXPECT_EQ(filter->left_out()[0].from, whole[1].time.front());
+  EXPECT_EQ(filter->left_out()[0].to, whole[1].time.back());
+  const LinearizedLogs with = filter->linearize(start_of(model));
+  const LinearizedLogs without = nonlinear_filter(model, whole)->linearize(start_of(model));
+  ASSERT_EQ(with.records.size(), 2u);
+  EXPECT_EQ(InnovationLikelihood(model, with.records).evaluate(start_of(model)).value,
+            InnovationLikelihood(model, without.records).evaluate(start_of(model)).value);
+  torn = {torn[1], torn[1]};
+  EXPECT_THAT([&] { (void)nonlinear_filter(model, torn); },
+              ThrowsMessage<InvalidInput>(HasSubstr("between gaps: 1 instants with measurements "
+                                                    "came at most between two gaps, expected at "
+                                                    "least 2")));
+}
+
+TEST(RigidBodyFilter, StopsWhenAsked) {
+  const FilterModel model = quiet();
+  std::vector<FilterRecord> records = hovers(model, 3);
+  const auto filter = nonlinear_filter(model, records);
+  int asked = 0;
+  EXPECT_THROW((void)filter->linearize(start_of(model), [&] { return ++asked == 2; }), Interrupted);
+  NoiseTuningOptions options;
+  options.fit.starts = 2;
+  for (const int most : {0, 1, 20, 60}) {
+    SCOPED_TRACE(most);
+    asked = 0;
+    options.fit.interrupted = [&] { return ++asked > most; };
+    const NoiseTuning tuning = tune_noise(*filter, options);
+    EXPECT_EQ(tuning.fit.status, NoiseFitStatus::interrupted);
+    EXPECT_EQ(tuning.verdict, CheckVerdict::fail);
+    EXPECT_THAT(tuning.reasons, ::testing::ElementsAre("the fit is interrupted"));
+    EXPECT_EQ(tuning.fit.theta.size(), start_of(model).size());
+    EXPECT_TRUE(tuning.fit.theta.allFinite());
+    EXPECT_LT(asked, most + 20);
+  }
+}
+
+TEST(RigidBodyFilter, JudgesTheBestOfTheTimeItIsGiven) {
+  FilterModel model = quiet();
+  const std::vector<FilterRecord> records = hovers(model, 1);
+  NoiseTuningOptions options;
+  options.seconds = 1e-9;
+  const NoiseTuning tuning = tune_noise(*nonlinear_filter(model, records), options);
+  EXPECT_EQ(tuning.fit.status, NoiseFitStatus::out_of_time);
+  EXPECT_EQ(tuning.fit.theta, start_of(model));
+  EXPECT_EQ(tuning.verdict, CheckVerdict::fail);
+  EXPECT_EQ(tuning.reasons.front(), "the fit is out of time");
+  ASSERT_FALSE(tuning.after.outputs.empty());
+  EXPECT_GT(tuning.after.outputs.front().samples, 0);
+}
+
+TEST(RigidBodyFilter, IsTunedTheSameOnAnyNumberOfThreads) {
+  FilterModel model = quiet();
+  const std::vector<FilterRecord> records = hovers(model, 1);
+  for (NoiseParameter& p : model.parameters) p.start *= 4;
+  const auto filter = nonlinear_filter(model, records);
+  NoiseTuningOptions options;
+  options.fit.starts = 2;
+  const NoiseTuning one = tune_noise(*filter, options);
+  options.fit.threads = 3;
+  const NoiseTuning three = tune_noise(*filter, options);
+  EXPECT_EQ(one.fit.theta, three.fit.theta);
+  EXPECT_EQ(one.fit.evaluations, three.fit.evaluations);
+  EXPECT_EQ(one.fit.after.value, three.fit.after.value);
+  EXPECT_EQ(one.rounds, three.rounds);
+}
+
 TEST(RigidBodyFilter, SaysWhatIsWrong) {
   EXPECT_THAT([] { (void)rigid_body_sensor("rate", "f.toml:3"); },
               ThrowsMessage<InvalidInput>(HasSubstr("f.toml:3: no sensor 'rate', expected one of "

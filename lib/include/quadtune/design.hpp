@@ -72,7 +72,8 @@ struct CascadeDesign {
   /// Loops x, y, pitch, roll, yaw, altitude, in this order; none while they wait to be designed.
   CascadeGains gains;
   std::optional<CascadeSpecification>
-      specification;  ///< of the gains, where the file asks for them
+      specification;                            ///< of the gains, where the file asks for them
+  PidMethod method = PidMethod::forward_euler;  ///< of the integrals, also of what is asked for
   double attitude_limit = std::numeric_limits<double>::infinity();    ///< of the references [rad]
   double integrator_limit = std::numeric_limits<double>::infinity();  ///< of |∫error| [error · s]
   double back_calculation = 0;  ///< anti-windup gain of the integrators [1/s]

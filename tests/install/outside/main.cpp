@@ -9,6 +9,7 @@
 #include <quadtune/discretize/zoh.hpp>
 #include <quadtune/exports/file_set.hpp>
 #include <quadtune/linearize/trim.hpp>
+#include <quadtune/logs/flight_log.hpp>
 #include <quadtune/model/vehicle.hpp>
 #include <quadtune/synthesis/riccati.hpp>
 #include <quadtune/tuning/bryson.hpp>
@@ -32,6 +33,14 @@ void check_lib() {
   const Eigen::MatrixXd inputs =
       quadtune::input_from_ned(uquad, quadtune::InputKind::rotor_speed, 6);
   expect(inputs.isIdentity(0) && inputs.rows() == 6, "six rotor speeds");
+}
+
+// What MAT files need is a library that the installed ones load from beside them.
+void check_mat_files() {
+  quadtune::LogTable log;
+  log.columns = {{"t", "s", {0, 0.5}}, {"x", "m", {1, -2}}};
+  const quadtune::LogTable back = quadtune::table_of_mat(quadtune::bytes_of_mat(log), "outside");
+  expect(back.columns.size() == 2 && back.columns[1].values == log.columns[1].values, "a MAT file");
 }
 
 // The built-in vehicle hovers level, on rotors that turn at one speed.
@@ -76,6 +85,7 @@ void check_exports() {
 
 int main() {
   check_lib();
+  check_mat_files();
   check_linearize();
   check_discretize();
   check_synthesis();

@@ -11,14 +11,14 @@ namespace quadtune {
 /// there, so that the computer has a sample to compute in, and the others go to z = -1, the highest
 /// frequency there is.
 ///
-/// The gain is that of G at DC: G_d(1) = G(0). Where a pole or a zero is nearer to 0 than 1e-6/dt,
-/// it is matched on the real axis instead, at the first of s = 0.1/dt, 0.2/dt, … that none is near
-/// to: G_d(e^(s dt)) = G(s).
+/// The gain is that of G at low frequency: with n poles at 0 (n < 0 for zeros there),
+/// ((z - 1)/dt)ⁿ G_d(z) at z → 1 equals sⁿ G(s) at s → 0. So 1/s becomes dt/(z - 1).
 ///
 /// @param plant  one input, one output; no more zeros than poles; whole samples of delay
 /// @param dt     Sample period [s], 0 < dt < ∞.
 /// @throws InvalidInput  as validate(), for dt out of range, for a delay that is no whole number of
-///                       samples, and when a pole or zero goes beyond the range of a double.
+///                       samples, when a pole or zero goes beyond the range of a double, and when
+///                       one other than 0 goes to z = 1 (±2πi/dt and its multiples).
 /// Source: Franklin, Powell, Workman 1998, section 6.2.
 [[nodiscard]] DiscreteTransferFunction discretize_matched(const ContinuousTransferFunction& plant,
                                                           double dt);

@@ -36,8 +36,11 @@ struct ExportContent {
   std::optional<Gains> gains;  ///< in the convention of the flight program it is written for
   Eigen::MatrixXd Q;           ///< weights of states, then integrals, in the gains' order; or empty
   Eigen::MatrixXd R;           ///< weights of the inputs, or empty
-  std::optional<DiscreteLti> plant;   ///< the vehicle in the gains' states and inputs; its closed
-                                      ///< loop goes into the manifest, for `verify`
+  std::optional<DiscreteLti> plant;  ///< the vehicle in the gains' states and inputs; its closed
+                                     ///< loop goes into the manifest, for `verify`
+  std::optional<DiscreteLti>
+      cascade_plant;  ///< from the wrench to the 12 states of ned_convention(), as the cascade's
+                      ///< computer sees them; its closed loop goes into the manifest likewise
   std::vector<KalmanFilter> filters;  ///< "altitude" and "velocity" for the Mambo
   std::optional<UquadDiagonals> uquad_filter;
   std::optional<CascadeDesign> cascade;

@@ -3,6 +3,7 @@
 /// estimatorVars.m, run in this order by MATLAB or Octave without any toolbox.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ namespace quadtune {
 /// @throws InvalidInput  for a vehicle that the model project cannot express, gains in another
 ///                       convention, other filters, and numbers that are not finite.
 [[nodiscard]] std::vector<FileContent> mambo_files(const ExportContent& content);
+
+/// Whether the model project can express the vehicle, so that mambo_files() takes it.
+[[nodiscard]] bool takes_mambo_files(const Vehicle& vehicle);
 
 /// All that a parameter file defines, numbers and expressions.
 ///
@@ -39,5 +43,14 @@ namespace quadtune {
 /// The state feedback of a controllerVars.m, with trim and sample time.
 /// @throws InvalidInput  as parse_m_numbers, and if the file has no state feedback.
 [[nodiscard]] Gains parse_controller_vars(const std::string& text, const std::string& origin);
+
+/// The cascade of a controllerVars.m; none if the file has none.
+/// @throws InvalidInput  as parse_m_numbers, and for a cascade that lacks a loop or a gain.
+[[nodiscard]] std::optional<CascadeDesign> parse_cascade_vars(const std::string& text,
+                                                              const std::string& origin);
+
+/// Whether the file has a state feedback that parse_controller_vars() reads.
+/// @throws InvalidInput  as parse_m_numbers.
+[[nodiscard]] bool has_state_feedback(const std::string& text, const std::string& origin);
 
 }  // namespace quadtune

@@ -46,11 +46,14 @@ struct Manifest {
   std::vector<ManifestFile> inputs;
   std::vector<ManifestFile> files;  ///< all of the export but the manifest itself
   std::optional<Gains> gains;
+  std::optional<CascadeDesign> cascade;
   Eigen::MatrixXd Q;  ///< weights of the gains' states, then integrals; empty if there were none
   Eigen::MatrixXd R;  ///< weights of the gains' inputs, likewise
   ExportEvidence evidence;
-  Eigen::VectorXcd closed_loop_poles;  ///< of the law as written with the plant; empty if not known
-  std::vector<NamedMatrix> numbers;    ///< all that the files with names define
+  Eigen::VectorXcd
+      closed_loop_poles;             ///< of the gains as written with the plant; empty if not known
+  Eigen::VectorXcd cascade_poles;    ///< of the cascade as written, likewise
+  std::vector<NamedMatrix> numbers;  ///< all that the files with names define
 };
 
 inline constexpr char kManifestName[] = "manifest.json";

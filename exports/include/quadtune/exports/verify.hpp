@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "quadtune/design.hpp"
+#include "quadtune/exports/file_set.hpp"
 #include "quadtune/gains.hpp"
 #include "quadtune/lti.hpp"
 
@@ -24,7 +26,8 @@ struct VerifyCheck {
 struct VerifyReport {
   std::vector<VerifyCheck> checks;
   std::optional<Gains> gains;  ///< as read from the files; empty if they could not be read
-  Eigen::VectorXcd poles;      ///< of the closed loop; empty if it was not computed
+  std::optional<CascadeDesign> cascade;  ///< likewise
+  Eigen::VectorXcd poles;  ///< of the gains' closed loop; empty if it was not computed
 
   [[nodiscard]] bool ok() const;
 };
@@ -37,16 +40,36 @@ struct VerifyModel {
   Eigen::VectorXd u0;  ///< (nu)
 };
 
+/// What else an export is held against.
+struct VerifyFacts {
+  /// From the wrench to the 12 states of ned_convention() at hover, in the sample time of the
+  /// export's cascade, with the motors' lag; without it the loop of a cascade cannot be right.
+  std::optional<DiscreteLti> cascade_plant;
+  /// Files as they are now from which the export may have been made: name without folder, bytes.
+  /// Of several with one name, one has to be it.
+  std::vector<FileContent> inputs = {};
+};
+
 /// Re-reads an export and asks: is there a manifest, is each listed file as it was written, is no
-/// other gain file beside them, do the files read as the flight program would read them, are the
-/// gains and weights those of the manifest, is the trim that of `model`, is the closed loop with it
-/// stable under the sign law as written, and does it have the poles of the manifest. Wrong files
-/// give failed checks, not exceptions.
+/// other gain file beside them, are the inputs that are at hand those of the manifest, do the files
+/// read as the flight program would read them, are the laws and weights those of the manifest,
+/// signals included, is the trim that of `model`, is each closed loop stable under the law as
+/// written, and does it have the poles of the manifest. Wrong files give failed checks, not
+/// exceptions.
 ///
 /// @param model  of the manifest's gains; without it neither trim nor loop can be right
 /// @throws FileError  if `directory` is not a directory.
 [[nodiscard]] VerifyReport verify_export(const std::filesystem::path& directory,
-                                         const std::optional<VerifyModel>& model);
+                                         const std::optional<VerifyModel>& model,
+                                         const VerifyFacts& facts = {});
+
+/// Largest distance when each pole is paired with the nearest that is left; infinite where there
+/// are more of one than of the other.
+[[nodiscard]] double pole_distance(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b);
+
+/// Poles of the same files and vehicle on another machine agree to about 1e-12; one gain that is
+/// off by a thousandth moves them by more than this.
+inline constexpr double kPoleTolerance = 1e-7;
 
 /// Poles of the law with the plant. The integrals advance by dt times the error each sample.
 ///
@@ -54,5 +77,10 @@ struct VerifyModel {
 /// @return       (nx + ni) sorted by real, then imaginary part
 /// @throws InvalidInput  if the plant lacks a state or has other inputs.
 [[nodiscard]] Eigen::VectorXcd closed_loop_poles(const DiscreteLti& plant, const Gains& gains);
+
+/// The same of a cascade, all its loops closed.
+/// @param plant  as VerifyFacts::cascade_plant
+[[nodiscard]] Eigen::VectorXcd closed_loop_poles(const DiscreteLti& plant,
+                                                 const CascadeDesign& cascade);
 
 }  // namespace quadtune

@@ -44,6 +44,16 @@ struct FilterRecord {
   [[nodiscard]] Eigen::Index samples() const { return static_cast<Eigen::Index>(time.size()); }
 };
 
+/// A stretch of a log that a filter can make nothing of.
+struct LeftOutRecord {
+  std::string name;               ///< as FilterRecord::name
+  double from = 0, to = 0;        ///< its first and last instant [s]
+  Eigen::Index measurements = 0;  ///< instants of it at which anything was measured
+};
+
+/// @return  that of the record
+[[nodiscard]] LeftOutRecord left_out(const FilterRecord& record);
+
 /// Checks the samples as validate() does, and nothing of what is linearized.
 /// @throws InvalidInput  naming the sample.
 void validate_samples(const FilterRecord& record, const FilterModel& model,

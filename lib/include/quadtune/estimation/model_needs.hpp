@@ -41,6 +41,7 @@ struct ModelNeeds {
   bool feeds = false;  ///< all inputs are there, and all outputs of one sensor
   std::vector<std::pair<std::string, std::string>> uses;  ///< signal, and the channel that feeds it
   std::vector<MissingSignal> missing;  ///< of a model that is fed: of its other sensors
+  bool own_log = false;  ///< a flight log of quadtune: without --map, what is missing is left out
 };
 
 /// A channel feeds the signal of its name, in full or without its group's, as read_log_channels()

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,12 +35,17 @@ class NonlinearFilter {
   /// The logs, linearized along the path that the extended filter takes with these covariances: a
   /// linear filter over them with the same θ has the extended filter's innovations.
   /// @param theta  (p) as start_of(model())
-  /// @return       the instants of measurements(), NaN where a gate refuses one
-  [[nodiscard]] virtual LinearizedLogs linearize(
-      const Eigen::Ref<const Eigen::VectorXd>& theta) const = 0;
+  /// @param stop   asked every thousand instants; true ends it with Interrupted. May be empty.
+  /// @return       the instants of measurements(), NaN where a gate refuses one; a truth is in the
+  ///               terms of that linear model: of inertial navigation the true turn from its path
+  [[nodiscard]] virtual LinearizedLogs linearize(const Eigen::Ref<const Eigen::VectorXd>& theta,
+                                                 const std::function<bool()>& stop = {}) const = 0;
 
   /// All measurements of the logs, not linearized: one column an instant.
   [[nodiscard]] virtual const std::vector<FilterRecord>& measurements() const = 0;
+
+  /// Which of the records it was made of are not among measurements().
+  [[nodiscard]] virtual const std::vector<LeftOutRecord>& left_out() const = 0;
 };
 
 /// The extended filter of a nonlinear model over its logs, from the first measurement of each on.
@@ -51,11 +57,16 @@ class NonlinearFilter {
 /// 10 ms, its rotors' speeds held, and begins with x0 but for the angles and places that the first
 /// samples show.
 ///
+/// A record with fewer than two instants of measurements is left out: nothing moves in it that any
+/// innovation could tell.
+///
 /// @param records  inputs at every instant, and the measurements where there are any
+/// @param stop     asked every thousand instants; true ends it with Interrupted. May be empty.
 /// @throws InvalidInput  as validate() of the model and validate_samples(); for a linear model, a
-///                       sensor that measures the attitude of inertial navigation, a record with
-///                       fewer than two measurements.
+///                       sensor that measures the attitude of inertial navigation, and where no
+///                       record has two instants of measurements.
 [[nodiscard]] std::unique_ptr<NonlinearFilter> nonlinear_filter(
-    FilterModel model, const std::vector<FilterRecord>& records);
+    FilterModel model, const std::vector<FilterRecord>& records,
+    const std::function<bool()>& stop = {});
 
 }  // namespace quadtune

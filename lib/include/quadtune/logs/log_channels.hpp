@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "quadtune/errors.hpp"
 #include "quadtune/logs/log_reader.hpp"
 #include "quadtune/samples.hpp"
 
@@ -25,6 +26,13 @@ struct LogChannels {
   std::vector<LogSeries> series;  ///< in the order of the names that were asked for
   LogCondition condition;
   std::int64_t epoch_s = 0;
+  std::vector<LogGroup> groups;  ///< all that the log has
+};
+
+/// A channel was asked for that the log does not have.
+class UnknownChannel : public InvalidInput {
+ public:
+  using InvalidInput::InvalidInput;
 };
 
 /// Reads channels of a log in one pass.
@@ -32,13 +40,20 @@ struct LogChannels {
 ///               number of a column, from 1.
 /// @param optional  further names that the log need not have: their series follow in this order,
 ///               without name or samples where it does not
-/// @throws InvalidInput  for a name that the log does not have, with the nearest that it has, or
-///                       that stands in several groups; and as open_log().
+/// @throws UnknownChannel  for a name that the log does not have, with the nearest that it has
+/// @throws InvalidInput  for one that stands in several groups; for a log whose times are of an
+///                       unknown unit; and as open_log().
 /// @throws FileError     as open_log().
 [[nodiscard]] LogChannels read_log_channels(const std::string& path,
                                             const std::vector<std::string>& names,
                                             const LogOptions& options = {},
                                             const std::vector<std::string>& optional = {});
+
+/// The series at other times, interpolated between its samples: a series without sample at those
+/// times that lie outside of it or between two samples more than ten of its median steps apart.
+/// @param series  times increasing
+/// @param times   increasing [s], of the same epoch
+[[nodiscard]] LogSeries interpolated(const LogSeries& series, const Samples& times);
 
 /// Refuses what no method can use, in one line that begins with `where`: no time, fewer than
 /// `least` samples (all NaN included), time that does not increase.

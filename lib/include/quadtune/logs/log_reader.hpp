@@ -47,6 +47,8 @@ struct LogCondition {
   std::string first_skipped;       ///< where the first of them stands, and why; "" without
   std::uint64_t dropouts = 0;      ///< times at which the logger itself lost records, as it says
   double dropout_s = 0;            ///< how long it lost them in all [s]
+  std::string unclear_time;        ///< why the unit of the time is not known; "" where it is. The
+                                   ///< times are then delivered as if they were seconds
   std::vector<std::string> notes;  ///< what a user should know of how the file was taken
 
   /// False where something that the file should hold was not delivered.
@@ -64,8 +66,8 @@ struct LogColumnChoice {
 /// Understands "t_s:1, t_us:2, height[m]:19": items NAME[UNIT]:COLUMN. COLUMN is a number from 1 or
 /// a name of the header; without it, in a text without header, the column after the last one,
 /// otherwise the column of that name. A NAME that is t, time or timestamp, with its unit as in
-/// t_us, time[ns] or t[ms], is a part of the time (s without a unit); parts are added. The item *
-/// takes all other columns.
+/// t_us, time[ns] or t[ms], is a part of the time (its values show a unit that is not stated);
+/// parts are added. The item * takes all other columns.
 /// @param where  What messages begin with, e.g. "--columns".
 /// @throws InvalidInput  for anything else.
 [[nodiscard]] std::vector<LogColumnChoice> parse_log_columns(const std::string& text,

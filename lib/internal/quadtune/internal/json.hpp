@@ -8,17 +8,62 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/utf8.hpp"
 #include "quadtune/lti.hpp"
 #include "quadtune/matrix_checks.hpp"
 
 namespace quadtune::internal {
 
 using Json = nlohmann::ordered_json;
+
+/// A copy whose names and texts are UTF-8, as valid_utf8() makes them.
+template <typename AnyJson>
+AnyJson with_valid_text(const AnyJson& json) {
+  if (json.is_string()) return valid_utf8(json.template get_ref<const std::string&>());
+  AnyJson copy = json;
+  if (json.is_array()) {
+    for (AnyJson& entry : copy) entry = with_valid_text(entry);
+  } else if (json.is_object()) {
+    copy.clear();
+    for (const auto& [key, value] : json.items()) copy[valid_utf8(key)] = with_valid_text(value);
+  }
+  return copy;
+}
+
+/// Text of a JSON value on one line. All JSON is written through this, because names of files and
+/// of what is in them need not be UTF-8, which JSON has to be. What a terminal would obey instead
+/// of show is written as \uNNNN.
+/// @param ascii  whether to write everything but ASCII so
+template <typename AnyJson>
+std::string json_text(const AnyJson& json, bool ascii = false) {
+  std::string text;
+  try {
+    text = json.dump(-1, ' ', ascii);
+  } catch (const typename AnyJson::type_error&) {  // a text that is not UTF-8
+    text = with_valid_text(json).dump(-1, ' ', ascii);
+  }
+  // Outside of strings there are only ASCII characters that are shown.
+  std::string safe;
+  std::size_t copied = 0;
+  for (std::size_t i = 0; i < text.size();) {
+    const Utf8Character c = first_character(std::string_view(text).substr(i));
+    if (is_control_or_mark(c.code)) {
+      safe.append(text, copied, i - copied);
+      fmt::format_to(std::back_inserter(safe), "\\u{:04x}", static_cast<unsigned>(c.code));
+      copied = i + c.length;
+    }
+    i += c.length;
+  }
+  return copied == 0 ? text : safe.append(text, copied);
+}
 
 /// @param name  what the message calls the number.
 /// @throws InvalidInput  if it is not finite.
@@ -82,7 +127,7 @@ inline const Json& member(const Json& json, const std::string& key, const std::s
 
 inline double number_from_json(const Json& json, const std::string& where) {
   if (!json.is_number() || !std::isfinite(json.get<double>()))
-    throw InvalidInput(where, fmt::format("is {}, expected a finite number", json.dump()));
+    throw InvalidInput(where, fmt::format("is {}, expected a finite number", json_text(json)));
   return json.get<double>();
 }
 
@@ -144,7 +189,7 @@ inline std::vector<Signal> signals_from_json(const Json& json, const std::string
 inline void append_readable(const Json& json, std::size_t indent, bool in_array,
                             std::string& text) {
   if (!json.is_structured() || json.empty()) {
-    text.append(json.dump());
+    text.append(json_text(json));
     return;
   }
   const bool array = json.is_array();
@@ -157,7 +202,7 @@ inline void append_readable(const Json& json, std::size_t indent, bool in_array,
     if (!first) text.append(one_line ? ", " : ",");
     first = false;
     if (!one_line) text.append(1, '\n').append(indent + 2, ' ');
-    if (!array) text.append(Json(key).dump()).append(": ");
+    if (!array) text.append(json_text(Json(key))).append(": ");
     append_readable(value, indent + 2, array, text);
   }
   if (!one_line) text.append(1, '\n').append(indent, ' ');

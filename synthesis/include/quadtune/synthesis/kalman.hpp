@@ -37,6 +37,7 @@ struct KalmanResult {
   double rcond = std::numeric_limits<double>::quiet_NaN();     ///< as RiccatiResult::rcond
   int iterations = 0;
   std::string culprit;  ///< e.g. "mode at 1: bias cannot be seen by the measurements"
+  std::string warning;  ///< as RiccatiResult::warning, of L
 
   [[nodiscard]] bool solved() const { return status == RiccatiStatus::solved; }
 };

@@ -24,11 +24,14 @@ struct LqrWeights {
 ///
 /// @param plant    nx states, nu inputs; state names are used by the culprit
 /// @param weights  for this plant's states and inputs
+/// @param evidence  essential for searches, which solve thousands of problems
 /// @throws InvalidInput  for shapes, non-finite entries, asymmetry, indefinite weights.
-[[nodiscard]] RiccatiResult lqr(const ContinuousLti& plant, const LqrWeights& weights);
+[[nodiscard]] RiccatiResult lqr(const ContinuousLti& plant, const LqrWeights& weights,
+                                RiccatiEvidence evidence = RiccatiEvidence::full);
 
 /// Minimizes the sum of the cost over the samples: weights are per step.
-[[nodiscard]] RiccatiResult lqr(const DiscreteLti& plant, const LqrWeights& weights);
+[[nodiscard]] RiccatiResult lqr(const DiscreteLti& plant, const LqrWeights& weights,
+                                RiccatiEvidence evidence = RiccatiEvidence::full);
 
 /// A discrete problem with exactly the cost of a continuous one for inputs held between samples.
 struct SampledLqr {

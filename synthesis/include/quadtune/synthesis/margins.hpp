@@ -10,14 +10,15 @@
 
 namespace quadtune {
 
-/// Where |L| = 1.
+/// Where |L| = 1, at 0 rad/s too.
 struct GainCrossover {
-  double w = 0;             ///< [rad/s]
-  double phase_margin = 0;  ///< [rad] in (-π, π]: arg L + π
+  double w = 0;  ///< [rad/s]
+  /// [rad] in (-π, π]: arg L + π. Lag of this size turns L to -1; if negative, lead does.
+  double phase_margin = 0;
   double delay_margin = 0;  ///< [s] > 0: the least delay that turns L to -1 here
 };
 
-/// Where L is real and negative, at a single frequency, and |L| between 1e-6 and 1e6.
+/// Where L is real and negative, at a single frequency.
 struct PhaseCrossover {
   double w = 0;            ///< [rad/s]
   double gain_margin = 0;  ///< 1/|L|: the factor that brings L to -1
@@ -30,18 +31,22 @@ struct DiskMargin {
   double w = 0;          ///< [rad/s] of the worst factor
   double gain_low = 1;   ///< ≤ 1; may be negative
   double gain_high = 1;  ///< ≥ 1; infinite where the disk contains all large gains
-  double phase = 0;      ///< [rad] either way; π where no turn alone leaves the disk
+  double phase = 0;      ///< [rad] either way, 2 atan(α/2) if skew = 0; π where no turn leaves it
 };
 
 /// Margins of one loop. Those of an unstable loop tell where L passes -1, not how far it may move.
 struct LoopMargins {
-  bool stable = false;                           ///< the loop when closed
-  std::vector<GainCrossover> gain_crossovers;    ///< by frequency
-  std::vector<PhaseCrossover> phase_crossovers;  ///< by frequency
+  bool stable = false;                         ///< the loop when closed
+  std::vector<GainCrossover> gain_crossovers;  ///< by frequency
+  /// By frequency; only those with |L| between 1e-6 and 1e6, or whose gain is one of the margins.
+  std::vector<PhaseCrossover> phase_crossovers;
+  int far_phase_crossovers = 0;  ///< how many that left out, of those on the grid
 
   double gain_margin = std::numeric_limits<double>::infinity();  ///< least factor > 1 to L = -1
   double gain_reduction = 0;                                     ///< largest factor < 1 to L = -1
-  /// [rad] of the crossover where it is least in size; infinite without one.
+  /// [rad] least of all crossovers in size; infinite without one. Of a stable loop it is the least
+  /// turn, either way, that ends its stability: in (0, π]. Of an unstable one it is the
+  /// crossover's, with its sign.
   double phase_margin = std::numeric_limits<double>::infinity();
   double crossover = 0;  ///< [rad/s] of phase_margin
   /// [s] least of all crossovers; infinite without one.

@@ -56,6 +56,14 @@ enum class AllanTaus { octaves, decades, all };
     const Eigen::Ref<const Eigen::VectorXd>& phase, double dt,
     const std::vector<std::size_t>& factors, AllanKind kind = AllanKind::overlapping);
 
+/// The rate whose integral a phase is: differences of neighbours over dt. Its deviations are those
+/// of the phase.
+/// @param phase  (n) values dt apart, not wrapped, e.g. [rad]
+/// @param dt     [s], > 0
+/// @return       (n - 1) means, e.g. [rad/s]; of no value where n < 2
+[[nodiscard]] Eigen::VectorXd rate_of_phase(const Eigen::Ref<const Eigen::VectorXd>& phase,
+                                            double dt);
+
 /// The noises that a rate's Allan variance is taken for the sum of.
 enum class AllanNoise {
   quantization,     ///< of the angle: 3 Q² / tau²

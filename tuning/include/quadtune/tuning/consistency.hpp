@@ -12,7 +12,8 @@
 namespace quadtune {
 
 /// Limits of a verdict. What is checked must be both significant, as a long log makes any small
-/// flaw, and large enough to matter; or else too uncertain to tell.
+/// flaw, and large enough to matter; or else too uncertain to tell. A large flaw that is
+/// significant fails at any count; that there is none takes samples.
 struct ConsistencyOptions {
   double significance = 0.001;    ///< of each check: probability of a false alarm, 0 … 0.5
   int lags = 20;                  ///< of the autocorrelation, ≥ 1
@@ -20,9 +21,13 @@ struct ConsistencyOptions {
   double most_mean = 0.1;         ///< in standard deviations
   double least_size = 0.8;        ///< of the mean of e²/S
   double most_size = 1.25;
-  double most_kurtosis = 3;          ///< excess, where 0 is normal: 3 is that of rare large errors
-  Eigen::Index least_samples = 100;  ///< of each output, below which nothing is said
+  double most_kurtosis = 3;  ///< excess, where 0 is normal: 3 is that of rare large errors
+  /// Of each output. With fewer nothing passes, and a flaw has to be significant among all checks.
+  Eigen::Index least_samples = 100;
 };
+
+/// @throws InvalidInput  for options out of range.
+void validate(const ConsistencyOptions& options);
 
 enum class CheckVerdict { pass, fail, too_short };
 
@@ -64,19 +69,10 @@ struct Consistency {
 ///               other
 /// @throws InvalidInput  for options out of range, or a run that is not computed.
 /// Sources: Bar-Shalom, Li and Kirubarajan 2001, section 5.4; Ljung and Box 1978; Jarque and Bera
-/// 1980.
+/// 1980; for few innovations Anscombe and Glynn 1983.
 [[nodiscard]] Consistency check_consistency(const FilterModel& model,
                                             const std::vector<FilterRun>& runs,
                                             const ConsistencyOptions& options = {});
-
-/// Whether the errors of the states are what their covariances say: of each state whose truth a
-/// record tells, the mean of (x - truth)²/P in the band of as many independent errors as there are,
-/// counted by their autocorrelation.
-/// @return  checks "error" of the states, none without truth
-[[nodiscard]] std::vector<ConsistencyCheck> check_errors(const FilterModel& model,
-                                                         const std::vector<FilterRecord>& records,
-                                                         const std::vector<FilterRun>& runs,
-                                                         const ConsistencyOptions& options = {});
 
 [[nodiscard]] std::string to_string(CheckVerdict verdict);
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -71,6 +72,7 @@ class InnovationLikelihood {
   [[nodiscard]] const std::vector<FilterRecord>& records() const;
 
   /// @param theta  (p) as start_of(); finite.
+  /// @throws Interrupted  as stop_when() says
   [[nodiscard]] Likelihood evaluate(const Eigen::Ref<const Eigen::VectorXd>& theta,
                                     LikelihoodOrder order = LikelihoodOrder::value) const;
 
@@ -81,6 +83,10 @@ class InnovationLikelihood {
   /// Whether gains are held once the covariance has converged; on unless switched off to see that
   /// nothing depends on it.
   void hold_steady_gains(bool hold);
+
+  /// @param stop  asked every thousand samples of an evaluation or run, by the thread that makes
+  ///              it; where it returns true, that ends with Interrupted. Empty: nothing is asked.
+  void stop_when(std::function<bool()> stop);
 
  private:
   struct Parts;

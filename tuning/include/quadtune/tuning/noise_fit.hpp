@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -25,7 +26,16 @@ struct NoiseFitOptions {
   /// costs many searches; else bounds are NaN, and intervals those of the curvature.
   bool bounds = true;
   bool profile = false;  ///< intervals by the profile of the likelihood, not by its curvature
-  std::function<bool()> interrupted = {};  ///< asked between searches; may be empty
+  /// A fit that others follow: to a hundredth of a standard error, its uncertainty by Fisher's
+  /// information; no bounds.
+  bool rough = false;
+  bool strides = true;      ///< whether flat directions are searched far and wide
+  std::size_t threads = 1;  ///< 0: one a processor; the result does not depend on it
+  /// Asked often, by any thread: true ends the fit with the best so far. May be empty.
+  std::function<bool()> interrupted = {};
+  /// Called after each evaluation, by one thread at a time: how many there were, and the greatest
+  /// log-likelihood with priors so far. May be empty.
+  std::function<void(int evaluations, double best)> progress = {};
 };
 
 enum class ParameterVerdict {
@@ -34,6 +44,7 @@ enum class ParameterVerdict {
   at_zero,      ///< the logs prefer none of it: an upper bound only
   not_seen,     ///< no measurement depends on it: as it was
   combination,  ///< only together with others, see NoiseFit::unseen
+  not_known,    ///< the search was ended before that was looked at
 };
 
 [[nodiscard]] std::string to_string(ParameterVerdict verdict);
@@ -55,7 +66,8 @@ enum class NoiseFitStatus {
   converged,
   not_computed,   ///< the likelihood has no value at any start: see culprit
   not_converged,  ///< the best search ended at its limit of iterations
-  interrupted,
+  interrupted,    ///< theta is the best so far, without any uncertainty
+  out_of_time,    ///< likewise, as NoiseTuningOptions::seconds wants it
 };
 
 [[nodiscard]] std::string to_string(NoiseFitStatus status);

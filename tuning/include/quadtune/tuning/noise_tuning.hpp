@@ -3,6 +3,7 @@
 /// of each log that the fit has not seen.
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -11,7 +12,9 @@
 #include "quadtune/estimation/nonlinear_filter.hpp"
 #include "quadtune/tuning/autocovariance_fit.hpp"
 #include "quadtune/tuning/consistency.hpp"
+#include "quadtune/tuning/noise_agreement.hpp"
 #include "quadtune/tuning/noise_fit.hpp"
+#include "quadtune/tuning/state_errors.hpp"
 
 namespace quadtune {
 
@@ -22,16 +25,22 @@ struct RefusedCount {
   Eigen::Index measured = 0;  ///< all of them
 };
 
-enum class NoiseMethod { likelihood, autocovariances };
-
 struct NoiseTuningOptions {
   NoiseMethod method = NoiseMethod::likelihood;
   NoiseFitOptions fit;  ///< of autocovariances only its confidence and profile count
   ConsistencyOptions consistency;
+  bool compare = true;         ///< with the other method: NoiseTuning::agreement
+  AgreementOptions agreement;  ///< what of it matters
   double holdout = 0.2;  ///< share of each record, its end, that is kept from the fit; 0 … 0.9
   /// Share of an output's measurements that a gate may refuse before they are no outliers any more.
   double most_refused = 0.05;
   bool keep_records = false;  ///< NoiseTuning::records_before and records_after
+  /// Of the search, > 0. Once they are over the best so far is judged, which takes a few more runs
+  /// of the filter; the fit is then NoiseFitStatus::out_of_time.
+  double seconds = std::numeric_limits<double>::infinity();
+  /// Called as NoiseFitOptions::progress is, which it takes the place of, with which of the fits it
+  /// is, from 1. May be empty.
+  std::function<void(int round, int evaluations, double best)> progress = {};
 };
 
 /// The same stretch by the covariances before and after.
@@ -39,19 +48,30 @@ struct HoldOut {
   Eigen::Index innovations = 0;  ///< that were compared; 0: there is no such stretch
   double before = std::numeric_limits<double>::quiet_NaN();  ///< log-likelihood an innovation
   double after = std::numeric_limits<double>::quiet_NaN();
-  /// Fails where after is less than before by more than chance does, innovation by innovation.
+  /// Fails where after is less than before by more than chance does, innovation by innovation, of
+  /// however few; passes from 30 on.
   CheckVerdict verdict = CheckVerdict::too_short;
   std::string reason;  ///< where it does not pass
 };
 
 struct NoiseTuning {
+  /// Where it was interrupted, that is all there is: nothing is judged.
   NoiseFit fit;
   std::optional<AutocovarianceFit> autocovariances;  ///< that the fit is of, if it is
-  int rounds = 1;                     ///< fits made, each with its own path and its own refusals
-  std::vector<RefusedCount> refused;  ///< of the outputs whose sensor has a gate
-  Consistency before;                 ///< with the covariances that the model started with
+  int rounds = 1;                       ///< fits made, each with its own path and its own refusals
+  std::vector<LeftOutRecord> left_out;  ///< of the filter's logs
+  std::vector<RefusedCount> refused;    ///< of the outputs whose sensor has a gate
+  Consistency before;                   ///< with the covariances that the model started with
   Consistency after;
   HoldOut holdout;
+  std::optional<NoiseAgreement> agreement;  ///< of a fit that converged, where asked for
+  /// Of the states whose truth is told: over the stretch held out where it is told there, else over
+  /// the part that was fitted.
+  std::vector<StateAccuracy> accuracy;
+  bool accuracy_held_out = false;  ///< which of them
+  /// What a user has to know whatever the verdict: a sensor that hangs, methods that disagree, a
+  /// filter that is less accurate than before.
+  std::vector<std::string> warnings;
   /// Pass: the fit converged, every parameter is seen or zero or fixed, the innovations are
   /// consistent, gates refuse few, and the stretch held out is not less likely than before.
   CheckVerdict verdict = CheckVerdict::too_short;

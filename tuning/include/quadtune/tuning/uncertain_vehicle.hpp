@@ -34,11 +34,12 @@ struct VehicleUncertainty {
 
 /// The loop of a state feedback, integrals included, about the hover of a vehicle.
 ///
-/// The parameters are mass, inertia x, y and z, thrust, lag (where the range has a width) and
-/// delay, in this order. At each of their values the vehicle hovers at its own trim: in any steady
-/// hover the rotors carry its true weight, whatever brings them there. Rotor speeds, commands and
-/// single thrusts then act by the slope of the true curve at the true speed; a wrench by the ratio
-/// of the curves, as the flight program shares it out by the nominal ones.
+/// The parameters are mass, inertia x, y and z, thrust, lag and delay, in this order, also those
+/// whose range has no width: a box names every number that it holds for. At each of their values
+/// the vehicle hovers at its own trim: in any steady hover the rotors carry its true weight,
+/// whatever brings them there. Rotor speeds, commands and single thrusts then act by the slope of
+/// the true curve at the true speed; a wrench by the ratio of the curves, as the flight program
+/// shares it out by the nominal ones.
 ///
 /// @param vehicle  rotors alike, spins and positions in balance, principal inertia
 /// @param gains    dt > 0, hover; any convention, inputs and sign law

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+/// "No such file" with what was looked for and what is there instead.
+#pragma once
+
+#include <string>
+
+namespace quadtune {
+class FileError;
+}
+
+namespace CLI {
+class App;
+}
+
+namespace quadtune::cli {
+
+/// Whether a file is missing, and not unreadable.
+[[nodiscard]] bool is_missing(const FileError& error);
+
+/// What the option that named the file takes, and the names that are nearest: of its folder, and of
+/// what is built in.
+/// @param app  the verb's options, parsed
+[[nodiscard]] FileError told_missing(const FileError& error, const CLI::App& app);
+
+}  // namespace quadtune::cli

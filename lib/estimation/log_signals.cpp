@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/estimation/log_signals.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "own_log.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/text_file.hpp"
+
+namespace quadtune {
+namespace {
+
+using internal::OwnSignal;
+using internal::printable;
+
+/// Those of the first rows: all there are of a log of one table.
+std::vector<LogGroup> first_groups(const std::string& path, const LogOptions& options) {
+  const std::unique_ptr<LogReader> reader = open_log(path, options);
+  LogBlock block;
+  (void)reader->next(block);
+  return reader->groups();
+}
+
+bool is_input(const FilterModel& model, const std::string& signal) {
+  return std::any_of(model.inputs.begin(), model.inputs.end(),
+                     [&](const Signal& input) { return input.name == signal; });
+}
+
+/// The values that several series of one table make where all have one.
+LogSeries combined(const OwnSignal& signal, const std::vector<const LogSeries*>& of) {
+  LogSeries result{signal.from, signal.unit, true, {}, {}};
+  std::vector<std::size_t> next(of.size(), 0);
+  std::vector<double> values(of.size());
+  for (std::size_t k = 0; k < of[0]->time.size(); ++k) {
+    const double t = of[0]->time[k];
+    bool all = true;
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      while (next[i] < of[i]->time.size() && of[i]->time[next[i]] < t) ++next[i];
+      all = all && next[i] < of[i]->time.size() && of[i]->time[next[i]] == t;
+      if (all) values[i] = of[i]->values[next[i]];
+    }
+    if (!all) continue;
+    const double value = signal.value(values);
+    if (!std::isfinite(value)) continue;
+    result.time.push_back(t);
+    result.values.push_back(value);
+  }
+  return result;
+}
+
+FedSignals read_own_log(const std::string& path, const FilterModel& model,
+                        const std::vector<Signal>& signals, const std::vector<LogGroup>& groups,
+                        const LogOptions& options) {
+  const bool z_up = model.gravity && model.gravity->z() < 0;
+  std::vector<std::pair<std::string, OwnSignal>> chosen;
+  std::vector<std::string> channels;
+  for (const Signal& signal : signals) {
+    const std::vector<OwnSignal> own = internal::own_signals(signal, z_up);
+    const OwnSignal* there = internal::first_that_is_there(own, groups);
+    if (there == nullptr) {
+      if (!is_input(model, signal.name)) continue;
+      throw InvalidInput(path, fmt::format("this flight log has nothing for the input '{}' of the "
+                                           "model '{}', expected a channel named for it{}",
+                                           signal.name, model.name,
+                                           own.empty() ? "" : ", or a vehicle with such a sensor"));
+    }
+    chosen.emplace_back(signal.name, *there);
+    for (const std::string& channel : there->channels)
+      if (std::find(channels.begin(), channels.end(), channel) == channels.end())
+        channels.push_back(channel);
+  }
+  const auto is_output = [&](const std::string& signal) { return !is_input(model, signal); };
+  const bool asked = std::any_of(signals.begin(), signals.end(),
+                                 [&](const Signal& signal) { return is_output(signal.name); });
+  const auto refuse = [&] {
+    std::vector<std::string> outputs;
+    for (const Signal& signal : signals)
+      if (is_output(signal.name)) outputs.push_back(signal.name);
+    throw InvalidInput(path, fmt::format("this flight log has nothing for {} of the model '{}', "
+                                         "expected --map {}=CHANNEL",
+                                         fmt::join(outputs, ", "), model.name, outputs.front()));
+  };
+  if (asked && std::none_of(chosen.begin(), chosen.end(),
+                            [&](const auto& one) { return is_output(one.first); }))
+    refuse();
+  LogChannels log = read_log_channels(path, channels, options);
+  FedSignals result{{}, log.condition, log.epoch_s};
+  for (const auto& [name, own] : chosen) {
+    std::vector<const LogSeries*> of;
+    for (const std::string& channel : own.channels)
+      of.push_back(&log.series[static_cast<std::size_t>(
+          std::find(channels.begin(), channels.end(), channel) - channels.begin())]);
+    LogSeries series = combined(own, of);
+    // A sensor that never had anything to say measured nothing.
+    if (series.values.empty() && !is_input(model, name)) continue;
+    result.signals.push_back({{name, std::move(series)}, own.from});
+  }
+  if (asked && std::none_of(result.signals.begin(), result.signals.end(),
+                            [&](const FedSignal& fed) { return is_output(fed.use.signal); }))
+    refuse();
+  return result;
+}
+
+/// Refuses a channel that has the signal's name by chance.
+void require_meant(const std::string& path, const FilterModel& model, const Signal& signal,
+                   const LogSeries& series, const std::vector<LogGroup>& groups) {
+  for (const LogGroup& group : groups)
+    for (const LogChannel& channel : group.channels)
+      if (full_name(group, channel) == series.name &&
+          internal::may_be_anything(signal, channel, group))
+        throw InvalidInput(
+            path,
+            fmt::format("'{}' of the model '{}' stands for any quantity, and the channel '{}' "
+                        "{}may be another one, expected --map {}=CHANNEL to say which is meant",
+                        signal.name, model.name, printable(series.name),
+                        channel.unit.empty() ? "" : fmt::format("[{}] ", printable(channel.unit)),
+                        signal.name));
+}
+
+}  // namespace
+
+FedSignals read_signals_by_name(const std::string& path, const FilterModel& model,
+                                const std::vector<Signal>& signals, const LogOptions& options) {
+  const std::vector<LogGroup> groups = first_groups(path, options);
+  if (internal::is_own_log(groups)) return read_own_log(path, model, signals, groups, options);
+  std::vector<std::string> names;
+  for (const Signal& signal : signals) names.push_back(signal.name);
+  LogChannels log = read_log_channels(path, names, options);
+  FedSignals result{{}, log.condition, log.epoch_s};
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    require_meant(path, model, signals[i], log.series[i], log.groups);
+    std::string from = log.series[i].name;
+    result.signals.push_back({{names[i], std::move(log.series[i])}, std::move(from)});
+  }
+  return result;
+}
+
+}  // namespace quadtune

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/model/plausibility.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "quadtune/model/mixer.hpp"
+
+namespace quadtune {
+namespace {
+
+constexpr double kRpm = 2 * std::numbers::pi / 60;  // [rad/s]
+
+struct PlausibleRange {
+  double low;
+  double high;
+  [[nodiscard]] bool holds(double value) const { return low <= value && value <= high; }
+};
+
+/// A mistake by which a right value becomes the wrong one: it was multiplied by `factor`.
+struct Mistake {
+  double factor;
+  std::string what;
+};
+
+class Search {
+ public:
+  explicit Search(const Vehicle& vehicle) : vehicle_(vehicle) {
+    const auto n = static_cast<double>(vehicle.rotors.size());
+    for (const Rotor& rotor : vehicle.rotors) arm_ += rotor.position.head<2>().norm() / n;
+    thrust_ = vehicle.mass * vehicle.gravity / n;
+  }
+
+  std::vector<Implausibility> found() {
+    environment();
+    const bool arm_fits = arm();
+    // Measured by a wrong arm, what is right would be told to be wrong.
+    if (arm_fits) inertia();
+    weight();
+    drag_torque();
+    if (arm_fits || !std::isnan(vehicle_.rotors.front().radius)) speed();
+    motors();
+    battery();
+    return std::move(found_);
+  }
+
+ private:
+  /// @param mistakes  told is the one that brings the value into the range, nearest to its middle
+  /// @return          whether it is in the range
+  bool look(const std::string& quantity, const std::string& unit, double value,
+            const PlausibleRange& range, const std::vector<Mistake>& mistakes) {
+    if (range.holds(value)) return true;
+    std::string cause = "a unit or a power of ten may be wrong";
+    const double middle = std::sqrt(range.low * range.high);
+    double nearest = range.high / middle;  // as a ratio
+    for (const Mistake& mistake : mistakes) {
+      const double right = value / mistake.factor;
+      const double ratio = std::max(right / middle, middle / right);
+      if (!(ratio < nearest)) continue;
+      nearest = ratio;
+      cause = mistake.what;
+    }
+    found_.push_back({quantity, unit, value, range.low, range.high, cause});
+    return false;
+  }
+
+  void environment() {
+    look("gravity", "m/s2", vehicle_.gravity, {1.5, 25},
+         {{100, "gravity_m_per_s2 may be in cm/s2"},
+          {9.81 / 32.2, "gravity_m_per_s2 may be in ft/s2"},
+          {0.10197, "gravity_m_per_s2 may be in units of g"}});
+    look("air density", "kg/m3", vehicle_.air_density, {0.1, 2},
+         {{1e-3, "air_density_kg_per_m3 may be in g/cm3"},
+          {1e3, "air_density_kg_per_m3 may be in g/m3"}});
+  }
+
+  /// m/L³ of multirotors from 10 g to 30 kg is between 20 and 1000 kg/m³.
+  bool arm() {
+    if (!(arm_ > 0)) return false;
+    const PlausibleRange range{std::cbrt(vehicle_.mass / 5000), std::cbrt(vehicle_.mass / 5)};
+    return look("arm (mean distance of the rotors from the centre)", "m", arm_, range,
+                {{1000, "position_m may be in mm"},
+                 {100, "position_m may be in cm"},
+                 {39.37, "position_m may be in inches"},
+                 {0.1, "mass_kg may be in g"},  // the range goes with the cube root
+                 {10, "mass_kg may be too small by a thousand"}});
+  }
+
+  /// Arms with motors at their ends have 0.2 to 0.5 m L² about each level axis, twice that about
+  /// the vertical.
+  void inertia() {
+    const double size = vehicle_.mass * arm_ * arm_;
+    const Eigen::Vector3d moments =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(vehicle_.inertia).eigenvalues();
+    const std::vector<Mistake> units = {{1e7, "inertia_kg_m2 may be in g cm2"},
+                                        {1e4, "inertia_kg_m2 may be in kg cm2"},
+                                        {1e9, "inertia_kg_m2 may be in g mm2"},
+                                        {1e6, "inertia_kg_m2 may be in kg mm2"},
+                                        {1e3, "inertia_kg_m2 may be in g m2"}};
+    // One line for all three: they stand in one key.
+    const PlausibleRange range{0.03, 3};
+    const double largest = moments(2) / size;
+    if (range.holds(largest))
+      look("smallest principal moment over mass times arm2", "", moments(0) / size, range, units);
+    else
+      look("largest principal moment over mass times arm2", "", largest, range, units);
+  }
+
+  void weight() {
+    const double ratio = greatest_thrust(vehicle_) / (vehicle_.mass * vehicle_.gravity);
+    const bool speed = vehicle_.motor.law == CommandLaw::speed;
+    const std::string most = speed ? "max_rad_s" : "max_count";
+    std::vector<Mistake> mistakes;
+    if (speed) mistakes.push_back({1 / (kRpm * kRpm), "max_rad_s may be in rpm"});
+    mistakes.insert(mistakes.end(), {{kRpm * kRpm, "the thrust curve may be for speeds in rpm"},
+                                     {1 / (kRpm * kRpm), "the motor's gain may give (rpm)2"},
+                                     {1e-3, "mass_kg may be in g, or the thrust curve in kN"},
+                                     {1e3, "the thrust curve may be in mN, or mass_kg in t"},
+                                     {1 / 9.81, "the thrust curve may be in kgf"},
+                                     {1e3 / 9.81, "the thrust curve may be in gf"}});
+    look("thrust-to-weight at " + most, "", ratio, {1, 10}, mistakes);
+  }
+
+  /// Drag torque of a rotor over its thrust: a twentieth to a third of its radius.
+  void drag_torque() {
+    const Rotor& rotor = vehicle_.rotors.front();
+    const double w = rotor_speed_for_thrust(rotor, thrust_);
+    const double torque = rotor_torque(rotor, w);
+    if (!(torque > 0)) return;  // none is known
+    look("drag torque over thrust of a rotor at hover", "m", torque / thrust_, {5e-4, 0.1},
+         {{1000, "the torque curve may be in N mm"},
+          {100, "the torque curve may be in N cm"},
+          {1e-3, "the torque curve may be in kN m"},
+          {1 / (kRpm * kRpm), "thrust and torque may be for speeds in different units"},
+          {kRpm * kRpm, "thrust and torque may be for speeds in different units"}});
+  }
+
+  /// T = C_T ρ π R⁴ w² with C_T of propellers, and R what is known or has room between neighbours.
+  void speed() {
+    const Rotor& rotor = vehicle_.rotors.front();
+    const bool known = !std::isnan(rotor.radius);
+    const double radius = known ? rotor.radius : room();
+    if (!(radius > 0)) return;
+    const double w = rotor_speed_for_thrust(rotor, thrust_);
+    // A propeller may have less than half of the room: C_T falls with the fourth power.
+    const PlausibleRange coefficient =
+        known ? PlausibleRange{0.002, 0.06} : PlausibleRange{0.0002, 0.06};
+    const double disc = vehicle_.air_density * std::numbers::pi * std::pow(radius, 4);
+    const PlausibleRange range{std::sqrt(thrust_ / (disc * coefficient.high)),
+                               std::sqrt(thrust_ / (disc * coefficient.low))};
+    std::vector<Mistake> mistakes = {
+        {1 / kRpm, "the thrust curve may be for speeds in rpm"},
+        {1 / (2 * std::numbers::pi), "the thrust curve may be for turns a second"},
+        {std::sqrt(1e-3), "the thrust curve may be in mN"}};
+    if (known)
+      mistakes.insert(mistakes.end(),
+                      {{1 / std::sqrt(std::pow(std::numbers::pi, 3) / 4),
+                        "Ct may be that of T = Ct rho n2 D4, expected that of T = Ct rho pi r4 w2"},
+                       {4, "radius_m may be the diameter"},
+                       {std::pow(1e3, 2), "radius_m may be in mm"}});
+    look(fmt::format("rotor speed at hover (for a propeller of {} {:.3g} m)",
+                     known ? "radius" : "at most", radius),
+         "rad/s", w, range, mistakes);
+  }
+
+  /// Half the distance of the two rotors that are nearest to each other, seen from above.
+  [[nodiscard]] double room() const {
+    double least = 0;
+    for (const Rotor& a : vehicle_.rotors)
+      for (const Rotor& b : vehicle_.rotors) {
+        const double distance = (a.position - b.position).head<2>().norm();
+        // Rotors above one another have room.
+        if (distance > 1e-6 * arm_ && (least == 0 || distance < least)) least = distance;
+      }
+    return least / 2;
+  }
+
+  void motors() {
+    const double yaw = vehicle_.inertia(2, 2);
+    double lag = 0, inertia = 0;
+    for (const Rotor& rotor : vehicle_.rotors) {
+      lag = std::max(lag, rotor.lag);
+      inertia = std::max(inertia, rotor.inertia);
+    }
+    if (lag > 0) look("motor lag", "s", lag, {1e-3, 0.5}, {{1000, "lag_s may be in ms"}});
+    if (inertia > 0)
+      look("inertia of a rotor over that of the vehicle about z", "", inertia / yaw, {1e-6, 0.05},
+           {{1e7, "inertia_kg_m2 of the rotor may be in g cm2"},
+            {1e4, "inertia_kg_m2 of the rotor may be in kg cm2"},
+            {1e9, "inertia_kg_m2 of the rotor may be in g mm2"},
+            {1e3, "inertia_kg_m2 of the rotor may be in g m2"}});
+  }
+
+  /// Energy over the vehicle's mass; the best cells have 300 W h/kg.
+  void battery() {
+    if (!vehicle_.battery) return;
+    const Battery& battery = *vehicle_.battery;
+    const double energy = battery.capacity / 3600 * battery.full_voltage / vehicle_.mass;
+    look("energy of the battery over the vehicle's mass", "W h/kg", energy, {1, 400},
+         {{1000, "capacity_A_h may be in mA h"}, {1e-3, "capacity_A_h may be in kA h"}});
+  }
+
+  const Vehicle& vehicle_;
+  double arm_ = 0;     // [m]
+  double thrust_ = 0;  // of a rotor at hover [N]
+  std::vector<Implausibility> found_;
+};
+
+}  // namespace
+
+std::vector<Implausibility> implausible(const Vehicle& vehicle) { return Search(vehicle).found(); }
+
+std::string to_string(const Implausibility& figure) {
+  const std::string unit = figure.unit.empty() ? "" : " " + figure.unit;
+  return fmt::format("{} is {:.4g}{}, plausible is {:.3g} to {:.3g}{}: {}", figure.quantity,
+                     figure.value, unit, figure.low, figure.high, unit, figure.cause);
+}
+
+}  // namespace quadtune

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// quadtune vehicle: what is odd about a file, what it leaves open.
+#include "quadtune/model/vehicle.hpp"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "run_program.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+std::string crazyflie(const std::string& from, const std::string& to) {
+  return replaced(load_vehicle("crazyflie").text, from, to);
+}
+
+TEST(VehicleCheck, WarnsInTextAndJson) {
+  const TemporaryDirectory folder;
+  const std::string file =
+      folder
+          .write("v.toml", crazyflie("[1.43e-5, 1.43e-5, 2.89e-5]", "[143, 143, 289]"))  // g cm2
+          .string();
+  const ProgramResult text = run_program({"vehicle", "check", file});
+  EXPECT_EQ(text.status, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("v.toml: warning: largest principal moment over mass times arm2 "
+                                  "is 5.21e+06, plausible is 0.03 to 3: inertia_kg_m2 may be in g "
+                                  "cm2"));
+  const Json json = Json::parse(run_program({"vehicle", "check", file, "--json"}).out);
+  ASSERT_EQ(json["warnings"].size(), 1);
+  EXPECT_EQ(json["warnings"][0]["cause"], "inertia_kg_m2 may be in g cm2");
+  EXPECT_EQ(json["warnings"][0]["plausible"], Json({0.03, 3.0}));
+  EXPECT_THAT(run_program({"vehicle", "show", file}).out, HasSubstr("warnings    largest"));
+}
+
+// A vehicle that cannot hover is told the likely reason, too.
+TEST(VehicleCheck, SaysWhyItMayNotHover) {
+  const TemporaryDirectory folder;
+  const std::string file =
+      folder.write("v.toml", crazyflie("mass_kg = 0.030", "mass_kg = 30")).string();
+  const ProgramResult result = run_program({"vehicle", "check", file});
+  EXPECT_EQ(result.status, 4);
+  EXPECT_THAT(result.err, HasSubstr("mass_kg may be in g"));
+}
+
+TEST(VehicleCheck, FindsNothingOddInTheBuiltInVehicles) {
+  for (const std::string& name : built_in_vehicles()) {
+    const Json json = Json::parse(run_program({"vehicle", "check", name, "--json"}).out);
+    EXPECT_TRUE(json["warnings"].empty()) << name << json["warnings"];
+    EXPECT_THAT(run_program({"vehicle", "check", name}).out, ::testing::Not(HasSubstr("warning")));
+  }
+}
+
+TEST(VehicleShow, TellsEverything) {
+  const std::string crazyflie = run_program({"vehicle", "show", "crazyflie"}).out;
+  for (const char* words :
+       {"environment gravity 9.81 m/s2", "lag 0.072 s; inertia 0 kg m2", "tolerance 0.011",
+        "drag        area 0 0 0 m2", "accelerometer 200 Hz", "assumed: the file has no [sensors]",
+        "assumed: a supply that never falls", "body.drag_area_m2 = 0 m2",
+        "rotor.inertia_kg_m2 = 0 kg m2", "flight.takeoff_gain = 0"})
+    EXPECT_THAT(crazyflie, HasSubstr(words));
+  const std::string mambo = run_program({"vehicle", "show", "mambo"}).out;
+  for (const char* words :
+       {"radius 0.033 m; chord 0.008 m; 2 blades", "signs 1 -1 1 -1", "sonar         200 Hz",
+        "rotor.lag_s = 0 s: speeds follow", "1.45 m g; 0.92 of the greatest thrust",
+        "published   PID cascade every 0.005 s"})
+    EXPECT_THAT(mambo, HasSubstr(words));
+  // What the file has is not assumed.
+  EXPECT_THAT(mambo, ::testing::Not(HasSubstr("environment.gravity_m_per_s2 =")));
+  EXPECT_THAT(mambo, ::testing::Not(HasSubstr("sensors = typical")));
+}
+
+TEST(VehicleShow, JsonHasSensorsBatteryAndWhatIsAssumed) {
+  const TemporaryDirectory folder;
+  const std::string file =
+      folder
+          .write("v.toml", load_vehicle("mambo").text +
+                               "\n[battery]\ncapacity_A_h = 0.6\nfull_voltage_V = 4.2\n"
+                               "empty_voltage_V = 3.2\nresistance_ohm = 0.1\n")
+          .string();
+  const Json json = Json::parse(run_program({"vehicle", "show", file, "--json"}).out);
+  EXPECT_EQ(json["battery"]["capacity_A_h"], 0.6);
+  EXPECT_EQ(json["battery"]["efficiency"], 0.7);
+  EXPECT_EQ(json["sensors"]["sonar"]["noise_m"], 0.01);
+  EXPECT_EQ(json["sensors"]["accelerometer"]["bias_m_per_s2"], Json({0.09, -0.06, 0.337}));
+  EXPECT_FALSE(json["sensors"].contains("gps"));
+  EXPECT_THAT(json["assumed"]["rotor.lag_s"].get<std::string>(), HasSubstr("0 s"));
+  EXPECT_FALSE(json["assumed"].contains("battery"));
+  EXPECT_FALSE(json["assumed"].contains("rotor.inertia_kg_m2"));
+}
+
+}  // namespace
+}  // namespace quadtune::testing

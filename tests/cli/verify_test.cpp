@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// A manifest that tells something else than its gains: verify and diff notice.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <tuple>
+
+#include "quadtune/exports/file_set.hpp"
+#include "run_program.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::ordered_json;
+
+const std::string kSource = QUADTUNE_SOURCE_DIR;
+
+class VerifyManifest : public ::testing::Test {
+ protected:
+  /// A design, written to a directory of its own with the design beside it.
+  std::string exported(const std::string& design, const std::string& more = "") {
+    std::ifstream file(kSource + "/designs/" + design + ".toml");
+    std::ostringstream text;
+    text << file.rdbuf() << more;
+    const std::string path = folder_.write(design + ".toml", text.str()).string();
+    const std::string out = (folder_.path() / ("out-" + design)).string();
+    const ProgramResult result = run_program({"design", path, "-o", out, "--quiet"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    return out;
+  }
+
+  /// What verify says of a manifest with a change.
+  std::string verified(const std::string& out, const std::function<void(Json&)>& change,
+                       int status = 1) {
+    const std::string name = std::filesystem::path(out).filename().string() + "/manifest.json";
+    const std::string before = folder_.read(name);
+    Json manifest = Json::parse(before);
+    change(manifest);
+    folder_.write(name, manifest.dump());
+    const ProgramResult result = run_program({"verify", out});
+    EXPECT_EQ(result.status, status) << result.out << result.err;
+    folder_.write(name, before);
+    return result.out + result.err;
+  }
+
+  TemporaryDirectory folder_;
+};
+
+TEST_F(VerifyManifest, PassesWhatWasWritten) {
+  for (const char* design : {"uquad-hover", "mambo-hover"}) {
+    const std::string text = verified(
+        exported(design), [](Json&) {}, 0);
+    EXPECT_THAT(text, HasSubstr("ok   weights give the gains: solved anew"));
+    EXPECT_THAT(text, HasSubstr("ok   evidence is that of the weights"));
+    EXPECT_THAT(text, HasSubstr(std::string("ok   inputs are those of the manifest: ") + design));
+  }
+}
+
+TEST_F(VerifyManifest, NoticesSwappedInputs) {
+  for (const char* design : {"uquad-hover", "mambo-hover"}) {
+    const std::string out = exported(design);
+    const auto swap = [](Json& manifest) {
+      std::swap(manifest["gains"]["inputs"][0], manifest["gains"]["inputs"][1]);
+    };
+    EXPECT_THAT(verified(out, swap), HasSubstr("FAIL gains are those of the manifest: inputs "));
+    // A manifest is a file of gains, too: rows under other names are other gains.
+    Json manifest = Json::parse(
+        folder_.read(std::filesystem::path(out).filename().string() + "/manifest.json"));
+    swap(manifest);
+    const std::string swapped = folder_.write("manifest.json", manifest.dump()).string();
+    const ProgramResult result = run_program({"diff", out, swapped, "--json"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_GT(Json::parse(result.out)["max_relative"], 0.1) << design;
+    std::filesystem::remove(swapped);
+  }
+}
+
+TEST_F(VerifyManifest, NoticesOtherWordsForTheSignals) {
+  const std::string out = exported("uquad-hover");
+  for (const auto& [where, value, said] : std::vector<std::tuple<std::string, Json, std::string>>{
+           {"/gains/states/0/unit", "ft", "x in 'm', the manifest has 'ft'"},
+           {"/gains/inputs/2/name", "w7", "inputs w1 w2 w3 w4, the manifest has w1 w2 w7 w4"},
+           {"/gains/dt_s", 0.02, "sample time 0.01 in the file, 0.02"},
+           {"/gains/input_kind", "rotor-thrust", "kind of inputs rotor-speed in the file"},
+           {"/gains/law", "u = u0 - K x", "gains.law: is 'u = u0 - K x'"}}) {
+    // gains.dt_s of a uquad export comes from the manifest itself: the program's rate tells.
+    const std::string text = verified(
+        out,
+        [&, where = where, value = value](Json& manifest) {
+          manifest[Json::json_pointer(where)] = value;
+        },
+        where == "/gains/law" ? 3 : 1);
+    if (where != "/gains/dt_s") {
+      EXPECT_THAT(text, HasSubstr(said)) << where;
+    }
+  }
+}
+
+TEST_F(VerifyManifest, NoticesOtherWeights) {
+  for (const char* design : {"uquad-hover", "mambo-hover"}) {
+    const std::string out = exported(design);
+    for (const char* where : {"/weights/Q/0/0", "/weights/Q/13/13", "/weights/R/2/2"}) {
+      const Json::json_pointer entry(where);
+      Json manifest = Json::parse(
+          folder_.read(std::filesystem::path(out).filename().string() + "/manifest.json"));
+      if (!manifest.contains(entry)) continue;  // fewer integrals
+      EXPECT_THAT(verified(out, [&](Json& m) { m[entry] = 1.001 * m[entry].get<double>(); }),
+                  HasSubstr("FAIL weights give the gains: solved anew; largest difference"))
+          << design << where;
+    }
+  }
+}
+
+TEST_F(VerifyManifest, NoticesOtherEvidence) {
+  const std::string out = exported("mambo-hover");
+  const std::string said = "FAIL evidence is that of the weights";
+  EXPECT_THAT(verified(out, [](Json& m) { m["evidence"]["poles"][0][0] = 0.5; }), HasSubstr(said));
+  EXPECT_THAT(verified(out, [](Json& m) { m["evidence"]["poles"].erase(0); }), HasSubstr(said));
+  EXPECT_THAT(verified(out, [](Json& m) { m["evidence"]["rcond"] = 0.9; }), HasSubstr(said));
+  EXPECT_THAT(verified(out, [](Json& m) { m["evidence"]["residual"] = 1e-3; }), HasSubstr(said));
+  EXPECT_THAT(verified(out, [](Json& m) { m["evidence"]["status"] = "perfect"; }), HasSubstr(said));
+  EXPECT_THAT(verified(out, [](Json& m) { m["evidence"].erase("poles"); }), HasSubstr(said));
+  EXPECT_THAT(verified(out, [](Json& m) { m["evidence"]["method"] = "continuous LQR"; }),
+              HasSubstr("FAIL weights give the gains"));
+  EXPECT_THAT(verified(out, [](Json& m) { m["evidence"].erase("method"); }),
+              HasSubstr("FAIL weights give the gains: "));
+  EXPECT_THAT(verified(
+                  out, [](Json& m) { m["closed_loop"]["spectral_radius"] = 0.9; }, 3),
+              HasSubstr("closed_loop.spectral_radius"));
+}
+
+TEST_F(VerifyManifest, NoticesInputsThatAreNotTheFiles) {
+  const std::string out = exported("uquad-hover");
+  for (const int i : {0, 1})
+    for (const char* key : {"sha256", "size"})
+      EXPECT_THAT(verified(out,
+                           [&](Json& m) {
+                             Json& value = m["inputs"][i][key];
+                             if (value.is_string())
+                               value = std::string(64, 'a');
+                             else
+                               value = value.get<int>() + 1;
+                           }),
+                  HasSubstr("FAIL inputs are those of the manifest: uquad"))
+          << i << key;
+  // An input that is nowhere to be found is told, and named by an option.
+  std::filesystem::create_directory(folder_.path() / "elsewhere");
+  std::filesystem::rename(folder_.path() / "uquad-hover.toml",
+                          folder_.path() / "elsewhere" / "uquad-hover.toml");
+  const std::filesystem::path here = std::filesystem::current_path();
+  std::filesystem::current_path(folder_.path());
+  EXPECT_THAT(run_program({"verify", out}).out,
+              HasSubstr("not at hand, so not compared: uquad-hover.toml"));
+  const std::string design = (folder_.path() / "elsewhere" / "uquad-hover.toml").string();
+  EXPECT_THAT(run_program({"verify", out, "--design", design}).out,
+              HasSubstr("uquad-hover.toml, uquad.toml as listed"));
+  folder_.write("elsewhere/uquad-hover.toml", "name = \"other\"\n");
+  const ProgramResult other = run_program({"verify", out, "--design", design});
+  EXPECT_EQ(other.status, 1);
+  EXPECT_THAT(other.out, HasSubstr("FAIL inputs are those of the manifest: uquad-hover.toml has"));
+  EXPECT_THAT(run_program({"verify", out, "--design", kSource + "/designs/mambo-hover.toml"}).err,
+              HasSubstr("--design is 'mambo-hover.toml', expected one of the manifest's inputs: "
+                        "uquad-hover.toml, uquad.toml"));
+  std::filesystem::current_path(here);
+}
+
+TEST_F(VerifyManifest, NoticesAnotherCascade) {
+  const std::string out = exported("mambo-hover", "\n[[export]]\nto = \"json\"\n");
+  for (const char* kind : {"mambo", "json"}) {
+    const std::string directory = out + "/" + kind;
+    const std::string name = std::filesystem::path(out).filename().string() + "/" + kind;
+    const std::string before = folder_.read(name + "/manifest.json");
+    const auto verify_with = [&](const std::string& where, const Json& value) {
+      Json manifest = Json::parse(before);
+      manifest[Json::json_pointer(where)] = value;
+      folder_.write(name + "/manifest.json", manifest.dump());
+      const ProgramResult result = run_program({"verify", directory});
+      EXPECT_EQ(result.status, 1) << result.out;
+      return result.out;
+    };
+    EXPECT_THAT(verify_with("/cascade/loops/3/Kp", 0.02),
+                HasSubstr("FAIL cascade is that of the manifest: 1 numbers differ, most Kp(roll)"));
+    EXPECT_THAT(verify_with("/cascade/dt_s", 0.01), HasSubstr("FAIL cascade is that of"));
+    EXPECT_THAT(verify_with("/cascade_closed_loop/poles/0/0", -0.25),
+                HasSubstr("FAIL poles of the cascade are those of the manifest"));
+    folder_.write(name + "/manifest.json", before);
+    EXPECT_EQ(run_program({"verify", directory}).status, 0);
+  }
+  // A cascade that does not hold the vehicle, under a mended hash.
+  Json gains = Json::parse(folder_.read("out-mambo-hover/json/gains.json"));
+  gains["cascade"]["loops"][3]["Kp"] = -gains["cascade"]["loops"][3]["Kp"].get<double>();
+  folder_.write("out-mambo-hover/json/gains.json", gains.dump());
+  Json manifest = Json::parse(folder_.read("out-mambo-hover/json/manifest.json"));
+  manifest["files"][0]["sha256"] = sha256(gains.dump());
+  manifest["files"][0]["size"] = gains.dump().size();
+  manifest["cascade"] = gains["cascade"];
+  folder_.write("out-mambo-hover/json/manifest.json", manifest.dump());
+  EXPECT_THAT(run_program({"verify", out + "/json"}).out,
+              HasSubstr("FAIL closed loop of the cascade is stable"));
+}
+
+}  // namespace
+}  // namespace quadtune::testing

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/model/plausibility.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+namespace quadtune {
+namespace {
+
+using ::testing::HasSubstr;
+constexpr double kRpm = 2 * std::numbers::pi / 60;
+
+TEST(Plausibility, FindsNothingInTheBuiltInVehicles) {
+  for (const std::string& name : built_in_vehicles())
+    for (const Implausibility& figure : implausible(load_vehicle(name)))
+      ADD_FAILURE() << name << ": " << to_string(figure);
+}
+
+void scale(Vehicle& vehicle, double Rotor::*member, double factor) {
+  for (Rotor& rotor : vehicle.rotors) rotor.*member *= factor;
+}
+
+struct Mistake {
+  std::string cause;
+  std::function<void(Vehicle&)> make;
+};
+
+// Each mistake in each vehicle in which it can be made is found, with its cause.
+TEST(Plausibility, FindsUnitsTakenForOthers) {
+  const std::vector<Mistake> mistakes = {
+      {"g cm2", [](Vehicle& v) { v.inertia *= 1e7; }},
+      {"kg cm2", [](Vehicle& v) { v.inertia *= 1e4; }},
+      {"g mm2", [](Vehicle& v) { v.inertia *= 1e9; }},
+      {"power of ten", [](Vehicle& v) { v.inertia *= 1e-3; }},
+      {"mass_kg may be in g", [](Vehicle& v) { v.mass *= 1000; }},
+      {"mm",
+       [](Vehicle& v) {
+         for (Rotor& r : v.rotors) r.position *= 1000;
+       }},
+      {"cm",
+       [](Vehicle& v) {
+         for (Rotor& r : v.rotors) r.position *= 100;
+       }},
+      {"inches",
+       [](Vehicle& v) {
+         for (Rotor& r : v.rotors) r.position *= 39.37;
+       }},
+      {"drag torque over thrust",
+       [](Vehicle& v) {
+         scale(v, &Rotor::torque_d2, 1e5);
+         scale(v, &Rotor::torque_d1, 1e5);
+       }},
+      {"drag torque over thrust",
+       [](Vehicle& v) {
+         scale(v, &Rotor::torque_d2, 1e-5);
+         scale(v, &Rotor::torque_d1, 1e-5);
+       }},
+      {"N mm",
+       [](Vehicle& v) {
+         scale(v, &Rotor::torque_d2, 1000);
+         scale(v, &Rotor::torque_d1, 1000);
+       }},
+      {"in mN",
+       [](Vehicle& v) {
+         scale(v, &Rotor::thrust_a2, 1000);
+         scale(v, &Rotor::thrust_a1, 1000);
+       }},
+      {"ms",
+       [](Vehicle& v) {
+         for (Rotor& r : v.rotors) r.lag = 72;
+       }},
+      {"cm/s2", [](Vehicle& v) { v.gravity *= 100; }},
+      {"g/m3", [](Vehicle& v) { v.air_density *= 1000; }},
+      {"mA h",
+       [](Vehicle& v) {
+         v.battery = Battery{600 * 3600.0, 4.2, 3.2};
+       }},
+  };
+  for (const std::string& name : built_in_vehicles())
+    for (const Mistake& mistake : mistakes) {
+      Vehicle vehicle = load_vehicle(name);
+      mistake.make(vehicle);
+      std::string all;
+      for (const Implausibility& figure : implausible(vehicle)) all += to_string(figure) + "\n";
+      EXPECT_THAT(all, HasSubstr(mistake.cause)) << name;
+    }
+}
+
+TEST(Plausibility, FindsSpeedsInRpm) {
+  for (const std::string& name : built_in_vehicles()) {
+    Vehicle vehicle = load_vehicle(name);
+    // The curves and the limits alike: the vehicle hovers at the same share of its greatest speed.
+    scale(vehicle, &Rotor::thrust_a2, kRpm * kRpm);
+    scale(vehicle, &Rotor::thrust_a1, kRpm);
+    scale(vehicle, &Rotor::torque_d2, kRpm * kRpm);
+    scale(vehicle, &Rotor::torque_d1, kRpm);
+    vehicle.motor.gain /= vehicle.motor.law == CommandLaw::speed ? kRpm : kRpm * kRpm;
+    const std::vector<Implausibility> found = implausible(vehicle);
+    ASSERT_EQ(found.size(), 1) << name;
+    EXPECT_THAT(found[0].quantity, HasSubstr("rotor speed at hover")) << name;
+    EXPECT_THAT(found[0].cause, HasSubstr("rpm")) << name;
+    // The limits alone.
+    Vehicle limits = load_vehicle(name);
+    limits.motor.gain /= limits.motor.law == CommandLaw::speed ? kRpm : kRpm * kRpm;
+    ASSERT_EQ(implausible(limits).size(), 1) << name;
+    EXPECT_THAT(implausible(limits)[0].quantity, HasSubstr("thrust-to-weight")) << name;
+    EXPECT_GT(implausible(limits)[0].value, 100) << name;
+  }
+}
+
+// Rounding and honest differences are not told: a factor of 2 in any figure.
+TEST(Plausibility, LeavesRoomForOtherVehicles) {
+  for (const char* name : {"mambo", "uquad", "crazyflie"})
+    for (const double factor : {0.5, 2.0}) {
+      Vehicle vehicle = load_vehicle(name);
+      vehicle.inertia *= factor;
+      scale(vehicle, &Rotor::inertia, factor);
+      for (Rotor& rotor : vehicle.rotors) rotor.position *= std::sqrt(factor);
+      EXPECT_TRUE(implausible(vehicle).empty())
+          << name << factor << to_string(implausible(vehicle).front());
+    }
+}
+
+TEST(Plausibility, TellsFigureRangeAndCause) {
+  EXPECT_EQ(to_string(Implausibility{"motor lag", "s", 72, 1e-3, 0.5, "lag_s may be in ms"}),
+            "motor lag is 72 s, plausible is 0.001 to 0.5 s: lag_s may be in ms");
+}
+
+}  // namespace
+}  // namespace quadtune

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Random choices that are the same with every compiler and library.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace quadtune::mutations {
+
+/// SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, 2014).
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+  /// Of one case of a seed: neighbours have nothing in common.
+  Random(std::uint64_t seed, std::uint64_t number) : state_(Random(seed).next() ^ number) {
+    state_ = next();
+  }
+
+  std::uint64_t next() {
+    std::uint64_t z = state_ += 0x9e3779b97f4a7c15U;
+    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
+    return z ^ (z >> 31U);
+  }
+  /// From 0 to n - 1; 0 of none.
+  std::size_t below(std::size_t n) { return n == 0 ? 0 : static_cast<std::size_t>(next() % n); }
+  bool percent(unsigned share) { return next() % 100 < share; }
+
+  template <typename List>
+  const auto& of(const List& list) {
+    return list[below(list.size())];
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+}  // namespace quadtune::mutations

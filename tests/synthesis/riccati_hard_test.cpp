@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Riccati problems whose matrices are as far apart as a double allows, judged in 100 digits by an
+/// algorithm that the solver does not use. QUADTUNE_RICCATI_PROBLEMS=2000 asks for so many of each
+/// class instead of a few.
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <boost/multiprecision/eigen.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+#include <string>
+
+#include "matrix_near.hpp"
+#include "quadtune/synthesis/riccati.hpp"
+#include "riccati_problems.hpp"
+
+namespace quadtune {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using testing::RiccatiCase;
+namespace mp = boost::multiprecision;
+using Real = mp::number<mp::cpp_bin_float<100>, mp::et_off>;
+using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
+
+Matrix wide(const MatrixXd& M) { return M.cast<Real>(); }
+
+/// Solves A_cᵀX + X A_c + M = 0, or A_cᵀX A_c - X + M = 0, by squaring, in place. False when the
+/// powers do not vanish: A_c is not stable.
+bool solve_lyapunov(const Matrix& Ac, bool discrete, Matrix& M) {
+  const Index n = Ac.rows();
+  Matrix E = Ac;
+  if (!discrete) {
+    const Real gamma = mp::sqrt(Ac.norm());
+    E.diagonal().array() -= gamma;
+    const Matrix F = E.partialPivLu().inverse();
+    E = Real(2) * gamma * F + Matrix::Identity(n, n);
+    M = (Real(2) * gamma * (F.transpose() * M * F)).eval();
+  }
+  for (int i = 0; i < 120; ++i) {
+    const Real size = E.norm();
+    if (size < Real("1e-55")) return true;
+    if (!(size < Real("1e80"))) return false;
+    M += (E.transpose() * M * E).eval();
+    E = (E * E).eval();
+  }
+  return false;
+}
+
+/// What 100 digits say of a gain.
+struct Judgement {
+  bool stabilizes = false;  ///< A - B K is stable
+  std::optional<Matrix>
+      exact;  ///< the stabilizing solution's gain; none where there is no solution
+};
+
+/// Kleinman's iteration (1968; Hewer 1971) from a stabilizing gain goes to the stabilizing
+/// solution's, if there is one.
+Judgement judge(const RiccatiCase& c, bool discrete, const MatrixXd& start) {
+  const Matrix A = wide(c.A), B = wide(c.B), Q = wide(c.Q), R = wide(c.R);
+  const Matrix N = c.N.size() > 0 ? wide(c.N) : Matrix::Zero(B.rows(), B.cols());
+  Matrix K = wide(start);
+  Judgement judgement;
+  for (int step = 0; step < 300; ++step) {
+    const Matrix NK = N * K;
+    Matrix X = Q + K.transpose() * R * K - NK - NK.transpose();
+    if (!solve_lyapunov(A - B * K, discrete, X)) return judgement;
+    judgement.stabilizes = true;
+    Matrix S = R;
+    Matrix F = B.transpose() * X;
+    if (discrete) {
+      S += F * B;
+      F = (F * A).eval();
+    }
+    const Matrix next = S.partialPivLu().solve(F + N.transpose());
+    const bool stands = (next - K).norm() <= Real("1e-35") * next.norm();
+    K = next;
+    if (stands) {
+      judgement.exact = K;
+      return judgement;
+    }
+  }
+  return judgement;
+}
+
+double relative_difference(const MatrixXd& K, const Matrix& exact) {
+  return Real((wide(K) - exact).norm() / exact.norm()).convert_to<double>();
+}
+
+/// A solution that is right to a millionth, or that carries the warning and is right to ten times
+/// what it tells. Only where rounding has left Q an eigenvalue below 0 may there be no solution of
+/// the exact numbers; then the warning says so.
+void expect_right(const RiccatiCase& c, bool discrete, bool always_has_one = true) {
+  const RiccatiResult r = discrete ? dare(c.A, c.B, c.Q, c.R, c.N) : care(c.A, c.B, c.Q, c.R, c.N);
+  ASSERT_TRUE(r.solved()) << r;
+  const Judgement by_100_digits = judge(c, discrete, r.K);
+  ASSERT_TRUE(by_100_digits.stabilizes) << r;
+  if (r.rcond < 1e-12) EXPECT_THAT(r.warning, ::testing::HasSubstr("ill-conditioned"));
+  if (!by_100_digits.exact) {
+    EXPECT_FALSE(always_has_one) << r;
+    EXPECT_EQ(r.gain_error, std::numeric_limits<double>::infinity()) << r;
+    EXPECT_THAT(r.warning, ::testing::HasSubstr("decides whether there is a solution"));
+    return;
+  }
+  const double error = relative_difference(r.K, *by_100_digits.exact);
+  EXPECT_LE(error, r.warning.empty() ? 1e-6 : std::max(1e-6, 10 * r.gain_error))
+      << r << "; " << r.warning;
+}
+
+/// How many of each class.
+int problems() {
+  const char* asked = std::getenv("QUADTUNE_RICCATI_PROBLEMS");
+  return asked == nullptr ? 60 : std::max(1, std::atoi(asked));
+}
+
+/// Entries of 20 bits: a product of two such matrices of up to 12 rows is exact, so that Q = CᵀC is
+/// of the rank of C to the last bit.
+MatrixXd short_entries(Index rows, Index cols, std::mt19937_64& random) {
+  return testing::random_matrix(rows, cols, random).unaryExpr([](double x) {
+    return std::ldexp(std::round(std::ldexp(x, 17)), -17);
+  });
+}
+
+double power_of_ten(double low, double high, std::mt19937_64& random) {
+  return std::pow(10, std::uniform_real_distribution<double>(low, high)(random));
+}
+
+/// V diag(s) Vᵀ with V orthogonal and s from 1 down to 10^-decades, both ends taken.
+MatrixXd spread(Index m, double decades, std::mt19937_64& random) {
+  const MatrixXd V =
+      Eigen::HouseholderQR<MatrixXd>(testing::random_matrix(m, m, random)).householderQ();
+  Eigen::VectorXd s(m);
+  for (Index i = 0; i < m; ++i) s[i] = power_of_ten(-decades, 0, random);
+  s[0] = 1;
+  if (m > 1) s[m - 1] = std::pow(10, -decades);
+  const MatrixXd R = V * s.asDiagonal() * V.transpose();
+  return 0.5 * (R + R.transpose());
+}
+
+struct Class {
+  std::string name;
+  bool discrete;
+  double q_low, q_high;  ///< decades of Q
+  double r_low, r_high;  ///< decades of R
+  double r_spread;       ///< decades between R's eigenvalues
+  bool cross = false;
+};
+
+void PrintTo(const Class& one, std::ostream* out) { *out << one.name; }
+
+class HardRiccati : public ::testing::TestWithParam<Class> {};
+
+TEST_P(HardRiccati, AreNeitherRefusedNorWrong) {
+  const Class& kind = GetParam();
+  std::mt19937_64 random(18);
+  for (int k = 0; k < problems(); ++k) {
+    const Index n = std::uniform_int_distribution<Index>(2, 9)(random);
+    const Index m = std::uniform_int_distribution<Index>(1, std::min<Index>(n, 5))(random);
+    const Index rank = std::uniform_int_distribution<Index>(1, n)(random);
+    RiccatiCase c = testing::random_case(n, m, kind.discrete, false, random);
+    const double q = power_of_ten(kind.q_low, kind.q_high, random);
+    const double r = power_of_ten(kind.r_low, kind.r_high, random);
+    if (k % 2 == 0) {
+      const MatrixXd C = short_entries(rank, n, random);
+      c.Q = std::exp2(std::round(std::log2(q))) * (C.transpose() * C);
+    } else {  // rounding leaves eigenvalues on either side of 0
+      const MatrixXd C = testing::random_matrix(rank, n, random);
+      c.Q = q * (C.transpose() * C);
+      c.Q = (0.5 * (c.Q + c.Q.transpose())).eval();
+    }
+    c.R = r * spread(m, kind.r_spread, random);
+    SCOPED_TRACE(::testing::Message() << "problem " << k << ": n = " << n << ", m = " << m
+                                      << ", rank of Q " << rank << ", Q " << q << ", R " << r);
+    expect_right(c, kind.discrete, k % 2 == 0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Classes, HardRiccati,
+                         ::testing::Values(Class{"DiscreteTinyR", true, 5, 10, -10, -7, 3},
+                                           Class{"DiscreteNearlySingularR", true, -1, 1, -1, 1, 14},
+                                           Class{"ContinuousTinyR", false, 5, 10, -10, -7, 3},
+                                           Class{"ContinuousNearlySingularR", false, -1, 1, -1, 1,
+                                                 14}),
+                         [](const auto& kind) { return kind.param.name; });
+
+// Refused before: the plain recursion solves it in a few steps.
+TEST(HardRiccati, OnceRefused) {
+  const RiccatiCase c{
+      MatrixXd{{1.7201196195664805, 0.041165363426994013, 0.14770458274935161},
+               {-1.2792430645800528, 0.78684279923809686, 0.45940270930452715},
+               {-1.0950779705776266, 0.43440567557847048, -0.25670235817587544}},
+      MatrixXd{{-0.40051856959365306, -0.46724699793066691, 0.912220687825814},
+               {1.2183134105951932, -1.0077714990400832, 1.358631239299571},
+               {-0.8366120871179884, -0.93808516466711378, -1.7498922510255728}},
+      MatrixXd{{20139315.302494008, -1512.3981978709712, 9937884.3579582423},
+               {-1512.3981978709712, 0.11357626982681489, -746.30334586225342},
+               {9937884.3579582423, -746.30334586225342, 4903917.7364644902}},
+      MatrixXd{{2.9155950659709673e-09, -1.6334461020510406e-09, 1.288105358000569e-09},
+               {-1.6334461020510406e-09, 1.0823784413989883e-09, -9.1580075932590007e-10},
+               {1.288105358000569e-09, -9.1580075932590007e-10, 1.1302718632151552e-09}}};
+  expect_right(c, true);
+  const RiccatiResult r = dare(c.A, c.B, c.Q, c.R);
+  EXPECT_NEAR(r.X.norm(), 2.5e7, 1e6);
+  EXPECT_NEAR(r.poles.cwiseAbs().maxCoeff(), 0.80, 0.01);
+}
+
+}  // namespace
+}  // namespace quadtune
