@@ -274,7 +274,7 @@ TEST(Vehicle, ShowsDerivedHoverSpeed) {
 std::string toml_lines(const internal::Json& table) {
   std::string text;
   for (const auto& [key, value] : table.items())
-    if (!value.is_object() && !(value.is_array() && value.front().is_object()))
+    if (!value.is_object() && !(value.is_array() && (value.empty() || value.front().is_object())))
       text += key + " = " + value.dump() + "\n";
   return text;
 }
