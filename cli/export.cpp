@@ -77,8 +77,16 @@ ExportContent make_content(const Options& options, ExportKind kind, Context& con
   if (content.gains && kind != ExportKind::json)
     content.gains = in_convention(
         *content.gains, convention(kind == ExportKind::uquad ? "uquad" : "mambo", "--to"));
-  if (content.gains && content.gains->dt > 0)
-    content.plant = model_of(content.vehicle, *content.gains).plant;
+  if (content.gains && content.gains->dt > 0) {
+    const VerifyModel model = model_of(content.vehicle, *content.gains);
+    content.plant = model.plant;
+    // The flight program's K*.txt have no trim.
+    if (content.gains->u0.isZero(0)) {
+      content.gains->u0 = model.u0;
+      context.note(fmt::format("export: note: the gains come without a trim; that of {} is taken",
+                               content.vehicle.name));
+    }
+  }
   return content;
 }
 

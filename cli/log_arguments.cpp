@@ -46,15 +46,18 @@ ChannelPlace channel_place(const std::string& word, const std::string& log) {
   return {word.substr(0, at), word.substr(at + 1)};
 }
 
+InvalidInput lacks_channel(const UnknownChannel& lacking) {
+  std::string message = lacking.what();
+  message.erase(0, lacking.where().size() + 2);
+  return {lacking.where(), message + "; a channel of another file is called CHANNEL@FILE"};
+}
+
 LogChannels read_channels(const std::string& file, const std::vector<std::string>& names,
                           const LogOptions& options, const std::vector<std::string>& optional) {
   try {
     return read_log_channels(file, names, options, optional);
   } catch (const UnknownChannel& lacking) {
-    std::string message = lacking.what();
-    message.erase(0, lacking.where().size() + 2);
-    throw InvalidInput(lacking.where(),
-                       message + "; a channel of another file is called CHANNEL@FILE");
+    throw lacks_channel(lacking);
   }
 }
 

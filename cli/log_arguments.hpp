@@ -35,7 +35,10 @@ struct ChannelPlace {
 /// @param log  the log itself
 [[nodiscard]] ChannelPlace channel_place(const std::string& word, const std::string& log);
 
-/// As read_log_channels(); what the file lacks is refused with how to name a channel of another.
+/// The refusal of a channel that a file lacks, with how one of another file is named.
+[[nodiscard]] InvalidInput lacks_channel(const UnknownChannel& lacking);
+
+/// As read_log_channels(); what the file lacks is refused as lacks_channel() says.
 [[nodiscard]] LogChannels read_channels(const std::string& file,
                                         const std::vector<std::string>& names,
                                         const LogOptions& options,

@@ -183,8 +183,6 @@ void require_sane(const std::string& verb, const MissionTuningArguments& argumen
     refuse(verb, "--report",
            fmt::format("--report is '{}', expected a name that ends in .html",
                        internal::printable(arguments.report)));
-  if (arguments.report == arguments.file)
-    refuse(verb, "--report", "--report and -o are one file, expected two");
 }
 
 void run_mission_tuning(const MissionTuning& tuning, const MissionTuningArguments& arguments,

@@ -191,7 +191,13 @@ TunedLog read_log(const std::string& path, const FilterModel& model, const Optio
   std::optional<std::int64_t> epoch_s;
   std::vector<ChannelUse> fed;
   if (!map.by_name.empty()) {
-    FedSignals log = read_signals_by_name(path, model, map.by_name, log_options);
+    FedSignals log = [&] {
+      try {
+        return read_signals_by_name(path, model, map.by_name, log_options);
+      } catch (const UnknownChannel& lacking) {
+        throw lacks_channel(lacking);
+      }
+    }();
     if (std::find(files.begin(), files.end(), path) == files.end()) {
       result.warnings = tell_log_warnings(log.condition, path, "tune", context);
       files.insert(files.begin(), path);

@@ -12,6 +12,8 @@
 namespace quadtune {
 namespace {
 
+constexpr std::size_t kListed = 4;  // the fastest, by name
+
 std::string text(const std::complex<double>& pole) {
   if (pole.imag() == 0) return fmt::format("pole at {:.6g} 1/s is", pole.real());
   return fmt::format("poles at {:.6g} +- {:.6g}i 1/s are", pole.real(), pole.imag());
@@ -27,14 +29,23 @@ std::vector<std::string> sample_time_warnings(const Eigen::VectorXcd& poles, dou
   std::stable_sort(fast.begin(), fast.end(),
                    [](const auto& a, const auto& b) { return std::abs(a) > std::abs(b); });
   std::vector<std::string> warnings;
+  std::size_t others = 0;
   for (const std::complex<double>& pole : fast) {
     const std::string line = fmt::format(
         "the {} fast for dt = {:.6g} s: |pole| dt is {:.3g}, expected at most {}; take dt <= "
         "{:.3g} s",
         text(pole), dt, std::abs(pole) * dt, kLongPeriod, kLongPeriod / std::abs(pole));
     // Equal axes have equal poles.
-    if (warnings.empty() || warnings.back() != line) warnings.push_back(line);
+    if (!warnings.empty() && warnings.back() == line) continue;
+    if (warnings.size() < kListed)
+      warnings.push_back(line);
+    else
+      ++others;
   }
+  if (others > 0)
+    warnings.push_back(fmt::format("{} more {} fast for dt = {:.6g} s, but less so", others,
+                                   others == 1 ? "pole or pair of poles is" : "poles or pairs are",
+                                   dt));
   return warnings;
 }
 

@@ -50,6 +50,7 @@ double chi_squared_below(double x, double degrees) {
 }
 
 double chi_squared_two_sided(double x, double degrees) {
+  if (std::isnan(x)) return x;
   return std::min(1.0, 2 * std::min(chi_squared_below(x, degrees), chi_squared_above(x, degrees)));
 }
 

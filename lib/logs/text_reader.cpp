@@ -112,7 +112,7 @@ class TextReader final : public LogReader {
         rate_hz_(options.rate_hz) {
     read_head(options);
     add_group({"", layout_.channels, !layout_.ticks.empty() || rate_hz_ > 0});
-    condition_.notes = layout_.notes;
+    condition_.notes.insert(condition_.notes.end(), layout_.notes.begin(), layout_.notes.end());
     if (layout_.ticks.size() == 1) settle_clock();
     ticks_.resize(layout_.ticks.size());
     bad_.resize(layout_.channels.size());

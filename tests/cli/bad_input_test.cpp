@@ -623,7 +623,7 @@ std::vector<Mistake> flight_mistakes() {
       {"FlyNothing", {"fly"}, 2, {"expected a vehicle"}},
       {"FlyUnknownVehicle", {"fly", "mamba"}, 3, {"mamba", "did you mean 'mambo'"}},
       fly("UnknownMission", {"--mission", "hoover"}, {"hoover", "did you mean 'hover'"}, 3),
-      fly("UnknownController", {"--controller", "pid"}, {"--controller", "'pid'", "cascaded-pid"}),
+      fly("UnknownController", {"--controller", "pif"}, {"--controller", "'pif'", "cascaded-pid (or pid)"}),
       fly("UnknownEstimator", {"--estimator", "manbo"}, {"--estimator", "did you mean 'mambo'"}),
       fly("EstimatorWithoutItsSensors", {"--estimator", "uquad"}, {"--estimator", "has no"}),
       fly("UnknownFlow", {"--flow", "half"}, {"--flow", "full, simplified, off"}),

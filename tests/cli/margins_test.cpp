@@ -123,9 +123,9 @@ struct Matrices {
   }
 };
 
-// A double integrator with the gain of an LQR: stable as continuous matrices, not as discrete ones.
+// A double integrator with poles at -1 +- j: stable as continuous matrices, not as discrete ones.
 TEST(MarginsVerb, SaysWhatMatricesAreTakenFor) {
-  const Matrices m("0 1\n0 0\n", "0\n1\n", "1 1.7320508\n");
+  const Matrices m("0 1\n0 0\n", "0\n1\n", "2 2\n");
   const ProgramResult by_period = run_program(m.arguments({"--dt", "0.01"}));
   EXPECT_EQ(by_period.status, 0);
   EXPECT_THAT(by_period.out, HasSubstr("discrete, every 0.01 s"));
@@ -232,9 +232,9 @@ TEST(LqrEvidence, IsBoundedAndChosen) {
   EXPECT_TRUE(essential["margins"]["multivariable"].is_null());
   EXPECT_TRUE(json_of(arguments(3, {"--evidence", "none"}))["margins"]["loops"].empty());
   EXPECT_THAT(run_program(arguments(3, {"--evidence", "none"})).out, HasSubstr("not computed"));
-  const ProgramResult wrong = run_program(arguments(3, {"--evidence", "ful"}));
+  const ProgramResult wrong = run_program(arguments(3, {"--evidence", "esential"}));
   EXPECT_EQ(wrong.status, 2);
-  EXPECT_THAT(wrong.err, HasSubstr("expected none, essential or full; did you mean 'full'?"));
+  EXPECT_THAT(wrong.err, HasSubstr("expected none, essential or full; did you mean 'essential'?"));
 }
 
 // x[k+1] = u[k]: the closed loop's pole is 0, which has no logarithm.
@@ -261,7 +261,7 @@ TEST(LqrVerb, TellsAnIndefiniteCost) {
   };
   const ProgramResult result =
       run_program({"lqr", "--discrete", "--A", file("A", "0.5\n"), "--B", file("B", "1\n"), "--Q",
-                   file("Q", "1\n"), "--R", file("R", "1\n"), "--N", file("N", "1.1\n")});
+                   file("Q", "1\n"), "--R", file("R", "1\n"), "--N", file("N", "-1.1\n")});
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.err, HasSubstr("lqr: warning: [Q N; N' R] has eigenvalue -0.1"));
 }

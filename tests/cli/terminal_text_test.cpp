@@ -141,10 +141,10 @@ TEST(Folded, WrapsBelowTheTextOfAHeading) {
 TEST(Folded, EveryTableFitsAtEightyColumns) {
   for (const std::vector<std::string>& args : std::vector<std::vector<std::string>>{
            {"lqr", "mambo"},
-           {"lqr", "uquad", "--convention", "uquad", "--method", "discrete"},
+           {"lqr", "uquad", "--convention", "uquad", "--method", "discrete", "--dt", "0.01"},
            {"linearize", "mambo"},
            {"pid", "mambo"},
-           {"pid", "mambo", "--gains", "published"},
+           {"fly", "mambo", "--gains", "published", "--duration", "2"},
            {"vehicle", "list"},
            {"vehicle", "show", "uquad"},
            {"discretize", "mambo", "--compare", "--dt", "0.01"},

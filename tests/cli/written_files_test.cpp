@@ -132,8 +132,7 @@ class WrittenFiles : public ::testing::Test {
     files["tune lqr"] = {path("tuned-lqr.toml"), own, true, false};
     made({"design", path("tuned-lqr.toml"), "-o", path("tuned-lqr"), "--quiet"});
     files["design: tune lqr"] = {path("tuned-lqr"), own, true, false};
-    made({"tune", "lqr", "uquad", "--match-gains", path("uquad"), "--R", "0.01", "--tie", "x,psi",
-          "--method", "discrete", "--force", "-o", path("matched.toml"), "--quiet"});
+    made({"tune", "lqr", "uquad", "--match-gains", path("uquad"), "--R", "0.01", "--method", "discrete", "--force", "-o", path("matched.toml"), "--quiet"});
     files["tune lqr --match-gains"] = {path("matched.toml"), "uquad", true, false};
     files["gains.json"] = {path("pid-export/gains.json"), own, false, true};
     files["manifest.json"] = {path("mambo/manifest.json"), "mambo", true, true};

@@ -35,6 +35,16 @@ TEST(SampleTime, WarnsOfEveryFastPoleOnce) {
                           HasSubstr("the pole at -50 1/s is")));
 }
 
+TEST(SampleTime, CountsWhatIsLessFast) {
+  const Eigen::VectorXcd poles = Eigen::VectorXd::LinSpaced(600, -1000, -401);
+  const std::vector<std::string> warnings = sample_time_warnings(poles, 0.01);
+  ASSERT_EQ(warnings.size(), 5U);
+  EXPECT_THAT(warnings.front(), HasSubstr("the pole at -1000 1/s is"));
+  EXPECT_EQ(warnings.back(), "596 more poles or pairs are fast for dt = 0.01 s, but less so");
+  EXPECT_EQ(sample_time_warnings(poles.head(5), 0.01).back(),
+            "1 more pole or pair of poles is fast for dt = 0.01 s, but less so");
+}
+
 TEST(SampleTime, TakesPlantsAndTransferFunctions) {
   ContinuousLti plant;
   plant.A = MatrixXd{{-1, 7}, {0, -200}};

@@ -5,12 +5,10 @@
 
 #include "hostile_samples.hpp"
 #include "kinds.hpp"
+#include "random.hpp"
 
 namespace quadtune::mutations {
 namespace {
-
-/// Between -1 and 1, the same everywhere.
-double noise(Random& random) { return static_cast<double>(random.below(20001)) / 10000 - 1; }
 
 Kind matrices() {
   Kind kind{"matrix text"};
@@ -82,18 +80,20 @@ Kind log_kind(const std::string& name, const std::string& format, Format structu
   return kind;
 }
 
-/// A sensor that rests in twelve poses.
+/// A sensor that rests on the faces and the edges of a cube.
 std::string poses() {
   Random random(12);
   std::string text = "t_s,ax,ay,az\n";
   int row = 0;
-  for (int pose = 0; pose < 12; ++pose) {
-    const double a = 0.7 * pose, b = 1.9 * pose;
-    for (int i = 0; i < 60; ++i, ++row)
+  for (int pose = 0; pose < 27; ++pose) {
+    const int x = pose % 3 - 1, y = pose / 3 % 3 - 1, z = pose / 9 - 1;
+    const int length = x * x + y * y + z * z;
+    if (length != 1 && length != 2) continue;
+    const double g = 9.8 / std::sqrt(length);
+    for (int i = 0; i < 120; ++i, ++row)
       text += fmt::format("{:.2f},{:.4f},{:.4f},{:.4f}\n", 0.02 * row,
-                          9.8 * std::cos(a) * std::cos(b) + 0.01 * noise(random) + 0.1,
-                          9.7 * std::sin(a) * std::cos(b) + 0.01 * noise(random),
-                          9.9 * std::sin(b) + 0.01 * noise(random) - 0.2);
+                          g * x + 0.01 * random.noise() + 0.1, 0.99 * g * y + 0.01 * random.noise(),
+                          1.01 * g * z + 0.01 * random.noise() - 0.2);
   }
   return text;
 }
@@ -136,9 +136,9 @@ std::string small_log_text() {
   std::string text = "t_s,y[m],az[m/s^2],height[m]\n";
   for (int k = 0; k < 60; ++k) {
     const double t = 0.02 * k;
-    text += fmt::format("{:.2f},{:.4f},{:.4f},{:.4f}\n", t, std::sin(3 * t) + 0.1 * noise(random),
-                        9 * std::sin(3 * t) + 0.5 * noise(random),
-                        1 + std::sin(3 * t) + 0.02 * noise(random));
+    text += fmt::format("{:.2f},{:.4f},{:.4f},{:.4f}\n", t, std::sin(3 * t) + 0.1 * random.noise(),
+                        9 * std::sin(3 * t) + 0.5 * random.noise(),
+                        1 + std::sin(3 * t) + 0.02 * random.noise());
   }
   return text;
 }

@@ -27,6 +27,8 @@ class Random {
   /// From 0 to n - 1; 0 of none.
   std::size_t below(std::size_t n) { return n == 0 ? 0 : static_cast<std::size_t>(next() % n); }
   bool percent(unsigned share) { return next() % 100 < share; }
+  /// From -1 to 1.
+  double noise() { return static_cast<double>(below(20001)) / 10000 - 1; }
 
   template <typename List>
   const auto& of(const List& list) {

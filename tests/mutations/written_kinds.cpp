@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <utility>
+
 #include "kinds.hpp"
+#include "random.hpp"
 
 namespace quadtune::mutations {
 namespace {
@@ -139,8 +144,9 @@ at = "line"
 speed_m_per_s = 1
 climb_m_per_s = 0.1
 [lqr]
+convention = "mambo"
 inputs = "wrench"
-states = ["phi", "theta", "psi", "p", "q", "r"]
+states = ["psi", "theta", "phi", "phidot", "thetadot", "psidot"]
 Q = [25, 25, 8, 0.25, 0.25, 0.25]
 R = [123, 9.2e4, 9.2e4, 3.1e7]
 method = "sampled"
@@ -287,14 +293,37 @@ value = 0.5
             "r.toml",
             Format::toml,
             {{"tune", "pid", "mambo", "--gains", "published", "--requirements", "@/r.toml",
-              "--evaluations", "1", "--proof", "2"}}}}};
+              "--evaluations", "1", "--proof", "20"}}}}};
+}
+
+/// At rest, with a channel for every input of the built-in models and some of their outputs.
+std::string resting_log_text() {
+  const std::vector<std::pair<std::string, double>> channels = {
+      {"ax", 0},      {"ay", 0},      {"flow_vx", 0}, {"flow_vy", 0},  {"rate", 0},
+      {"tilt", 0},    {"gyro_x", 0},  {"gyro_y", 0},  {"gyro_z", 0},   {"force_x", 0},
+      {"force_y", 0}, {"force_z", 1}, {"x", 0},       {"y", 0},        {"z", 0},
+      {"height", 1},  {"vx", 0},      {"vy", 0},      {"vz", 0},       {"roll", 0},
+      {"pitch", 0},   {"yaw", 0},     {"fx", 0},      {"fy", 0},       {"fz", -9.81},
+      {"p", 0},       {"q", 0},       {"r", 0},       {"px", 0},       {"py", 0},
+      {"pz", 0},      {"u", 0},       {"v", 0},       {"w", 0},        {"speed_1", 1}, {"speed_2", 1}, {"speed_3", 1},  {"speed_4", 1}};
+  Random random(8);
+  std::string text = "t_s";
+  for (const auto& [name, mean] : channels) text += "," + name;
+  for (int k = 0; k < 60; ++k) {
+    text += fmt::format("\n{:.2f}", 0.02 * k);
+    for (const auto& [name, mean] : channels) {
+      const double size = name.starts_with("speed") ? 316.1 : name == "force_z" ? 9.81 : mean;
+      text += fmt::format(",{:.4f}", size + 0.02 * random.noise());
+    }
+  }
+  return text + "\n";
 }
 
 Kind filter_models() {
   Kind kind{"filter model"};
-  const Files logs = {{"log.csv", small_log_text()}};
-  const auto add = [&](const std::string& text, std::vector<Command> commands) {
-    Sample sample{logs, "m.toml", Format::toml, std::move(commands)};
+  const auto add = [&](const std::string& text, std::vector<Command> commands,
+                       const std::string& log = small_log_text()) {
+    Sample sample{{{"log.csv", log}}, "m.toml", Format::toml, std::move(commands)};
     sample.files["m.toml"] = text;
     kind.samples.push_back(std::move(sample));
   };
@@ -304,12 +333,13 @@ Kind filter_models() {
     command.insert(command.end(), more.begin(), more.end());
     return command;
   };
-  add(project_file("filters/local-level.toml"), {tune({}), tune({"--method", "als"})});
+  add(project_file("filters/local-level.toml"),
+      {tune({"--map", "y=y"}), tune({"--map", "y=y", "--method", "als"})});
   add(with(project_file("filters/local-level.toml"), "[[sensors]]", R"([initial]
 x = [0]
 variance = [10]
 [[sensors]])"),
-      {tune({"--gate", "9"}), tune({"--fix", "R.y"})});
+      {tune({"--map", "y=y", "--gate", "9"}), tune({"--map", "y=y", "--fix", "R.y"})});
   add(tuned_altitude(), {tune({}), tune({"-o", "@/tuned.toml", "--force"})});
   add(project_file("filters/constant-velocity.toml"), {tune({"--map", "position=height"})});
   kind.samples.push_back({{{"d.toml", kFilters}, {"tuned.toml", tuned_altitude()}},
@@ -317,7 +347,7 @@ variance = [10]
                           Format::toml,
                           {{"design", "@/d.toml", "--force"}}});
   for (const char* name : {"attitude", "velocity-xy", "inertial", "uquad"})
-    add(project_file(std::string("filters/") + name + ".toml"), {tune({})});
+    add(project_file(std::string("filters/") + name + ".toml"), {tune({})}, resting_log_text());
   return kind;
 }
 

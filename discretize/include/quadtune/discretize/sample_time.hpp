@@ -16,7 +16,7 @@ namespace quadtune {
 inline constexpr double kLongPeriod = 0.5;
 
 /// One line for each pole, of a conjugate pair for both, whose |pole| dt exceeds kLongPeriod; the
-/// fastest first: "the pole at -120 1/s is fast for dt = 0.01 s: |pole| dt is 1.2, expected at most
+/// fastest first, and of all but the four fastest their number: "the pole at -120 1/s is fast for dt = 0.01 s: |pole| dt is 1.2, expected at most
 /// 0.5; take dt <= 0.00417 s". Warnings and no refusals: the holds stay exact at the samples, but a
 /// computer that sees so few of them cannot do much about such a mode, and the approximations of it
 /// are coarse.
