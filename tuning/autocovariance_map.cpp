@@ -233,6 +233,7 @@ MomentMap moment_map(const SampledModel& model, const MatrixXd& M, const LagGrou
   for (std::size_t t = 0; t < model.terms.size(); ++t) {
     const NoiseTerm& term = model.terms[t];
     const MatrixXd P = prediction_covariance(model, M, term.Q, term.R);
+    if (P.size() == 0) return {};
     const auto column = static_cast<Index>(t);
     map.of.col(column) = moments_of(autocovariances_of(model, M, P, term.R, lags), groups);
     // What is left by rounding is not there.

@@ -63,6 +63,7 @@ struct DenseInstants {
   /// f(term, entry) of each entry of the noise after instant k.
   template <class Function>
   void each_noise(std::size_t k, Function&& f) const {
+    if (terms == 0) return;
     std::size_t q = k == 0 ? 0 : noise_end[k * terms - 1];
     for (std::size_t t = 0; t < terms; ++t)
       for (; q < noise_end[k * terms + t]; ++q) f(t, noise[q]);

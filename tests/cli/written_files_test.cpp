@@ -320,7 +320,7 @@ TEST_F(WrittenFiles, FilesInWrongPlacesAreNamed) {
        "kalman --model"},
       {{"fly", "mambo", "--gains", schedule}, "this is a gain schedule"},
       {{"fly", "mambo", "--gains", flown}, "this is a flight log, which belongs to quadtune log"},
-      {{"verify", path("gains.txt")}, "is no directory"},
+      {{"verify", path("gains.txt")}, "expected for DIR: an export's directory"},
       {{"verify", path("lqr.json")},
        "this is a file of gains, which belongs to quadtune fly "
        "--gains"},

@@ -156,7 +156,7 @@ TEST(FilterFile, RefusesWhatItCannotRead) {
       [] { (void)load_filter_model("altitud"); },
       ThrowsMessage<InvalidInput>(StrEq(
           "filter model: no model 'altitud', expected local-level, constant-velocity, "
-          "altitude, velocity-xy, attitude, inertial, uquad or a file; did you mean 'altitude'?")));
+          "altitude, velocity-xy, attitude, inertial, inertial-ned, uquad or a file; did you mean 'altitude'?")));
 }
 
 TEST(FilterFile, WritesWhatItReads) {

@@ -41,8 +41,9 @@ class Cases {
 
 /// What is not as documented in how a command ended; empty where all is.
 /// @param asked_to_stop  a signal came
+/// @param files          that it got: a text `nan` in one may be printed
 [[nodiscard]] std::string complaint(const Command& command, const testing::ProgramResult& result,
-                                    bool asked_to_stop);
+                                    bool asked_to_stop, const Files& files = {});
 
 /// A command as it would be typed, "@" replaced.
 [[nodiscard]] std::string typed(const Command& command, const std::string& folder);

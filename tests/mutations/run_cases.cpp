@@ -109,7 +109,7 @@ class Child {
         std::ofstream(folder / name, std::ios::binary) << bytes;
       }
       if (::chdir(folder.c_str()) != 0) throw std::runtime_error("chdir");
-      run(one.commands[i], folder);
+      run(one.commands[i], one.files, folder);
       if (alarms > 0) break;  // the program's flag cannot be taken back
     }
     if (::chdir(run_.place.c_str()) != 0) throw std::runtime_error("chdir");
@@ -128,7 +128,7 @@ class Child {
   }
 
  private:
-  void run(const Command& command, const fs::path& folder) {
+  void run(const Command& command, const Files& files, const fs::path& folder) {
     testing::ProgramResult result;
     set_alarm(run_.limits.patience_s, run_.limits.grace_s);
     try {
@@ -140,7 +140,7 @@ class Child {
     }
     set_alarm(0, 0);
     tell(fmt::format("status {}\n", result.status));
-    const std::string what = complaint(command, result, alarms > 0);
+    const std::string what = complaint(command, result, alarms > 0, files);
     if (!what.empty()) complain(what + ": " + result.err);
     if (::lseek(STDERR_FILENO, 0, SEEK_CUR) > 0) {
       complain("writes past its streams: " + read_file(run_.place / "noise"));

@@ -15,11 +15,11 @@ namespace quadtune {
 /// mode, or fewer than two in its time constant.
 inline constexpr double kLongPeriod = 0.5;
 
-/// One line for each pole, of a conjugate pair for both, whose |pole| dt exceeds kLongPeriod; the
-/// fastest first, and of all but the four fastest their number: "the pole at -120 1/s is fast for dt = 0.01 s: |pole| dt is 1.2, expected at most
-/// 0.5; take dt <= 0.00417 s". Warnings and no refusals: the holds stay exact at the samples, but a
-/// computer that sees so few of them cannot do much about such a mode, and the approximations of it
-/// are coarse.
+/// One line for each pole, of a conjugate pair for both, whose |pole| dt exceeds kLongPeriod, the
+/// fastest first; of all but the four fastest, their number. "the pole at -120 1/s is fast for
+/// dt = 0.01 s: |pole| dt is 1.2, expected at most 0.5; take dt <= 0.00417 s". Warnings and no
+/// refusals: the holds stay exact at the samples, but a computer that sees so few of them cannot do
+/// much about such a mode, and the approximations of it are coarse.
 ///
 /// @param poles  of a continuous plant [1/s]
 /// @param dt     Sample period [s], 0 < dt < ∞.
