@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "run_program.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -20,7 +21,7 @@ using testing::run_program;
 using testing::TemporaryDirectory;
 
 std::string read_source(const std::string& name) {
-  std::ifstream file(std::string(QUADTUNE_SOURCE_DIR) + "/" + name);
+  std::ifstream file(testing::source_folder() + "/" + name);
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();
@@ -112,7 +113,7 @@ std::vector<Mistake> file_mistakes() {
       matrix_mistake("EmptyMatrix", 3, {"A", "no numbers"}, {{"A", "# nothing\n"}}),
       matrix_mistake("HugeMatrix", 3, {"A", "16777216"}, {{"A", huge_matrix()}}),
       {"OutputIsAFile",
-       {"design", std::string(QUADTUNE_SOURCE_DIR) + "/designs/uquad-hover.toml", "-o", "@/taken"},
+       {"design", testing::source_folder() + "/designs/uquad-hover.toml", "-o", "@/taken"},
        5,
        {"taken", "irectory"},
        {{"taken", "a file\n"}}},
@@ -647,12 +648,12 @@ std::vector<Mistake> flight_mistakes() {
       fly("WindTwice", {"--wind", "north=1,north=2"}, {"--wind", "'north' came twice"}),
       fly("OneFileForTwo", {"--log", "@/f.csv", "-o", "@/f.csv"}, {"--log", "-o", "two files"}),
       {"DesignOfAnotherVehicle",
-       {"fly", "uquad", "--gains", std::string(QUADTUNE_SOURCE_DIR) + "/designs/mambo-hover.toml"},
+       {"fly", "uquad", "--gains", testing::source_folder() + "/designs/mambo-hover.toml"},
        3,
        {"mambo-hover.toml", "for the vehicle 'mambo'", "'uquad'"}},
       {"CascadeOfADesignWithoutOne",
        {"fly", "uquad", "--controller", "cascaded-pid", "--gains",
-        std::string(QUADTUNE_SOURCE_DIR) + "/designs/uquad-hover.toml"},
+        testing::source_folder() + "/designs/uquad-hover.toml"},
        3,
        {"uquad-hover.toml", "holds a state feedback and no PID cascade"}},
       {"CompareFlowWithoutSensor", {"compare", "flow", "uquad"}, 2, {"no optical flow sensor"}},

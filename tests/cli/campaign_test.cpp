@@ -17,6 +17,7 @@
 #include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
 #include "sanitized.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -308,7 +309,7 @@ TEST_F(Campaign, APlanOfOtherKindsIsRefused) {
 
 // The lines of docs/cli.md that are not left out there.
 TEST_F(Campaign, PrintsWhatTheDocsShow) {
-  const std::string root = QUADTUNE_SOURCE_DIR;
+  const std::string root = testing::source_folder();
   const std::string out = replaced(
       run_program({"campaign", "run", root + "/campaigns/mambo-hover.toml", path("out")}).out,
       "campaign replay " + path("out") + " --flight 106",
@@ -328,7 +329,7 @@ TEST_F(Campaign, PrintsWhatTheDocsShow) {
 
 TEST_F(Campaign, TakesGainsAndReferencesAlong) {
   // State feedback from a file, and a mission whose references lie beside it.
-  ASSERT_EQ(run_program({"design", std::string(QUADTUNE_SOURCE_DIR) + "/designs/mambo-hover.toml",
+  ASSERT_EQ(run_program({"design", testing::source_folder() + "/designs/mambo-hover.toml",
                          "-o", path("gains"), "--force"})
                 .status,
             0);
@@ -420,7 +421,7 @@ TEST_F(Campaign, RefusesBadFiles) {
 
 // Gains that let the vehicle fall are not flown a thousand times.
 TEST_F(Campaign, RefusesADesignThatDoesNotStabilize) {
-  const std::string design = std::string(QUADTUNE_SOURCE_DIR) + "/designs/mambo-hover.toml";
+  const std::string design = testing::source_folder() + "/designs/mambo-hover.toml";
   ASSERT_EQ(run_program({"design", design, "-o", path("mambo"), "--force"}).status, 0);
   ASSERT_EQ(run_program({"export", path("mambo"), "--to", "json", "-o", path("right")}).status, 0);
   const std::string text =

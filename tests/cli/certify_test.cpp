@@ -9,6 +9,7 @@
 
 #include "run_program.hpp"
 #include "sanitized.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune::testing {
@@ -17,7 +18,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-const std::string kSource = QUADTUNE_SOURCE_DIR;
+const std::string kSource = testing::source_folder();
 
 class CertifyTest : public ::testing::Test {
  protected:

@@ -19,6 +19,7 @@
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/version.hpp"
 #include "run_program.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -31,7 +32,7 @@ using testing::ProgramResult;
 using testing::run_program;
 using testing::TemporaryDirectory;
 
-const std::string kSource = QUADTUNE_SOURCE_DIR;
+const std::string kSource = testing::source_folder();
 
 /// Runs with --json and parses what came.
 internal::Json json_of(std::vector<std::string> args) {

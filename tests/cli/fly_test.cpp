@@ -11,6 +11,7 @@
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/simulation/mission.hpp"
 #include "run_program.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -23,7 +24,7 @@ using testing::ProgramResult;
 using testing::run_program;
 using testing::TemporaryDirectory;
 
-const std::string kSource = QUADTUNE_SOURCE_DIR;
+const std::string kSource = testing::source_folder();
 
 std::string source(const std::string& name) {
   std::ifstream file(kSource + "/" + name);

@@ -16,6 +16,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/utf8.hpp"
 #include "run_program.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -34,7 +35,7 @@ class HostileNames : public ::testing::Test {
  protected:
   HostileNames() {
     fs::create_directories(folder_);
-    const fs::path source = QUADTUNE_SOURCE_DIR;
+    const fs::path source = testing::source_folder();
     fs::copy(source / "designs/uquad-hover.toml", path("design\xff.toml"));
     fs::copy(source / "vehicles/mambo.toml", path("vehicle\xff.toml"));
     std::ofstream log(path("log\xff.csv"));

@@ -9,6 +9,7 @@
 
 #include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 #include "ulog_writer.hpp"
 
@@ -138,7 +139,7 @@ TEST(LogVerb, RefusesInOneLine) {
 
 // What docs/cli.md prints is what comes.
 TEST(LogVerb, PrintsWhatTheDocsShow) {
-  std::filesystem::current_path(QUADTUNE_SOURCE_DIR);
+  std::filesystem::current_path(testing::source_folder());
   std::ifstream page("docs/cli.md");
   std::ostringstream text;
   text << page.rdbuf();

@@ -7,6 +7,7 @@
 
 #include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -72,7 +73,7 @@ TEST(MarginsVerb, DelayOfDiscreteLoops) {
 TEST(MarginsVerb, OfAVehiclesGains) {
   const TemporaryDirectory folder;
   const std::string out = (folder.path() / "out").string();
-  const std::string design = std::string(QUADTUNE_SOURCE_DIR) + "/designs/uquad-hover.toml";
+  const std::string design = testing::source_folder() + "/designs/uquad-hover.toml";
   const Json designed = json_of({"design", design, "-o", out});
   const Json& expected = designed["lqr"]["margins"];
   EXPECT_EQ(designed["verdict"], "pass");

@@ -12,6 +12,7 @@
 #include "quadtune/design.hpp"
 #include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -25,7 +26,7 @@ using testing::ProgramResult;
 using testing::run_program;
 using testing::TemporaryDirectory;
 
-const std::string kDesign = std::string(QUADTUNE_SOURCE_DIR) + "/designs/uquad-hover.toml";
+const std::string kDesign = testing::source_folder() + "/designs/uquad-hover.toml";
 
 double number(const Json& json) { return json.get<double>(); }
 
@@ -165,7 +166,7 @@ TEST_F(MatchGainsVerb, TellsPeopleTheSame) {
 
 // The lines of docs/cli.md that are not left out there.
 TEST_F(MatchGainsVerb, PrintsWhatTheDocsShow) {
-  std::filesystem::current_path(QUADTUNE_SOURCE_DIR);
+  std::filesystem::current_path(testing::source_folder());
   const std::string out = match("designs/uquad-hover.toml", {"--R", "0.01"}).out;
   std::ifstream page("docs/cli.md");
   int shown = 0;

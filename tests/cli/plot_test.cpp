@@ -17,6 +17,7 @@
 #include "loop_panels.hpp"
 #include "quadtune/errors.hpp"
 #include "run_program.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -148,7 +149,7 @@ std::vector<std::string> texts(const std::string& svg) {
 TEST(Plot, TheOneInTheDocumentsIsWhatTheCommandDraws) {
   const TemporaryDirectory folder;
   ASSERT_EQ(run_program(plotted(kLoop, (folder.path() / "margins.svg").string())).status, 0);
-  std::ifstream file(QUADTUNE_SOURCE_DIR "/docs/images/margins.svg");
+  std::ifstream file(testing::source_folder() + "/docs/images/margins.svg");
   std::ostringstream document;
   document << file.rdbuf();
   EXPECT_THAT(texts(document.str()),

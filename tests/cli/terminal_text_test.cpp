@@ -13,6 +13,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/utf8.hpp"
 #include "run_program.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune::cli {
@@ -149,7 +150,7 @@ TEST(Folded, EveryTableFitsAtEightyColumns) {
            {"vehicle", "show", "uquad"},
            {"discretize", "mambo", "--compare", "--dt", "0.01"},
            {"fly", "mambo", "--duration", "2"},
-           {"design", std::string(QUADTUNE_SOURCE_DIR) + "/designs/uquad-hover.toml"},
+           {"design", testing::source_folder() + "/designs/uquad-hover.toml"},
            {"help"},
            {"help", "lqr"},
            {"help", "fly"}}) {

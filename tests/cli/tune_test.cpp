@@ -557,6 +557,59 @@ TEST(TuneVerb, EndsAsDocumentedWhateverAChannelHolds) {
     }
 }
 
+TEST(TuneVerb, TakesAModelWithoutProcessNoise) {
+  const TemporaryDirectory folder;
+  const std::string model = folder.write("m.toml", R"(name = "still"
+dynamics = "inertial"
+gravity_m_per_s2 = [0, 0, -9.81]
+[[sensors]]
+name = "height"
+outputs = ["height [m]"]
+C = [[0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0]]
+[[sensors.R]]
+parameter = "R.height"
+variance = 1
+)")
+                                .string();
+  const RandomSource<1> source{2027, {0}};
+  std::string text = "t_s,gyro_x,gyro_y,gyro_z,force_x,force_y,force_z,height\n";
+  for (std::uint64_t k = 0; k < 2000; ++k)
+    text += fmt::format("{:.2f},0,0,0,0,0,9.81,{:.6f}\n", 0.02 * static_cast<double>(k),
+                        1 + 0.1 * lane(random_normal(source, 0, k).first, 0));
+  const ProgramResult result = run_program({"tune", "kalman", "--model", model, "--log",
+                                            folder.write("log.csv", text).string(), "--json"});
+  ASSERT_LE(result.status, 1) << result.err;
+  const Json found = Json::parse(result.out)["parameters"][0];
+  EXPECT_EQ(found["name"], "R.height");
+  EXPECT_NEAR(found["value"].get<double>(), 0.01, 0.002);
+}
+
+// The velocity's noise is so weak that the predictor hardly corrects it.
+TEST(TuneVerb, SaysWhyItDoesNotCompareMethods) {
+  const TemporaryDirectory folder;
+  const std::string model = folder.write("m.toml", R"(name = "weak"
+states = ["position [m]", "velocity [m/s]"]
+noises = ["velocity"]
+A = [[0, 1], [0, 0]]
+G = [[0], [1e-15]]
+[[Q]]
+entries = ["velocity"]
+variance = 1
+[[sensors]]
+name = "height"
+outputs = ["height [m]"]
+C = [[1, 0]]
+[[sensors.R]]
+variance = 0.01
+)")
+                                .string();
+  const ProgramResult result =
+      run_program({"tune", "kalman", "--model", model, "--log",
+                   folder.write("log.csv", bobbing(120)).string(), "--starts", "1"});
+  ASSERT_LE(result.status, 1) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("compared"));
+}
+
 TEST(TuneVerb, NamesTheChannelsThatItTook) {
   const TemporaryDirectory folder;
   const std::string log = bobbing(3000);

@@ -11,6 +11,7 @@
 
 #include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -25,7 +26,7 @@ using testing::ProgramResult;
 using testing::run_program;
 using testing::TemporaryDirectory;
 
-const std::string kSource = QUADTUNE_SOURCE_DIR;
+const std::string kSource = testing::source_folder();
 
 class TunedDesign : public ::testing::Test {
  protected:

@@ -11,6 +11,7 @@
 
 #include "quadtune/exports/file_set.hpp"
 #include "run_program.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune::testing {
@@ -19,7 +20,7 @@ namespace {
 using ::testing::HasSubstr;
 using Json = nlohmann::ordered_json;
 
-const std::string kSource = QUADTUNE_SOURCE_DIR;
+const std::string kSource = testing::source_folder();
 
 class VerifyManifest : public ::testing::Test {
  protected:

@@ -12,6 +12,7 @@
 
 #include "run_program.hpp"
 #include "sanitized.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune::testing {
@@ -21,7 +22,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
-const std::string kSource = QUADTUNE_SOURCE_DIR;
+const std::string kSource = testing::source_folder();
 
 // A vehicle of one's own: no built-in name, and no layout that the Mambo's model project takes.
 constexpr char kOwn[] = R"(

@@ -12,6 +12,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/text_matrix.hpp"
 #include "shared_data.hpp"
+#include "source_folder.hpp"
 
 namespace quadtune {
 namespace {
@@ -22,7 +23,7 @@ using testing::MatrixNear;
 using ::testing::StrEq;
 using ::testing::ThrowsMessage;
 
-const std::filesystem::path kDesigns = std::filesystem::path(QUADTUNE_SOURCE_DIR) / "designs";
+const std::filesystem::path kDesigns = std::filesystem::path(testing::source_folder()) / "designs";
 
 const std::vector<std::string> kHover = {
     "name = 'hover'",
@@ -320,7 +321,7 @@ TEST(Design, EveryPrefixIsADesignOrBadInput) {
 std::string example(const std::string& heading, const std::string& language) {
   std::ostringstream bytes;
   bytes
-      << std::ifstream(std::filesystem::path(QUADTUNE_SOURCE_DIR) / "docs" / "formats.md").rdbuf();
+      << std::ifstream(std::filesystem::path(testing::source_folder()) / "docs" / "formats.md").rdbuf();
   const std::string text = bytes.str();
   const std::string fence = "```" + language + "\n";
   const std::size_t start = text.find(fence, text.find(heading)) + fence.size();

@@ -12,6 +12,7 @@
 #include "matrix_near.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/simulation/mission.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -46,7 +47,7 @@ TEST(BuiltInMissions, AreTheFilesOfTheTree) {
     EXPECT_FALSE(mission.limits.empty()) << name;
     EXPECT_TRUE(mission.file.empty());
     const std::filesystem::path path =
-        std::filesystem::path(QUADTUNE_SOURCE_DIR) / "missions" / (name + ".toml");
+        std::filesystem::path(testing::source_folder()) / "missions" / (name + ".toml");
     std::ostringstream bytes;
     bytes << std::ifstream(path, std::ios::binary).rdbuf();
     EXPECT_EQ(mission.text, bytes.str());
@@ -57,7 +58,7 @@ TEST(BuiltInMissions, AreTheFilesOfTheTree) {
 TEST(BuiltInMissions, AreAllFilesOfTheFolder) {
   std::size_t files = 0;
   for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(QUADTUNE_SOURCE_DIR) / "missions"))
+       std::filesystem::directory_iterator(std::filesystem::path(testing::source_folder()) / "missions"))
     files += entry.path().extension() == ".toml" ? 1 : 0;
   EXPECT_EQ(files, built_in_missions().size());
 }
@@ -328,7 +329,7 @@ TEST(MissionFile, NamesTheKeyThatIsMissing) {
 
 std::string section_of_formats() {
   std::ostringstream bytes;
-  bytes << std::ifstream(std::filesystem::path(QUADTUNE_SOURCE_DIR) / "docs/formats.md").rdbuf();
+  bytes << std::ifstream(std::filesystem::path(testing::source_folder()) / "docs/formats.md").rdbuf();
   const std::string text = bytes.str();
   const std::size_t begin = text.find("\n## Mission files\n");
   return text.substr(begin, text.find("\n## ", begin + 1) - begin);

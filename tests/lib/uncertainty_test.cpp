@@ -16,6 +16,7 @@
 #include "matrix_near.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/uncertainty_reader.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -223,7 +224,7 @@ std::string quantity_rows() {
 
 TEST(Uncertainty, DocumentationListsEveryQuantity) {
   const std::string name = "docs/formats.md";
-  std::ifstream file(std::filesystem::path(QUADTUNE_SOURCE_DIR) / name);
+  std::ifstream file(std::filesystem::path(testing::source_folder()) / name);
   const std::string stands(std::istreambuf_iterator<char>(file), {});
   const std::string head =
       "| quantity | unit | kind | from | to | what |\n|---|---|---|---:|---:|---|\n";

@@ -12,6 +12,7 @@
 
 #include "matrix_near.hpp"
 #include "quadtune/errors.hpp"
+#include "source_folder.hpp"
 
 namespace quadtune {
 namespace {
@@ -86,7 +87,7 @@ TEST(BuiltInVehicles, AreTheFourOfTheDocumentation) {
 TEST(BuiltInVehicles, AreTheFilesOfTheTree) {
   for (const std::string& name : built_in_vehicles()) {
     const std::filesystem::path path =
-        std::filesystem::path(QUADTUNE_SOURCE_DIR) / "vehicles" / (name + ".toml");
+        std::filesystem::path(testing::source_folder()) / "vehicles" / (name + ".toml");
     std::ostringstream bytes;
     bytes << std::ifstream(path, std::ios::binary).rdbuf();
     EXPECT_EQ(load_vehicle(name).text, bytes.str());

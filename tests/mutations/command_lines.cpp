@@ -6,11 +6,12 @@
 
 #include "kinds.hpp"
 #include "run_program.hpp"
+#include "source_folder.hpp"
 
 namespace quadtune::mutations {
 
 std::string project_file(const std::string& name) {
-  std::ifstream file(std::string(QUADTUNE_SOURCE_DIR) + "/" + name, std::ios::binary);
+  std::ifstream file(testing::source_folder() + "/" + name, std::ios::binary);
   if (!file) throw std::runtime_error(name + ": cannot be read");
   std::ostringstream text;
   text << file.rdbuf();

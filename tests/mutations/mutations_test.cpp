@@ -6,7 +6,6 @@
 
 #include <csignal>
 #include <cstdlib>
-#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <set>

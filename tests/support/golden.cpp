@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden.hpp"
+#include "source_folder.hpp"
 
 #include <cstdlib>
 #include <filesystem>
@@ -9,7 +10,7 @@
 namespace quadtune::testing {
 
 ::testing::AssertionResult matches_document(const std::string& name, const std::string& text) {
-  const std::filesystem::path path = std::filesystem::path(QUADTUNE_SOURCE_DIR) / name;
+  const std::filesystem::path path = std::filesystem::path(testing::source_folder()) / name;
   if (std::getenv("QUADTUNE_UPDATE_DOCS")) {
     std::ofstream(path) << text;
     return ::testing::AssertionSuccess() << name << " rewritten";

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared_data.hpp"
+#include "source_folder.hpp"
 
 #include <cstdlib>
 
@@ -9,7 +10,7 @@ std::filesystem::path shared_data() {
   const char* named = std::getenv("QUADTUNE_DATA");
   const std::filesystem::path folder =
       named ? std::filesystem::path(named)
-            : std::filesystem::path(QUADTUNE_SOURCE_DIR).parent_path() / "shared" / "data";
+            : std::filesystem::path(testing::source_folder()).parent_path() / "shared" / "data";
   return std::filesystem::is_directory(folder) ? folder : std::filesystem::path();
 }
 

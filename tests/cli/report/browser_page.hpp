@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "browser.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune::testing {
@@ -85,7 +86,7 @@ class Browser : public ::testing::Test {
     EXPECT_EQ(take_picture(write(html), png, 1400, height).status, 0);
     EXPECT_GT(std::filesystem::file_size(png), 60'000U);  // a page without anything: about 10 kB
     if (std::getenv("QUADTUNE_UPDATE_DOCS") != nullptr)
-      std::filesystem::copy_file(png, std::string(QUADTUNE_SOURCE_DIR "/docs/images/") + name,
+      std::filesystem::copy_file(png, testing::source_folder() + "/docs/images/" + name,
                                  std::filesystem::copy_options::overwrite_existing);
   }
 

@@ -11,6 +11,7 @@
 #include "hostile_texts.hpp"
 #include "run_program.hpp"
 #include "sample_flight.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune::testing {
@@ -293,7 +294,7 @@ TEST_F(Browser, TakesPicturesWideAndNarrow) {
   EXPECT_GT(std::filesystem::file_size(wide), 60'000U);
   EXPECT_GT(std::filesystem::file_size(narrow), 40'000U);
   if (for_readme)
-    std::filesystem::copy_file(wide, QUADTUNE_SOURCE_DIR "/docs/images/flight-report.png",
+    std::filesystem::copy_file(wide, testing::source_folder() + "/docs/images/flight-report.png",
                                std::filesystem::copy_options::overwrite_existing);
 }
 

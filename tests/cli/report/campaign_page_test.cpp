@@ -18,6 +18,7 @@
 #include "hostile_texts.hpp"
 #include "run_program.hpp"
 #include "sample_flight.hpp"
+#include "source_folder.hpp"
 
 namespace quadtune::testing {
 namespace {
@@ -34,7 +35,7 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 const std::string& example() {
   static const std::string page = [] {
     const TemporaryDirectory folder;
-    std::ifstream file(QUADTUNE_SOURCE_DIR "/campaigns/mambo-hover.toml");
+    std::ifstream file(testing::source_folder() + "/campaigns/mambo-hover.toml");
     std::string text(std::istreambuf_iterator<char>(file), {});
     if (std::getenv("QUADTUNE_UPDATE_DOCS") == nullptr)
       text.replace(text.find("flights = 200"), 13, "flights = 60");

@@ -14,6 +14,7 @@
 #include "browser_page.hpp"
 #include "hostile_texts.hpp"
 #include "run_program.hpp"
+#include "source_folder.hpp"
 
 namespace quadtune::testing {
 namespace {
@@ -40,7 +41,7 @@ std::string example() {
   // From the root, as in the documentation: the page says how the log was called.
   static const std::string page = [] {
     const std::filesystem::path before = std::filesystem::current_path();
-    std::filesystem::current_path(QUADTUNE_SOURCE_DIR);
+    std::filesystem::current_path(testing::source_folder());
     std::string result = page_of_log("docs/examples/bobbing.csv");
     std::filesystem::current_path(before);
     return result;
@@ -129,7 +130,7 @@ TEST(TuningPage, SaysWhyItFails) {
 }
 
 TEST(TuningPage, LogsFollowOneAnother) {
-  const std::string log = QUADTUNE_SOURCE_DIR "/docs/examples/bobbing.csv";
+  const std::string log = testing::source_folder() + "/docs/examples/bobbing.csv";
   const nlohmann::json data = data_of(page_of_log(log, {"--log", log}));
   EXPECT_EQ(data["events"].size(), 4U);
   EXPECT_NEAR(data["events"][2]["time"].get<double>(), 40.98, 1e-9);
