@@ -143,7 +143,11 @@ TEST(LastHandler, TellsWhatWouldTerminate) {
     cli::install_last_handler();
     // As from a thread or a destructor: nothing catches it.
     class Terminating : public std::streambuf {
-      int_type underflow() noexcept override { throw std::logic_error("nobody catches this"); }
+      static void surprise() { throw std::logic_error("nobody catches this"); }
+      int_type underflow() noexcept override {
+        surprise();
+        return traits_type::eof();
+      }
     } terminating;
     std::istream in(&terminating);
     std::ostringstream out;

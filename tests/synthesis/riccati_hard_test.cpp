@@ -97,7 +97,9 @@ void expect_right(const RiccatiCase& c, bool discrete, bool always_has_one = tru
   ASSERT_TRUE(r.solved()) << r;
   const Judgement by_100_digits = judge(c, discrete, r.K);
   ASSERT_TRUE(by_100_digits.stabilizes) << r;
-  if (r.rcond < 1e-12) EXPECT_THAT(r.warning, ::testing::HasSubstr("ill-conditioned"));
+  if (r.rcond < 1e-12) {
+    EXPECT_THAT(r.warning, ::testing::HasSubstr("ill-conditioned"));
+  }
   if (!by_100_digits.exact) {
     EXPECT_FALSE(always_has_one) << r;
     EXPECT_EQ(r.gain_error, std::numeric_limits<double>::infinity()) << r;

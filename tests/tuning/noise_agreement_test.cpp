@@ -97,8 +97,9 @@ TEST(NoiseAgreement, IsToldByATuning) {
   ASSERT_TRUE(tuning.agreement);
   EXPECT_EQ(tuning.agreement->disagreements, tuning.warnings);
   EXPECT_THAT(tuning.warnings, ::testing::Not(IsEmpty()));
-  const NoiseTuning alone =
-      tune_noise(testing::local_level(), {restless(400, 3)}, {.compare = false});
+  NoiseTuningOptions options;
+  options.compare = false;
+  const NoiseTuning alone = tune_noise(testing::local_level(), {restless(400, 3)}, options);
   EXPECT_FALSE(alone.agreement);
 }
 

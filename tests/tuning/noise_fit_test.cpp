@@ -287,7 +287,9 @@ TEST(NoiseFit, EndsWithTheBestSoFarWhereverItIsStopped) {
       EXPECT_EQ(fit.evaluations, 0);
       EXPECT_EQ(fit.theta, start_of(model));
     }
-    if (fit.evaluations > 0 && std::isfinite(best)) EXPECT_EQ(fit.after.value, best);
+    if (fit.evaluations > 0 && std::isfinite(best)) {
+      EXPECT_EQ(fit.after.value, best);
+    }
     EXPECT_LT(now, most + 10);  // it does not go on asking
     for (std::size_t i = 0; i < model.parameters.size(); ++i) {
       EXPECT_EQ(fit.parameters[i].value, std::exp(fit.theta(static_cast<Index>(i))));
