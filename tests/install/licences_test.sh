@@ -1,10 +1,11 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
 # licences_test.sh PROGRAM SOURCE: the table under "## Licence" of the README names every library that
-# the program needs, its own and theirs, and every library whose headers are compiled in.
+# the program needs, its own and theirs, what it loads to read MAT files, and every library whose
+# headers are compiled in.
 #
-# It may name more: parts that are loaded at run time, and other builds of one library. What HDF5
-# brings comes with matio and is not asked for one by one.
+# It may name more, such as other builds of one library. What HDF5 brings comes with matio and is not
+# asked for one by one.
 set -euo pipefail
 program=$1
 source=$2
@@ -22,12 +23,18 @@ named() {
 }
 
 declare -A path=() seen=()
-while read -r name arrow file _; do
-  if [[ $arrow == "=>" && -e $file ]]; then path[$name]=$file; fi
-done < <(ldd "$program")
+needs_of() {
+  while read -r name arrow file _; do
+    if [[ $arrow == "=>" && -e $file ]]; then path[$name]=$file; fi
+  done < <(ldd "$1")
+}
+needs_of "$program"
+loaded=$(dirname "$(sed 's/.*=> //; s/ (.*//' <<<"$(ldd "$program" | grep 'libquadtune_lib\.so')")")
+loaded+=/libquadtune_mat.so
+needs_of "$loaded"
 
 # Breadth first over what each file asks for by itself.
-queue=("$program")
+queue=("$program" "$loaded")
 while ((${#queue[@]} > 0)); do
   file=${queue[0]}
   queue=("${queue[@]:1}")
