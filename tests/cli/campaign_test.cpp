@@ -329,8 +329,8 @@ TEST_F(Campaign, PrintsWhatTheDocsShow) {
 
 TEST_F(Campaign, TakesGainsAndReferencesAlong) {
   // State feedback from a file, and a mission whose references lie beside it.
-  ASSERT_EQ(run_program({"design", testing::source_folder() + "/designs/mambo-hover.toml",
-                         "-o", path("gains"), "--force"})
+  ASSERT_EQ(run_program({"design", testing::source_folder() + "/designs/mambo-hover.toml", "-o",
+                         path("gains"), "--force"})
                 .status,
             0);
   directory_.write("way.csv", "t_s,north_m,east_m,height_m,yaw_rad\n0,0,0,1,0\n1,0.1,0,1,0\n");

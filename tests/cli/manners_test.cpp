@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What people type who come from other programs, and what they mistype: understood, or answered with
-// the right word before any work is done.
+// What people type who come from other programs, and what they mistype: understood, or answered
+// with the right word before any work is done.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -14,9 +14,9 @@ namespace quadtune {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::StartsWith;
 using testing::ProgramResult;
 using testing::run_program;
+using ::testing::StartsWith;
 using testing::TemporaryDirectory;
 
 void refuses(const std::vector<std::string>& args, int status, const std::string& message) {
@@ -72,8 +72,8 @@ TEST(InlineMatrices, SayWhichRowIsWrong) {
 TEST(InlineMatrices, AreNotTakenForFiles) {
   const TemporaryDirectory folder;
   const std::string file = folder.write("1;2", "0 1\n0 0\n").string();
-  const ProgramResult result = run_program(
-      {"lqr", "--A", file, "--B", "0; 1", "--Q", "1 0; 0 1", "--R", "1", "--json"});
+  const ProgramResult result =
+      run_program({"lqr", "--A", file, "--B", "0; 1", "--Q", "1 0; 0 1", "--R", "1", "--json"});
   EXPECT_EQ(result.status, 0) << result.err;
 }
 
@@ -119,10 +119,12 @@ TEST(WrongWords, AreToldBeforeAnyWork) {
 }
 
 TEST(Help, OfCommandsOfTwoWords) {
-  for (const auto& [words, begin] :
-       {std::pair(std::vector<std::string>{"help", "calibrate", "imu"}, "usage: quadtune calibrate imu"),
-        std::pair(std::vector<std::string>{"help", "tune", "kalman"}, "usage: quadtune tune kalman"),
-        std::pair(std::vector<std::string>{"help", "vehicle", "show"}, "usage: quadtune vehicle")}) {
+  for (const auto& [words, begin] : {std::pair(std::vector<std::string>{"help", "calibrate", "imu"},
+                                               "usage: quadtune calibrate imu"),
+                                     std::pair(std::vector<std::string>{"help", "tune", "kalman"},
+                                               "usage: quadtune tune kalman"),
+                                     std::pair(std::vector<std::string>{"help", "vehicle", "show"},
+                                               "usage: quadtune vehicle")}) {
     const ProgramResult result = run_program(words);
     EXPECT_EQ(result.status, 0) << result.err;
     EXPECT_THAT(result.out, StartsWith(begin));

@@ -249,8 +249,9 @@ TEST(LqrVerb, PoleAtZeroIsNoNan) {
         run_program({"lqr", "--discrete", "--A", A, "--B", I, "--Q", I, "--R", R});
     EXPECT_EQ(result.status, 0) << result.err;
     EXPECT_THAT(result.out, ::testing::Not(HasSubstr("nan")));
-    const bool told = result.err.find("lqr: note: R is singular; there is a solution because R + "
-                                      "B'SB is not") != std::string::npos;
+    const bool told = result.err.find(
+                          "lqr: note: R is singular; there is a solution because R + "
+                          "B'SB is not") != std::string::npos;
     EXPECT_EQ(told, R == zero) << result.err;
   }
 }

@@ -54,7 +54,7 @@ stops() {
   guard=$!
   while kill -0 $pid 2>/dev/null && ! is_ready $pid; do sleep 0.01; done
   sleep "0.$((RANDOM % 6))"
-  kill -$signal $pid 2>/dev/null
+  kill -"$signal" $pid 2>/dev/null
   wait $pid
   status=$?
   pkill -P $guard
@@ -92,6 +92,7 @@ for ((i = 0; i < repeats; i++)); do
 done
 
 # A reader that reads nothing: standard output is full.
+# shellcheck disable=SC2217
 sleep 1000 <full &
 reader=$!
 "$program" discretize --A A --B B --dt 0.1 --json >full 2>err.txt &

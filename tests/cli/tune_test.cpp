@@ -563,7 +563,8 @@ TEST(TuneVerb, EndsAsDocumentedWhateverAChannelHolds) {
 
 TEST(TuneVerb, TakesAModelWithoutProcessNoise) {
   const TemporaryDirectory folder;
-  const std::string model = folder.write("m.toml", R"(name = "still"
+  const std::string model = folder
+                                .write("m.toml", R"(name = "still"
 dynamics = "inertial"
 gravity_m_per_s2 = [0, 0, -9.81]
 [[sensors]]
@@ -591,7 +592,8 @@ variance = 1
 // The velocity's noise is so weak that the predictor hardly corrects it.
 TEST(TuneVerb, SaysWhyItDoesNotCompareMethods) {
   const TemporaryDirectory folder;
-  const std::string model = folder.write("m.toml", R"(name = "weak"
+  const std::string model = folder
+                                .write("m.toml", R"(name = "weak"
 states = ["position [m]", "velocity [m/s]"]
 noises = ["velocity"]
 A = [[0, 1], [0, 0]]

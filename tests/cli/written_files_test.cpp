@@ -133,7 +133,8 @@ class WrittenFiles : public ::testing::Test {
     files["tune lqr"] = {path("tuned-lqr.toml"), own, true, false};
     made({"design", path("tuned-lqr.toml"), "-o", path("tuned-lqr"), "--quiet"});
     files["design: tune lqr"] = {path("tuned-lqr"), own, true, false};
-    made({"tune", "lqr", "uquad", "--match-gains", path("uquad"), "--R", "0.01", "--method", "discrete", "--force", "-o", path("matched.toml"), "--quiet"});
+    made({"tune", "lqr", "uquad", "--match-gains", path("uquad"), "--R", "0.01", "--method",
+          "discrete", "--force", "-o", path("matched.toml"), "--quiet"});
     files["tune lqr --match-gains"] = {path("matched.toml"), "uquad", true, false};
     files["gains.json"] = {path("pid-export/gains.json"), own, false, true};
     files["manifest.json"] = {path("mambo/manifest.json"), "mambo", true, true};
@@ -306,8 +307,8 @@ TEST_F(WrittenFiles, TextIsToldFromWhatCanBeReadBack) {
 TEST_F(WrittenFiles, FilesInWrongPlacesAreNamed) {
   const std::string own = all().at("lqr").vehicle;
   const std::string model = path("model.toml");
-  made({"tune", "kalman", "--model", "altitude", "--log",
-        kSource + "/docs/examples/bobbing.csv", "--force", "--quiet", "-o", model});
+  made({"tune", "kalman", "--model", "altitude", "--log", kSource + "/docs/examples/bobbing.csv",
+        "--force", "--quiet", "-o", model});
   const std::string flown = path("flown.csv");
   (void)run_program({"fly", "mambo", "--duration", "1", "--log", flown});
   const std::string schedule = path("schedule.toml");

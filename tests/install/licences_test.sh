@@ -15,8 +15,9 @@ failed=0
 # named WORD WHERE: a row of the table has the word in backticks or as its first column.
 named() {
   local word
-  word=$(sed 's/[+.]/\\&/g' <<<"$1")
-  if ! grep -E '^\|' <<<"$section" | grep -qE "\`$word\`|^\| ([^|]*[ ,])?$word[ ,|]"; then
+  word=${1//./\\.}
+  word=${word//+/\\+}
+  if ! grep -E '^\|' <<<"$section" | grep -qE "\`$word\`|^\| ([^|]*[ ,])?${word}[ ,|]"; then
     echo "README.md: the table of licences lacks $1 ($2)"
     failed=1
   fi

@@ -320,8 +320,8 @@ TEST(Design, EveryPrefixIsADesignOrBadInput) {
 // First fenced block of `language` after `heading` in docs/formats.md.
 std::string example(const std::string& heading, const std::string& language) {
   std::ostringstream bytes;
-  bytes
-      << std::ifstream(std::filesystem::path(testing::source_folder()) / "docs" / "formats.md").rdbuf();
+  bytes << std::ifstream(std::filesystem::path(testing::source_folder()) / "docs" / "formats.md")
+               .rdbuf();
   const std::string text = bytes.str();
   const std::string fence = "```" + language + "\n";
   const std::size_t start = text.find(fence, text.find(heading)) + fence.size();

@@ -152,11 +152,11 @@ TEST(FilterFile, RefusesWhatItCannotRead) {
   refused("name = 'a'\nstates = ['x m]']\n",
           "m.toml:2: 'x m]' came, expected a name and, in brackets, its unit, as in 'vz [m/s]'");
   refused("name = 'a'\nstates = ['x']\nA = [[1, 2]]\n", "m.toml:3: A is 1x2, expected 1x1");
-  EXPECT_THAT(
-      [] { (void)load_filter_model("altitud"); },
-      ThrowsMessage<InvalidInput>(StrEq(
-          "filter model: no model 'altitud', expected local-level, constant-velocity, "
-          "altitude, velocity-xy, attitude, inertial, inertial-ned, uquad or a file; did you mean 'altitude'?")));
+  EXPECT_THAT([] { (void)load_filter_model("altitud"); },
+              ThrowsMessage<InvalidInput>(StrEq(
+                  "filter model: no model 'altitud', expected local-level, constant-velocity, "
+                  "altitude, velocity-xy, attitude, inertial, inertial-ned, uquad or a file; did "
+                  "you mean 'altitude'?")));
 }
 
 TEST(FilterFile, WritesWhatItReads) {

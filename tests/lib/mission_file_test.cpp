@@ -57,8 +57,8 @@ TEST(BuiltInMissions, AreTheFilesOfTheTree) {
 
 TEST(BuiltInMissions, AreAllFilesOfTheFolder) {
   std::size_t files = 0;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(testing::source_folder()) / "missions"))
+  for (const auto& entry : std::filesystem::directory_iterator(
+           std::filesystem::path(testing::source_folder()) / "missions"))
     files += entry.path().extension() == ".toml" ? 1 : 0;
   EXPECT_EQ(files, built_in_missions().size());
 }
@@ -329,7 +329,8 @@ TEST(MissionFile, NamesTheKeyThatIsMissing) {
 
 std::string section_of_formats() {
   std::ostringstream bytes;
-  bytes << std::ifstream(std::filesystem::path(testing::source_folder()) / "docs/formats.md").rdbuf();
+  bytes
+      << std::ifstream(std::filesystem::path(testing::source_folder()) / "docs/formats.md").rdbuf();
   const std::string text = bytes.str();
   const std::size_t begin = text.find("\n## Mission files\n");
   return text.substr(begin, text.find("\n## ", begin + 1) - begin);

@@ -299,13 +299,13 @@ value = 0.5
 /// At rest, with a channel for every input of the built-in models and some of their outputs.
 std::string resting_log_text() {
   const std::vector<std::pair<std::string, double>> channels = {
-      {"ax", 0},      {"ay", 0},      {"flow_vx", 0}, {"flow_vy", 0},  {"rate", 0},
-      {"tilt", 0},    {"gyro_x", 0},  {"gyro_y", 0},  {"gyro_z", 0},   {"force_x", 0},
-      {"force_y", 0}, {"force_z", 1}, {"x", 0},       {"y", 0},        {"z", 0},
-      {"height", 1},  {"vx", 0},      {"vy", 0},      {"vz", 0},       {"roll", 0},
-      {"pitch", 0},   {"yaw", 0},     {"fx", 0},      {"fy", 0},       {"fz", -9.81},
-      {"p", 0},       {"q", 0},       {"r", 0},       {"px", 0},       {"py", 0},
-      {"pz", 0},      {"u", 0},       {"v", 0},       {"w", 0},        {"speed_1", 1}, {"speed_2", 1}, {"speed_3", 1},  {"speed_4", 1}};
+      {"ax", 0},      {"ay", 0},     {"flow_vx", 0}, {"flow_vy", 0}, {"rate", 0},    {"tilt", 0},
+      {"gyro_x", 0},  {"gyro_y", 0}, {"gyro_z", 0},  {"force_x", 0}, {"force_y", 0}, {"force_z", 1},
+      {"x", 0},       {"y", 0},      {"z", 0},       {"height", 1},  {"vx", 0},      {"vy", 0},
+      {"vz", 0},      {"roll", 0},   {"pitch", 0},   {"yaw", 0},     {"fx", 0},      {"fy", 0},
+      {"fz", -9.81},  {"p", 0},      {"q", 0},       {"r", 0},       {"px", 0},      {"py", 0},
+      {"pz", 0},      {"u", 0},      {"v", 0},       {"w", 0},       {"speed_1", 1}, {"speed_2", 1},
+      {"speed_3", 1}, {"speed_4", 1}};
   Random random(8);
   std::string text = "t_s";
   for (const auto& [name, mean] : channels) text += "," + name;

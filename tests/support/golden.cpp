@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden.hpp"
-#include "source_folder.hpp"
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+
+#include "source_folder.hpp"
 
 namespace quadtune::testing {
 

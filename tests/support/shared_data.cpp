@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared_data.hpp"
-#include "source_folder.hpp"
 
 #include <cstdlib>
+
+#include "source_folder.hpp"
 
 namespace quadtune::testing {
 
