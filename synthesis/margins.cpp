@@ -61,6 +61,13 @@ class SingleLoop {
     }
     // Real to the last bit, so that a crossing there is seen.
     if (loop.discrete() && !samples_.L.empty()) samples_.L.back().imag(0);
+    for (std::size_t i = 0; i < samples_.w.size(); ++i) {
+      const double w = samples_.w[i];
+      if (apart_.empty() || w - samples_.w[apart_.back()] > kApart * w)
+        apart_.push_back(i);
+      else if (i + 1 == samples_.w.size() && apart_.size() > 1)
+        apart_.back() = i;  // the last one stays: Nyquist
+    }
   }
 
   [[nodiscard]] Complex at(double w) const { return loop_.at(w)(0, 0); }
@@ -71,32 +78,39 @@ class SingleLoop {
   /// sign where f is nothing but rounding on both sides.
   [[nodiscard]] std::vector<double> roots(const std::function<double(Complex)>& f) const {
     std::vector<double> found;
-    const std::size_t count = samples_.w.size();
+    const std::size_t count = apart_.size();
+    const auto w = [&](std::size_t i) { return samples_.w[apart_[i]]; };
+    const auto value = [&](std::size_t i) { return f(samples_.L[apart_[i]]); };
     const auto is_seen = [&](std::size_t i) {
-      return i < count && std::abs(f(samples_.L[i])) > kOverRounding * rounding(samples_.w[i], f);
+      return i < count && std::abs(value(i)) > kOverRounding * rounding(w(i), f);
     };
     for (std::size_t i = 0; i < count; ++i) {
-      const double here = f(samples_.L[i]);
+      const double here = value(i);
       const bool last = i + 1 == count;
-      const double next = last ? 1 : f(samples_.L[i + 1]);
-      const double before = i == 0 ? 1 : f(samples_.L[i - 1]);
+      const double next = last ? 1 : value(i + 1);
+      const double before = i == 0 ? 1 : value(i - 1);
       if (here == 0 && last && loop_.discrete()) {
         // Symmetry, not rounding, makes L real at Nyquist, however near its neighbour is.
         std::size_t k = count;
         while (k > 0 && !is_seen(k - 1)) --k;
-        if (k > 0) found.push_back(samples_.w[i]);
+        if (k > 0) found.push_back(w(i));
       } else if (here == 0 && next != 0 && before != 0 && (is_seen(i + 1) || is_seen(i - 1))) {
-        found.push_back(samples_.w[i]);
+        found.push_back(w(i));
       }
       if (!last && here * next < 0 && (is_seen(i) || is_seen(i + 1)))
-        found.push_back(
-            refine_root([&](double w) { return f(at(w)); }, samples_.w[i], samples_.w[i + 1]));
+        found.push_back(refine_root([&](double at_w) { return f(at(at_w)); }, w(i), w(i + 1)));
     }
     return found;
   }
 
-  /// Whether |L| at w is more than its rounding.
+  /// Whether |L| at w is more than its rounding. With a pole or a zero of L at 0, the value there is
+  /// nothing else: infinite or 0 but for the last digits of the coefficients.
   [[nodiscard]] bool is_seen(double w) const {
+    constexpr double kInfiniteAtRest = 1e10;
+    if (samples_.w.size() > 1 && w < samples_.w[1]) {
+      const double size = std::abs(at(w));
+      if (!(size < kInfiniteAtRest && size * kInfiniteAtRest > 1)) return false;
+    }
     const double part = std::max(rounding(w, [](Complex L) { return L.real(); }),
                                  rounding(w, [](Complex L) { return L.imag(); }));
     return std::abs(at(w)) > kOverRounding * part;
@@ -120,6 +134,9 @@ class SingleLoop {
 
  private:
   static constexpr double kOverRounding = 30;
+  /// Frequencies nearer than this, relative to themselves, are landmarks that rounding tells apart
+  /// (equal axes, poles several times over): nothing can be seen between them.
+  static constexpr double kApart = 1e-11;
 
   /// The error of f(L) at w, from how much it differs when the states come in another order, and
   /// scatters over frequencies so near to one another that L does not change: by a few last digits
@@ -140,6 +157,7 @@ class SingleLoop {
   const OpenLoop& loop_;
   FrequencyResponse reordered_;
   Samples samples_;
+  std::vector<std::size_t> apart_;  ///< samples that are further apart than kApart
 };
 
 /// In (-π, π].
@@ -217,7 +235,7 @@ DiskMargin disk_of_peak(double peak, double w, double skew) {
   const double a = disk.alpha;
   disk.gain_low = (2 - a * (1 - skew)) / (2 + a * (1 + skew));
   const double open = 2 - a * (1 + skew);
-  disk.gain_high = open > 0 ? (2 + a * (1 - skew)) / open : kInfinite;
+  disk.gain_high = open > 1e-12 ? (2 + a * (1 - skew)) / open : kInfinite;
   // The factor e^(jθ) belongs to |δ|² = (2 - 2 cos θ)/((1 + σ²)/2 + (1 - σ²)/2 cos θ), which grows
   // with θ; at π it is (2/σ)².
   disk.phase =

@@ -385,6 +385,69 @@ TEST(LoopMargins, FiniteGainMarginsOfAnySize) {
 
 // What only rounding turns across the axis is no margin: loops of degree 2 that go to -180 degrees,
 // in any states.
+// Landmarks of the grid that rounding tells apart: equal axes, poles several times over.
+TEST(LoopMargins, AreSeenBesideRepeatedPoles) {
+  for (const double k : {5.0, 0.3, 44.44444444444444, 8.16326530612245, 400.0})
+    for (const int axes : {2, 3, 5}) {
+      ContinuousLti plant;
+      plant.A = MatrixXd::Zero(axes, axes);
+      plant.B = 0.1 * MatrixXd::Identity(axes, axes);
+      const OpenLoop all = loop_at_inputs(plant, 10 * k * MatrixXd::Identity(axes, axes));
+      for (int i = 0; i < axes; ++i) {
+        const LoopMargins m = loop_margins(all.channel(i));
+        EXPECT_NEAR(m.crossover, k, 1e-9 * k) << axes;
+        EXPECT_NEAR(m.phase_margin, std::numbers::pi / 2, 1e-9);
+        EXPECT_NEAR(m.delay_margin * k, std::numbers::pi / 2, 1e-9);
+      }
+    }
+  // L(4j) = -0.0223214285714286.
+  EXPECT_NEAR(loop_margins(loop({16, 32}, {1, 15.6, 104, 371.2, 691.2, 512})).gain_margin, 44.8,
+              1e-9);
+  // Poles at -2 and beside it, and an integrator under a gain of 4: L = 4/(s (s + 2)²).
+  for (const double other : {2.0, 2.0000000000000004, 1.9999999999999998}) {
+    ContinuousLti plant;
+    plant.A = MatrixXd{{0, 1, 0}, {0, -2, 1}, {0, 0, -other}};
+    plant.B = MatrixXd{{0}, {0}, {1}};
+    const OpenLoop one = loop_at_inputs(plant, MatrixXd{{4, 0, 0}});
+    EXPECT_NEAR(loop_margins(one.channel(0)).gain_margin, 4, 1e-9) << other;
+  }
+}
+
+// 1.1 e^(-sT)/s is stable up to T = π/2.2, whatever cancels beside it.
+TEST(LoopMargins, DelayIsNotOverlookedBesideRepeatedPoles) {
+  for (const double delay : {1.4, 1.45, 3.636, 10.0}) {
+    ContinuousLti plant;
+    plant.A = MatrixXd{{0, 0, 0}, {0, -1.0999999999999999, 0}, {0, 0, -1.1000000000000003}};
+    plant.B = MatrixXd::Ones(3, 1);
+    ContinuousLti late = plant;
+    late.C = MatrixXd{{1.1, 0, 0}};
+    EXPECT_EQ(loop_margins(OpenLoop(late, delay)).stable, delay < std::numbers::pi / 2.2) << delay;
+  }
+}
+
+// The rounding of a coefficient decides the sign of L(0) where it is infinite or 0.
+TEST(LoopMargins, AtRestAnIntegratorIsNoCrossover) {
+  for (const double a : {0.5, 0.6, 0.7, 0.3, 0.1, 0.9}) {
+    const DiscreteTransferFunction one{coefficients({0.01}), coefficients({1, -1 - a, a}), 0.1, 0};
+    EXPECT_EQ(loop_margins(OpenLoop(one)).gain_reduction, 0) << a;
+    const DiscreteTransferFunction two{coefficients({0.01, -0.0099}),
+                                       coefficients({1, -2 - a, 1 + 2 * a, -a}), 0.1, 0};
+    for (const PhaseCrossover& at : loop_margins(OpenLoop(two)).phase_crossovers)
+      EXPECT_GT(at.w, 0) << a;
+  }
+  const LoopMargins m = loop_margins(
+      loop({0.002554917662134099, 0, 4.178117741603894, 0},
+           {1, 875.8397542823259, 70.68769421091422, 15.840839798782413}));
+  EXPECT_EQ(m.gain_margin, kInfinite);
+}
+
+// e^(-sT) turns the loop through -π/2 - wT = -π: w = π/(2 T), far above the pole.
+TEST(LoopMargins, GainMarginOfAShortDelay) {
+  for (const double delay : {1e-2, 1e-3, 1e-5, 1e-8})
+    EXPECT_NEAR(loop_margins(loop({1}, {1, 0}, delay)).gain_margin,
+                std::numbers::pi / (2 * delay), 1e-6 / delay);
+}
+
 TEST(LoopMargins, RoundingIsNoCrossover) {
   std::mt19937_64 random(29);
   for (int k = 0; k < 40; ++k) {
