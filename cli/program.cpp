@@ -235,6 +235,16 @@ std::string error_json(int status, const std::string& message, const std::string
        {{"code", status}, {"message", error_line(message)}, {"where", error_line(where)}}}});
 }
 
+/// As a POSIX shell takes it for one word.
+std::string shell_word(const std::string& word) {
+  constexpr const char* kPlain =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./:=,@%+-";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
 /// The command line as it is written into files. What may not change a byte of them is left out:
 /// how many threads worked, and what is printed beside.
 std::string recorded_command(const std::vector<std::string>& args) {
@@ -244,7 +254,7 @@ std::string recorded_command(const std::vector<std::string>& args) {
     if (arg == "--threads") ++i;  // and its value
     if (arg == "--threads" || arg.starts_with("--threads=") || arg == "--quiet" || arg == "--json")
       continue;
-    command += arg.find(' ') == std::string::npos ? " " + arg : " '" + arg + "'";
+    command += " " + shell_word(arg);
   }
   return command;
 }

@@ -49,8 +49,9 @@ struct Matched {
 /// A root other than 0 that goes to z = 1 would give G_d a pole or zero there that G has not at 0.
 void require_no_whole_turns(const VectorXcd& roots, double dt) {
   constexpr double kRounding = 1e-12;
+  // A root that is fast because it decays has e^x far from 1.
   for (const std::complex<double>& root : roots)
-    if (root != 0.0 && std::abs(growth(root * dt)) < kRounding)
+    if (root != 0.0 && std::abs(root.real() * dt) < 1 && std::abs(growth(root * dt)) < kRounding)
       throw InvalidInput("matched",
                          fmt::format("dt is {} s, expected another period because a mode of {:.6g} "
                                      "rad/s makes whole turns in a sample and would look constant",

@@ -51,7 +51,8 @@ std::vector<double> frequency_grid(const OpenLoop& loop) {
   }
   double top = loop.discrete() ? nyquist : fastest * kBeyond;
   // A delay alone turns L through the first crossing of the negative axis below this.
-  if (!loop.discrete() && loop.delay() > 0) top = std::max(top, 4 * std::numbers::pi / loop.delay());
+  if (!loop.discrete() && loop.delay() > 0)
+    top = std::max(top, 4 * std::numbers::pi / loop.delay());
   const double bottom = std::min(slowest, top) / kBeyond;
   std::vector<double> grid{0};
   const auto steps = static_cast<int>(std::ceil(std::log10(top / bottom) * kPerDecade));

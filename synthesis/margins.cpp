@@ -103,8 +103,8 @@ class SingleLoop {
     return found;
   }
 
-  /// Whether |L| at w is more than its rounding. With a pole or a zero of L at 0, the value there is
-  /// nothing else: infinite or 0 but for the last digits of the coefficients.
+  /// Whether |L| at w is more than its rounding. With a pole or a zero of L at 0, the value there
+  /// is nothing else: infinite or 0 but for the last digits of the coefficients.
   [[nodiscard]] bool is_seen(double w) const {
     constexpr double kInfiniteAtRest = 1e10;
     if (samples_.w.size() > 1 && w < samples_.w[1]) {

@@ -147,7 +147,8 @@ struct Plain {
 bool plain_problem(const Problem& p, const Eigen::VectorXd& d, const Real& lift, Plain& plain) {
   Matrix R = symmetric(p.R);
   Real size_R = R.norm();
-  if (!p.continuous()) size_R += (p.B.transpose() * p.Q * p.B).eval().norm();
+  // Q reaches the inputs at once or, where BᵀQB is 0, some steps later.
+  if (!p.continuous()) size_R += p.B.squaredNorm() * p.Q.norm();
   R.diagonal().array() += lift * size_R;
   const Eigen::LLT<Matrix> llt(R);
   if (llt.info() != Eigen::Success) return false;

@@ -529,7 +529,11 @@ std::vector<FilterRecord> fitted_parts(const std::vector<FilterRecord>& records,
 FilterModel with_noise(FilterModel model, const Eigen::Ref<const VectorXd>& theta) {
   for (std::size_t i = 0; i < model.parameters.size(); ++i) {
     const double value = theta(static_cast<Index>(i));
-    model.parameters[i].start = model.parameters[i].logarithmic ? std::exp(value) : value;
+    // A search may take a variance to 0, which is no start: as small as a double allows.
+    constexpr double kFarthest = 700;
+    model.parameters[i].start = model.parameters[i].logarithmic
+                                    ? std::exp(std::clamp(value, -kFarthest, kFarthest))
+                                    : value;
   }
   return model;
 }

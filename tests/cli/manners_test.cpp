@@ -83,7 +83,7 @@ TEST(Synonyms, OfControllers) {
         run_program({"fly", "mambo", "--gains", "published", "--duration", "0.2", "--json",
                      "--quiet", "--controller", controller});
     EXPECT_LE(result.status, 1) << result.err;
-    return nlohmann::json::parse(result.out)["controller"];
+    return nlohmann::json::parse(result.out)["law"];
   };
   EXPECT_EQ(flown("pid"), flown("cascaded-pid"));
   for (const char* word : {"lqr", "state-feedback"}) {

@@ -256,6 +256,14 @@ TEST(LqrVerb, PoleAtZeroIsNoNan) {
   }
 }
 
+// S = Q, and B'SB = [1/16 -3/8; -3/8 9/4]: K is one of many.
+TEST(LqrVerb, TellsThatOtherGainsCostNoMore) {
+  const ProgramResult result =
+      run_program({"lqr", "--discrete", "--A", "1 1.5; 0.5 0", "--B", "0.5 1.5; 1.5 0", "--Q",
+                   "1 -0.5; -0.5 0.25", "--R", "0 0; 0 0"});
+  EXPECT_THAT(result.err, HasSubstr("so is R + B'SB, to rounding: other gains cost no more"));
+}
+
 TEST(LqrVerb, TellsAnIndefiniteCost) {
   const TemporaryDirectory folder;
   const auto file = [&](const std::string& name, const std::string& text) {

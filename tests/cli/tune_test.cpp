@@ -613,7 +613,7 @@ variance = 0.01
       run_program({"tune", "kalman", "--model", model, "--log",
                    folder.write("log.csv", bobbing(120)).string(), "--starts", "1"});
   ASSERT_LE(result.status, 1) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("compared"));
+  EXPECT_THAT(result.out, HasSubstr("compared    not with als: "));
 }
 
 TEST(TuneVerb, NamesTheChannelsThatItTook) {

@@ -435,17 +435,17 @@ TEST(LoopMargins, AtRestAnIntegratorIsNoCrossover) {
     for (const PhaseCrossover& at : loop_margins(OpenLoop(two)).phase_crossovers)
       EXPECT_GT(at.w, 0) << a;
   }
-  const LoopMargins m = loop_margins(
-      loop({0.002554917662134099, 0, 4.178117741603894, 0},
-           {1, 875.8397542823259, 70.68769421091422, 15.840839798782413}));
+  const LoopMargins m =
+      loop_margins(loop({0.002554917662134099, 0, 4.178117741603894, 0},
+                        {1, 875.8397542823259, 70.68769421091422, 15.840839798782413}));
   EXPECT_EQ(m.gain_margin, kInfinite);
 }
 
 // e^(-sT) turns the loop through -π/2 - wT = -π: w = π/(2 T), far above the pole.
 TEST(LoopMargins, GainMarginOfAShortDelay) {
   for (const double delay : {1e-2, 1e-3, 1e-5, 1e-8})
-    EXPECT_NEAR(loop_margins(loop({1}, {1, 0}, delay)).gain_margin,
-                std::numbers::pi / (2 * delay), 1e-6 / delay);
+    EXPECT_NEAR(loop_margins(loop({1}, {1, 0}, delay)).gain_margin, std::numbers::pi / (2 * delay),
+                1e-6 / delay);
 }
 
 TEST(LoopMargins, RoundingIsNoCrossover) {

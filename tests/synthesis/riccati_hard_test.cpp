@@ -106,6 +106,9 @@ void expect_right(const RiccatiCase& c, bool discrete, bool always_has_one = tru
     EXPECT_THAT(r.warning, ::testing::HasSubstr("decides whether there is a solution"));
     return;
   }
+  if (always_has_one) {
+    EXPECT_FALSE(std::isinf(r.gain_error)) << r << "; " << r.warning;
+  }
   const double error = relative_difference(r.K, *by_100_digits.exact);
   EXPECT_LE(error, r.warning.empty() ? 1e-6 : std::max(1e-6, 10 * r.gain_error))
       << r << "; " << r.warning;
@@ -206,6 +209,17 @@ TEST(HardRiccati, OnceRefused) {
   const RiccatiResult r = dare(c.A, c.B, c.Q, c.R);
   EXPECT_NEAR(r.X.norm(), 2.5e7, 1e6);
   EXPECT_NEAR(r.poles.cwiseAbs().maxCoeff(), 0.80, 0.01);
+}
+
+// R = 0 and BᵀQB = 0: the input reaches what costs after two steps. K = [0.25 0.7] makes both poles
+// 0.
+TEST(HardRiccati, TakesACostThatTheInputReachesLate) {
+  const MatrixXd A{{0.5, 1}, {0, 0.2}}, B{{0}, {1}}, Q{{1, 0}, {0, 0}}, R{{0}};
+  const RiccatiResult r = dare(A, B, Q, R);
+  ASSERT_TRUE(r.solved()) << r;
+  EXPECT_NEAR(r.K(0, 0), 0.25, 1e-12);
+  EXPECT_NEAR(r.K(0, 1), 0.7, 1e-12);
+  EXPECT_EQ(r.warning, "") << r;
 }
 
 }  // namespace
