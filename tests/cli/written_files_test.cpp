@@ -67,6 +67,10 @@ bool is_design(const Written& written) { return written.path.ends_with(".toml");
 
 class WrittenFiles : public ::testing::Test {
  protected:
+  void SetUp() override {
+    if (kSanitized) GTEST_SKIP() << "over a minute each; every command has tests of its own";
+  }
+
   static std::string path(const std::string& name) {
     static const TemporaryDirectory folder;
     return (folder.path() / name).string();
