@@ -192,9 +192,10 @@ TEST(TuneMissions, WritesTheStatesOfItsProblem) {
 
 constexpr int kTooEarly = 98, kTooLate = 99, kTold = 97;
 
-/// How a search ends that a signal comes into after so long, in a process of its own.
-/// @return  kTold where it told what it had found and ended with 130, kTooEarly where it had found
-///          nothing, kTooLate where it had ended
+/// Runs a search in a child process and sends it SIGINT after the delay.
+/// @return  kTold: it printed the best design found so far and ended with 130; kTooEarly: it had
+/// not
+///          found any design yet; kTooLate: it had already ended; otherwise its exit status
 int interrupted_after(std::chrono::milliseconds delay, const std::string& folder) {
   const pid_t child = ::fork();
   if (child == 0) {

@@ -68,7 +68,7 @@ bool is_design(const Written& written) { return written.path.ends_with(".toml");
 class WrittenFiles : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (kSanitized) GTEST_SKIP() << "over a minute each; every command has tests of its own";
+    if (kSanitized) GTEST_SKIP() << "each of these tests takes over a minute under sanitizers";
   }
 
   static std::string path(const std::string& name) {

@@ -85,18 +85,16 @@ TEST_P(BothTimes, TangentIsTheLimitOfDifferences) {
       const Problem problem = random_problem(nx, nu, GetParam(), random);
       const LqrWeights direction = random_direction(nx, nu, random);
       const LqrTangent tangent = problem.derivative().along(direction);
-      const double h = 3e-4;
+      // Longer, and the difference is coarse; shorter, and it is the rounding of K.
+      const double h = 7e-4;
       const auto X = [&](double t) {
         return problem.solve(moved(problem.weights, direction, t)).X;
       };
       const auto K = [&](double t) {
         return problem.solve(moved(problem.weights, direction, t)).K;
       };
-      // What the steps leave, and the rounding of the solutions over the step.
-      const double rounding = 10 * 2.2e-16 / problem.solve(problem.weights).rcond;
-      const double bound = 1e-8 + rounding / h;
-      EXPECT_THAT(tangent.dX, MatrixRelativelyNear(difference(X, h), bound)) << nx << " " << nu;
-      EXPECT_THAT(tangent.dK, MatrixRelativelyNear(difference(K, h), bound)) << nx << " " << nu;
+      EXPECT_THAT(tangent.dX, MatrixRelativelyNear(difference(X, h), 2e-7)) << nx << " " << nu;
+      EXPECT_THAT(tangent.dK, MatrixRelativelyNear(difference(K, h), 2e-7)) << nx << " " << nu;
     }
 }
 

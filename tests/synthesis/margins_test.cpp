@@ -403,7 +403,7 @@ TEST(LoopMargins, AreSeenBesideRepeatedPoles) {
   // L(4j) = -0.0223214285714286.
   EXPECT_NEAR(loop_margins(loop({16, 32}, {1, 15.6, 104, 371.2, 691.2, 512})).gain_margin, 44.8,
               1e-9);
-  // Poles at -2 and beside it, and an integrator under a gain of 4: L = 4/(s (s + 2)²).
+  // L = 4/(s (s + 2)²), with the two poles at -2 equal or one rounding apart.
   for (const double other : {2.0, 2.0000000000000004, 1.9999999999999998}) {
     ContinuousLti plant;
     plant.A = MatrixXd{{0, 1, 0}, {0, -2, 1}, {0, 0, -other}};
@@ -413,7 +413,7 @@ TEST(LoopMargins, AreSeenBesideRepeatedPoles) {
   }
 }
 
-// 1.1 e^(-sT)/s is stable up to T = π/2.2, whatever cancels beside it.
+// The loop 1.1 e^(-sT)/s is stable for T < π/2.2. The two other poles are not observable.
 TEST(LoopMargins, DelayIsNotOverlookedBesideRepeatedPoles) {
   for (const double delay : {1.4, 1.45, 3.636, 10.0}) {
     ContinuousLti plant;
