@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 
@@ -56,7 +57,7 @@ LogSeries combined(const OwnSignal& signal, const std::vector<const LogSeries*>&
 FedSignals read_own_log(const std::string& path, const FilterModel& model,
                         const std::vector<Signal>& signals, const std::vector<LogGroup>& groups,
                         const LogOptions& options) {
-  const bool z_up = model.gravity && model.gravity->z() < 0;
+  const bool z_up = internal::has_z_up(model);
   std::vector<std::pair<std::string, OwnSignal>> chosen;
   std::vector<std::string> channels;
   for (const Signal& signal : signals) {
@@ -122,7 +123,23 @@ void require_meant(const std::string& path, const FilterModel& model, const Sign
                         signal.name));
 }
 
+/// What of a truth is another number in a world with z up: y and z of vectors, and the attitude.
+constexpr std::array<const char*, 11> kTurned = {"y",  "z",  "vy",   "vz",    "qw", "qx",
+                                                 "qy", "qz", "roll", "pitch", "yaw"};
+
 }  // namespace
+
+void require_same_world(const std::string& path, const FilterModel& model, const std::string& state,
+                        const std::vector<LogGroup>& groups) {
+  if (!internal::has_z_up(model) || !internal::is_own_log(groups) ||
+      std::find(kTurned.begin(), kTurned.end(), state) == kTurned.end())
+    return;
+  throw InvalidInput(
+      path, fmt::format("a truth for '{}' came from this flight log, whose world has z down, and "
+                        "the world of the model '{}' has z up, expected a model with gravity "
+                        "along +z, such as inertial-ned",
+                        state, model.name));
+}
 
 FedSignals read_signals_by_name(const std::string& path, const FilterModel& model,
                                 const std::vector<Signal>& signals, const LogOptions& options) {

@@ -84,7 +84,8 @@ std::vector<std::string> candidates_for(const Signal& signal, const LogSurvey& l
 /// Fills in what feeds a signal, or what is missing.
 class Matcher {
  public:
-  Matcher(const LogSurvey& log, ModelNeeds& needs) : log_(log), needs_(needs) {
+  Matcher(const LogSurvey& log, bool z_up, ModelNeeds& needs)
+      : log_(log), z_up_(z_up), needs_(needs) {
     for (const LogGroupSurvey& group : log.groups) groups_.push_back(group.group);
     own_ = needs.own_log = internal::is_own_log(groups_);
   }
@@ -120,7 +121,7 @@ class Matcher {
  private:
   /// By what the vehicle's sensors are called in flight logs of quadtune.
   bool match_own(const Signal& signal, const std::string& sensor) {
-    const std::vector<internal::OwnSignal> own = internal::own_signals(signal, false);
+    const std::vector<internal::OwnSignal> own = internal::own_signals(signal, z_up_);
     const internal::OwnSignal* there = internal::first_that_is_there(own, groups_);
     const bool measured =
         there != nullptr &&
@@ -136,6 +137,7 @@ class Matcher {
   }
 
   const LogSurvey& log_;
+  bool z_up_;
   ModelNeeds& needs_;
   std::vector<LogGroup> groups_;
   bool own_ = false;
@@ -169,7 +171,7 @@ std::string list_of(const ModelNeeds& needs) {
 }  // namespace
 
 ModelSignals signals_of(const FilterModel& model) {
-  ModelSignals signals{model.name, model.inputs, {}};
+  ModelSignals signals{model.name, model.inputs, {}, internal::has_z_up(model)};
   for (const FilterSensor& sensor : model.sensors)
     signals.sensors.push_back({sensor.name, sensor.outputs});
   return signals;
@@ -185,7 +187,7 @@ std::vector<ModelSignals> signals_of_built_in_models() {
 ModelNeeds needs_of_model(const ModelSignals& model, const LogSurvey& log) {
   ModelNeeds needs;
   needs.model = model.name;
-  Matcher matcher(log, needs);
+  Matcher matcher(log, model.z_up, needs);
   bool inputs = true;
   for (const Signal& input : model.inputs) inputs = matcher.match(input, "") && inputs;
   bool measured = false;

@@ -93,6 +93,8 @@ bool is_own_log(const std::vector<LogGroup>& groups) {
          has_channel(groups, "reference.track_position") && has_channel(groups, "command.T");
 }
 
+bool has_z_up(const FilterModel& model) { return model.gravity && model.gravity->z() < 0; }
+
 namespace {
 
 /// Whatever the signal's unit is.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "quadtune/estimation/filter_model.hpp"
 #include "quadtune/logs/log_reader.hpp"
 #include "quadtune/lti.hpp"
 
@@ -22,6 +23,9 @@ struct OwnSignal {
 
 /// Whether a table is that of such a flight log.
 [[nodiscard]] bool is_own_log(const std::vector<LogGroup>& groups);
+
+/// Whether heights count upwards in the model's world; in that of such a log they count downwards.
+[[nodiscard]] bool has_z_up(const FilterModel& model);
 
 /// What may feed a signal of this name and unit, the best first; none where nothing in a flight log
 /// does, as of one that stands for anything.

@@ -75,6 +75,25 @@ const FedSignal& find(const FedSignals& fed, const std::string& name) {
   throw std::runtime_error("no signal " + name);
 }
 
+// Measurements are turned into a world with z up, truths are not: they would be wrong by half a
+// turn.
+TEST_F(LogSignals, RefuseATruthOfAnotherWorld) {
+  const std::string log = folder_.write("flight.csv", kFlight).string();
+  const std::vector<LogGroup> own = read_log_channels(log, {"gps.py"}).groups;
+  const std::vector<LogGroup> other =
+      read_log_channels(folder_.write("a.csv", "t,y\n0,1\n1,2\n").string(), {"y"}).groups;
+  const FilterModel up = load_filter_model("inertial"), down = load_filter_model("inertial-ned");
+  for (const char* state : {"y", "z", "vz", "qw", "yaw"}) {
+    EXPECT_THAT([&] { require_same_world("a.csv", up, state, own); },
+                ThrowsMessage<InvalidInput>(HasSubstr("such as inertial-ned")))
+        << state;
+    require_same_world("a.csv", down, state, own);
+    require_same_world("a.csv", up, state, other);
+  }
+  require_same_world("a.csv", up, "x", own);
+  require_same_world("a.csv", up, "bias_z", own);
+}
+
 TEST_F(LogSignals, OfAFlightLogAreItsSensors) {
   const FedSignals uquad = read("inertial", kFlight);
   EXPECT_EQ(find(uquad, "gyro_y").from, "gyroscope.y");

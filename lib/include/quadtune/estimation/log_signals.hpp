@@ -38,4 +38,13 @@ struct FedSignals {
                                               const std::vector<Signal>& signals,
                                               const LogOptions& options = {});
 
+/// Refuses a true value that counts in another world than the model's: a flight log of
+/// `quadtune fly` has z down. Measurements that read_signals_by_name() takes from one are turned.
+///
+/// @param state   that the value is one of: a state, or roll, pitch, yaw, qw, qx, qy, qz
+/// @param groups  of the log that it came from
+/// @throws InvalidInput  where the model's world has z up and the value depends on that.
+void require_same_world(const std::string& path, const FilterModel& model, const std::string& state,
+                        const std::vector<LogGroup>& groups);
+
 }  // namespace quadtune

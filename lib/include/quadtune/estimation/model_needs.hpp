@@ -20,6 +20,8 @@ struct ModelSignals {
   std::string name;             ///< e.g. "altitude"
   std::vector<Signal> inputs;   ///< all of them are needed
   std::vector<Sensor> sensors;  ///< one of them is enough
+  /// Its world has z up, so that y and z of a flight log of quadtune come with the other sign.
+  bool z_up = false;
 };
 
 [[nodiscard]] ModelSignals signals_of(const FilterModel& model);
