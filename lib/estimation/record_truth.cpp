@@ -33,15 +33,20 @@ constexpr double kLengthError = 0.01;
 struct Between {
   std::size_t i = 0;
   double share = 0;
-  bool known = false;  ///< false outside of the series and in its gaps
+  bool known = false;  ///< false outside of the series, in its gaps and far from its samples
 };
 
-Between place(const LogSeries& series, double longest, double t) {
+/// Between two samples a line stands for the truth. It is right close to them alone, and may be far
+/// off in the middle where the samples are sparse.
+/// @param longest  that is interpolated over [s]
+/// @param near     how far from a sample the truth is known [s]
+Between place(const LogSeries& series, double longest, double near, double t) {
   const auto after = std::lower_bound(series.time.begin(), series.time.end(), t - kSameInstant);
   if (after == series.time.end()) return {};
   const auto i = static_cast<std::size_t>(after - series.time.begin());
   if (std::abs(series.time[i] - t) <= kSameInstant) return {i, 1, true};
   if (i == 0 || series.time[i] - series.time[i - 1] > longest) return {};
+  if (std::min(series.time[i] - t, t - series.time[i - 1]) > near + kSameInstant) return {};
   return {i, (t - series.time[i - 1]) / (series.time[i] - series.time[i - 1]), true};
 }
 
@@ -52,8 +57,8 @@ struct Truth {
   double scale = 1;    ///< to the unit of the state
   bool angle = false;  ///< it may jump by a whole turn
 
-  [[nodiscard]] double at(double t) const {
-    const Between where = place(*series, longest, t);
+  [[nodiscard]] double at(double t, double near) const {
+    const Between where = place(*series, longest, near, t);
     if (!where.known) return std::nan("");
     const double here = series->values[where.i];
     if (where.share == 1) return scale * here;
@@ -117,11 +122,17 @@ class Attitude {
 
   [[nodiscard]] bool known() const { return !quaternion_.empty() || !euler_.empty(); }
 
+  /// One of those that tell it.
+  [[nodiscard]] const LogSeries& series() const {
+    return *(quaternion_.empty() ? euler_ : quaternion_).front().series;
+  }
+
   /// Body to world; NaN where it is not told.
-  [[nodiscard]] Eigen::Quaterniond at(double t) const {
+  [[nodiscard]] Eigen::Quaterniond at(double t, double near) const {
     if (!euler_.empty())
-      return quaternion_of_euler(euler_[0].at(t), euler_[1].at(t), euler_[2].at(t));
-    const Between where = place(*quaternion_[0].series, quaternion_[0].longest, t);
+      return quaternion_of_euler(euler_[0].at(t, near), euler_[1].at(t, near),
+                                 euler_[2].at(t, near));
+    const Between where = place(*quaternion_[0].series, quaternion_[0].longest, near, t);
     if (!where.known) {
       const double none = std::nan("");
       return {none, none, none, none};
@@ -176,20 +187,41 @@ std::vector<std::string> known_names(const FilterModel& model) {
 
 }  // namespace
 
-double typical_period(const LogSeries& series) {
+namespace {
+
+double typical_step(const Samples& time) {
   Samples steps;
-  steps.reserve(series.time.size());
-  for (std::size_t i = 1; i < series.time.size(); ++i)
-    steps.push_back(series.time[i] - series.time[i - 1]);
+  steps.reserve(time.size());
+  for (std::size_t i = 1; i < time.size(); ++i) steps.push_back(time[i] - time[i - 1]);
   if (steps.empty()) return std::numeric_limits<double>::infinity();
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
   return *middle;
 }
 
+/// Half a step of a record: of its instants, each sample of a truth has one that near.
+double nearest(const FilterRecord& record) { return 0.5 * typical_step(record.time); }
+
+/// @param rows  of the records' truths that the series tells
+void require_told(const LogSeries& series, Index row, Index rows, const std::string& signal,
+                  const std::string& name, const std::vector<FilterRecord>& records) {
+  for (const FilterRecord& record : records)
+    if (record.truth.middleRows(row, rows).array().isFinite().any()) return;
+  throw InvalidInput(
+      name, fmt::format("the truth for {} is of {:.6g} s to {:.6g} s and tells nothing of the "
+                        "log's instants, {:.6g} s to {:.6g} s, expected one of the same flight by "
+                        "the same clock",
+                        signal, series.time.front(), series.time.back(),
+                        records.front().time.front(), records.back().time.back()));
+}
+
+}  // namespace
+
+double typical_period(const LogSeries& series) { return typical_step(series.time); }
+
 void add_truths(const FilterModel& model, const std::vector<ChannelUse>& truths,
                 const std::string& name, std::vector<FilterRecord>& records) {
-  if (truths.empty()) return;
+  if (truths.empty() || records.empty()) return;
   const std::vector<std::string> known = known_names(model);
   for (std::size_t i = 0; i < truths.size(); ++i) {
     const std::string& signal = truths[i].signal;
@@ -203,27 +235,32 @@ void add_truths(const FilterModel& model, const std::vector<ChannelUse>& truths,
                          fmt::format("a truth for '{}' came twice, expected it once", signal));
   }
   const Attitude attitude(model, truths, name);
+  const Index first_angle = model.gravity ? Index{kInertialAttitude} : Index{kAttitude};
   for (FilterRecord& record : records) {
     record.truth = Eigen::MatrixXd::Constant(model.A.rows(), record.samples(), std::nan(""));
     if (!attitude.known()) continue;
+    const double near = nearest(record);
     for (Index k = 0; k < record.samples(); ++k) {
-      const Eigen::Quaterniond q = attitude.at(record.time[static_cast<std::size_t>(k)]);
+      const Eigen::Quaterniond q = attitude.at(record.time[static_cast<std::size_t>(k)], near);
       if (!q.coeffs().allFinite()) continue;
-      if (model.gravity)
-        record.truth.col(k).segment<3>(kInertialAttitude) = turn_of(q);
-      else
-        record.truth.col(k).segment<3>(kAttitude) = euler_of_quaternion(q);
+      record.truth.col(k).segment<3>(first_angle) =
+          model.gravity ? turn_of(q) : Eigen::Vector3d(euler_of_quaternion(q));
     }
   }
+  if (attitude.known())
+    require_told(attitude.series(), first_angle, 3, "the attitude", name, records);
   for (const ChannelUse& use : truths) {
     const auto state = std::find_if(model.states.begin(), model.states.end(),
                                     [&](const Signal& of) { return of.name == use.signal; });
     if (state == model.states.end()) continue;
     const Truth truth = truth_of(use, state->unit, name);
     const auto i = static_cast<Index>(state - model.states.begin());
-    for (FilterRecord& record : records)
+    for (FilterRecord& record : records) {
+      const double near = nearest(record);
       for (Index k = 0; k < record.samples(); ++k)
-        record.truth(i, k) = truth.at(record.time[static_cast<std::size_t>(k)]);
+        record.truth(i, k) = truth.at(record.time[static_cast<std::size_t>(k)], near);
+    }
+    require_told(*truth.series, i, 1, "'" + use.signal + "'", name, records);
   }
 }
 

@@ -144,6 +144,34 @@ TEST(RecordOfLog, InterpolatesATruthButNotOverItsGaps) {
                 "expected one of position, velocity")));
 }
 
+// Samples of a truth 1 s apart say nothing of the nine instants between them.
+TEST(RecordOfLog, TakesASparseTruthWhereItIsToldAlone) {
+  const FilterModel model = load_filter_model("constant-velocity");
+  Samples times, values;
+  for (int k = 0; k < 40; ++k) {
+    times.push_back(0.1 * k);
+    values.push_back(k);
+  }
+  const ChannelUse measured = {"position", series("p", "m", times, values)};
+  const auto truth_at = [&](double start) {
+    return records_of_log(
+        model, {measured}, "a.csv",
+        {{"position", series("x", "m", {start, start + 1, start + 2}, {5, 7, 11})}});
+  };
+  const std::vector<double> known = row(truth_at(1)[0].truth, 0);
+  EXPECT_NEAR(known[10], 5, 1e-12);
+  EXPECT_NEAR(known[20], 7, 1e-12);
+  EXPECT_NEAR(known[30], 11, 1e-12);
+  EXPECT_EQ(std::count_if(known.begin(), known.end(), [](double x) { return std::isfinite(x); }),
+            3);
+  // Of another time it tells nothing.
+  EXPECT_THAT([&] { (void)truth_at(100); },
+              ThrowsMessage<InvalidInput>(
+                  StrEq("a.csv: the truth for 'position' is of 100 s to 102 s and tells nothing of "
+                        "the log's instants, 0 s to 3.9 s, expected one of the same flight by the "
+                        "same clock")));
+}
+
 /// Inputs and heights of an inertial record, every 0.1 s.
 std::vector<ChannelUse> still_inertial(int samples) {
   std::vector<ChannelUse> uses;
@@ -157,11 +185,11 @@ std::vector<ChannelUse> still_inertial(int samples) {
   return uses;
 }
 
-// Turned by 0.4 rad about z at 0 s and 0.8 rad at 1 s, the second with the other sign of the same
-// quaternion.
+// Turned by 0.4 rad about z at 0.45 s and 0.8 rad at 0.55 s, the second with the other sign of the
+// same quaternion.
 TEST(RecordOfLog, TakesAnAttitudeForATruth) {
   const FilterModel model = load_filter_model("inertial");
-  const Samples time = {0, 1};
+  const Samples time = {0.45, 0.55};
   const auto component = [&](const char* name, double first, double last) {
     return ChannelUse{name, series(std::string("gt.") + name, "", time, {first, last})};
   };
@@ -171,9 +199,9 @@ TEST(RecordOfLog, TakesAnAttitudeForATruth) {
   const auto records = records_of_log(model, still_inertial(11), "a.csv", truths);
   ASSERT_EQ(records.size(), 1);
   const std::vector<double> turns = row(records[0].truth, 2);
-  EXPECT_NEAR(turns[0], 0.4, 1e-12);
+  EXPECT_THAT(turns[4], IsNan());
   EXPECT_NEAR(turns[5], 0.6, 1e-12);
-  EXPECT_NEAR(turns[10], 0.8, 1e-12);
+  EXPECT_THAT(turns[6], IsNan());
   EXPECT_NEAR(row(records[0].truth, 0)[5], 0, 1e-12);
   EXPECT_THAT(row(records[0].truth, 3), ::testing::Each(IsNan()));
   // The same in degrees, over the seam at half a turn.
@@ -184,7 +212,16 @@ TEST(RecordOfLog, TakesAnAttitudeForATruth) {
   };
   const auto euler = records_of_log(model, still_inertial(11), "a.csv", angles);
   EXPECT_NEAR(std::abs(row(euler[0].truth, 2)[5]), 3.14159265358979, 1e-9);
-  EXPECT_NEAR(row(euler[0].truth, 2)[0], 170 * 3.14159265358979 / 180, 1e-9);
+  // At a sample itself.
+  const std::vector<double> late =
+      row(records_of_log(model, still_inertial(6), "a.csv",
+                         {{"roll", series("roll", "deg", {0, 0.5}, {0, 0})},
+                          {"pitch", series("pitch", "deg", {0, 0.5}, {0, 0})},
+                          {"yaw", series("yaw", "deg", {0, 0.5}, {20, 170})}})[0]
+              .truth,
+          2);
+  EXPECT_NEAR(late[0], 20 * 3.14159265358979 / 180, 1e-9);
+  EXPECT_NEAR(late[5], 170 * 3.14159265358979 / 180, 1e-9);
 }
 
 TEST(RecordOfLog, RefusesAnAttitudeThatIsNone) {
