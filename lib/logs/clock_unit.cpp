@@ -76,6 +76,17 @@ ClockUnit unit_of_clock(const ClockSample& sample) {
                       sample.time)};
 }
 
+bool is_no_time(const ClockSample& sample, double ticks) {
+  return std::abs(sample.time) / ticks >= kLastSecond;
+}
+
+std::string name_of_ticks(double ticks) {
+  if (ticks == 1) return "s";
+  for (const Unit& unit : kSince1970)
+    if (ticks == unit.ticks) return unit.name;
+  return fmt::format("1/{:g} s", ticks);
+}
+
 bool zero_is_stray(const ClockSample& sample, double ticks) {
   const double time = std::abs(sample.time);
   return time > kStraySeconds * ticks && time > kStraySteps * sample.step;

@@ -29,6 +29,16 @@ struct ClockUnit {
 /// nanoseconds from its start would have such steps. Everything else is ambiguous.
 [[nodiscard]] ClockUnit unit_of_clock(const ClockSample& sample);
 
+/// At this step and beyond [s] even a clock that is in seconds as a rule may count milliseconds.
+inline constexpr double kSlowStep = 1;
+
+/// Whether the typical time, in ticks of so many a second, comes after the year 2286, if counted
+/// from 1970: then the unit is another.
+[[nodiscard]] bool is_no_time(const ClockSample& sample, double ticks);
+
+/// "s", "ms", "us", "ns", or "1/100 s" of so many ticks a second.
+[[nodiscard]] std::string name_of_ticks(double ticks);
+
 /// Whether a time of exactly 0 is one that was never set: the clock stands more than 10 s and 1000
 /// steps away from it.
 [[nodiscard]] bool zero_is_stray(const ClockSample& sample, double ticks);

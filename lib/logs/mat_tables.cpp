@@ -290,17 +290,29 @@ class Finder {
   std::vector<double> times_of(const Leaf& leaf, const std::string& scope) {
     std::vector<double> time = column_of(leaf.matrix, 0);
     const LogTitle title = clock_title(leaf).value_or(LogTitle{});
+    const ClockSample sample = sample_of_clock(time);
+    const std::string name = printable(scope.empty() ? leaf.name : scope + '.' + leaf.name);
     double ticks = title.ticks;
-    if (title.guessed) {
-      const ClockUnit unit = unit_of_clock(sample_of_clock(time));
-      const std::string name = printable(scope.empty() ? leaf.name : scope + '.' + leaf.name);
+    if (!title.guessed) {
+      if (is_no_time(sample, ticks)) {
+        notes_.push_back(
+            fmt::format("'{}' is no clock, because it is stated in {}, by which its "
+                        "values, such as {:.6g}, come after the year 2286",
+                        name, name_of_ticks(ticks), sample.time));
+        ticks = 0;
+      }
+    } else {
+      const ClockUnit unit = unit_of_clock(sample);
       ticks = unit.ticks;
       if (ticks == 0)
         notes_.push_back(
             fmt::format("'{}' states no unit and is no clock, because {}: call it {}_{}", name,
                         unit.reason, printable(leaf.name), unit.unit));
-      else if (ticks != 1)
-        notes_.push_back(fmt::format("the clock '{}' states no unit and {}", name, unit.reason));
+      else if (ticks != 1 || sample.step >= kSlowStep)
+        notes_.push_back(fmt::format(
+            "the clock '{}' states no unit and {}{}", name, unit.reason,
+            sample.step > 0 ? fmt::format(", samples being {:.4g} s apart", sample.step / ticks)
+                            : ""));
     }
     if (ticks == 0) return {};
     for (double& t : time) t /= ticks;

@@ -214,7 +214,10 @@ class TextReader final : public LogReader {
          ahead.remove_prefix(feed + 1), feed = ahead.find('\n'))
       add_time(trimmed(ahead.substr(0, feed)), times);
     const ClockSample sample = sample_of_clock(times);
-    if (layout_.unstated) settle_unit(*layout_.unstated, sample);
+    if (layout_.unstated)
+      settle_unit(*layout_.unstated, sample);
+    else
+      check_unit(sample);
     zero_is_stray_ = zero_is_stray(sample, layout_.ticks[0]);
     if (zero_is_stray_) typical_time_s_ = sample.time / layout_.ticks[0];
   }
@@ -248,13 +251,23 @@ class TextReader final : public LogReader {
       return;
     }
     layout_.ticks[0] = unit.ticks;
-    if (unit.ticks == 1 && clock.usual) return;
+    if (unit.ticks == 1 && clock.usual && sample.step < kSlowStep) return;
     const std::string apart =
         sample.step > 0 ? fmt::format(", samples being {:.4g} s apart", sample.step / unit.ticks)
                         : "";
     condition_.notes.push_back(
         fmt::format("the clock {} states no unit and {}{}; if that is wrong, state it, as in {}",
                     clock.name, unit.reason, apart, remedy(unit.ticks == 1 ? "us" : "s")));
+  }
+
+  /// Of a clock whose unit is stated.
+  void check_unit(const ClockSample& sample) {
+    if (!is_no_time(sample, layout_.ticks[0])) return;
+    condition_.unclear_time = fmt::format(
+        "the clock is stated in {}, by which its values, such as {:.6g}, come after the year 2286: "
+        "state another unit",
+        name_of_ticks(layout_.ticks[0]), sample.time);
+    condition_.notes.push_back(condition_.unclear_time);
   }
 
   static bool is_comment(std::string_view line) {

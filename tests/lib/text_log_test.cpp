@@ -231,6 +231,27 @@ TEST(TextLog, TakesSecondsWithAWord) {
   EXPECT_THAT(truth.condition.notes, IsEmpty());
 }
 
+// A clock called t counts seconds as a rule; milliseconds of a log at 200 Hz look like samples 5 s
+// apart.
+TEST(TextLog, SaysThatASlowClockMayCountMilliseconds) {
+  EXPECT_THAT(read_bytes("t,x\n0,1\n5,2\n10,2\n").condition.notes,
+              ElementsAre(AllOf(HasSubstr("the clock 't' states no unit and is taken as seconds, "
+                                          "samples being 5 s apart"),
+                                HasSubstr("--columns 't_us:t, *'"))));
+  EXPECT_THAT(read_bytes("t_s,x\n0,1\n5,2\n10,2\n").condition.notes, IsEmpty());
+}
+
+TEST(TextLog, RefusesAStatedUnitByWhichTheTimeIsNone) {
+  const std::string bytes = "t_s,x\n1403636579758555392,1\n1403636579763555584,2\n";
+  const LogCondition condition = read_bytes(bytes).condition;
+  EXPECT_THAT(condition.unclear_time,
+              HasSubstr("the clock is stated in s, by which its values, such as 1.40364e+18, come "
+                        "after the year 2286"));
+  EXPECT_THAT(
+      read_bytes("t_ns,x\n1403636579758555392,1\n1403636579763555584,2\n").condition.unclear_time,
+      IsEmpty());
+}
+
 TEST(TextLog, KnowsClocksByTheirNames) {
   for (const char* name : {"TimeUS", "time_usec", "timestamp_us", "t [us]", "Timestamp(usec)"}) {
     const WholeLog log = read_bytes(clocked(std::string(name) + ",x", 5000000, 4000));
