@@ -39,13 +39,13 @@ class Search {
   std::vector<Implausibility> found() {
     environment();
     const bool arm_fits = arm();
-    // Measured by a wrong arm, what is right would be told to be wrong.
-    if (arm_fits) inertia();
-    weight();
+    // Measured by what is wrong, what is right would be told to be wrong.
+    const bool inertia_fits = arm_fits && inertia();
+    const bool weight_fits = weight();
     drag_torque();
     if (arm_fits || !std::isnan(vehicle_.rotors.front().radius)) speed();
-    motors();
-    battery();
+    motors(inertia_fits);
+    if (arm_fits && weight_fits) battery();
     return std::move(found_);
   }
 
@@ -93,7 +93,7 @@ class Search {
 
   /// Arms with motors at their ends have 0.2 to 0.5 m L² about each level axis, twice that about
   /// the vertical.
-  void inertia() {
+  bool inertia() {
     const double size = vehicle_.mass * arm_ * arm_;
     const Eigen::Vector3d moments =
         Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(vehicle_.inertia).eigenvalues();
@@ -106,12 +106,12 @@ class Search {
     const PlausibleRange range{0.03, 3};
     const double largest = moments(2) / size;
     if (range.holds(largest))
-      look("smallest principal moment over mass times arm2", "", moments(0) / size, range, units);
-    else
-      look("largest principal moment over mass times arm2", "", largest, range, units);
+      return look("smallest principal moment over mass times arm2", "", moments(0) / size, range,
+                  units);
+    return look("largest principal moment over mass times arm2", "", largest, range, units);
   }
 
-  void weight() {
+  bool weight() {
     const double ratio = greatest_thrust(vehicle_) / (vehicle_.mass * vehicle_.gravity);
     const bool speed = vehicle_.motor.law == CommandLaw::speed;
     const std::string most = speed ? "max_rad_s" : "max_count";
@@ -123,7 +123,7 @@ class Search {
                                      {1e3, "the thrust curve may be in mN, or mass_kg in t"},
                                      {1 / 9.81, "the thrust curve may be in kgf"},
                                      {1e3 / 9.81, "the thrust curve may be in gf"}});
-    look("thrust-to-weight at " + most, "", ratio, {1, 10}, mistakes);
+    return look("thrust-to-weight at " + most, "", ratio, {1, 10}, mistakes);
   }
 
   /// Drag torque of a rotor over its thrust: a twentieth to a third of its radius.
@@ -180,7 +180,7 @@ class Search {
     return least / 2;
   }
 
-  void motors() {
+  void motors(bool inertia_fits) {
     const double yaw = vehicle_.inertia(2, 2);
     double lag = 0, inertia = 0;
     for (const Rotor& rotor : vehicle_.rotors) {
@@ -188,7 +188,7 @@ class Search {
       inertia = std::max(inertia, rotor.inertia);
     }
     if (lag > 0) look("motor lag", "s", lag, {1e-3, 0.5}, {{1000, "lag_s may be in ms"}});
-    if (inertia > 0)
+    if (inertia > 0 && inertia_fits)
       look("inertia of a rotor over that of the vehicle about z", "", inertia / yaw, {1e-6, 0.05},
            {{1e7, "inertia_kg_m2 of the rotor may be in g cm2"},
             {1e4, "inertia_kg_m2 of the rotor may be in kg cm2"},

@@ -111,6 +111,19 @@ TEST(Plausibility, FindsSpeedsInRpm) {
   }
 }
 
+// What is measured by a wrong figure is not told to be wrong itself.
+TEST(Plausibility, NamesTheWrongFigureAlone) {
+  for (const std::string& name : built_in_vehicles()) {
+    Vehicle heavy = load_vehicle(name), slow = load_vehicle(name);
+    slow.inertia *= 1e7;
+    ASSERT_EQ(implausible(slow).size(), 1) << name;
+    EXPECT_THAT(implausible(slow)[0].quantity, HasSubstr("principal moment")) << name;
+    heavy.mass *= 1000;
+    for (const Implausibility& found : implausible(heavy))
+      EXPECT_THAT(found.quantity, ::testing::Not(HasSubstr("battery"))) << name;
+  }
+}
+
 // Rounding and honest differences are not told: a factor of 2 in any figure.
 TEST(Plausibility, LeavesRoomForOtherVehicles) {
   for (const char* name : {"mambo", "uquad", "crazyflie"})
