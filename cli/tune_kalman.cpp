@@ -148,8 +148,11 @@ void leave_unmeasured(FilterModel& model, const std::vector<TunedLog>& logs, Con
 }
 
 /// Channels of one file, their times after `epoch_s` of the first file read.
+/// @param states  for each place the state that it is a truth for; empty for a measurement
 /// @return  what its reader warns of
-std::vector<std::string> read_file(const std::string& file, const std::vector<ChannelPlace>& places,
+std::vector<std::string> read_file(const std::string& file, const FilterModel& model,
+                                   const std::vector<ChannelPlace>& places,
+                                   const std::vector<std::string>& states,
                                    const LogOptions& log_options,
                                    std::optional<std::int64_t>& epoch_s,
                                    std::vector<ChannelUse>& uses, const Context& context) {
@@ -162,6 +165,7 @@ std::vector<std::string> read_file(const std::string& file, const std::vector<Ch
   std::size_t next = 0;
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (places[i].file != file) continue;
+    if (!states[i].empty()) require_same_world(file, model, states[i], log.groups);
     uses[i].series = std::move(log.series[next++]);
     for (double& t : uses[i].series.time) t += offset;
   }
@@ -177,11 +181,12 @@ TunedLog read_log(const std::string& path, const FilterModel& model, const Optio
   const LogOptions log_options = cli::log_options(options.log, "tune");
   std::vector<ChannelPlace> places;
   std::vector<ChannelUse> uses;
-  std::vector<std::string> files;
+  std::vector<std::string> files, states;
   auto all = map.named;
   for (const std::string& text : options.truths)
     all.push_back(named_word(text, "--truth", "STATE", "CHANNEL"));
   for (const auto& [signal, word] : all) {
+    states.push_back(places.size() < map.named.size() ? "" : signal);
     places.push_back(channel_place(word, path));
     uses.push_back({signal, {}});
     if (std::find(files.begin(), files.end(), places.back().file) == files.end())
@@ -212,7 +217,8 @@ TunedLog read_log(const std::string& path, const FilterModel& model, const Optio
   for (const std::string& file : files) {
     if (std::any_of(places.begin(), places.end(),
                     [&](const ChannelPlace& place) { return place.file == file; }))
-      for (std::string& line : read_file(file, places, log_options, epoch_s, uses, context))
+      for (std::string& line :
+           read_file(file, model, places, states, log_options, epoch_s, uses, context))
         result.warnings.push_back(std::move(line));
     result.files.push_back({file, sha256_of_file(file)});
   }
@@ -305,7 +311,7 @@ void run(const Options& options, Context& context) {
     for (const TunedLog& log : logs)
       joined.insert(joined.end(), log.records.begin(), log.records.end());
   const std::vector<FilterRecord>& records = logs.size() > 1 ? joined : logs.front().records;
-  const KeepsTheBest keeps_the_best;
+  std::optional<KeepsTheBest> keeps_the_best(std::in_place);
   NoiseTuning tuning = tuned(model, records, options, context);
   tuning.left_out.insert(tuning.left_out.begin(), left_out.begin(), left_out.end());
   if (tuning.fit.status == NoiseFitStatus::not_computed)
@@ -313,7 +319,7 @@ void run(const Options& options, Context& context) {
   const TuneReport report{model, logs, tuning};
   const bool passed = tuning.verdict == CheckVerdict::pass;
   // After an interrupt what was found is still told and written: that is little work.
-  const bool ended = tuning.fit.status == NoiseFitStatus::interrupted;
+  const bool ended = tuning.fit.status == NoiseFitStatus::interrupted || interrupted();
   const std::function<bool()> stop = ended ? nullptr : std::function<bool()>(interrupted);
   // First, so that a file that cannot be written does not take a long search with it.
   context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report))
@@ -323,6 +329,7 @@ void run(const Options& options, Context& context) {
     write_file(options.file, tuned_file(report, context.command), stop);
     context.written.push_back(options.file);
   }
+  keeps_the_best.reset();  // what was found is told: the page may be given up at any time
   if (!options.report.empty() && !ended) {
     write_file(options.report, html(page_of(report, options.holdout, context.seed, context.threads,
                                             context.command)));

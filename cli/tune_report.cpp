@@ -191,6 +191,11 @@ std::string error_figure(double value, const std::string& unit) {
                      figure(value * 180 / std::numbers::pi, 4));
 }
 
+bool some_held_out(const NoiseTuning& tuning) {
+  return std::any_of(tuning.accuracy.begin(), tuning.accuracy.end(),
+                     [](const StateAccuracy& state) { return state.held_out; });
+}
+
 std::string accuracy_table(const NoiseTuning& tuning) {
   std::vector<std::vector<std::string>> rows = {
       {"rms error", "samples", "before", "after", "change", ""}};
@@ -199,19 +204,20 @@ std::string accuracy_table(const NoiseTuning& tuning) {
         {state.state, fmt::format("{}", state.samples), error_figure(state.before, state.unit),
          error_figure(state.after, state.unit),
          state.before > 0 ? fmt::format("{:+.1f} %", 100 * (state.after / state.before - 1)) : "-",
-         ""});
+         state.held_out || !some_held_out(tuning) ? "" : "fitted part"});
   return aligned(rows) +
-         (tuning.accuracy_held_out ? "\non the stretch held out" : "\non the part that was fitted");
+         (some_held_out(tuning) ? "\non the stretch held out" : "\non the part that was fitted");
 }
 
 Json accuracy_to_json(const NoiseTuning& tuning) {
   Json json;
-  json["held_out"] = tuning.accuracy_held_out;
+  json["held_out"] = some_held_out(tuning);
   json["states"] = Json::array();
   for (const StateAccuracy& state : tuning.accuracy)
     json["states"].push_back({{"name", state.state},
                               {"unit", state.unit},
                               {"samples", state.samples},
+                              {"held_out", state.held_out},
                               {"before", finite_or_null(state.before)},
                               {"after", finite_or_null(state.after)},
                               {"p", finite_or_null(state.p)}});
@@ -292,7 +298,7 @@ std::vector<std::pair<std::string, std::string>> facts_of(const TuneReport& repo
   facts.emplace_back("held out", held_out(report.tuning.holdout));
   for (const StateAccuracy& state : report.tuning.accuracy)
     facts.emplace_back(
-        report.tuning.accuracy_held_out ? "rms error, held out" : "rms error",
+        state.held_out ? "rms error, held out" : "rms error",
         fmt::format("{}: {} before, {} after", state.state, error_figure(state.before, state.unit),
                     error_figure(state.after, state.unit)));
   if (report.tuning.agreement && report.tuning.agreement->not_compared.empty())

@@ -131,6 +131,7 @@ class Fit {
                               kMostOutputs));
     sampled_ = internal::sample_model(model_, uniform.dt, uniform.outputs);
     for (int pass = 0; pass < options_.passes; ++pass) {
+      if (options_.interrupted && options_.interrupted()) throw Interrupted();
       const auto [Q, R] = internal::noise_at(sampled_, design_);
       if (!Q.allFinite() || !R.allFinite())
         return fail(AutocovarianceStatus::not_computed,

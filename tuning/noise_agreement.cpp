@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "quadtune/errors.hpp"
 #include "quadtune/tuning/autocovariance_fit.hpp"
 #include "tails.hpp"
 
@@ -50,16 +51,19 @@ NoiseMethod other_than(NoiseMethod method) {
 
 /// Fits by the other method, beginning where it is likely to end.
 NoiseFit fit_otherwise(const NoiseFit& fit, NoiseMethod method,
-                       const InnovationLikelihood& likelihood) {
+                       const InnovationLikelihood& likelihood, const AgreementOptions& options) {
   if (method == NoiseMethod::likelihood)
-    return as_noise_fit(fit_autocovariances(likelihood.model(), likelihood.records()), likelihood);
+    return as_noise_fit(fit_autocovariances(likelihood.model(), likelihood.records(),
+                                            {.interrupted = options.interrupted}),
+                        likelihood);
   FilterModel from = likelihood.model();
   for (std::size_t i = 0; i < from.parameters.size(); ++i)
     if (fit.parameters[i].verdict == ParameterVerdict::seen)
       from.parameters[i].start = from.parameters[i].logarithmic
                                      ? std::exp(fit.theta(static_cast<Eigen::Index>(i)))
                                      : fit.theta(static_cast<Eigen::Index>(i));
-  return fit_noise(InnovationLikelihood(from, likelihood.records()), {.starts = 1});
+  return fit_noise(InnovationLikelihood(from, likelihood.records()),
+                   {.starts = 1, .threads = options.threads, .interrupted = options.interrupted});
 }
 
 }  // namespace
@@ -73,7 +77,12 @@ NoiseAgreement compare_methods(const NoiseFit& fit, NoiseMethod method,
                                const AgreementOptions& options) {
   NoiseAgreement result;
   result.other = other_than(method);
-  const NoiseFit other = fit_otherwise(fit, method, likelihood);
+  NoiseFit other;
+  try {
+    other = fit_otherwise(fit, method, likelihood, options);
+  } catch (const Interrupted&) {
+    other.status = NoiseFitStatus::interrupted;
+  }
   if (!other.converged()) {
     result.not_compared =
         other.culprit.empty() ? "its fit is " + to_string(other.status) : other.culprit;

@@ -24,10 +24,11 @@ using Eigen::VectorXd;
 constexpr int kMostRounds = 20;
 /// Change of θ, in standard errors or, of what is not seen, in logarithms, that ends them.
 constexpr double kSettled = 0.01;
+/// Change from them of a last fit, which is precise, that begins anew: it went where the rough ones
+/// before it did not look.
+constexpr double kFarOff = 0.1;
 /// Growth of a root mean square error that is worth saying.
 constexpr double kLessAccurate = 1.01;
-/// The same, of a last fit that is precise: it went where the rough ones before it did not look.
-constexpr double kFarOff = 0.1;
 /// Tails of a gated sensor in the first fit: with these an outlier has little weight.
 constexpr double kLongTails = 4;
 
@@ -131,7 +132,8 @@ VectorXd first_guess(const FilterModel& model, const std::vector<FilterRecord>& 
       sensor.student = kLongTails;
   const InnovationLikelihood likelihood(tailed, fitted_parts(records, holdout));
   const NoiseFit fit = fit_noise(likelihood, options);
-  return fit.status == NoiseFitStatus::not_computed ? start_of(model) : fit.theta;
+  return fit.status == NoiseFitStatus::not_computed || fit.theta.size() == 0 ? start_of(model)
+                                                                             : fit.theta;
 }
 
 /// All runs, or the first one that has no value.
@@ -210,6 +212,7 @@ class Tuner {
   /// @param first  θ of the first records
   NoiseTuning run(const std::vector<FilterRecord>& all, Kind kind, const VectorXd& first) {
     LinearizedLogs logs;
+    best_ = first;
     tuning_.warnings = internal::hanging_measurements(model_, all);
     try {
       if (kind == Kind::linearized)  // else the fit looks at the records itself
@@ -267,11 +270,11 @@ class Tuner {
     return options_.fit.interrupted && options_.fit.interrupted();
   }
 
-  /// What is left of a search that was ended: the best so far, or else the model as it was.
+  /// What is left of a search that was ended: the best so far.
   void end_early() {
     NoiseFit& fit = tuning_.fit;
     if (!wanted()) fit.status = NoiseFitStatus::out_of_time;
-    if (fit.theta.size() == 0) fit.theta = start_of(model_);
+    if (fit.theta.size() == 0) fit.theta = best_;
     fit.parameters = internal::parameters_at(model_, fit.theta);
     fit.unseen.clear();
     if (before_.computed()) fit.before = before_;
@@ -306,11 +309,17 @@ class Tuner {
     if (options_.method == NoiseMethod::likelihood) {
       tuning_.fit = fit_noise(likelihood, options);
       evaluations_ += tuning_.fit.evaluations;
+      // Ended before its first evaluation it knows its own start alone.
+      if (tuning_.fit.status == NoiseFitStatus::interrupted && tuning_.fit.evaluations == 0)
+        tuning_.fit.theta = best_;
+      best_ = tuning_.fit.theta;
       return;
     }
-    tuning_.autocovariances =
-        fit_autocovariances(likelihood.model(), likelihood.records(),
-                            {.confidence = options.confidence, .profile = options.profile});
+    tuning_.autocovariances = fit_autocovariances(likelihood.model(), likelihood.records(),
+                                                  {.confidence = options.confidence,
+                                                   .profile = options.profile,
+                                                   .interrupted = options.interrupted});
+    best_ = tuning_.autocovariances->theta;
     tuning_.fit = as_noise_fit(*tuning_.autocovariances, likelihood);
     evaluations_ += tuning_.fit.evaluations;
   }
@@ -318,8 +327,10 @@ class Tuner {
   /// The last fit beside that of the other method.
   void compare_with_other(const InnovationLikelihood& likelihood) {
     if (!options_.compare || !tuning_.fit.converged() || over()()) return;
-    tuning_.agreement =
-        compare_methods(tuning_.fit, options_.method, likelihood, options_.agreement);
+    AgreementOptions options = options_.agreement;
+    options.threads = options_.fit.threads;
+    options.interrupted = over();
+    tuning_.agreement = compare_methods(tuning_.fit, options_.method, likelihood, options);
     for (const std::string& reason : tuning_.agreement->disagreements)
       tuning_.warnings.push_back(reason);
   }
@@ -332,7 +343,8 @@ class Tuner {
     options.rough = changing;
     FilterModel model = model_;
     for (tuning_.rounds = 1;; ++tuning_.rounds) {
-      const InnovationLikelihood likelihood(model, fitted_parts(logs.records, options_.holdout));
+      InnovationLikelihood likelihood(model, fitted_parts(logs.records, options_.holdout));
+      likelihood.stop_when(over());
       fit_once(likelihood, options);
       if (tuning_.rounds == 1) before_ = tuning_.fit.before;
       if (!changing || tuning_.fit.status == NoiseFitStatus::not_computed ||
@@ -422,23 +434,35 @@ class Tuner {
                             {truths_of(after.records, holdout, held_out),
                              part_of(after.runs, after.records, holdout, held_out)});
     };
-    if (options_.holdout > 0) tuning_.accuracy = over(true);
-    tuning_.accuracy_held_out = !tuning_.accuracy.empty();
-    if (tuning_.accuracy.empty()) tuning_.accuracy = over(false);
+    // In the order of the states, each over the stretch held out where it is told there.
+    tuning_.accuracy = over(false);
+    if (options_.holdout > 0)
+      for (StateAccuracy& unseen : over(true)) {
+        unseen.held_out = true;
+        const auto same =
+            std::find_if(tuning_.accuracy.begin(), tuning_.accuracy.end(),
+                         [&](const StateAccuracy& fitted) { return fitted.state == unseen.state; });
+        if (same == tuning_.accuracy.end())
+          tuning_.accuracy.push_back(std::move(unseen));
+        else
+          *same = std::move(unseen);
+      }
     std::vector<std::string> worse;
-    for (const StateAccuracy& state : tuning_.accuracy)
-      if (state.after > kLessAccurate * state.before)
-        worse.push_back(fmt::format("{} errs by {:.3g} {}, {:.0f} % more than before{}",
-                                    state.state, state.after, state.unit,
-                                    100 * (state.after / state.before - 1),
-                                    state.p < 0.05 ? "" : ", which may be chance"));
+    bool held_out = true;
+    for (const StateAccuracy& state : tuning_.accuracy) {
+      if (!(state.after > kLessAccurate * state.before)) continue;
+      held_out = held_out && state.held_out;
+      worse.push_back(fmt::format("{} errs by {:.3g} {}, {:.0f} % more than before{}", state.state,
+                                  state.after, state.unit, 100 * (state.after / state.before - 1),
+                                  state.p < 0.05 ? "" : ", which may be chance"));
+    }
     if (worse.empty()) return;
-    tuning_.warnings.push_back(fmt::format(
-        "the tuned filter is {}less accurate{}: {}",
-        distance_from_one(tuning_.after) < distance_from_one(tuning_.before)
-            ? "more consistent but "
-            : "",
-        tuning_.accuracy_held_out ? " on the stretch held out" : "", fmt::join(worse, "; ")));
+    tuning_.warnings.push_back(
+        fmt::format("the tuned filter is {}less accurate{}: {}",
+                    distance_from_one(tuning_.after) < distance_from_one(tuning_.before)
+                        ? "more consistent but "
+                        : "",
+                    held_out ? " on the stretch held out" : "", fmt::join(worse, "; ")));
   }
 
   /// How far the sizes of innovations and of errors are from what they should be.
@@ -513,6 +537,7 @@ class Tuner {
   const NoiseTuningOptions& options_;
   std::chrono::steady_clock::time_point begin_;
   int evaluations_ = 0;  ///< of the fits that are over
+  VectorXd best_;        ///< θ so far
   Likelihood before_;    ///< of the first fit
   NoiseTuning tuning_;
 };

@@ -173,6 +173,27 @@ TEST(Gates, FromAStartThatWouldRefuseAll) {
   EXPECT_EQ(tuning.refused[0].refused, spoilt.planted);
 }
 
+// Between the first guess, which outliers do not spoil, and the first fit after it.
+TEST(Gates, KeepTheFirstGuessWhereTheSearchIsEnded) {
+  Spoilt spoilt(0.02);
+  spoilt.model.sensors[0].gate = 30;
+  spoilt.model = with_noise(spoilt.model, spoilt.truth.array() - 3);
+  int asked = 0, end_at = -1, last = 0, first_fit = -1;
+  NoiseTuningOptions options;
+  options.fit.interrupted = [&] { return asked++ == end_at || (end_at >= 0 && asked > end_at); };
+  options.progress = [&](int, int evaluations, double) {
+    if (evaluations < last && first_fit < 0) first_fit = asked;  // counted anew by the first fit
+    last = evaluations;
+  };
+  (void)tune_noise(spoilt.model, {spoilt.record}, options);
+  ASSERT_GT(first_fit, 0);
+  end_at = first_fit - 1;
+  asked = 0;
+  const NoiseTuning ended = tune_noise(spoilt.model, {spoilt.record}, options);
+  ASSERT_EQ(ended.fit.status, NoiseFitStatus::interrupted);
+  EXPECT_LT((ended.fit.theta - spoilt.truth).cwiseAbs().maxCoeff(), 0.7);
+}
+
 TEST(Gates, StudentsErrorsBearTheOutliersToo) {
   Spoilt spoilt(0.02);
   spoilt.model.sensors[0].student = 4;

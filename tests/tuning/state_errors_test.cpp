@@ -8,6 +8,7 @@
 
 #include "filter_models.hpp"
 #include "quadtune/estimation/filter_file.hpp"
+#include "tails.hpp"
 
 namespace quadtune {
 namespace {
@@ -52,6 +53,47 @@ TEST(ErrorsOfStates, AreWhatTheirCovariancesSay) {
   EXPECT_EQ(small.verdict, CheckVerdict::fail);
   EXPECT_NEAR(small.value, 5 * right.value, 0.2 * small.value);
   EXPECT_THAT(small.reason, HasSubstr("vz: the squared error is"));
+}
+
+// An error that stays as it is over a whole record is one error, however many instants it has.
+TEST(ErrorsOfStates, AreOneWhereTheyStayAsTheyAre) {
+  const FilterModel model = testing::discrete_altitude();
+  FilterRecord record;
+  record.truth = MatrixXd::Zero(2, 5000);
+  FilterRun run;
+  run.x = MatrixXd::Constant(2, 5000, 2);
+  run.x_variance = MatrixXd::Ones(2, 5000);
+  for (const ConsistencyCheck& check : check_errors(model, {record}, {run})) {
+    EXPECT_EQ(check.value, 4);
+    // Two standard deviations come by chance in 4.6 % of all cases.
+    EXPECT_NEAR(check.p, 0.0455, 0.01);
+    EXPECT_EQ(check.verdict, CheckVerdict::pass);
+  }
+}
+
+// Of errors e[k+1] = ρ e[k] + noise, n (1 - ρ²)/(1 + ρ²) count.
+TEST(ErrorsOfStates, CountByTheirAutocorrelation) {
+  const FilterModel model = testing::discrete_altitude();
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  for (const double rho : {0.5, 0.99}) {
+    const Index N = 400000;
+    FilterRecord record;
+    record.truth = MatrixXd::Zero(2, N);
+    FilterRun run;
+    run.x = MatrixXd::Zero(2, N);
+    run.x_variance = MatrixXd::Ones(2, N);
+    for (Index k = 1; k < N; ++k)
+      for (Index i = 0; i < 2; ++i)
+        run.x(i, k) = rho * run.x(i, k - 1) + std::sqrt(1 - rho * rho) * normal(random);
+    const ConsistencyCheck check = check_errors(model, {record}, {run})[0];
+    // Of χ²/f, where f is large, the band is 1 ± z √(2/f): its width tells f.
+    ConsistencyOptions options;
+    const double z = internal::normal_exceeded(0.5 * options.significance);
+    const double counted = 8 * z * z / std::pow(check.high - check.low, 2);
+    const double expected = static_cast<double>(N) * (1 - rho * rho) / (1 + rho * rho);
+    EXPECT_NEAR(counted / expected, 1, 0.1) << rho;
+  }
 }
 
 /// Records and runs of so many states over N instants, all zero, the truth told.

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@ struct AutocovarianceOptions {
   int passes = 10;  ///< at most so often is the gain chosen anew from what was found, ≥ 1
   double confidence = 0.95;  ///< of the intervals, 0 … 1
   bool profile = false;      ///< intervals by the profile of the misfit, not by its curvature
+  std::function<bool()> interrupted = {};  ///< asked before each pass; may be empty
 };
 
 enum class AutocovarianceStatus {
@@ -67,6 +69,7 @@ struct AutocovarianceFit {
 /// between. Priors count. Theory: "Covariances from logs".
 ///
 /// @throws InvalidInput  as validate() of the model and of each record; for options out of range.
+/// @throws Interrupted   when `interrupted` says so.
 /// Sources: Odelson, Rajamani and Rawlings 2006; Rajamani and Rawlings 2009.
 [[nodiscard]] AutocovarianceFit fit_autocovariances(const FilterModel& model,
                                                     const std::vector<FilterRecord>& records,

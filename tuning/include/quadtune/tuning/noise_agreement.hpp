@@ -3,6 +3,8 @@
 /// where the model is, so that what parts them is not chance but the model.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -19,6 +21,9 @@ enum class NoiseMethod { likelihood, autocovariances };
 struct AgreementOptions {
   double significance = 0.001;  ///< of all parameters together: probability of a false alarm
   double most_factor = 1.5;     ///< between two variances that are the same for what they are used
+  std::size_t threads = 0;      ///< as NoiseFitOptions::threads
+  /// Asked during the other fit; ends it where true.
+  std::function<bool()> interrupted = {};
 };
 
 /// A parameter by both methods.

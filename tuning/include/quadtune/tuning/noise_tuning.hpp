@@ -65,10 +65,9 @@ struct NoiseTuning {
   Consistency after;
   HoldOut holdout;
   std::optional<NoiseAgreement> agreement;  ///< of a fit that converged, where asked for
-  /// Of the states whose truth is told: over the stretch held out where it is told there, else over
-  /// the part that was fitted.
+  /// Of the states whose truth is told: each over the stretch held out where it is told there, else
+  /// over the part that was fitted.
   std::vector<StateAccuracy> accuracy;
-  bool accuracy_held_out = false;  ///< which of them
   /// What a user has to know whatever the verdict: a sensor that hangs, methods that disagree, a
   /// filter that is less accurate than before.
   std::vector<std::string> warnings;

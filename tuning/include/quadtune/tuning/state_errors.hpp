@@ -38,6 +38,7 @@ struct StateAccuracy {
   /// from the squares' differences in pairs, as many of them independent as their autocorrelation
   /// says; two-sided.
   double p = std::numeric_limits<double>::quiet_NaN();
+  bool held_out = false;  ///< over a stretch that no fit has seen; compare_errors() does not know
 };
 
 /// Root mean square errors of all states whose truth is told, and of the attitude as one rotation
