@@ -20,6 +20,7 @@
 #include "program.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/tuning/made_up_imu.hpp"
 #include "sensor_log.hpp"
 
@@ -63,7 +64,30 @@ AllanRecord made_up(const Options& options, const Context& context) {
 std::string unit_of_rate(const std::string& unit) {
   if (unit.empty()) return "";
   if (unit == "s") return "1";
-  return unit == "m/s" ? "m/s^2" : unit + "/s";
+  return unit.ends_with("/s") ? unit + "^2" : unit + "/s";
+}
+
+/// A whole turn in the unit of an angle; 0 of anything else.
+double turn_in(const std::string& unit) {
+  if (unit == "rad") return 2 * std::numbers::pi;
+  return unit == "deg" ? 360 : 0;
+}
+
+/// Takes out the jumps of an angle that is kept within a turn: a still sensor's never changes by
+/// half a turn from one sample to the next.
+/// @return  how many there were
+Eigen::Index unwrap(Eigen::VectorXd& angle, double turn) {
+  Eigen::Index jumps = 0;
+  double added = 0;
+  for (Eigen::Index k = 1; k < angle.size(); ++k) {
+    const double change = angle(k) + added - angle(k - 1);
+    if (std::abs(change) > turn / 2) {
+      added -= turn * std::round(change / turn);
+      ++jumps;
+    }
+    angle(k) += added;
+  }
+  return jumps;
 }
 
 AllanRecord read(const Options& options, Context& context) {
@@ -82,7 +106,16 @@ AllanRecord read(const Options& options, Context& context) {
   if (options.phase) {
     record.phase = true;
     record.unit = unit_of_rate(unit);
-    record.rate = rate_of_phase(values, dt);
+    Eigen::VectorXd phase = values;
+    if (const double turn = turn_in(unit); turn > 0)
+      if (const Eigen::Index jumps = unwrap(phase, turn); jumps > 0) {
+        record.warnings.push_back(fmt::format(
+            "{}: '{}' jumps by more than half a turn {} times: the angle is kept within a turn, "
+            "and whole turns are added where it jumps",
+            name, internal::printable(series.name), jumps));
+        context.note("allan: " + record.warnings.back());
+      }
+    record.rate = rate_of_phase(phase, dt);
   }
   return record;
 }

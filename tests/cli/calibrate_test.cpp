@@ -5,8 +5,10 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -284,6 +286,36 @@ TEST(AllanVerb, ReadsNamedColumns) {
     EXPECT_NEAR(double(json["dt"]), 0.01, 1e-15);
     EXPECT_EQ(json_of({"allan", "--log", log, "--column", "2", "--rate", "100"})["adev"].size(),
               json["adev"].size());
+  }
+}
+
+// An angle that is kept within a turn has the noises of the one that is not.
+TEST(AllanVerb, UnwrapsAPhase) {
+  const TemporaryDirectory folder;
+  const MadeUpGyroscope made = make_up_gyroscope(2);
+  std::string free = "t[s],angle[rad]\n", within = "t[s],angle[rad]\n",
+              degrees = "t[s],angle[deg]\n";
+  double angle = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const double kept = std::remainder(angle + 3.14159265, 2 * std::numbers::pi);
+    free += fmt::format("{:.2f},{}\n", i * 0.01, angle);
+    within += fmt::format("{:.2f},{}\n", i * 0.01, kept);
+    degrees += fmt::format("{:.2f},{}\n", i * 0.01, kept * 180 / std::numbers::pi);
+    angle += 0.01 * made.rate(i);
+  }
+  const auto analysed = [&](const char* name, const std::string& text) {
+    return json_of(
+        {"allan", "--log", folder.write(name, text).string(), "--column", "angle", "--phase"});
+  };
+  const Json right = analysed("free.csv", free);
+  EXPECT_EQ(right["warnings"].size(), 0);
+  for (const Json& found : {analysed("w.csv", within), analysed("d.csv", degrees)}) {
+    const double scale = found["unit"] == "deg/s" ? 180 / std::numbers::pi : 1;
+    for (std::size_t i = 0; i < right["adev"].size(); ++i)
+      EXPECT_NEAR(double(found["adev"][i]) / scale / double(right["adev"][i]), 1, 1e-6);
+    ASSERT_EQ(found["warnings"].size(), 1);
+    EXPECT_THAT(std::string(found["warnings"][0]),
+                HasSubstr("'angle' jumps by more than half a turn "));
   }
 }
 
