@@ -54,8 +54,6 @@ ExportContent read_content(const Options& options) {
         "--vehicle");
   content.vehicle = load_vehicle(vehicle);
   if (content.gains) content.gains->vehicle = content.vehicle.name;
-  const std::filesystem::path manifest = std::filesystem::path(options.source) / kManifestName;
-  if (std::filesystem::exists(manifest)) content.evidence = read_manifest(options.source).evidence;
   if (content.cascade)
     content.cascade_plant = cascade_plant(content.vehicle, *content.cascade, options.source);
   content.versions = library_versions();

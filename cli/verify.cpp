@@ -46,24 +46,25 @@ Vehicle vehicle_of(const Manifest& manifest, const std::string& name) {
 /// A vehicle's file as it is now. That of a built-in one is the program's: another version of the
 /// program may have another, and says so in the manifest.
 void add_vehicle(const Manifest& manifest, const Vehicle& vehicle,
-                 std::vector<FileContent>& inputs) {
+                 std::vector<InputAtHand>& inputs) {
   const auto same = [](const std::pair<std::string, std::string>& version) {
     return version.first == "quadtune" && version.second == kVersion;
   };
   if (!vehicle.file.empty() ||
       std::any_of(manifest.versions.begin(), manifest.versions.end(), same))
-    inputs.push_back({vehicle_file_name(vehicle), vehicle.text});
+    inputs.push_back({vehicle_file_name(vehicle), vehicle.file.string(), vehicle.text});
 }
 
 /// Inputs of the manifest, which has their names alone, as they lie in a folder.
-void add_from(const fs::path& folder, const Manifest& manifest, std::vector<FileContent>& inputs) {
+void add_from(const fs::path& folder, const Manifest& manifest, std::vector<InputAtHand>& inputs) {
   for (const ManifestFile& input : manifest.inputs) {
     std::error_code ignored;
     const fs::path path = folder / input.path;
     if (!fs::is_regular_file(path, ignored) || fs::file_size(path, ignored) > internal::kTomlLimit)
       continue;
     try {
-      inputs.push_back({input.path, internal::read_file(path.string(), internal::kTomlLimit)});
+      inputs.push_back(
+          {input.path, path.string(), internal::read_file(path.string(), internal::kTomlLimit)});
     } catch (const FileError&) {
       // It cannot be read, so it is not at hand.
     }
@@ -82,14 +83,14 @@ void require_input(const std::string& name, const Manifest& manifest) {
         "--design");
 }
 
-std::vector<FileContent> inputs_at_hand(const std::string& directory, const Manifest& manifest,
+std::vector<InputAtHand> inputs_at_hand(const std::string& directory, const Manifest& manifest,
                                         const Vehicle& vehicle, const std::string& design) {
-  std::vector<FileContent> inputs;
+  std::vector<InputAtHand> inputs;
   add_vehicle(manifest, vehicle, inputs);
   if (!vehicle.file.empty()) add_from(vehicle.file.parent_path(), manifest, inputs);
   if (!design.empty()) {
     require_input(fs::path(design).filename().string(), manifest);
-    inputs.push_back({fs::path(design).filename().string(),
+    inputs.push_back({fs::path(design).filename().string(), design,
                       internal::read_text_file(design, internal::kTomlLimit)});
     add_from(fs::path(design).parent_path(), manifest, inputs);
     return inputs;
@@ -139,7 +140,7 @@ void require_export(const std::string& directory) {
 }  // namespace
 
 VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
-                         const std::vector<FileContent>& inputs) {
+                         const std::vector<InputAtHand>& inputs) {
   const Manifest manifest = read_manifest(directory);
   std::optional<VerifyModel> model;
   VerifyFacts facts{{}, inputs};

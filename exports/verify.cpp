@@ -17,6 +17,7 @@
 #include "quadtune/exports/mambo.hpp"
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/exports/uquad.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "to_json.hpp"
 
 namespace quadtune {
@@ -74,12 +75,12 @@ VerifyCheck check_no_others(const fs::path& directory, const Manifest& manifest)
 }
 
 // Inputs are told by their names alone: which of them are at hand, and are these as they were?
-VerifyCheck check_inputs(const Manifest& manifest, const std::vector<FileContent>& at_hand) {
+VerifyCheck check_inputs(const Manifest& manifest, const std::vector<InputAtHand>& at_hand) {
   VerifyCheck check{"inputs are those of the manifest", true, ""};
   std::vector<std::string> same, missing;
   for (const ManifestFile& input : manifest.inputs) {
-    const auto named = [&](const FileContent& file) { return file.name == input.path; };
-    const auto as_listed = [&](const FileContent& file) {
+    const auto named = [&](const InputAtHand& file) { return file.name == input.path; };
+    const auto as_listed = [&](const InputAtHand& file) {
       return named(file) && file.bytes.size() == input.size && sha256(file.bytes) == input.sha256;
     };
     if (std::any_of(at_hand.begin(), at_hand.end(), as_listed)) {
@@ -93,8 +94,10 @@ VerifyCheck check_inputs(const Manifest& manifest, const std::vector<FileContent
     }
     check.ok = false;
     check.detail = fmt::format(
-        "{} has {} bytes and SHA-256 {}, the manifest lists {} and {}: made from another file",
-        input.path, other->bytes.size(), sha256(other->bytes), input.size, input.sha256);
+        "{} has {} bytes and SHA-256 {}, the manifest lists {} and {}: made from another file, "
+        "which --design names",
+        other->where.empty() ? input.path : internal::printable(other->where), other->bytes.size(),
+        sha256(other->bytes), input.size, input.sha256);
     return check;
   }
   if (!same.empty()) check.detail = fmt::format("{} as listed", fmt::join(same, ", "));

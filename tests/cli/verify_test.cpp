@@ -58,7 +58,7 @@ TEST_F(VerifyManifest, PassesWhatWasWritten) {
     const std::string text = verified(
         exported(design), [](Json&) {}, 0);
     EXPECT_THAT(text, HasSubstr("ok   weights give the gains: solved anew"));
-    EXPECT_THAT(text, HasSubstr("ok   evidence is that of the weights"));
+    EXPECT_THAT(text, HasSubstr("ok   the recorded evidence agrees with the weights"));
     EXPECT_THAT(text, HasSubstr(std::string("ok   inputs are those of the manifest: ") + design));
   }
 }
@@ -120,7 +120,7 @@ TEST_F(VerifyManifest, NoticesOtherWeights) {
 
 TEST_F(VerifyManifest, NoticesOtherEvidence) {
   const std::string out = exported("mambo-hover");
-  const std::string said = "FAIL evidence is that of the weights";
+  const std::string said = "FAIL the recorded evidence agrees with the weights";
   EXPECT_THAT(verified(out, [](Json& m) { m["evidence"]["poles"][0][0] = 0.5; }), HasSubstr(said));
   EXPECT_THAT(verified(out, [](Json& m) { m["evidence"]["poles"].erase(0); }), HasSubstr(said));
   EXPECT_THAT(verified(out, [](Json& m) { m["evidence"]["rcond"] = 0.9; }), HasSubstr(said));
@@ -129,6 +129,8 @@ TEST_F(VerifyManifest, NoticesOtherEvidence) {
   EXPECT_THAT(verified(out, [](Json& m) { m["evidence"].erase("poles"); }), HasSubstr(said));
   EXPECT_THAT(verified(out, [](Json& m) { m["evidence"]["method"] = "continuous LQR"; }),
               HasSubstr("FAIL weights give the gains"));
+  EXPECT_THAT(verified(out, [](Json& m) { m.erase("weights"); }),
+              HasSubstr(said + ": the manifest has an evidence without the weights"));
   EXPECT_THAT(verified(out, [](Json& m) { m["evidence"].erase("method"); }),
               HasSubstr("FAIL weights give the gains: "));
   EXPECT_THAT(verified(
@@ -164,7 +166,7 @@ TEST_F(VerifyManifest, NoticesInputsThatAreNotTheFiles) {
   folder_.write("elsewhere/uquad-hover.toml", "name = \"other\"\n");
   const ProgramResult other = run_program({"verify", out, "--design", design});
   EXPECT_EQ(other.status, 1);
-  EXPECT_THAT(other.out, HasSubstr("FAIL inputs are those of the manifest: uquad-hover.toml has"));
+  EXPECT_THAT(other.out, HasSubstr("FAIL inputs are those of the manifest: " + design + " has"));
   EXPECT_THAT(run_program({"verify", out, "--design", kSource + "/designs/mambo-hover.toml"}).err,
               HasSubstr("--design is 'mambo-hover.toml', expected one of the manifest's inputs: "
                         "uquad-hover.toml, uquad.toml"));

@@ -398,7 +398,7 @@ TEST(Verify, NoticesOtherSignals) {
 TEST(Verify, ComparesTheInputsThatAreAtHand) {
   const TemporaryDirectory directory;
   write_export(directory.path(), ExportKind::uquad, uquad_content());
-  const auto checked = [&](const std::vector<FileContent>& at_hand) {
+  const auto checked = [&](const std::vector<InputAtHand>& at_hand) {
     const VerifyReport report = verify_export(directory.path(), uquad_model(), {{}, at_hand});
     for (const VerifyCheck& check : report.checks)
       if (check.name == "inputs are those of the manifest")
@@ -406,11 +406,11 @@ TEST(Verify, ComparesTheInputsThatAreAtHand) {
     return std::string("no check");
   };
   EXPECT_EQ(checked({}), "ok not at hand, so not compared: uquad-hover.toml");
-  EXPECT_EQ(checked({{"uquad-hover.toml", "abc"}}), "ok uquad-hover.toml as listed");
-  EXPECT_THAT(checked({{"uquad-hover.toml", "abd"}}),
-              HasSubstr("FAIL uquad-hover.toml has 3 bytes and SHA-256 "));
+  EXPECT_EQ(checked({{"uquad-hover.toml", "", "abc"}}), "ok uquad-hover.toml as listed");
+  EXPECT_THAT(checked({{"uquad-hover.toml", "there/uquad-hover.toml", "abd"}}),
+              HasSubstr("FAIL there/uquad-hover.toml has 3 bytes and SHA-256 "));
   // Of two with one name, the one that it was.
-  EXPECT_EQ(checked({{"uquad-hover.toml", "abd"}, {"uquad-hover.toml", "abc"}}),
+  EXPECT_EQ(checked({{"uquad-hover.toml", "", "abd"}, {"uquad-hover.toml", "", "abc"}}),
             "ok uquad-hover.toml as listed");
 }
 

@@ -40,14 +40,20 @@ struct VerifyModel {
   Eigen::VectorXd u0;  ///< (nu)
 };
 
+/// A file as it is now from which an export may have been made.
+struct InputAtHand {
+  std::string name;   ///< without folder
+  std::string where;  ///< its path, for messages; empty of one that is built in
+  std::string bytes;
+};
+
 /// What else an export is held against.
 struct VerifyFacts {
   /// From the wrench to the 12 states of ned_convention() at hover, in the sample time of the
   /// export's cascade, with the motors' lag; without it the loop of a cascade cannot be right.
   std::optional<DiscreteLti> cascade_plant;
-  /// Files as they are now from which the export may have been made: name without folder, bytes.
-  /// Of several with one name, one has to be it.
-  std::vector<FileContent> inputs = {};
+  /// Of several with one name, one has to be the one that the export was made from.
+  std::vector<InputAtHand> inputs = {};
 };
 
 /// Re-reads an export and asks: is there a manifest, is each listed file as it was written, is no
