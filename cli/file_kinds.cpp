@@ -57,7 +57,7 @@ const FileKind kSchedule = {"a gain schedule, for the library's read_schedule()"
 const FileKind kLog = {"a flight log",
                        {"log", "tune kalman --log", "calibrate imu --log", "allan --log"}};
 const FileKind kCalibration = {"a calibration of sensors", {"calibrate imu --base"}};
-const FileKind kResult = {"the result of a command as JSON, for scripts", {}};
+const FileKind kOtherJson = {"JSON, but neither gains nor an export", {}};
 const FileKind kPage = {"a page to look at", {}};
 
 const FileKind* kind_of_json(const std::string& text) {
@@ -68,7 +68,7 @@ const FileKind* kind_of_json(const std::string& text) {
                                  : "";
   if (format == "quadtune-gains" || format == "quadtune-export") return &kGains;
   if (format.find("schedule") != std::string::npos) return &kSchedule;
-  return &kResult;
+  return &kOtherJson;
 }
 
 const FileKind* kind_of_toml(const std::string& text) {
@@ -102,6 +102,8 @@ const FileKind* kind_of_file(const fs::path& path) {
   if (first == std::string::npos) return nullptr;
   if (text[first] == '{') return kind_of_json(text);
   if (text.starts_with("# quadtune-log")) return &kLog;
+  // What the Mambo project has beside its gains.
+  if (path.filename() == "vehicleVars.m" || path.filename() == "estimatorVars.m") return nullptr;
   if (name == ".m" || (name == ".txt" && path.filename().string().starts_with("K"))) return &kGains;
   if (std::isdigit(static_cast<unsigned char>(text[first])) != 0 || text[first] == '-')
     return is_calibration(text) ? &kCalibration : nullptr;
@@ -156,7 +158,7 @@ std::string who_takes(const std::vector<std::string>& args, const std::string& w
     // One file may stand in two places, one of them the right one.
     if (std::find(takers.begin(), takers.end(), place) != takers.end()) continue;
     if (takers.empty()) return fmt::format("; this is {}, which no command reads", kind->words);
-    return fmt::format("; this is {}, which belongs to quadtune {}", kind->words,
+    return fmt::format("; this is {}; it is read by: quadtune {}", kind->words,
                        fmt::join(takers, ", "));
   }
   return "";

@@ -123,11 +123,26 @@ void run_into_file(const Action& action, const std::string& file, Context& conte
   write();
 }
 
+/// "-" is standard output, too; but files are written beside what is printed there.
+void refuse_standard_output(const CLI::App& app, const std::string& verb) {
+  const bool logs = verb == "fly" || verb == "campaign replay";  // the others read --log
+  for (const std::string name : {"-o", "--report", "--plot", "--log"}) {
+    const CLI::Option* const option = app.get_option_no_throw(name);
+    if (option == nullptr || option->count() == 0 || option->results().back() != "-") continue;
+    if (name == "--log" && !logs) continue;
+    throw UsageError(fmt::format("quadtune {}: {} is -, expected a name, because what is printed "
+                                 "goes there; ./- is a file of that name",
+                                 verb, name),
+                     name);
+  }
+}
+
 /// Standard input can be read once: the second reader would find it empty.
 void refuse_two_readers(const CLI::App& app, const std::string& verb) {
   std::string first;
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() != 1 || option->results()[0] != "-") continue;
+    if (option->get_name() == "-o") continue;
     if (!first.empty())
       throw UsageError(fmt::format("quadtune {}: {} and {} are both '-', expected standard input "
                                    "for one, because it can be read once",
@@ -151,7 +166,8 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
   add_count(app, "--seed", context.seed, 0, "fixes everything random");
   const Action action = verb.define(app);
   std::string file;
-  if (!app.get_option_no_throw("-o")) app.add_option("-o", file, "file to write instead");
+  const bool prints = app.get_option_no_throw("-o") == nullptr;
+  if (prints) app.add_option("-o", file, "file to write instead");
   if (std::find(args.begin(), args.end(), "--help") != args.end() ||
       std::find(args.begin(), args.end(), "-h") != args.end()) {
     run_verb(*find("help"), {verb.name}, context);
@@ -172,6 +188,10 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
                                      option->get_name()),
                          option->get_name());
   refuse_two_readers(app, verb.name);
+  if (prints && file == "-")
+    file.clear();  // what is printed is all there is
+  else
+    refuse_standard_output(app, verb.name);
   context.threads = threads;
   try {
     if (file.empty())

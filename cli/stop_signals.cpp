@@ -94,7 +94,9 @@ extern "C" void end_unless_writing(int) {
   Says nobody = Says::nobody;
   if (keepers.load() > 0 && !asked_again.load()) {
     if (!told_to_wait.exchange(true))
-      say_line("interrupted: what was found so far is told; a second signal ends it at once\n");
+      say_line(
+          "interrupted: finishing with the best result so far; press Ctrl-C again to quit at "
+          "once\n");
     start_timer(kLookAgain);
   } else if (!writers.compare_exchange_strong(none, kEnding) && none != kEnding) {
     start_timer(kLookAgain);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "run_program.hpp"
@@ -92,6 +93,19 @@ TEST(Synonyms, OfControllers) {
     EXPECT_LE(result.status, 1) << result.err;
     EXPECT_THAT(result.out, HasSubstr("state feedback, LQR"));
   }
+}
+
+// "-" is where things are printed, never a file of that name.
+TEST(StandardOutput, IsNoFile) {
+  const ProgramResult printed = run_program({"vehicle", "show", "mambo"});
+  EXPECT_EQ(run_program({"vehicle", "show", "mambo", "-o", "-"}).out, printed.out);
+  for (const std::vector<std::string>& args : std::vector<std::vector<std::string>>{
+           {"design", "designs/mambo-hover.toml", "-o", "-"},
+           {"fly", "mambo", "--log", "-"},
+           {"fly", "mambo", "--report", "-"},
+           {"margins", "--num", "1", "--den", "1,1", "--plot", "-"}})
+    refuses(args, 2, " is -, expected a name, because what is printed goes there; ./- is a file");
+  EXPECT_FALSE(std::filesystem::exists("-"));
 }
 
 TEST(WrongWords, AreAnsweredWithTheRightOnes) {

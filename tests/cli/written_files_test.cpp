@@ -164,7 +164,7 @@ class WrittenFiles : public ::testing::Test {
       EXPECT_THAT(result.err, HasSubstr(std::filesystem::path(file.path).filename().string()))
           << told;
       EXPECT_THAT(result.err,
-                  ::testing::AnyOf(HasSubstr("belongs to quadtune "), HasSubstr("PID cascade"),
+                  ::testing::AnyOf(HasSubstr("it is read by: quadtune "), HasSubstr("PID cascade"),
                                    HasSubstr("[lqr]"), HasSubstr("state feedback")))
           << told;
     }
@@ -318,17 +318,17 @@ TEST_F(WrittenFiles, FilesInWrongPlacesAreNamed) {
   const std::string schedule = path("schedule.toml");
   made({"lqr", "mambo", "--schedule", "speed=0:1:1", "--quiet", "-o", schedule});
   const std::vector<std::pair<std::vector<std::string>, std::string>> wrong = {
-      {{"design", own}, "this is a vehicle file, which belongs to quadtune vehicle, linearize"},
-      {{"fly", path("tuned-pid.toml")}, "this is a design file, which belongs to quadtune design"},
+      {{"design", own}, "this is a vehicle file; it is read by: quadtune vehicle, linearize"},
+      {{"fly", path("tuned-pid.toml")}, "this is a design file; it is read by: quadtune design"},
       {{"fly", "mambo", "--mission", own}, "this is a vehicle file"},
       {{"fly", "mambo", "--gains", model},
-       "this is a filter model, which belongs to quadtune tune "
+       "this is a filter model; it is read by: quadtune tune "
        "kalman --model"},
       {{"fly", "mambo", "--gains", schedule}, "this is a gain schedule"},
-      {{"fly", "mambo", "--gains", flown}, "this is a flight log, which belongs to quadtune log"},
+      {{"fly", "mambo", "--gains", flown}, "this is a flight log; it is read by: quadtune log"},
       {{"verify", path("gains.txt")}, "expected for DIR: an export's directory"},
       {{"verify", path("lqr.json")},
-       "this is a file of gains, which belongs to quadtune fly "
+       "this is a file of gains; it is read by: quadtune fly "
        "--gains"},
       {{"vehicle", "check", path("lqr.json")}, "this is a file of gains"},
       {{"campaign", "run", path("tuned-pid.toml"), path("nowhere")}, "this is a design file"},
