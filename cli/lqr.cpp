@@ -136,17 +136,8 @@ void run_matrices(const Options& options, bool sampled, Context& context) {
   }
   require_solved(result, "--A", context);
   const bool is_discrete = options.discrete || sampled;
-  if (options.discrete && is_singular(weights.R)) {
-    const Eigen::MatrixXd seen = discrete.B.transpose() * result.X * discrete.B;
-    const Eigen::VectorXd sizes =
-        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(weights.R + seen, Eigen::EigenvaluesOnly)
-            .eigenvalues();
-    const double whole = weights.R.norm() + discrete.B.squaredNorm() * result.X.norm();
-    context.note(sizes.minCoeff() > 1e-13 * whole
-                     ? "lqr: note: R is singular; there is a solution because R + B'SB is not"
-                     : "lqr: warning: R is singular and so is R + B'SB, to rounding: other gains "
-                       "cost no more than K");
-  }
+  if (options.discrete && is_singular(weights.R) && result.warning.empty())
+    context.note("lqr: note: R is singular; there is a solution because R + B'SB is not");
   const MarginsReport margins = margins_report(
       is_discrete ? loop_at_inputs(discrete, result.K) : loop_at_inputs(plant, result.K),
       numbered("u", plant.B.cols()),

@@ -19,6 +19,30 @@ struct StateNoise {
   Eigen::MatrixXd GN;  // (nx × ny), or empty
 };
 
+/// Refuses noises that are correlated more than fully.
+void require_covariance(const KalmanNoise& noise) {
+  const Eigen::Index nw = noise.Q.rows();
+  Eigen::MatrixXd joint(nw + noise.R.rows(), nw + noise.R.rows());
+  joint << noise.Q, noise.N, noise.N.transpose(), noise.R;
+  // As correlations, so that neither unit hides the other. A noise of 0 has none with another.
+  Eigen::VectorXd units = joint.diagonal();
+  for (Eigen::Index i = 0; i < units.size(); ++i) {
+    const double size = units(i) > 0 ? std::sqrt(units(i)) : joint.row(i).cwiseAbs().maxCoeff();
+    units(i) = size > 0 ? 1 / size : 1;
+  }
+  const Eigen::MatrixXd correlations = units.asDiagonal() * joint * units.asDiagonal();
+  constexpr double kTyped = 1e-9;  // as 0.3333333333 for a third
+  const double least =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlations, Eigen::EigenvaluesOnly)
+          .eigenvalues()
+          .minCoeff();
+  if (least >= -kTyped) return;
+  throw InvalidInput(
+      "kalman", fmt::format("[Q N; N' R] has an eigenvalue below 0 ({:.3g} of noises of variance "
+                            "1), expected all >= 0 because it is the covariance of w and v",
+                            least));
+}
+
 template <class Lti>
 StateNoise check_and_map(const Lti& model, const KalmanNoise& noise) {
   const char* where = "kalman";
@@ -50,6 +74,7 @@ StateNoise check_and_map(const Lti& model, const KalmanNoise& noise) {
     throw InvalidInput(where, fmt::format("Q has eigenvalue {:.6g}, expected Q >= 0 because it is "
                                           "a covariance",
                                           least));
+  if (noise.N.size()) require_covariance(noise);
   StateNoise mapped;
   mapped.W = G * noise.Q * G.transpose();
   mapped.W = 0.5 * (mapped.W + mapped.W.transpose()).eval();

@@ -34,6 +34,8 @@ constexpr double kDoubtfulRcond = 1e-10;
 constexpr double kLargeGainError = 1e-6;
 /// The same from this internal::gain_rounding() on.
 constexpr double kDoubtfulGain = 1e-9;
+/// Below this gain_error no digit is lost that anybody needs.
+constexpr double kNoLoss = 1e-12;
 
 void check_options(const RiccatiOptions& options, Eigen::Index nx, const std::string& where) {
   if (!(options.relative_tolerance > 0 && options.relative_tolerance < 1))
@@ -109,6 +111,7 @@ Culprit culprit_after_all(const RiccatiEquation& problem, const internal::SchurO
 
 /// "0.7 %", or "6e-05" where that is shorter.
 std::string share(double part) {
+  if (part >= 1) return "100 % or more";
   return part >= 1e-3 ? fmt::format("{:.2g} %", 100 * part) : fmt::format("{:.1g}", part);
 }
 
@@ -120,6 +123,11 @@ std::string condition_warning(const RiccatiResult& result, RiccatiProblem proble
   if (!std::isfinite(result.gain_error))
     return what + "rounding the matrices once more decides whether there is a solution";
   const char* gain = problem == RiccatiProblem::filter ? "L" : "K";
+  if (result.used_extended && result.gain_error < kNoLoss)
+    return what + fmt::format(
+                      "{} is exact for these numbers, and changes by less than {:.0g} of its norm "
+                      "when they are rounded once more (by 1e-16)",
+                      gain, kNoLoss);
   if (result.used_extended)
     return what + fmt::format(
                       "{} is exact for these numbers, but changes by about {} of its norm "
@@ -205,9 +213,14 @@ struct RiccatiSolver::State {
     result.iterations = found.iterations;
     if (std::isnan(result.gain_error) && result.rcond < kLowRcond)
       result.gain_error = 0.5 * kEps / result.rcond;
-    if (result.warning.empty() && options.evidence == RiccatiEvidence::full)
-      result.warning = internal::cost_indefiniteness(problem);
-    const std::string warning = condition_warning(result, options.problem);
+    if (options.evidence == RiccatiEvidence::full && options.problem == RiccatiProblem::regulator) {
+      if (result.warning.empty()) warn(internal::cost_indefiniteness(problem));
+      if (problem.time == Time::discrete) warn(internal::free_inputs(problem, result.X));
+    }
+    warn(condition_warning(result, options.problem));
+  }
+
+  void warn(const std::string& warning) {
     if (!result.warning.empty() && !warning.empty()) result.warning += "; ";
     result.warning += warning;
   }

@@ -145,4 +145,16 @@ std::string cost_indefiniteness(const RiccatiEquation& p) {
   return found.empty() ? found : found + ": the cost of K is stationary, but may not be the least";
 }
 
+std::string free_inputs(const RiccatiEquation& p, const Eigen::MatrixXd& X) {
+  if (p.R.isDiagonal(0) && p.R.diagonal().minCoeff() > 0) return {};
+  // In units in which every input costs 1 by itself.
+  constexpr double kRounding = 1e-13;
+  const Eigen::MatrixXd cost = p.R + p.B.transpose() * X * p.B;
+  if (cost.diagonal().minCoeff() > 0) {
+    const Eigen::VectorXd units = cost.diagonal().cwiseSqrt().cwiseInverse();
+    if (smallest_eigenvalue(units.asDiagonal() * cost * units.asDiagonal()) > kRounding) return {};
+  }
+  return "R + B'SB is singular to rounding, so that other gains cost no more than K";
+}
+
 }  // namespace quadtune::internal

@@ -183,11 +183,13 @@ bool cayley(const Plain& p, const Real& gamma, Matrix& E, Matrix& G, Matrix& H) 
 }
 
 /// Doubling, as DoublingSteps::iterate(). X of the scaled problem in H.
-bool double_up(Matrix& E, Matrix& G, Matrix& H, int& iterations) {
+/// @param steps_left  lowered by the steps taken
+bool double_up(Matrix& E, Matrix& G, Matrix& H, int& iterations, int& steps_left) {
   constexpr int kMaxIterations = 70;
   const Real stands("1e-20");
   const Index n = E.rows();
-  for (iterations = 1; iterations <= kMaxIterations; ++iterations) {
+  for (iterations = 1; iterations <= kMaxIterations && steps_left > 0; ++iterations) {
+    --steps_left;
     const Eigen::PartialPivLU<Matrix> W(Matrix::Identity(n, n) + G * H);
     const Matrix V = W.solve(E);
     const Matrix change = symmetric(E.transpose() * (H * V));
@@ -287,7 +289,7 @@ double rcond_of(const RiccatiEquation& equation, const Problem& p, const Real& g
 
 /// Doubling of the problem lifted by `lift`, then Newton's steps on the problem itself.
 bool solve_lifted(const Problem& p, const Eigen::VectorXd& d, const Real& lift, Real& gamma,
-                  Solution& at, int& iterations) {
+                  Solution& at, int& iterations, int& steps_left) {
   Plain plain;
   if (!plain_problem(p, d, lift, plain)) return false;
   Matrix E = plain.A;
@@ -298,10 +300,17 @@ bool solve_lifted(const Problem& p, const Eigen::VectorXd& d, const Real& lift, 
     gamma *= Real(1.6);
     if (!cayley(plain, gamma, E, G, H)) return false;
   }
-  if (!double_up(E, G, H, iterations)) return false;
+  if (!double_up(E, G, H, iterations, steps_left)) return false;
   const Matrix Dinv = d.cwiseInverse().cast<Real>().asDiagonal();
   at.X = Dinv * H * Dinv;
   return gain(p, at) && refine(p, gamma, at);
+}
+
+/// Doubling steps of all attempts together. A step costs n³: as many as there may ever be up to 16
+/// states, enough for one attempt with 40.
+int affordable_steps(Index n) {
+  const double states = static_cast<double>(std::max<Index>(n, 1));
+  return static_cast<int>(std::clamp(420 * std::pow(16 / states, 3), 40.0, 420.0));
 }
 
 /// Eigenvalues from a real Schur form; empty when its iteration did not end.
@@ -339,10 +348,11 @@ bool solve_extended(const RiccatiEquation& equation, ExtendedSolution& found) {
   Candidate& candidate = found.candidate;
   Solution at;
   Real gamma;
+  int steps_left = affordable_steps(p.A.rows());
   const auto solve = [&] {
     // The last lift is for an R that rounding has left with an eigenvalue below 0.
     for (const char* lift : {"0", "1e-24", "1e-15"})
-      if (solve_lifted(p, d, Real(lift), gamma, at, candidate.iterations)) return true;
+      if (solve_lifted(p, d, Real(lift), gamma, at, candidate.iterations, steps_left)) return true;
     return false;
   };
   bool decided_by_rounding = false;
@@ -381,7 +391,8 @@ std::optional<std::complex<double>> axis_eigenvalue(const RiccatiEquation& equat
   // A multiple eigenvalue at 0 is scattered over a root of 1e-50 of ‖H‖.
   const double scatter = 1e-10 * H.norm().convert_to<double>();
   for (const std::complex<double>& value : eigenvalues_of(H))
-    if (std::abs(value.real()) <= 1e-10 * (std::abs(value) + scatter)) return value;
+    if (std::abs(value.real()) <= 1e-10 * (std::abs(value) + scatter))
+      return std::complex<double>(0, std::abs(value.imag()) <= scatter ? 0 : value.imag());
   return {};
 }
 

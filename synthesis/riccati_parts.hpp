@@ -54,6 +54,10 @@ WeightR check_problem(const RiccatiEquation& problem, CheckBuffers& buffers,
 /// "[Q N; N' R] has eigenvalue -0.1, …" when that is so beyond rounding because of N; else empty.
 [[nodiscard]] std::string cost_indefiniteness(const RiccatiEquation& problem);
 
+/// "R + B'SB is singular …" when that is so beyond rounding of a discrete equation's R, B and S = X;
+/// else empty.
+[[nodiscard]] std::string free_inputs(const RiccatiEquation& problem, const Eigen::MatrixXd& X);
+
 /// A candidate solution with the measures by which it is judged.
 struct Candidate {
   Eigen::MatrixXd X;  ///< (nx × nx)
@@ -126,7 +130,8 @@ struct ExtendedSolution {
   Eigen::VectorXcd poles;  ///< (nx) of A - B K
 };
 
-/// Whether 50 digits take seconds at most: they cost a hundred times the time of a double.
+/// Whether 50 digits take seconds at most: they cost a hundred times the time of a double. Within
+/// that size, the larger the problem, the fewer steps solve_extended() takes before it gives up.
 [[nodiscard]] bool fits_extended(Eigen::Index nx, Eigen::Index nu);
 
 /// Solves by doubling and Newton–Kleinman steps in 50 decimal digits, for equations whose matrices

@@ -163,5 +163,26 @@ TEST(Kalman, RefusesBadCovariancesAndShapes) {
       ThrowsMessage<InvalidInput>(HasSubstr("Q has eigenvalue -1, expected Q >= 0")));
 }
 
+// A correlation beyond 1 is none, however small the noises; one of exactly 1 is.
+TEST(Kalman, RefusesNoisesCorrelatedMoreThanFully) {
+  for (const double size : {1.0, 1e-9, 1e9}) {
+    const auto found = [&](double correlation) {
+      KalmanNoise noise = {Eigen::Vector2d(0, 1), scalar(size * size), scalar(1), {}};
+      noise.N = scalar(correlation * size);
+      return kalman(altitude_model(), noise);
+    };
+    EXPECT_TRUE(found(1).solved()) << found(1).culprit;
+    EXPECT_THAT(found(1).warning, ::testing::Not(HasSubstr("[Q N; N' R]")));
+    for (const double correlation : {1.001, -2.0})
+      EXPECT_THAT([&] { (void)found(correlation); },
+                  ThrowsMessage<InvalidInput>(HasSubstr("[Q N; N' R] has an eigenvalue below 0")));
+  }
+  EXPECT_THAT(
+      [] {
+        (void)kalman(altitude_model(), {Eigen::Vector2d(0, 1), scalar(0), scalar(1), scalar(1e-9)});
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("[Q N; N' R] has an eigenvalue below 0")));
+}
+
 }  // namespace
 }  // namespace quadtune
