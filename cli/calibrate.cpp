@@ -143,9 +143,10 @@ ImuLog read_log(const std::string& path, const Options& options, Context& contex
 }
 
 /// Of the sensors that the log does not have, the numbers of --base stay.
-ImuCalibrationFile file_of(const ImuCalibration& found, const Options& options) {
-  ImuCalibrationFile file;
-  if (!options.base.empty()) file = read_imu_calibration(options.base);
+/// @param base  what was read of --base, or the identity
+ImuCalibrationFile file_of(const ImuCalibration& found, const ImuCalibrationFile& base,
+                           const Options& options) {
+  ImuCalibrationFile file = base;
   const auto take = [&](const SensorCalibration& sensor, ImuCalibrationFile::Sensor& into,
                         const char* name) {
     if (sensor.solved()) {
@@ -200,6 +201,8 @@ void run(const Options& options, Context& context) {
   if (options.what != "imu")
     refuse("WHAT", fmt::format("'{}' came, expected: quadtune calibrate imu{}", options.what,
                                internal::did_you_mean(options.what, {"imu"})));
+  ImuCalibrationFile base;
+  if (!options.base.empty()) base = read_imu_calibration(options.base);
   MadeUpImu made;
   std::vector<std::string> warnings;
   const std::vector<ImuLog> logs = read_logs(options, context, made, warnings);
@@ -212,7 +215,7 @@ void run(const Options& options, Context& context) {
   require_solved(found.gyroscope, "gyroscope", where);
   require_solved(found.magnetometer, "magnetometer", where);
   if (!options.file.empty()) {
-    write_file(options.file, imu_calibration_text(file_of(found, options)));
+    write_file(options.file, imu_calibration_text(file_of(found, base, options)));
     context.written.push_back(options.file);
   }
   print_calibration(

@@ -33,48 +33,6 @@ constexpr std::uint64_t kMostDraws = 100000;
   throw UsageError(fmt::format("quadtune {}: {}", verb, why), option);
 }
 
-MissionRequirements requirements_of(const MissionTuning& tuning,
-                                    const MissionTuningArguments& arguments) {
-  MissionRequirements requirements;
-  if (!arguments.requirements.empty()) requirements = read_requirements(arguments.requirements);
-  if (!arguments.missions.empty() && !requirements.missions.empty())
-    refuse(tuning.verb, "--mission",
-           "--mission came beside requirements that have [[mission]], "
-           "expected one of them");
-  // Who says how missions are flown shall not think that it was heard.
-  for (const auto& [option, came] : {std::pair("--estimator", !arguments.estimator.empty()),
-                                     std::pair("--sensors", !arguments.sensors.empty()),
-                                     std::pair("--wind", !arguments.wind.empty()),
-                                     std::pair("--duration", arguments.duration.has_value())})
-    if (came && !requirements.missions.empty())
-      refuse(tuning.verb, option,
-             fmt::format("{} came beside requirements that have [[mission]], expected it there",
-                         option));
-  for (const std::string& name : arguments.missions) {
-    CampaignMission mission;
-    mission.mission = load_mission(name);
-    mission.where = "--mission";
-    mission.arguments.estimator = arguments.estimator;
-    mission.arguments.sensors = arguments.sensors;
-    if (!arguments.wind.empty()) mission.arguments.wind = arguments.wind;
-    mission.arguments.duration = arguments.duration;
-    requirements.limits.push_back(mission.mission.limits);
-    requirements.missions.push_back(std::move(mission));
-  }
-  if (requirements.missions.empty())
-    refuse(tuning.verb, "--mission",
-           "expected --mission NAME, or --requirements FILE with "
-           "[[mission]]");
-  if (!arguments.measure.empty()) {
-    try {
-      requirements.measure = robust_measure(arguments.measure, "--measure");
-    } catch (const InvalidInput& error) {
-      refuse(tuning.verb, "--measure", error.what());
-    }
-  }
-  return requirements;
-}
-
 TrialRequest request_of(const MissionTuning& tuning, const MissionRequirements& requirements,
                         const Controller& start, const MissionTuningArguments& arguments,
                         const Context& context) {
@@ -185,9 +143,50 @@ void require_sane(const std::string& verb, const MissionTuningArguments& argumen
                        internal::printable(arguments.report)));
 }
 
-void run_mission_tuning(const MissionTuning& tuning, const MissionTuningArguments& arguments,
-                        Context& context) {
-  const MissionRequirements requirements = requirements_of(tuning, arguments);
+MissionRequirements mission_requirements(const std::string& verb,
+                                         const MissionTuningArguments& arguments) {
+  MissionRequirements requirements;
+  if (!arguments.requirements.empty()) requirements = read_requirements(arguments.requirements);
+  if (!arguments.missions.empty() && !requirements.missions.empty())
+    refuse(verb, "--mission",
+           "--mission came beside requirements that have [[mission]], "
+           "expected one of them");
+  // Who says how missions are flown shall not think that it was heard.
+  for (const auto& [option, came] : {std::pair("--estimator", !arguments.estimator.empty()),
+                                     std::pair("--sensors", !arguments.sensors.empty()),
+                                     std::pair("--wind", !arguments.wind.empty()),
+                                     std::pair("--duration", arguments.duration.has_value())})
+    if (came && !requirements.missions.empty())
+      refuse(verb, option,
+             fmt::format("{} came beside requirements that have [[mission]], expected it there",
+                         option));
+  for (const std::string& name : arguments.missions) {
+    CampaignMission mission;
+    mission.mission = load_mission(name);
+    mission.where = "--mission";
+    mission.arguments.estimator = arguments.estimator;
+    mission.arguments.sensors = arguments.sensors;
+    if (!arguments.wind.empty()) mission.arguments.wind = arguments.wind;
+    mission.arguments.duration = arguments.duration;
+    requirements.limits.push_back(mission.mission.limits);
+    requirements.missions.push_back(std::move(mission));
+  }
+  if (requirements.missions.empty())
+    refuse(verb, "--mission",
+           "expected --mission NAME, or --requirements FILE with "
+           "[[mission]]");
+  if (!arguments.measure.empty()) {
+    try {
+      requirements.measure = robust_measure(arguments.measure, "--measure");
+    } catch (const InvalidInput& error) {
+      refuse(verb, "--measure", error.what());
+    }
+  }
+  return requirements;
+}
+
+void run_mission_tuning(const MissionTuning& tuning, const MissionRequirements& requirements,
+                        const MissionTuningArguments& arguments, Context& context) {
   const TunedDesign start = tuning.design(tuning.start);
   if (!start.point.controller)
     throw NoSolution(tuning.verb + ": the design that the search begins with is not stable", "V");

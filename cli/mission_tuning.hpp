@@ -38,6 +38,11 @@ void add_mission_tuning_options(CLI::App& app, MissionTuningArguments& arguments
 /// Refuses words and numbers that no tuning takes, before anything is designed.
 /// @throws UsageError
 void require_sane(const std::string& verb, const MissionTuningArguments& arguments);
+/// What --mission, --requirements and the options beside them ask for.
+/// @throws UsageError, InvalidInput, FileError
+[[nodiscard]] MissionRequirements mission_requirements(const std::string& verb,
+                                                       const MissionTuningArguments& arguments);
+
 /// A design file is written into a name by which it is known again, or to a device.
 /// @throws UsageError
 void require_design_name(const std::string& file, const std::string& verb);
@@ -85,7 +90,7 @@ struct MissionTuning {
 /// Searches, proves, tells, and writes where something better was found; a page whatever was found.
 /// @throws AnswerIsNo   where nothing better was found
 /// @throws Interrupted  after it told and wrote the best found, where a signal ended the search
-void run_mission_tuning(const MissionTuning& tuning, const MissionTuningArguments& arguments,
-                        Context& context);
+void run_mission_tuning(const MissionTuning& tuning, const MissionRequirements& requirements,
+                        const MissionTuningArguments& arguments, Context& context);
 
 }  // namespace quadtune::cli

@@ -238,8 +238,9 @@ class LqrTuning {
 void run_lqr_missions(const LqrArguments& problem, const MissionTuningArguments& arguments,
                       bool separate, Context& context) {
   require_sane("tune lqr", arguments);
+  const MissionRequirements requirements = mission_requirements("tune lqr", arguments);
   const LqrTuning lqr(problem, separate);
-  run_mission_tuning(lqr.tuning(), arguments, context);
+  run_mission_tuning(lqr.tuning(), requirements, arguments, context);
 }
 
 }  // namespace quadtune::cli

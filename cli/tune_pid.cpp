@@ -217,8 +217,10 @@ Verb tune_pid_verb() {
               if (options->tuning.vehicle.empty())
                 throw UsageError("quadtune tune pid: expected a vehicle", "V");
               require_sane("tune pid", options->tuning);
+              const MissionRequirements requirements =
+                  mission_requirements("tune pid", options->tuning);
               const PidTuning pid(options->tuning, options->gains, options->separate);
-              run_mission_tuning(pid.tuning(), options->tuning, context);
+              run_mission_tuning(pid.tuning(), requirements, options->tuning, context);
             };
           }};
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <utility>
 
 namespace quadtune::internal {
@@ -47,6 +48,34 @@ bool is_ardupilot(std::string_view bytes) {
   }
 }
 
+/// Whether a line is "[section]" or "name = value".
+bool is_setting(std::string_view line) {
+  if (const std::size_t name = line.find_first_not_of('['); name != 0)
+    return name != std::string_view::npos && line.find(']') != std::string_view::npos &&
+           std::isalpha(static_cast<unsigned char>(line[name])) != 0;
+  const std::size_t equals = line.find('=');
+  if (equals == std::string_view::npos || equals == 0) return false;
+  const std::string_view name = line.substr(0, line.find_last_not_of(" \t", equals - 1) + 1);
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+  });
+}
+
+/// Whether the first few lines that are not comments are settings, as in TOML and INI.
+bool is_settings(std::string_view bytes) {
+  constexpr int kEnough = 6;
+  int seen = 0;
+  while (seen < kEnough && !bytes.empty()) {
+    const std::string_view line = bytes.substr(0, bytes.find('\n'));
+    bytes.remove_prefix(std::min(bytes.size(), line.size() + 1));
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos || line[first] == '#' || line[first] == ';') continue;
+    if (!is_setting(line.substr(first))) return false;
+    ++seen;
+  }
+  return seen > 1;
+}
+
 }  // namespace
 
 std::string_view foreign_format(std::string_view bytes) {
@@ -54,7 +83,13 @@ std::string_view foreign_format(std::string_view bytes) {
       std::find_if(kBeginnings.begin(), kBeginnings.end(),
                    [&](const auto& one) { return bytes.starts_with(one.first); });
   if (found != kBeginnings.end()) return found->second;
-  return is_ardupilot(bytes) ? kArduPilot : "";
+  if (is_ardupilot(bytes)) return kArduPilot;
+  if (is_settings(bytes))
+    return "is a file of settings (name = value), expected a table; --format text reads it as one";
+  if (const std::size_t name = bytes.find_first_not_of("{ \t\r\n");
+      bytes.starts_with('{') && name != std::string_view::npos && bytes[name] == '"')
+    return "is JSON, expected a table";
+  return bytes.starts_with("<") ? "is a page or XML, expected a table" : "";
 }
 
 }  // namespace quadtune::internal

@@ -303,10 +303,20 @@ TEST(TextLog, NamesFormatsThatItDoesNotRead) {
       {"\xa3\x95\x80", "ArduPilot (DataFlash)"},
       {"H Product:Blackbox flight data recorder\n", "Betaflight"},
       {"#ROSBAG V2.0\n", "bag of ROS"},
-      {"\x1f\x8b\x08", "unpack it first"}};
+      {"\x1f\x8b\x08", "unpack it first"},
+      {"# a vehicle\nname = \"quad\"\n\n[body]\nmass_kg = 1\n", "file of settings"},
+      {"[[rotors]]\nx = 1\n", "file of settings"},
+      {"{\n  \"time\": [0, 1]\n}\n", "is JSON"},
+      {"<!doctype html>\n", "is a page"}};
   for (const auto& other : others)
     EXPECT_THAT([&] { (void)read_bytes(other.first); },
                 ThrowsMessage<InvalidInput>(HasSubstr(other.second)));
+}
+
+// What only looks like a file of settings is a table.
+TEST(TextLog, ReadsTablesBelowWhatLooksLikeSettings) {
+  for (const std::string begin : {"rate = 100 Hz\n", "[t] [x]\n", "a=b\n# c\n"})
+    EXPECT_NO_THROW((void)read_bytes(begin + "t,x\n0,1\n0.1,2\n0.2,3\n")) << begin;
 }
 
 TEST(TextLog, RefusesWhatIsNoLog) {

@@ -7,6 +7,7 @@
 #include "matrix_near.hpp"
 #include "quadtune/synthesis/riccati.hpp"
 #include "riccati_problems.hpp"
+#include "sanitized.hpp"
 
 namespace quadtune {
 namespace {
@@ -71,7 +72,7 @@ TEST_P(RandomPlants, LargeOnesAreSolvedToRounding) {
 TEST_P(RandomPlants, LargeOnesThatSinglePrecisionDoesNotHold) {
   const bool discrete = GetParam();
   std::mt19937_64 random(78);
-  const Eigen::Index n = 40;
+  const Eigen::Index n = testing::kSanitized ? 20 : 40;
   const RiccatiCase plain = testing::random_case(n, 10, discrete, false, random);
   RiccatiCase one_weight = plain;
   one_weight.Q.setZero();
@@ -210,7 +211,7 @@ TEST(RiccatiScaling, HoverInSiUnits) {
 TEST(RiccatiScaling, WeightsFromMillionthsToMillions) {
   std::mt19937_64 random(17);
   std::uniform_real_distribution<double> exponent(-6, 6);
-  for (int k = 0; k < 40; ++k) {
+  for (int k = 0; k < (testing::kSanitized ? 8 : 40); ++k) {
     RiccatiCase continuous = testing::small_hover();
     RiccatiCase discrete = testing::small_hover_sampled(0.01);
     for (Eigen::Index i = 0; i < 12; ++i)
