@@ -83,6 +83,7 @@ Words values_of(const CLI::Option& option) {
 
 struct Offer {
   Words options;
+  Words flags;                          ///< those of them that take no value
   std::map<std::string, Words> values;  ///< by option
   Words arguments;                      ///< in the place of an argument
 };
@@ -100,10 +101,12 @@ Offer offer_of(const Verb& verb) {
     }
     const std::string name = option->get_name();
     if (name.starts_with("--")) offer.options.push_back(name);
+    if (option->get_items_expected_max() == 0) offer.flags.push_back(name);
     if (!values.empty()) offer.values[name] = values;
   }
   for (const char* option : {"--json", "--quiet", "--seed", "--threads"})
     offer.options.emplace_back(option);
+  offer.flags.insert(offer.flags.end(), {"--json", "--quiet"});
   return offer;
 }
 
@@ -113,7 +116,7 @@ std::string case_of(const Offer& offer) {
                                  fmt::join(offer.options, " "), fmt::join(offer.arguments, " "));
   for (const auto& [option, values] : offer.values)
     text += fmt::format(" {}) values=\"{}\" ;;", option, fmt::join(values, " "));
-  return text + " -*) values=\"\" ;; esac";
+  return text + fmt::format(" {}) ;; -*) values=\"\" ;; esac", fmt::join(offer.flags, "|"));
 }
 
 }  // namespace
@@ -166,9 +169,10 @@ std::string bash_completion() {
       "\"$word\"))\n"
       "       elif [ \"$COMP_CWORD\" -eq 2 ] && [ -n \"$kinds\" ]; then\n"
       "         COMPREPLY=($(compgen -W \"$kinds\" -- \"$word\"))\n"
-      "       else COMPREPLY=($(compgen -W \"$values\" -- \"$word\") $(compgen -f -- \"$word\")); "
-      "fi "
-      ";;\n"
+      "       else compopt -o filenames 2>/dev/null\n"
+      "         mapfile -t COMPREPLY < <(compgen -W \"$values\" -- \"$word\"; compgen -f -- "
+      "\"$word\")\n"
+      "       fi ;;\n"
       "  esac\n"
       "}}\n"
       "complete -F _quadtune quadtune\n",

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <sstream>
 
 #include "completion.hpp"
@@ -205,6 +206,32 @@ TEST(Completion, OffersWhatIsBuiltInAndTheValuesOfOptions) {
                          HasSubstr("--gains) values=\"designed published\""),
                          HasSubstr("--sensors) values=\"ideal real\"")));
   EXPECT_THAT(fly, HasSubstr("--wind) values=\"calm light moderate severe\""));
+}
+
+// What bash itself makes of the script.
+TEST(Completion, WorksInBash) {
+  const TemporaryDirectory folder;
+  folder.write("my quad.toml", "");
+  const std::string script =
+      folder.write("completion", run_program({"help", "--completion"}).out).string();
+  const auto offered = [&](const std::string& words) {
+    const std::string call =
+        "COMP_WORDS=(quadtune " + words + "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _quadtune";
+    const std::string command = "cd '" + folder.path().string() + "' && bash -c '. " + script +
+                                "; " + call + "; printf \"%s;\" \"${COMPREPLY[@]}\"'";
+    FILE* const bash = ::popen(command.c_str(), "r");
+    std::string text;
+    for (int c = std::fgetc(bash); c != EOF; c = std::fgetc(bash)) text += static_cast<char>(c);
+    EXPECT_EQ(::pclose(bash), 0) << command;
+    return text;
+  };
+  EXPECT_EQ(offered("fl"), "fly;");
+  EXPECT_EQ(offered("fly m"), "mambo;my quad.toml;");
+  EXPECT_EQ(offered("fly --json mam"), "mambo;");
+  EXPECT_EQ(offered("fly mambo --wind mo"), "moderate;");
+  EXPECT_EQ(offered("fly mambo --seed m"), "my quad.toml;");
+  EXPECT_EQ(offered("tune ka"), "kalman;");
+  EXPECT_EQ(offered("fly --estim"), "--estimator;");
 }
 
 }  // namespace
