@@ -26,6 +26,8 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
     throw InvalidInput(design.file.string(), "has no [[export]], expected one because of -o");
   std::vector<WrittenExport> written;
   const ExportContent content = export_content(outcome);
+  std::vector<InputAtHand> inputs;
+  for (const FileContent& input : content.inputs) inputs.push_back({input.name, "", input.bytes});
   // All in memory first, so that what one cannot express keeps the others from being written.
   for (const ExportRequest& request : design.exports)
     (void)export_files(export_kind(request.to, design.file.string()), content);
@@ -40,7 +42,7 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
       one.files = write_export(one.directory, one.kind, content, interrupted);
       context.written.push_back(one.directory);
     }
-    one.verification = verify_with(one.directory, design.vehicle, content.inputs);
+    one.verification = verify_with(one.directory, design.vehicle, inputs);
     written.push_back(std::move(one));
   }
   return written;

@@ -22,7 +22,7 @@ namespace quadtune::cli {
 
 /// The same with a vehicle and inputs in memory.
 [[nodiscard]] VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
-                                       const std::vector<FileContent>& inputs);
+                                       const std::vector<InputAtHand>& inputs);
 
 [[nodiscard]] internal::Json to_json(const VerifyReport& report);
 [[nodiscard]] std::string to_text(const VerifyReport& report);
