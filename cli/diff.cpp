@@ -91,7 +91,7 @@ Verb diff_verb() {
             auto options = std::make_shared<Options>();
             app.add_option("A", options->a,
                            "an export's directory, a file of gains or a design file");
-            app.add_option("B", options->b, "another");
+            app.add_option("B", options->b, "another such directory or file");
             return [options](Context& context) {
               if (options->b.empty())
                 throw UsageError("quadtune diff: expected two gain sets, directories or files",

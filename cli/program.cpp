@@ -91,7 +91,12 @@ void refuse_options_for_values(const CLI::App& app, const std::string& verb,
     const auto times = std::count_if(args.begin(), args.end(), [&](const std::string& arg) {
       return arg == option || arg.starts_with(option + "=");
     });
-    if (times <= 1) refuse_missing_value(verb, option);
+    if (times == 0)
+      throw UsageError(fmt::format("quadtune {}: more words came than it takes, expected: quadtune "
+                                   "{} {}",
+                                   verb, verb, find(verb)->usage),
+                       option);
+    if (times == 1) refuse_missing_value(verb, option);
     message = fmt::format("{} came {} times, expected it once", option, times);
   } else if (dynamic_cast<const CLI::ConversionError*>(&error)) {  // "…: --json = maybe"
     const std::size_t start = what.find("--");

@@ -300,8 +300,9 @@ Verb vehicle_verb() {
               const std::string& action = options->action;
               if (action != "list" && action != "show" && action != "check")
                 throw UsageError(
-                    fmt::format("quadtune vehicle: '{}', expected list, show V or check FILE{}",
-                                action, internal::did_you_mean(action, {"list", "show", "check"})),
+                    fmt::format("quadtune vehicle: {}, expected list, show V or check FILE{}",
+                                action.empty() ? "no action came" : "'" + action + "'",
+                                internal::did_you_mean(action, {"list", "show", "check"})),
                     "ACTION");
               if (action == "list") {
                 if (!options->vehicle.empty())

@@ -109,6 +109,8 @@ TEST(StandardOutput, IsNoFile) {
 }
 
 TEST(WrongWords, AreAnsweredWithTheRightOnes) {
+  refuses({"help", "a", "b", "c"}, 2, "more words came than it takes, expected: quadtune help");
+  refuses({"vehicle"}, 2, "no action came, expected list, show V or check FILE");
   refuses({"fly", "mambo", "--mission", "figure8"}, 3, "did you mean 'lemniscate'?");
   refuses({"fly", "mambo", "--mission", "figure-eight"}, 3, "did you mean 'lemniscate'?");
   refuses({"fly", "mambo", "--wind", "5"}, 2,
