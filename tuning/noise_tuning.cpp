@@ -309,8 +309,9 @@ class Tuner {
     if (options_.method == NoiseMethod::likelihood) {
       tuning_.fit = fit_noise(likelihood, options);
       evaluations_ += tuning_.fit.evaluations;
-      // Ended before its first evaluation it knows its own start alone.
-      if (tuning_.fit.status == NoiseFitStatus::interrupted && tuning_.fit.evaluations == 0)
+      // Ended before it found anything better it knows its own start alone.
+      if (tuning_.fit.status == NoiseFitStatus::interrupted &&
+          (tuning_.fit.evaluations == 0 || tuning_.fit.theta == start_of(likelihood.model())))
         tuning_.fit.theta = best_;
       best_ = tuning_.fit.theta;
       return;

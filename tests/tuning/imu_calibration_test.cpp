@@ -10,6 +10,7 @@
 #include "matrix_near.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/tuning/made_up_imu.hpp"
+#include "sanitized.hpp"
 
 namespace quadtune {
 namespace {
@@ -173,7 +174,7 @@ void expect_coverage(const Count& count, int logs, const char* what) {
 }
 
 TEST(CalibrateImu, IntervalsHoldTheTruthInNineteenOfTwentyNumbers) {
-  constexpr int kLogs = 100;
+  constexpr int kLogs = testing::kSanitized ? 25 : 100;
   Count accelerometer, gyroscope, magnetometer;
   for (int i = 0; i < kLogs; ++i) {
     const MadeUpImu made =
