@@ -309,6 +309,7 @@ TEST_F(Campaign, APlanOfOtherKindsIsRefused) {
 
 // The lines of docs/cli.md that are not left out there.
 TEST_F(Campaign, PrintsWhatTheDocsShow) {
+  if (testing::kSanitized) GTEST_SKIP() << "the flights of a whole campaign";
   const std::string root = testing::source_folder();
   const std::string out = replaced(
       run_program({"campaign", "run", root + "/campaigns/mambo-hover.toml", path("out")}).out,

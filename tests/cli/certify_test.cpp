@@ -141,6 +141,7 @@ TEST_F(CertifyTest, SaysWhereTheVehicleCannotHover) {
 }
 
 TEST_F(CertifyTest, GivesTheSameBytesTwice) {
+  if (kSanitized) GTEST_SKIP() << "two certificates are as good as one for a sanitizer";
   const std::vector<std::string> args = {"certify", exported("uquad-hover"), "--delay", "0:0.02"};
   EXPECT_EQ(run_program(args).out, run_program(args).out);
 }
