@@ -142,15 +142,17 @@ TEST_F(VerifyManifest, NoticesInputsThatAreNotTheFiles) {
   const std::string out = exported("uquad-hover");
   for (const int i : {0, 1})
     for (const char* key : {"sha256", "size"})
-      EXPECT_THAT(verified(out,
-                           [&](Json& m) {
-                             Json& value = m["inputs"][i][key];
-                             if (value.is_string())
-                               value = std::string(64, 'a');
-                             else
-                               value = value.get<int>() + 1;
-                           }),
-                  HasSubstr("FAIL inputs are those of the manifest: uquad"))
+      EXPECT_THAT(
+          verified(out,
+                   [&](Json& m) {
+                     Json& value = m["inputs"][i][key];
+                     if (value.is_string())
+                       value = std::string(64, 'a');
+                     else
+                       value = value.get<int>() + 1;
+                   }),
+          ::testing::AllOf(HasSubstr("FAIL inputs are those of the manifest: "),
+                           HasSubstr(i == 0 ? "/uquad-hover.toml has " : ": uquad.toml has ")))
           << i << key;
   // An input that is nowhere to be found is told, and named by an option.
   std::filesystem::create_directory(folder_.path() / "elsewhere");
