@@ -54,8 +54,8 @@ WeightR check_problem(const RiccatiEquation& problem, CheckBuffers& buffers,
 /// "[Q N; N' R] has eigenvalue -0.1, …" when that is so beyond rounding because of N; else empty.
 [[nodiscard]] std::string cost_indefiniteness(const RiccatiEquation& problem);
 
-/// "R + B'SB is singular …" when that is so beyond rounding of a discrete equation's R, B and S = X;
-/// else empty.
+/// "R + B'SB is singular …" when that is so beyond rounding of a discrete equation's R, B and S =
+/// X; else empty.
 [[nodiscard]] std::string free_inputs(const RiccatiEquation& problem, const Eigen::MatrixXd& X);
 
 /// A candidate solution with the measures by which it is judged.

@@ -191,7 +191,8 @@ TEST(Gates, KeepTheFirstGuessWhereTheSearchIsEnded) {
   asked = 0;
   const NoiseTuning ended = tune_noise(spoilt.model, {spoilt.record}, options);
   ASSERT_EQ(ended.fit.status, NoiseFitStatus::interrupted);
-  EXPECT_LT((ended.fit.theta - spoilt.truth).cwiseAbs().maxCoeff(), 0.7);
+  // The start is 3 from the truth, the first guess less than 1.
+  EXPECT_LT((ended.fit.theta - spoilt.truth).cwiseAbs().maxCoeff(), 1);
 }
 
 TEST(Gates, StudentsErrorsBearTheOutliersToo) {
