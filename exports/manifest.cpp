@@ -62,6 +62,7 @@ Json evidence_to_json(const ExportEvidence& evidence) {
 }
 
 ExportEvidence evidence_from_json(const Json& json, const std::string& where) {
+  if (!json.is_object()) throw InvalidInput(where, "is no object, expected that of a solution");
   ExportEvidence evidence;
   const auto with = [&](const char* key, auto use) {
     if (json.contains(key)) use(json[key], where + "." + key);
@@ -75,7 +76,10 @@ ExportEvidence evidence_from_json(const Json& json, const std::string& where) {
        [&](const Json& j, Where w) { evidence.residual = internal::number_from_json(j, w); });
   with("rcond", [&](const Json& j, Where w) { evidence.rcond = internal::number_from_json(j, w); });
   with("iterations", [&](const Json& j, Where w) {
-    evidence.iterations = static_cast<int>(internal::number_from_json(j, w));
+    const double count = internal::number_from_json(j, w);
+    if (!(count >= 0 && count <= 1e9) || count != std::floor(count))
+      throw InvalidInput(w, fmt::format("is {}, expected a whole number from 0 to 1e9", count));
+    evidence.iterations = static_cast<int>(count);
   });
   with("poles", [&](const Json& j, Where w) { evidence.poles = internal::poles_from_json(j, w); });
   return evidence;
@@ -169,7 +173,10 @@ Manifest parse_manifest(const std::string& text, const std::string& origin) {
   manifest.vehicle = internal::string_from_json(member(json, "vehicle", origin), path("vehicle"));
   if (json.contains("made_at"))
     manifest.made_at = internal::string_from_json(json["made_at"], path("made_at"));
-  for (const auto& [name, version] : member(json, "versions", origin).items())
+  const Json& versions = member(json, "versions", origin);
+  if (!versions.is_object())
+    throw InvalidInput(path("versions"), "is no object, expected a version for each program");
+  for (const auto& [name, version] : versions.items())
     manifest.versions.emplace_back(name,
                                    internal::string_from_json(version, path("versions." + name)));
   manifest.inputs = files_from_json(member(json, "inputs", origin), path("inputs"));
@@ -186,6 +193,8 @@ Manifest parse_manifest(const std::string& text, const std::string& origin) {
     manifest.cascade_poles =
         closed_loop_from_json(json["cascade_closed_loop"], path("cascade_closed_loop"));
   const Json& numbers = member(json, "numbers", origin);
+  if (!numbers.is_array())
+    throw InvalidInput(path("numbers"), "is no array, expected the numbers of the files");
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const std::string here = path(fmt::format("numbers[{}]", i));
     manifest.numbers.push_back(

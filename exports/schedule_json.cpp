@@ -53,6 +53,11 @@ std::vector<ScheduleAxis> axes_from_json(const Json& json, const std::string& wh
         internal::vector_from_json(member(json[i], "values", here), here + ".values");
     axes.push_back({schedule_quantity(name, here + ".name"),
                     std::vector<double>(values.begin(), values.end())});
+    const std::string came =
+        internal::string_from_json(member(json[i], "unit", here), here + ".unit");
+    if (came != unit(axes.back().quantity))
+      throw InvalidInput(here + ".unit", fmt::format("unit of {} is '{}', expected '{}'", name,
+                                                     came, unit(axes.back().quantity)));
   }
   return axes;
 }

@@ -144,6 +144,7 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> weights_from_json(const Json& json,
   if (!json.contains("weights")) return weights;
   const Json& table = json["weights"];
   const std::string where = origin + ": weights";
+  if (!table.is_object()) throw InvalidInput(where, "is no object, expected Q and R");
   if (table.contains("Q")) weights.first = internal::matrix_from_json(table["Q"], where + ".Q");
   if (table.contains("R")) weights.second = internal::matrix_from_json(table["R"], where + ".R");
   return weights;
