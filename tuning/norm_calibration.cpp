@@ -275,6 +275,10 @@ NormSolution norm_calibration(const NormProblem& problem) {
   NormSolution result;
   SensorCalibration& calibration = result.calibration;
   const int numbers = problem.with_temperature ? kNormParameters : kNormParameters - 1;
+  if (problem.raw.cols() == 0) {
+    refuse(calibration, Matrix(0, numbers), numbers);
+    return result;
+  }
   result.scaling = sphere(problem);
   Poses poses;
   poses.parameters = numbers;
@@ -286,7 +290,7 @@ NormSolution norm_calibration(const NormProblem& problem) {
   poses.used.assign(poses.all.size(), 1);
   result.parameters = (Vector(kNormParameters) << 1, 0, 0, 1, 0, 1, 0, 0, 0, 0).finished();
   const Vector start = result.parameters;
-  const bool converged = !poses.all.empty() && fit_and_refuse(poses, result.parameters);
+  const bool converged = fit_and_refuse(poses, result.parameters);
 
   make_positive(result.parameters);
 
@@ -303,7 +307,7 @@ NormSolution norm_calibration(const NormProblem& problem) {
     after += std::pow(value(poses.all[i], result.parameters), 2);
   }
   // Before: one scale for all axes and no bias.
-  const double scale = problem.raw.cols() > 0 ? problem.raw.colwise().norm().mean() : 1;
+  const double scale = problem.raw.colwise().norm().mean();
   for (std::size_t i = 0; i < poses.all.size(); ++i)
     if (poses.used[i])
       before += std::pow(problem.raw.col(static_cast<Index>(i)).norm() / scale - 1, 2);

@@ -126,12 +126,15 @@ StillDetection find_still(const ImuLog& log, const StillOptions& options) {
                                    options.window, options.factor, options.shortest));
   const Index samples = log.t.size();
   const double period = samples > 1 ? (log.t(samples - 1) - log.t(0)) / double(samples - 1) : 1;
-  const Index length = std::max(kLeastWindow, Index{std::lround(options.window / period)});
+  // Not yet an integer, because a window may hold more periods than one counts.
+  const double wanted = std::max(double(kLeastWindow), std::round(options.window / period));
+  if (!(wanted * kLeastWindows <= double(samples)))
+    throw InvalidInput(log.name,
+                       fmt::format("has {} samples, expected at least {:.15g}, ten "
+                                   "windows of {:.3g} s at {:.4g} s a sample",
+                                   samples, kLeastWindows * wanted, options.window, period));
+  const auto length = static_cast<Index>(wanted);
   const Index count = samples / length;
-  if (count < kLeastWindows)
-    throw InvalidInput(log.name, fmt::format("has {} samples, expected at least {}, ten windows of "
-                                             "{:.3g} s",
-                                             samples, kLeastWindows * length, options.window));
   const Windows accelerometer(log.accelerometer, length, count);
   const Windows gyroscope(log.gyroscope, length, count);
   StillDetection result;

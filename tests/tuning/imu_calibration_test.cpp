@@ -79,6 +79,10 @@ TEST(FindStill, RefusesLogsThatAreNone) {
   log.accelerometer.resize(3, 0);
   EXPECT_THAT([&] { (void)find_still(log); },
               ThrowsMessage<InvalidInput>(HasSubstr("has no accelerometer, expected one")));
+  log = make_up_imu({.poses = 2}).log;
+  log.t *= 1e-20;
+  EXPECT_THAT([&] { (void)find_still(log); },
+              ThrowsMessage<InvalidInput>(HasSubstr("ten windows of 0.25 s at 1e-22 s a sample")));
   EXPECT_THAT([&] { (void)find_still(make_up_imu({.poses = 2}).log, {.factor = 1}); },
               ThrowsMessage<InvalidInput>(HasSubstr("a factor of more than 1")));
 }
@@ -216,6 +220,20 @@ TEST(CalibrateImu, NamesWhatTooFewPosesLeaveOpen) {
   EXPECT_THAT(c.missing, Contains("x up"));
   EXPECT_THAT(c.missing, Contains("x down"));
   EXPECT_TRUE(c.M.hasNaN() && c.b.hasNaN());
+}
+
+// A log that never keeps still for long.
+TEST(CalibrateImu, NamesWhatNoPosesLeaveOpen) {
+  const ImuCalibration c =
+      calibrate_imu({make_up_imu({.poses = 20}).log}, {.still = {.shortest = 50}});
+  EXPECT_TRUE(c.poses.empty());
+  for (const SensorCalibration* sensor : {&c.accelerometer, &c.magnetometer}) {
+    EXPECT_EQ(sensor->status, CalibrationStatus::not_observable);
+    EXPECT_THAT(sensor->culprit, HasSubstr("0 poses came, expected at least 10"));
+    EXPECT_THAT(sensor->missing, Contains("x up"));
+    EXPECT_TRUE(sensor->M.hasNaN() && sensor->refused.empty());
+  }
+  EXPECT_EQ(c.gyroscope.status, CalibrationStatus::not_observable);
 }
 
 // Turned about the vertical alone, all poses are one.
