@@ -11,6 +11,12 @@ namespace quadtune::internal {
 
 using Eigen::Index;
 
+namespace {
+
+constexpr int kMostPieces = 1000;  // into which a step is divided
+
+}  // namespace
+
 std::optional<DrivenRecord> driven_record(const FilterModel& model, const FilterRecord& record,
                                           bool mean, double longest) {
   validate_samples(record, model, record.name);
@@ -40,6 +46,13 @@ std::optional<DrivenRecord> driven_record(const FilterModel& model, const Filter
     const double dt = record.time[static_cast<std::size_t>(k) + 1] - now;
     const Eigen::VectorXd u = mean ? Eigen::VectorXd(0.5 * (record.u.col(k) + record.u.col(k + 1)))
                                    : Eigen::VectorXd(record.u.col(k));
+    if (dt > kMostPieces * longest)
+      throw InvalidInput(
+          record.name,
+          fmt::format("the inputs at {:.9g} s are followed by others after {:.4g} s, expected at "
+                      "most {:.4g} s because the motion between them is integrated in steps of "
+                      "{:.4g} s",
+                      now, dt, kMostPieces * longest, longest));
     const int pieces = std::max(1, static_cast<int>(std::ceil(dt / longest - 1e-6)));
     for (int i = 0; i < pieces; ++i) {
       result.drive.dt.push_back(dt / pieces);

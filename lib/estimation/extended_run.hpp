@@ -40,7 +40,7 @@ struct DrivenRecord {
 /// @param mean     whether inputs were sampled at both ends of a step, or hold over it
 /// @param longest  longest step [s]; longer ones are divided
 /// @return         nothing for fewer than two instants with measurements
-/// @throws InvalidInput  as validate_samples()
+/// @throws InvalidInput  as validate_samples(); for a step of more than a thousand times `longest`
 [[nodiscard]] std::optional<DrivenRecord> driven_record(const FilterModel& model,
                                                         const FilterRecord& record, bool mean,
                                                         double longest);

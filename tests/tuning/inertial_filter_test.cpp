@@ -289,6 +289,18 @@ TEST(InertialFilter, ReadsBarometerAndGpsOffAReplay) {
   EXPECT_NEAR(after.size, 1, 0.1);
 }
 
+// The steps of a clock in other units would be divided into more than memory holds.
+TEST(InertialFilter, RefusesStepsThatItCannotIntegrate) {
+  const FilterModel model = known_noise();
+  FilterRecord record = flown(model, 2, 1);
+  for (double& time : record.time) time *= 1e9;
+  EXPECT_THAT([&] { (void)nonlinear_filter(model, {record}); },
+              ThrowsMessage<InvalidInput>(
+                  HasSubstr("made up: the inputs at 0 s are followed by others after 1e+07 s, "
+                            "expected at most 20 s because the motion between them is integrated "
+                            "in steps of 0.02 s")));
+}
+
 TEST(InertialFilter, IsNoLinearModel) {
   const FilterModel model = known_noise();
   EXPECT_THAT([&] { InnovationLikelihood(model, {flown(model, 2, 1)}); },
