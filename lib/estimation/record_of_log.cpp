@@ -109,10 +109,24 @@ class Builder {
       const bool is_input = k < model_.inputs.size();
       const double delay = is_input ? 0 : sensor_of(k - model_.inputs.size()).first.delay;
       cursors_.push_back({of_signal_[k], delay});
+      if (of_signal_[k] != nullptr) require_countable(*of_signal_[k], delay);
       if (is_input)
         longest_hold_.push_back(internal::kLongestHold * internal::typical_period(*of_signal_[k]) /
                                 unit_);
     }
+  }
+
+  /// Instants are integers.
+  void require_countable(const LogSeries& series, double delay) const {
+    constexpr double kMost = 4e18;
+    for (const double time : {series.time.front(), series.time.back()})
+      if (!(std::abs(time - delay - start_) < kMost * unit_))
+        throw InvalidInput(
+            name_, fmt::format("'{}' has a sample {:.4g} s after the first of all{}, expected less "
+                               "than {:.2g} s because instants are told apart by {:.2g} s",
+                               internal::printable(series.name), time - start_,
+                               delay != 0 ? fmt::format(" and a delay of {:.4g} s", delay) : "",
+                               kMost * unit_, unit_));
   }
 
   [[nodiscard]] static bool is_left(const Cursor& cursor) {

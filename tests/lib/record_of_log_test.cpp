@@ -103,6 +103,9 @@ TEST(RecordOfLog, SaysWhatIsMissingOrWrong) {
   refused({{"az", some}, {"az", some}}, "a.csv: 'az' came twice, expected it once");
   refused({{"az", series("c", "", {0, 0.1}, {1, 2})}, {"height", series("h", "", {5, 6}, {1, 2})}},
           "a.csv: no measurement falls into the time of all inputs, expected some that do");
+  refused({{"az", some}, {"height", series("h", "", {0, 1e12}, {1, 2})}},
+          "a.csv: 'h' has a sample 1e+12 s after the first of all, expected less than 4e+11 s "
+          "because instants are told apart by 1e-07 s");
   FilterModel discrete = load_filter_model("local-level");
   discrete.dt = 1;
   EXPECT_THAT(
