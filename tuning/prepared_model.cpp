@@ -19,11 +19,30 @@ using Eigen::MatrixXd;
 /// Steps that differ by less are one [s].
 constexpr double kSameStep = 1e-7;
 
+/// x ↦ F x + g, or P ↦ F P Fᵀ + g: some steps of a discrete model taken as one.
+struct Steps {
+  MatrixXd F, g;
+};
+
+/// n steps of a discrete model, by squaring, because a log may have gaps of very many steps.
+/// @param then  what `later` makes of the g of `earlier`, without its own: F g, or F g Fᵀ
+template <class Then>
+Steps repeated(const MatrixXd& F, const MatrixXd& g, std::int64_t n, Then&& then) {
+  Steps all = {MatrixXd::Identity(F.rows(), F.cols()), MatrixXd::Zero(g.rows(), g.cols())};
+  Steps some = {F, g};
+  for (; n > 0; n /= 2) {
+    if (n % 2 == 1) all = {some.F * all.F, then(some.F, all.g) + some.g};
+    if (n > 1) some = {some.F * some.F, then(some.F, some.g) + some.g};
+  }
+  return all;
+}
+
 /// What n steps of a discrete model make of one step's covariance.
 MatrixXd accumulated(const MatrixXd& A, const MatrixXd& step, std::int64_t n) {
-  MatrixXd sum = MatrixXd::Zero(A.rows(), A.cols());
-  for (std::int64_t k = 0; k < n; ++k) sum = (A * sum * A.transpose() + step).eval();
-  return sum;
+  return repeated(
+             A, step, n,
+             [](const MatrixXd& F, const MatrixXd& P) -> MatrixXd { return F * P * F.transpose(); })
+      .g;
 }
 
 std::vector<KernelSegment> segments_of(const FilterRecord& record,
@@ -81,13 +100,10 @@ PreparedTransition prepare_transition(const FilterModel& model, double dt) {
     return sampled_noise(model.A, noise, dt).Q;
   };
   if (model.dt > 0) {
-    const std::int64_t n = std::llround(dt / model.dt);
-    result.F = MatrixXd::Identity(nx, nx);
-    result.B = MatrixXd::Zero(nx, model.B.cols());
-    for (std::int64_t k = 0; k < n; ++k) {
-      result.B = (model.A * result.B + model.B).eval();
-      result.F = (model.A * result.F).eval();
-    }
+    Steps steps = repeated(model.A, model.B, std::llround(dt / model.dt),
+                           [](const MatrixXd& F, const MatrixXd& B) -> MatrixXd { return F * B; });
+    result.F = std::move(steps.F);
+    result.B = std::move(steps.g);
   } else {
     ContinuousLti plant;
     plant.A = model.A;

@@ -154,6 +154,36 @@ TEST(InnovationLikelihood, IsThatOfAllMeasurementsAtOnce) {
       }
 }
 
+// The level at the second measurement differs by n steps of Q, and both measurements by R: a gap of
+// years costs no more than one of seconds.
+TEST(InnovationLikelihood, StepsOverAGapOfADiscreteModel) {
+  for (const double n : {1.0, 2.0, 3.0, 10.0, 1e3, 1e6 + 1, 1e9, 1e14}) {
+    const FilterRecord record{"gap", {0, n}, MatrixXd{{1, 4}}, MatrixXd(0, 2)};
+    const double Q = 0.3, R = 2, S = 2 * R + n * Q;
+    const Likelihood got =
+        InnovationLikelihood(testing::local_level(), {record}).evaluate(logs(Q, R));
+    ASSERT_TRUE(got.computed()) << got.culprit;
+    EXPECT_NEAR(got.value, -0.5 * (std::log(2 * std::numbers::pi * S) + 9 / S), 1e-12 * n) << n;
+  }
+}
+
+// x = 0.5 x + 3 u with u = 2 goes to 12, and the variance of its noise to Q/(1 - 0.25).
+TEST(InnovationLikelihood, HoldsTheInputOverAGapOfADiscreteModel) {
+  FilterModel model = testing::local_level();
+  model.A(0, 0) = 0.5;
+  model.B = MatrixXd{{3}};
+  model.inputs = {{"u", ""}};
+  for (const double n : {1.0, 2.0, 3.0, 7.0, 40.0, 1e12}) {
+    const FilterRecord record{"gap", {0, n}, MatrixXd{{1, 4}}, MatrixXd{{2, 2}}};
+    const double Q = 0.3, R = 2, fade = std::pow(0.5, n);
+    const double S = fade * fade * R + Q * (1 - fade * fade) / 0.75 + R;
+    const double e = 4 - (fade * 1 + 12 * (1 - fade));
+    const Likelihood got = InnovationLikelihood(model, {record}).evaluate(logs(Q, R));
+    ASSERT_TRUE(got.computed()) << got.culprit;
+    EXPECT_NEAR(got.value, -0.5 * (std::log(2 * std::numbers::pi * S) + e * e / S), 1e-12) << n;
+  }
+}
+
 // Why the state at the start is no parameter beside the variances: with the Nile's first volume
 // taken for the level, less and less noise of the measurements is likelier for ever.
 TEST(InnovationLikelihood, HasNoMaximumOverTheStateAtTheStart) {
