@@ -181,9 +181,12 @@ std::string to_text(const GainMatchReport& report) {
                                         match.evaluations, match.agreeing, match.starts));
   text += section("optimality",
                   kalman_line(match) +
-                      fmt::format("\nthe given gain costs {:.2g} % more than the found one, from a "
-                                  "deviation of {}",
-                                  100 * match.excess_cost, match.excess_state));
+                      (std::isnan(match.excess_cost)
+                           ? "\nwhat the given gain costs more than the found one is not known: " +
+                                 match.excess_culprit
+                           : fmt::format("\nthe given gain costs {:.2g} % more than the found one, "
+                                         "from a deviation of {}",
+                                         100 * match.excess_cost, match.excess_state)));
   text += section("evidence", fmt::format("Riccati residual {:.2g}, reciprocal condition {:.2g}",
                                           riccati.residual, riccati.rcond));
   return text + section("verdict", to_string(match.status));

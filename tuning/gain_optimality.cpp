@@ -3,7 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/SVD>
-#include <limits>
+#include <cmath>
 
 #include "quadtune/synthesis/lyapunov.hpp"
 #include "quadtune/synthesis/open_loop.hpp"
@@ -59,13 +59,17 @@ ExcessCost excess_cost(const DiagonalLqr& problem, const VectorXd& w, const Ricc
     excess = lyapunov_discrete((discrete.A - discrete.B * K).transpose(),
                                0.5 * (cost + cost.transpose()));
   }
-  ExcessCost worst{std::numeric_limits<double>::quiet_NaN(), 0};
-  if (!excess.solved()) return worst;
+  ExcessCost worst;
+  if (!excess.solved()) {
+    worst.culprit = "its loop is too close to the border of stability: " + excess.culprit;
+    return worst;
+  }
   for (Index i = 0; i < K.cols(); ++i) {
     if (!(solution.X(i, i) > 0)) continue;
     const double relative = excess.X(i, i) / solution.X(i, i);
-    if (!(relative <= worst.value)) worst = {relative, i};
+    if (!(relative <= worst.value)) worst = {relative, i, {}};
   }
+  if (std::isnan(worst.value)) worst.culprit = "the found one costs nothing";
   return worst;
 }
 

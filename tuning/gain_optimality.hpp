@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <string>
 
 #include "quadtune/synthesis/diagonal_lqr.hpp"
@@ -26,10 +27,11 @@ struct SensitivityPeak {
 
 /// How much more than the solution K costs from a deviation of one state alone, the worst of them.
 struct ExcessCost {
-  double value = 0;  ///< relative
+  double value = std::numeric_limits<double>::quiet_NaN();  ///< relative
   Eigen::Index state = 0;
+  std::string culprit;  ///< why there is no value; empty where there is one
 };
-/// @param K  stabilizing
+/// @param K  stabilizing; on the border of it the cost has no bound, and no value
 [[nodiscard]] ExcessCost excess_cost(const DiagonalLqr& problem, const Eigen::VectorXd& w,
                                      const RiccatiResult& solution, const Eigen::MatrixXd& K);
 

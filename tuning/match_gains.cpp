@@ -133,9 +133,12 @@ std::string unstable_pole(const DiagonalLqr& problem, const MatrixXd& K) {
   return std::visit(
       [&](const auto& plant) -> std::string {
         constexpr bool discrete = std::is_same_v<decltype(plant), const DiscreteLti&>;
-        const Eigen::VectorXcd poles = MatrixXd(plant.A - plant.B * K).eigenvalues();
+        const MatrixXd loop = plant.A - plant.B * K;
+        const Eigen::VectorXcd poles = loop.eigenvalues();
         const double worst = discrete ? poles.cwiseAbs().maxCoeff() : poles.real().maxCoeff();
-        if (worst < (discrete ? 1 : 0)) return "";
+        // An integral that is not fed back lies on the border but for rounding.
+        const double rounding = 1e-13 * (discrete ? 1 : loop.norm());
+        if (worst < (discrete ? 1 : 0) - rounding) return "";
         return discrete
                    ? fmt::format("a pole of modulus {:.6g}, expected less than 1", worst)
                    : fmt::format("a pole of real part {:.6g} 1/s, expected less than 0", worst);
@@ -298,7 +301,9 @@ GainMatch match_gains(const ContinuousLti& plant, const LqrDesign& start,
   match.weighted_sensitivity_at = peak.at;
   const internal::ExcessCost excess = internal::excess_cost(problem, best.w, best.solution, both);
   match.excess_cost = excess.value;
-  match.excess_state = problem.names()[static_cast<std::size_t>(excess.state)];
+  match.excess_culprit = excess.culprit;
+  if (excess.culprit.empty())
+    match.excess_state = problem.names()[static_cast<std::size_t>(excess.state)];
   match.status =
       match.after <= options.tolerance ? GainMatchStatus::matched : GainMatchStatus::not_matched;
   return match;

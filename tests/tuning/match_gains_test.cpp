@@ -341,6 +341,15 @@ TEST(MatchGains, AGainThatDoesNotStabilizeIsRefused) {
   EXPECT_THAT(match.culprit, HasSubstr("the given gain's loop has a pole of modulus 1."));
 }
 
+// An integral that is not fed back stays where it is.
+TEST(MatchGains, AGainOnTheBorderOfStabilityIsRefused) {
+  Published p = published();
+  p.K_int.col(0).setZero();
+  const GainMatch match = match_gains(testing::uquad_hover(), uquad_problem(), p.K, p.K_int);
+  EXPECT_EQ(match.status, GainMatchStatus::not_stabilizing);
+  EXPECT_THAT(match.culprit, HasSubstr("a pole of modulus 1, expected less than 1"));
+}
+
 TEST(MatchGains, TheSearchCanBeInterrupted) {
   const Published p = published();
   GainMatchOptions options;

@@ -92,9 +92,11 @@ struct GainMatch {
   double weighted_sensitivity = std::numeric_limits<double>::quiet_NaN();
   double weighted_sensitivity_at = 0;  ///< [rad/s]
   /// What the given gain costs more than the found one under the weights found, from a deviation of
-  /// one state alone, relative, the worst; and the name of that state.
+  /// one state alone, relative, the worst; and the name of that state. NaN where it is not known:
+  /// then `excess_culprit` says why, and the state is empty.
   double excess_cost = std::numeric_limits<double>::quiet_NaN();
   std::string excess_state;
+  std::string excess_culprit;
 
   [[nodiscard]] bool has_weights() const {
     return status == GainMatchStatus::matched || status == GainMatchStatus::not_matched;
