@@ -60,7 +60,7 @@ class Collector {
 
   LogChannels result(const std::vector<LogGroup>& groups) {
     for (std::size_t i = 0; i < names_.size(); ++i) {
-      if (found_[i].empty() && i < required_) refuse_unknown(names_[i], groups);
+      if (found_[i].empty() && i < required_) refuse_unknown(i, groups);
       if (found_[i].size() > 1)
         throw InvalidInput(origin_, fmt::format("'{}' stands for several channels, expected one of "
                                                 "{} and {}",
@@ -92,21 +92,26 @@ class Collector {
     wanted.push_back({channel, i});
   }
 
-  [[noreturn]] void refuse_unknown(const std::string& name,
-                                   const std::vector<LogGroup>& groups) const {
+  /// @param first  of the names that the log lacks
+  [[noreturn]] void refuse_unknown(std::size_t first, const std::vector<LogGroup>& groups) const {
     constexpr std::size_t kListed = 12;
+    const std::string& name = names_[first];
+    std::string others;
+    for (std::size_t i = first + 1; i < required_; ++i)
+      if (found_[i].empty())
+        others += fmt::format("{}'{}'", others.empty() ? ", nor " : ", ", printable(names_[i]));
     std::vector<std::string> known;
     for (const LogGroup& group : groups)
       for (const LogChannel& channel : group.channels) {
         known.push_back(full_name(group, channel));
         if (!group.name.empty()) known.push_back(channel.name);
       }
-    std::string hint = internal::did_you_mean(name, known);
+    std::string hint = others.empty() ? internal::did_you_mean(name, known) : "";
     if (hint.empty() && known.size() <= kListed) {
       hint = ", expected one of";
       for (const std::string& one : known) hint += ' ' + printable(one);
     }
-    throw UnknownChannel(origin_, fmt::format("has no channel '{}'{}", printable(name),
+    throw UnknownChannel(origin_, fmt::format("has no channel '{}'{}{}", printable(name), others,
                                               hint.empty() ? "; 'quadtune log' lists them" : hint));
   }
 

@@ -93,6 +93,12 @@ TEST_F(LogChannelsTest, UnknownNamesComeWithTheNearest) {
                   "sensor.1.counts[1]")));
   EXPECT_THAT([&] { (void)read_log_channels(file("t,z,w\n0,1,2\n"), {"u"}); },
               ThrowsMessage<InvalidInput>(HasSubstr("has no channel 'u', expected one of z w")));
+  EXPECT_THAT(
+      [&] {
+        (void)read_log_channels(file("t,z,w\n0,1,2\n"), {"u", "z", "v", "ww"});
+      },
+      ThrowsMessage<InvalidInput>(
+          HasSubstr("has no channel 'u', nor 'v', 'ww', expected one of z w")));
 }
 
 TEST(LogSeriesChecks, RefuseWhatNoMethodCanUse) {
