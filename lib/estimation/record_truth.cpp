@@ -185,10 +185,6 @@ std::vector<std::string> known_names(const FilterModel& model) {
   return names;
 }
 
-}  // namespace
-
-namespace {
-
 double typical_step(const Samples& time) {
   Samples steps;
   steps.reserve(time.size());
