@@ -214,6 +214,25 @@ TEST(HardRiccati, OnceRefused) {
   EXPECT_NEAR(r.poles.cwiseAbs().maxCoeff(), 0.80, 0.01);
 }
 
+// Rounding has left Q the eigenvalue -2.5e-10, beside which R's least is 3e-11: the Hamiltonian
+// matrix has eigenvalues on the imaginary axis, and what a double finds is not a solution.
+TEST(HardRiccati, TellsThatRoundingDecides) {
+  const RiccatiCase c{
+      MatrixXd{{0.39132280958716753, 1.6941207501232569, -1.0089438279968586},
+               {-1.7164933450325932, -1.6433734502649251, -0.13605014661735351},
+               {0.54734143840868432, 2.3691106209481032, -0.51541296201749598}},
+      MatrixXd{{0.79650231975191632, -1.7630791106367976, -0.72216840482782318},
+               {0.54570360924697325, 0.85078449423609159, -0.24176118957268755},
+               {1.0092193794022775, -2.6116223128623153, -1.2117208456625248}},
+      MatrixXd{{3009344.5617697141, 2892602.2780388724, 128708.32639151503},
+               {2892602.2780388724, 2780388.8079852113, 123715.31091930741},
+               {128708.32639151503, 123715.31091930741, 5504.7977865196162}},
+      MatrixXd{{3.1089392651893559e-10, -1.9925442064533951e-09, 2.1067205227721992e-09},
+               {-1.9925442064533951e-09, 1.4526402604921767e-08, -1.5767496559587209e-08},
+               {2.1067205227721992e-09, -1.5767496559587209e-08, 1.7993563540722737e-08}}};
+  expect_right(c, false, false);
+}
+
 // R = 0 and BᵀQB = 0: the input reaches what costs after two steps. K = [0.25 0.7] makes both poles
 // 0.
 TEST(HardRiccati, TakesACostThatTheInputReachesLate) {
