@@ -8,6 +8,7 @@
 
 #include "jets.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/matrix_checks.hpp"
 #include "quadtune/model/rigid_body.hpp"
 
 namespace quadtune {
@@ -174,6 +175,8 @@ const Linearization& Linearizer::at(const Vehicle& vehicle, const TrimResult& tr
   result_.x0.noalias() = M_ * trimmed.x;
   result_.x0_rate.noalias() = M_ * model.x0_rate;
   result_.u0.noalias() = N_ * model.u0;
+  require_finite(result_.plant.A, "linearize", "A of " + vehicle.name);
+  require_finite(result_.plant.B, "linearize", "B of " + vehicle.name);
   return result_;
 }
 

@@ -28,10 +28,9 @@ constexpr double kNoCoupling = 1e-14;
 constexpr double kWeakCoupling = 1e-9;
 /// Below this rcond a solution carries a warning.
 constexpr double kLowRcond = 1e-12;
-/// Below this one it is solved in 50 digits if all evidence is wanted.
-constexpr double kDoubtfulRcond = 1e-10;
-/// The same where doubling has failed.
-constexpr double kDoubtfulWithoutDoubling = 1e-7;
+/// Below this one it is solved in 50 digits if all evidence is wanted: a Q that rounding left
+/// indefinite may have no solution beside a tiny R, which the residual does not see.
+constexpr double kDoubtfulRcond = 1e-8;
 /// From this gain_error on, too.
 constexpr double kLargeGainError = 1e-6;
 /// The same from this internal::gain_rounding() on.
@@ -261,11 +260,7 @@ struct RiccatiSolver::State {
     if (schur.found) {
       result.poles = internal::estimate_condition(problem, found);
       if (internal::all_stable(problem.time, result.poles) && residual_is_small(found, options)) {
-        // Where doubling failed, a Q that rounding left indefinite may have no solution, which the
-        // residual beside a tiny R does not see.
-        const bool doubtful = found.rcond < kDoubtfulWithoutDoubling;
-        if (want_poles && (doubtful || is_doubtful(problem, weight_R)) && solve_exactly(problem))
-          return;
+        if (want_poles && is_doubtful(problem, weight_R) && solve_exactly(problem)) return;
         succeed(problem);
         result.used_schur = true;
         if (!want_poles) result.poles.resize(0);

@@ -58,6 +58,14 @@ TEST(Linearize, UquadHoverIsThePublishedModel) {
 }
 
 // phi'' = τx/Ixx, vx' = -g theta, vy' = g phi, T along -z.
+TEST(Linearize, RefusesNumbersThatAreTooFarApart) {
+  Vehicle vehicle = load_vehicle("mambo");
+  vehicle.inertia *= 1e-20;
+  for (Rotor& rotor : vehicle.rotors) rotor.position *= 1e300;
+  EXPECT_THAT([&] { (void)linearize(vehicle, kHover); },
+              ThrowsMessage<InvalidInput>(HasSubstr("B of mambo has")));
+}
+
 TEST(Linearize, MamboHoverByWrenchIsTheClosedForm) {
   const Vehicle vehicle = load_vehicle("mambo");
   const Linearization model = linearize(vehicle, kHover, in("mambo", InputKind::wrench));
