@@ -226,10 +226,13 @@ struct RiccatiSolver::State {
     result.warning += warning;
   }
 
-  /// Whether the digits of `found` are in doubt.
+  /// Whether the digits of `found` are in doubt. X may be off by residual/rcond; a nearly singular
+  /// R makes more of that in K.
   [[nodiscard]] bool is_doubtful(const RiccatiEquation& problem, WeightR weight_R) const {
-    return found.rcond < kDoubtfulRcond || weight_R != WeightR::well_conditioned ||
-           !(internal::gain_rounding(problem, found) < kDoubtfulGain);
+    if (found.rcond < kDoubtfulRcond || weight_R != WeightR::well_conditioned) return true;
+    const double rounding = internal::gain_rounding(problem, found);
+    const double error = rounding * std::max(1.0, found.residual / kEps) / found.rcond;
+    return !(rounding < kDoubtfulGain && error < kLargeGainError);
   }
 
   /// In 50 digits, where that is affordable.

@@ -13,6 +13,7 @@
 #include "quadtune/synthesis/diagonal_lqr.hpp"
 #include "quadtune/synthesis/state_feedback.hpp"
 #include "random_plant.hpp"
+#include "riccati_by_100_digits.hpp"
 #include "riccati_problems.hpp"
 
 namespace quadtune {
@@ -22,6 +23,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using ::testing::HasSubstr;
+using testing::LongMatrix;
+using testing::LongReal;
 using testing::MatrixNear;
 using testing::MatrixRelativelyNear;
 using testing::random_matrix;
@@ -34,6 +37,7 @@ MatrixXd symmetric(const MatrixXd& M) { return 0.5 * (M + M.transpose()); }
 /// A plant of either time with weights, cross weights included.
 struct Problem {
   bool discrete = false;
+  testing::RiccatiCase numbers;
   ContinuousLti continuous_plant;
   DiscreteLti discrete_plant;
   LqrWeights weights;
@@ -51,6 +55,7 @@ Problem random_problem(Index nx, Index nu, bool discrete, std::mt19937_64& rando
   const testing::RiccatiCase c = testing::random_case(nx, nu, discrete, true, random);
   Problem problem;
   problem.discrete = discrete;
+  problem.numbers = c;
   problem.continuous_plant = {c.A, c.B, {}, {}, {}, {}, {}};
   problem.discrete_plant = {c.A, c.B, {}, {}, 1, {}, {}, {}};
   problem.weights = {c.Q, c.R, c.N};
@@ -62,10 +67,6 @@ LqrWeights random_direction(Index nx, Index nu, std::mt19937_64& random) {
           random_matrix(nx, nu, random)};
 }
 
-LqrWeights moved(const LqrWeights& weights, const LqrWeights& direction, double h) {
-  return {weights.Q + h * direction.Q, weights.R + h * direction.R, weights.N + h * direction.N};
-}
-
 /// Central differences of steps h, h/2 and h/4, extrapolated: their error is of the order h⁶.
 template <class Function>
 MatrixXd difference(Function&& f, double h) {
@@ -73,6 +74,30 @@ MatrixXd difference(Function&& f, double h) {
   const MatrixXd coarse = central(h), middle = central(h / 2), fine = central(h / 4);
   const MatrixXd first = (4 * middle - coarse) / 3, second = (4 * fine - middle) / 3;
   return (16 * second - first) / 15;
+}
+
+/// Central differences of X and K along `direction`. In 100 digits neither rounding nor the step is
+/// seen in a double.
+LqrTangent long_difference(const Problem& problem, const LqrWeights& direction) {
+  const testing::LongRiccatiCase at(problem.numbers);
+  const LongMatrix dQ = direction.Q.cast<LongReal>();
+  const LongMatrix dR = direction.R.cast<LongReal>();
+  const LongMatrix dN = direction.N.cast<LongReal>();
+  const LongMatrix K = problem.solve(problem.weights).K.cast<LongReal>();
+  const LongReal h("1e-14");
+  const auto solution = [&](const LongReal& t) {
+    testing::LongRiccatiCase moved = at;
+    moved.Q += t * dQ;
+    moved.R += t * dR;
+    moved.N += t * dN;
+    return testing::by_100_digits(moved, problem.discrete, K).exact.value();
+  };
+  const testing::LongRiccatiSolution above = solution(h);
+  const testing::LongRiccatiSolution below = solution(-h);
+  const auto slope = [&](const LongMatrix& high, const LongMatrix& low) -> MatrixXd {
+    return LongMatrix((high - low) / (2 * h)).cast<double>();
+  };
+  return {slope(above.X, below.X), slope(above.K, below.K)};
 }
 
 class BothTimes : public ::testing::TestWithParam<bool> {};
@@ -86,17 +111,10 @@ TEST_P(BothTimes, TangentIsTheLimitOfDifferences) {
       const Problem problem = random_problem(nx, nu, GetParam(), random);
       const LqrWeights direction = random_direction(nx, nu, random);
       const LqrTangent tangent = problem.derivative().along(direction);
-      // Below 5e-4 the rounding of K exceeds the bound, above 3e-3 the truncation of the
-      // difference.
-      const double h = 2e-3;
-      const auto X = [&](double t) {
-        return problem.solve(moved(problem.weights, direction, t)).X;
-      };
-      const auto K = [&](double t) {
-        return problem.solve(moved(problem.weights, direction, t)).K;
-      };
-      EXPECT_THAT(tangent.dX, MatrixRelativelyNear(difference(X, h), 2e-7)) << nx << " " << nu;
-      EXPECT_THAT(tangent.dK, MatrixRelativelyNear(difference(K, h), 2e-7)) << nx << " " << nu;
+      const LqrTangent expected = long_difference(problem, direction);
+      // X and K of a double, from which the tangent is computed, are off by 1e-12 themselves.
+      EXPECT_THAT(tangent.dX, MatrixRelativelyNear(expected.dX, 1e-10)) << nx << " " << nu;
+      EXPECT_THAT(tangent.dK, MatrixRelativelyNear(expected.dK, 1e-10)) << nx << " " << nu;
     }
 }
 
