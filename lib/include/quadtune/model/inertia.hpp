@@ -26,8 +26,8 @@ struct MassProperties {
 /// @throws InvalidInput  for no parts, a mass that is not positive or a negative radius.
 [[nodiscard]] MassProperties mass_properties(const std::vector<Sphere>& parts);
 
-/// Checks that J can be the inertia of a body: finite, symmetric, principal moments positive and
-/// none larger than the sum of the other two.
+/// Checks that J can be the inertia of a body: finite, symmetric, principal moments of at least
+/// 1e-30 kg m² and 1e-9 of the largest, and none larger than the sum of the other two.
 ///
 /// @param tolerance  Share of the largest moment by which it may exceed that sum: measured moments
 ///                   of a flat body do.

@@ -70,7 +70,7 @@ struct Linearization {
 /// held at the trim's), command (the motor's unit, without the direction sign).
 ///
 /// @param trimmed  of this vehicle; where it is not solved the result holds NaN and trim.culprit.
-/// @throws InvalidInput  for an unknown convention or a bad selection of states.
+/// @throws InvalidInput  for an unknown convention, a bad selection of states, A or B not finite.
 [[nodiscard]] Linearization linearize(const Vehicle& vehicle, const TrimResult& trimmed,
                                       const LinearizeOptions& options = {});
 
@@ -84,7 +84,7 @@ class Linearizer {
   /// All NaN, with the names.
   [[nodiscard]] const Linearization& unsolved() const { return unsolved_; }
 
-  /// The result is valid until the next call.
+  /// @return  valid until the next call.  @throws InvalidInput  if A or B is not finite.
   const Linearization& at(const Vehicle& vehicle, const TrimResult& trimmed);
 
  private:
