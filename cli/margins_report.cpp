@@ -23,8 +23,12 @@ double decibels(double gain) { return 20 * std::log10(gain); }
 double degrees(double angle) { return angle * 180 / std::numbers::pi; }
 
 /// "12.3", or "-" for what is infinite: nothing is there to be met.
+/// At most six characters where `decimals` is 2, eight where it is 1.
 std::string cell(double value, int decimals = 1) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
+  if (!std::isfinite(value)) return "-";
+  const double size = std::abs(value);
+  if (size >= 1e6) return fmt::format("{:.0e}", value);
+  return fmt::format("{:.{}f}", value, decimals > 1 && size >= 1000 ? 0 : decimals);
 }
 
 Json crossovers_json(const LoopMargins& margins) {

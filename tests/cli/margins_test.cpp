@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
 
 #include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
@@ -191,6 +193,19 @@ TEST(MarginsVerb, TellsItsConventions) {
 }
 
 // Random plants of many inputs: bounded work, told, and chosen.
+// 1/(s² + 1) closes to poles at ±i√2, where |S| is beyond bounds: 3e15 in a double.
+TEST(MarginsVerb, KeepsItsColumnsWhateverTheNumbers) {
+  const ProgramResult result = run_program({"margins", "--num", "1", "--den", "1,0,1"});
+  std::istringstream lines(result.out);
+  std::string line, head, row;
+  while (std::getline(lines, line)) {
+    if (line.find("gain up") != std::string::npos) head = line;
+    if (line.find("UNSTABLE") != std::string::npos) row = line;
+  }
+  ASSERT_FALSE(head.empty()) << result.out;
+  EXPECT_EQ(row.find("  UNSTABLE"), head.size()) << result.out;
+}
+
 TEST(LqrEvidence, IsBoundedAndChosen) {
   const TemporaryDirectory folder;
   const auto identity = [](int n) {
