@@ -191,7 +191,7 @@ TEST_F(Browser, KeysOfATuningShowAndHide) {
 }
 
 TEST_F(Browser, TakesAPictureOfATuning) {
-  take_picture_for_docs(example(), "tuning-report.png", 1350);
+  take_picture_for_docs(example(), "tuning-report.png", 1510);
 }
 
 }  // namespace
