@@ -35,24 +35,31 @@ void add_landmarks(const Eigen::VectorXcd& roots, double dt, std::vector<Landmar
 }  // namespace
 
 std::vector<double> frequency_grid(const OpenLoop& loop) {
+  std::vector<Eigen::VectorXcd> roots{loop.poles(), loop.closed_loop_poles()};
+  if (loop.size() == 1) roots.push_back(loop.zeros());
+  return internal::grid_around(roots, loop.dt(), loop.delay());
+}
+
+namespace internal {
+
+std::vector<double> grid_around(const std::vector<Eigen::VectorXcd>& roots, double dt,
+                                double delay) {
+  const bool discrete = dt > 0;
   std::vector<Landmark> landmarks;
-  add_landmarks(loop.poles(), loop.dt(), landmarks);
-  add_landmarks(loop.closed_loop_poles(), loop.dt(), landmarks);
-  if (loop.size() == 1) add_landmarks(loop.zeros(), loop.dt(), landmarks);
-  const double nyquist = loop.discrete() ? std::numbers::pi / loop.dt() : 0;
-  double fastest = loop.discrete() ? nyquist : 1e-12;
+  for (const Eigen::VectorXcd& of : roots) add_landmarks(of, dt, landmarks);
+  const double nyquist = discrete ? std::numbers::pi / dt : 0;
+  double fastest = discrete ? nyquist : 1e-12;
   for (const Landmark& mark : landmarks)
-    if (!loop.discrete()) fastest = std::max(fastest, std::hypot(mark.w, mark.width));
+    if (!discrete) fastest = std::max(fastest, std::hypot(mark.w, mark.width));
   // What is smaller than rounding beside the fastest is an integrator.
   double slowest = fastest;
   for (const Landmark& mark : landmarks) {
     const double size = std::hypot(mark.w, mark.width);
     if (size > 1e-10 * fastest) slowest = std::min(slowest, size);
   }
-  double top = loop.discrete() ? nyquist : fastest * kBeyond;
+  double top = discrete ? nyquist : fastest * kBeyond;
   // A delay alone turns L through the first crossing of the negative axis below this.
-  if (!loop.discrete() && loop.delay() > 0)
-    top = std::max(top, 4 * std::numbers::pi / loop.delay());
+  if (!discrete && delay > 0) top = std::max(top, 4 * std::numbers::pi / delay);
   const double bottom = std::min(slowest, top) / kBeyond;
   std::vector<double> grid{0};
   const auto steps = static_cast<int>(std::ceil(std::log10(top / bottom) * kPerDecade));
@@ -63,19 +70,17 @@ std::vector<double> frequency_grid(const OpenLoop& loop) {
     for (const double k : {0.0, 0.1, 0.3, 0.6, 1.0, 1.5, 2.5, 4.0, 8.0})
       for (const double side : {-k, k}) grid.push_back(mark.w + side * mark.width);
   }
-  if (loop.delay() > 0) {
-    const double step = kPhaseStep / loop.delay();
+  if (delay > 0) {
+    const double step = kPhaseStep / delay;
     for (std::size_t i = 1; i <= kMostForDelay && double(i) * step < top; ++i)
       grid.push_back(double(i) * step);
   }
-  if (loop.discrete()) grid.push_back(nyquist);
+  if (discrete) grid.push_back(nyquist);
   std::erase_if(grid, [&](double w) { return !(w >= 0) || w > top; });
   std::sort(grid.begin(), grid.end());
   grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
   return grid;
 }
-
-namespace internal {
 
 double refine_root(const std::function<double(double)>& f, double low, double high) {
   const bool rises = f(high) > 0;

@@ -10,6 +10,12 @@
 
 namespace quadtune::internal {
 
+/// frequency_grid() around given poles and zeros.
+/// @param dt     [s]; 0: they are of continuous time
+/// @param delay  [s] beside them, of a continuous loop
+[[nodiscard]] std::vector<double> grid_around(const std::vector<Eigen::VectorXcd>& roots, double dt,
+                                              double delay);
+
 /// The root of f in [low, high], at whose ends f has opposite signs, by bisection to rounding.
 [[nodiscard]] double refine_root(const std::function<double(double)>& f, double low, double high);
 

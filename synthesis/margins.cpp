@@ -8,9 +8,11 @@
 #include <cmath>
 #include <complex>
 #include <functional>
+#include <memory>
 #include <numbers>
 #include <ostream>
 
+#include "channel_response.hpp"
 #include "disk.hpp"
 #include "frequency_grid.hpp"
 #include "quadtune/errors.hpp"
@@ -21,6 +23,7 @@ namespace quadtune {
 namespace {
 
 using Complex = std::complex<double>;
+using internal::ChannelResponse;
 using internal::refine_peak;
 using internal::refine_root;
 constexpr double kPi = std::numbers::pi;
@@ -48,10 +51,25 @@ FrequencyResponse reordered(const OpenLoop& loop) {
   return FrequencyResponse(plant);
 }
 
+/// @param loop  outlives the result
+ChannelResponse response_of(const OpenLoop& loop) {
+  ChannelResponse response;
+  response.at = [&loop](double w) { return loop.at(w)(0, 0); };
+  const auto turned = std::make_shared<FrequencyResponse>(reordered(loop));
+  response.again = [turned, delay = loop.delay()](double w) {
+    return turned->at(w)(0, 0) * std::polar(1.0, -w * delay);
+  };
+  response.sensitivity = [&loop](double w) { return loop.sensitivity(w)(0, 0); };
+  response.grid = frequency_grid(loop);
+  response.discrete = loop.discrete();
+  response.delay = loop.delay();
+  return response;
+}
+
 class SingleLoop {
  public:
-  explicit SingleLoop(const OpenLoop& loop) : loop_(loop), reordered_(reordered(loop)) {
-    for (const double w : frequency_grid(loop)) {
+  explicit SingleLoop(const ChannelResponse& response) : response_(response) {
+    for (const double w : response_.grid) {
       const Complex L = at(w);
       // A pole on the axis has no value; its neighbours show its size.
       if (!std::isfinite(L.real()) || !std::isfinite(L.imag())) continue;
@@ -60,7 +78,7 @@ class SingleLoop {
       samples_.S.push_back(sensitivity(w));
     }
     // Real to the last bit, so that a crossing there is seen.
-    if (loop.discrete() && !samples_.L.empty()) samples_.L.back().imag(0);
+    if (response_.discrete && !samples_.L.empty()) samples_.L.back().imag(0);
     for (std::size_t i = 0; i < samples_.w.size(); ++i) {
       const double w = samples_.w[i];
       if (apart_.empty() || w - samples_.w[apart_.back()] > kApart * w)
@@ -70,8 +88,8 @@ class SingleLoop {
     }
   }
 
-  [[nodiscard]] Complex at(double w) const { return loop_.at(w)(0, 0); }
-  [[nodiscard]] Complex sensitivity(double w) const { return loop_.sensitivity(w)(0, 0); }
+  [[nodiscard]] Complex at(double w) const { return response_.at(w); }
+  [[nodiscard]] Complex sensitivity(double w) const { return response_.sensitivity(w); }
 
   /// Roots of f(L) on the grid, and between neighbours where it changes sign. f is continuous
   /// there. Where it is 0 at neighbours it is so all along, and this is no root; nor is a change of
@@ -89,7 +107,7 @@ class SingleLoop {
       const bool last = i + 1 == count;
       const double next = last ? 1 : value(i + 1);
       const double before = i == 0 ? 1 : value(i - 1);
-      if (here == 0 && last && loop_.discrete()) {
+      if (here == 0 && last && response_.discrete) {
         // Symmetry, not rounding, makes L real at Nyquist, however near its neighbour is.
         std::size_t k = count;
         while (k > 0 && !is_seen(k - 1)) --k;
@@ -123,13 +141,13 @@ class SingleLoop {
     for (const Complex& S : samples_.S) values.push_back(std::abs(S + offset));
     const auto best = refine_peak([&](double w) { return std::abs(sensitivity(w) + offset); },
                                   samples_.w, values);
-    if (loop_.discrete() || loop_.delay() > 0) return best;
+    if (response_.discrete || response_.delay > 0) return best;
     return std::max(best, {std::abs(sensitivity(kInfinite) + offset), kInfinite});
   }
 
   /// Of a continuous loop without delay; otherwise 0.
   [[nodiscard]] double feed_through() const {
-    return loop_.discrete() || loop_.delay() > 0 ? 0 : at(kInfinite).real();
+    return response_.discrete || response_.delay > 0 ? 0 : at(kInfinite).real();
   }
 
  private:
@@ -145,8 +163,7 @@ class SingleLoop {
     constexpr double kNear = 0x1p-50;
     const double lowest = samples_.w.size() > 1 ? samples_.w[1] : 0;
     const double centre = w > 0 ? f(at(w)) : f(at(kNear * lowest));
-    const Complex turn = std::polar(1.0, -w * loop_.delay());
-    double scatter = std::abs(f(reordered_.at(w)(0, 0) * turn) - f(at(w)));
+    double scatter = std::abs(f(response_.again(w)) - f(at(w)));
     for (const int k : {2, 3, 4, 5, 6, 7}) {
       const double there = w > 0 ? w * (1 - k * kNear) : k * kNear * lowest;
       scatter = std::max(scatter, std::abs(f(at(there)) - centre));
@@ -154,8 +171,7 @@ class SingleLoop {
     return scatter;
   }
 
-  const OpenLoop& loop_;
-  FrequencyResponse reordered_;
+  const ChannelResponse& response_;
   Samples samples_;
   std::vector<std::size_t> apart_;  ///< samples that are further apart than kApart
 };
@@ -207,7 +223,8 @@ bool stable_with_delay(const OpenLoop& loop) {
   if (std::abs(prompt.at(kInfinite)(0, 0)) >= 1) return false;
   const Eigen::VectorXcd poles = prompt.closed_loop_poles();
   auto unstable = static_cast<long>((poles.real().array() >= 0).count());
-  const SingleLoop response(prompt);
+  const ChannelResponse of_prompt = response_of(prompt);
+  const SingleLoop response(of_prompt);
   for (const GainCrossover& crossover : gain_crossovers(response)) {
     const double w = crossover.w;
     if (!(w > 0) || crossover.delay_margin > loop.delay()) continue;
@@ -247,22 +264,15 @@ DiskMargin disk_of_peak(double peak, double w, double skew) {
 }
 
 DiskMargin disk_margin(const OpenLoop& loop, double skew) {
-  const auto [peak, w] = SingleLoop(loop).peak((skew - 1) / 2);
+  const ChannelResponse response = response_of(loop);
+  const auto [peak, w] = SingleLoop(response).peak((skew - 1) / 2);
   return disk_of_peak(peak, w, skew);
 }
 
-}  // namespace internal
-
-LoopMargins loop_margins(const OpenLoop& loop, double skew) {
-  if (loop.size() != 1)
-    throw InvalidInput(
-        "loop_margins",
-        fmt::format("the loop has {} channels, expected 1: take one of them", loop.size()));
-  if (!std::isfinite(skew))
-    throw InvalidInput("loop_margins", fmt::format("skew is {}, expected a finite number", skew));
-  const SingleLoop response(loop);
+LoopMargins margins_of(const ChannelResponse& channel, double skew) {
+  const SingleLoop response(channel);
   LoopMargins margins;
-  margins.stable = internal::closed_loop_is_stable(loop);
+  margins.stable = channel.stable;
   margins.gain_crossovers = gain_crossovers(response);
   margins.phase_crossovers = phase_crossovers(response);
   for (const PhaseCrossover& at : margins.phase_crossovers) {
@@ -283,9 +293,23 @@ LoopMargins loop_margins(const OpenLoop& loop, double skew) {
   std::tie(margins.Mt, margins.w_Mt) = response.peak(-1);  // |T| = |1 - S|
   if (margins.stable) {
     const auto [peak, w] = response.peak((skew - 1) / 2);
-    margins.disk = internal::disk_of_peak(peak, w, skew);
+    margins.disk = disk_of_peak(peak, w, skew);
   }
   return margins;
+}
+
+}  // namespace internal
+
+LoopMargins loop_margins(const OpenLoop& loop, double skew) {
+  if (loop.size() != 1)
+    throw InvalidInput(
+        "loop_margins",
+        fmt::format("the loop has {} channels, expected 1: take one of them", loop.size()));
+  if (!std::isfinite(skew))
+    throw InvalidInput("loop_margins", fmt::format("skew is {}, expected a finite number", skew));
+  ChannelResponse response = response_of(loop);
+  response.stable = internal::closed_loop_is_stable(loop);
+  return internal::margins_of(response, skew);
 }
 
 std::ostream& operator<<(std::ostream& out, const LoopMargins& m) {

@@ -58,7 +58,7 @@ void ClosedLoop<N, R>::set_environment(std::uint64_t index, double t) {
   P gravity = plant_.body().gravity;
   for (int l = 0; l < N; ++l) {
     const auto k = static_cast<std::size_t>(l);
-    const Vehicle& vehicle = flown(*setups_[k]);
+    const Vehicle& vehicle = flown_vehicle(*setups_[k]);
     const double height = std::clamp(-lane(x_(2), l) + atmospheres_[k].ground_height,
                                      kStandardAtmosphereFloor, kStandardAtmosphereCeiling);
     if (!std::isfinite(height)) continue;
@@ -113,7 +113,7 @@ void ClosedLoop<N, R>::sense(double now) {
     Vector3<P> force;
     if (carried_) {
       const Eigen::Vector3d felt =
-          carried_->at(accelerometer_->next()).specific_force(flown(common_).gravity);
+          carried_->at(accelerometer_->next()).specific_force(flown_vehicle(common_).gravity);
       for (int i = 0; i < 3; ++i) force(i) = P(felt(i));
     } else {
       force = plant_.specific_force(truth(accelerometer_->next()));

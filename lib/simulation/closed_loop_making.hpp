@@ -27,16 +27,16 @@ ClosedLoop<N, R>::ClosedLoop(const Lanes& setups)
 template <int N, int R>
 void ClosedLoop<N, R>::make_plant() {
   const BasicRigidBody<P> body = packed_body<N>(
-      each<RigidBody>(setups_, [](const FlightSetup& s) { return RigidBody(flown(s)); }));
+      each<RigidBody>(setups_, [](const FlightSetup& s) { return RigidBody(flown_vehicle(s)); }));
   P reach = 0;  // the feet stand where the rotors are
   for (std::size_t i = 0; i < static_cast<std::size_t>(body.rotor_count); ++i) {
     const Vector3<P>& hub = body.rotors[i].position;
     reach = greater(reach, greater(magnitude(hub(0)), magnitude(hub(1))));
   }
   plant_ = PlantOf(body, ground_contact(body.mass, lesser(body.J(0, 0), body.J(1, 1)), reach));
-  motors_ =
-      MotorStage<N>(each<const Vehicle*>(setups_, [](const FlightSetup& s) { return &flown(s); }));
-  battery_ = flown(common_).battery;
+  motors_ = MotorStage<N>(
+      each<const Vehicle*>(setups_, [](const FlightSetup& s) { return &flown_vehicle(s); }));
+  battery_ = flown_vehicle(common_).battery;
   if (battery_) charge_ = full_battery<P>(*battery_);
   wind_ = WindModel<N>(each<Wind>(setups_, [](const FlightSetup& s) { return s.environment.wind; }),
                        dt_, kWindStream);

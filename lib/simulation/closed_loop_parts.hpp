@@ -6,13 +6,6 @@
 
 namespace quadtune::internal {
 
-/// The true vehicle of a setup.
-[[nodiscard]] inline const Vehicle& flown(const FlightSetup& setup) {
-  return setup.flown ? *setup.flown : setup.vehicle;
-}
-/// The sensors that a setup flies with: its vehicle's, made ideal or cut down as it says.
-[[nodiscard]] Sensors sensors_of(const FlightSetup& setup);
-
 /// One flight a lane; setups are of one structure, see same_structure().
 /// @tparam N  lanes;  @tparam R  rotors with lag, as Plant's N
 template <int N, int R>

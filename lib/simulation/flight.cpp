@@ -35,7 +35,7 @@ Enum of_name(const std::string& name, const std::vector<Enum>& all, const std::s
 }
 
 int lagging_rotors(const FlightSetup& setup) {
-  const std::vector<Rotor>& rotors = internal::flown(setup).rotors;
+  const std::vector<Rotor>& rotors = flown_vehicle(setup).rotors;
   const bool lags =
       std::any_of(rotors.begin(), rotors.end(), [](const Rotor& r) { return r.lag > 0; });
   return lags ? static_cast<int>(rotors.size()) : 0;
@@ -120,15 +120,15 @@ double duration_of(const FlightSetup& setup) {
   return setup.duration > 0 ? setup.duration : setup.mission.duration;
 }
 
-namespace internal {
-
 Sensors sensors_of(const FlightSetup& setup) {
-  Sensors sensors = flown(setup).sensors;
+  Sensors sensors = flown_vehicle(setup).sensors;
   if (!setup.real_sensors) sensors = ideal(sensors);
   if (setup.flow == FlowModel::off) sensors.flow.reset();
   if (sensors.flow && setup.flow_rate > 0) sensors.flow->faults.rate = setup.flow_rate;
   return sensors;
 }
+
+namespace internal {
 
 bool same_structure(const FlightSetup& a, const FlightSetup& b) {
   const auto clock = [](const SensorFaults& f) { return std::pair(f.rate, f.delay); };
@@ -164,27 +164,29 @@ bool same_structure(const FlightSetup& a, const FlightSetup& b) {
       a.vehicle.rotors.begin(), a.vehicle.rotors.end(), b.vehicle.rotors.begin(),
       b.vehicle.rotors.end(), [&](const Rotor& r, const Rotor& s) { return rotor(r) == rotor(s); });
   const auto air = [](const FlightSetup& s) {
-    const std::optional<BarometerSensor>& barometer = flown(s).sensors.barometer;
+    const std::optional<BarometerSensor>& barometer = flown_vehicle(s).sensors.barometer;
     return barometer ? std::pair(std::isfinite(barometer->fall), barometer->ground_pressure)
                      : std::pair(false, 0.0);
   };
   return a.mission == b.mission && law(a) == law(b) && control_period(a) == control_period(b) &&
          same_rotors && believed(a.vehicle) == believed(b.vehicle) && air(a) == air(b) &&
-         flown(a).gravity == flown(b).gravity && duration_of(a) == duration_of(b) &&
+         flown_vehicle(a).gravity == flown_vehicle(b).gravity && duration_of(a) == duration_of(b) &&
          a.estimator == b.estimator && a.mambo_estimator == b.mambo_estimator &&
          a.uquad_filter == b.uquad_filter && a.real_sensors == b.real_sensors && a.flow == b.flow &&
          clocks(sensors_of(a)) == clocks(sensors_of(b)) &&
          a.environment.dynamic == b.environment.dynamic && a.integrator == b.integrator &&
          a.environment.magnetic_field == b.environment.magnetic_field && a.step == b.step &&
-         a.seed == b.seed && flown(a).rotors.size() == flown(b).rotors.size() &&
-         lagging_rotors(a) == lagging_rotors(b) && flown(a).motor.law == flown(b).motor.law &&
-         flown(a).battery == flown(b).battery && a.safety == b.safety && a.log == b.log;
+         a.seed == b.seed && flown_vehicle(a).rotors.size() == flown_vehicle(b).rotors.size() &&
+         lagging_rotors(a) == lagging_rotors(b) &&
+         flown_vehicle(a).motor.law == flown_vehicle(b).motor.law &&
+         flown_vehicle(a).battery == flown_vehicle(b).battery && a.safety == b.safety &&
+         a.log == b.log;
 }
 
 }  // namespace internal
 
 void calibrate_flow(FlightSetup& setup) {
-  const Sensors& sensors = internal::flown(setup).sensors;
+  const Sensors& sensors = flown_vehicle(setup).sensors;
   if (!sensors.flow) return;
   const auto of_image = [](double half_field) { return 1 + std::pow(std::tan(half_field), 2) / 3; };
   MamboEstimatorSettings<double>& estimator = setup.mambo_estimator;
@@ -220,7 +222,7 @@ void validate(const FlightSetup& setup) {
   // What the flight makes of these it makes in a thread of its own: better said before.
   validate(setup.mission, "mission '" + setup.mission.name + "'");
   (void)RigidBody(setup.vehicle);
-  (void)RigidBody(internal::flown(setup));
+  (void)RigidBody(flown_vehicle(setup));
   (void)allocation(setup.vehicle);
   if (const auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
     (void)cascaded_pid_settings(setup.vehicle, cascade->gains, cascade->method,

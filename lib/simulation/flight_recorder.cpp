@@ -14,9 +14,9 @@ FlightRecorder::FlightRecorder(const FlightSetup& setup, const Sensors& sensors,
            sensors.magnetometer.has_value(),  sensors.barometer.has_value(),
            sensors.sonar.has_value(),         sensors.flow.has_value(),
            sensors.gps.has_value(),           sensors.vision.has_value(),
-           flown(setup).battery.has_value(),  WindModel<1>({setup.environment.wind}, 1, 0).windy()},
+           flown_vehicle(setup).battery.has_value(),  WindModel<1>({setup.environment.wind}, 1, 0).windy()},
       rows_(rows) {
-  table_.about = {{"vehicle", flown(setup).name},
+  table_.about = {{"vehicle", flown_vehicle(setup).name},
                   {"mission", setup.mission.name},
                   {"controller", std::holds_alternative<CascadeController>(setup.controller)
                                      ? "cascaded-pid"

@@ -93,6 +93,13 @@ struct FlightSetup {
   bool log = false;          ///< whether to keep FlightResult::log
 };
 
+/// The true vehicle of a setup.
+[[nodiscard]] inline const Vehicle& flown_vehicle(const FlightSetup& setup) {
+  return setup.flown ? *setup.flown : setup.vehicle;
+}
+/// The sensors that a setup flies with: its true vehicle's, made ideal or cut down as it says.
+[[nodiscard]] Sensors sensors_of(const FlightSetup& setup);
+
 /// The control period of a setup's law, and how long it flies [s].
 [[nodiscard]] double control_period(const FlightSetup& setup);
 [[nodiscard]] double duration_of(const FlightSetup& setup);

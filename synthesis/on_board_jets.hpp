@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Ceres jets as a scalar of the code that runs on board (scalar.hpp), so that what flies can be
+/// differentiated exactly. Private to this folder: no public header knows of Ceres.
+#pragma once
+
+#include <ceres/jet.h>
+
+#include <cmath>
+
+// Found by argument-dependent lookup, hence where jets are.
+namespace ceres {
+
+template <class T, int N>
+[[nodiscard]] Jet<T, N> select(bool mask, const Jet<T, N>& a, const Jet<T, N>& b) {
+  return mask ? a : b;
+}
+template <class T, int N>
+[[nodiscard]] Jet<T, N> lesser(const Jet<T, N>& a, const Jet<T, N>& b) {
+  return a.a < b.a ? a : b;
+}
+template <class T, int N>
+[[nodiscard]] Jet<T, N> greater(const Jet<T, N>& a, const Jet<T, N>& b) {
+  return a.a > b.a ? a : b;
+}
+template <class T, int N>
+[[nodiscard]] bool is_finite(const Jet<T, N>& x) {
+  return std::isfinite(x.a) && x.v.allFinite();
+}
+template <class T, int N>
+[[nodiscard]] Jet<T, N> magnitude(const Jet<T, N>& x) {
+  return x.a < 0 ? Jet<T, N>(-x) : x;
+}
+template <class T, int N>
+[[nodiscard]] Jet<T, N> nearest(const Jet<T, N>& x) {
+  return Jet<T, N>(std::nearbyint(x.a));
+}
+
+}  // namespace ceres
