@@ -36,9 +36,9 @@ using internal::Reading;
 
 constexpr const char* kWhere = "flown plant";
 constexpr double kMostDelay = 40;            ///< [control periods]
-constexpr std::size_t kLongestRound = 4000;  ///< [control periods]
+constexpr std::size_t kLongestRound = 1000;  ///< [control periods]
 /// Into so many parts a clock is rounded that does not repeat with the others within that.
-constexpr double kRounding = 2000;
+constexpr double kRounding = 1000;
 constexpr double kSlack = SampleClock::kSlack;
 
 constexpr std::array<const char*, kReadings> kReadingNames = {
@@ -154,7 +154,8 @@ class Assembly {
     result.plant.outputs = ned_convention().states;
     result.plant.states = states_;
     for (std::size_t k = 0; k < period_; ++k) {
-      const MatrixXd rows = step(first_ + k);
+      MatrixXd rows = step(first_ + k);
+      drop_rounding(rows);
       result.plant.A.push_back(rows.leftCols(nz_));
       result.plant.B.push_back(rows.rightCols(nu_));
     }
@@ -330,6 +331,19 @@ class Assembly {
     rows.middleCols(estimator_at_, slopes.from_state.cols()) += slopes.from_state;
     next.middleRows(estimator_at_, rows.rows()) = rows;
     return next;
+  }
+
+  /// What rounding leaves of axes that do not know of one another: nothing.
+  void drop_rounding(MatrixXd& rows) const {
+    constexpr double kRoundingOnly = 1e-13;
+    VectorXd size(nz_ + nu_);
+    size.head(nz_) = scale_;
+    // An input's size is what moves some state by as much as counts.
+    for (Index j = 0; j < nu_; ++j)
+      size(nz_ + j) = 1 / rows.col(nz_ + j).cwiseAbs().cwiseQuotient(scale_).maxCoeff();
+    for (Index j = 0; j < rows.cols(); ++j)
+      for (Index i = 0; i < rows.rows(); ++i)
+        if (std::abs(rows(i, j)) * size(j) <= kRoundingOnly * scale_(i)) rows(i, j) = 0;
   }
 
   /// The samples that are on their way at instant k, the oldest first.

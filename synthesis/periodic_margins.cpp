@@ -103,21 +103,25 @@ LoopMargins loop_margins(const PeriodicLti& loop, double skew) {
     result.A = closed(open);
     return result;
   };
-  const PeriodicLti closed_loop = closing(loop);
+  // Of a loop that nothing goes round, any states will do.
+  PeriodicLti part = loop_part(loop);
+  if (part.C.cols() == 0) part = loop;
+  const PeriodicLti closed_loop = closing(part);
   const MeanResponse response_of_closed(closed_loop);
   PeriodicLti reversed = closed_loop;
   for (MatrixXd& A : reversed.A) A = A.reverse().eval();
   for (MatrixXd& B : reversed.B) B = B.colwise().reverse().eval();
-  reversed.C = loop.C.rowwise().reverse().eval();
+  reversed.C = part.C.rowwise().reverse().eval();
   const MeanResponse again(reversed);
-  const Eigen::VectorXcd poles = periodic_poles(closed_loop.A);
+  const Eigen::VectorXcd poles = periodic_poles(closed(loop));
   internal::ChannelResponse response;
   response.sensitivity = [&](double w) { return 1.0 - response_of_closed.at(w)(0, 0); };
   // The open loop's own mean has poles wherever an integrator repeats, 2π/(N dt) apart, as narrow
   // as rounding; the closed loop's has none.
   response.at = [&](double w) { return 1.0 / response.sensitivity(w) - 1.0; };
   response.again = [&](double w) { return 1.0 / (1.0 - again.at(w)(0, 0)) - 1.0; };
-  response.grid = internal::grid_around({periodic_poles(loop.A), poles}, loop.dt, 0);
+  response.grid =
+      internal::grid_around({periodic_poles(part.A), periodic_poles(closed_loop.A)}, loop.dt, 0);
   response.discrete = true;
   response.stable = poles.size() == 0 || poles.cwiseAbs().maxCoeff() < 1;
   return internal::margins_of(response, skew);

@@ -172,6 +172,19 @@ TEST(PeriodicMargins, OfAConstantLoopAreThoseOfTheLoop) {
   EXPECT_NEAR(margins.disk.alpha, expected.disk.alpha, 1e-9);
 }
 
+TEST(PeriodicMargins, OfALoopThatNothingGoesRoundHaveNoLimit) {
+  PeriodicLti loop;
+  loop.dt = 0.1;
+  loop.A = {MatrixXd::Constant(1, 1, 0.5), MatrixXd::Constant(1, 1, 0.4)};
+  loop.B = {MatrixXd::Zero(1, 1), MatrixXd::Zero(1, 1)};
+  loop.C = MatrixXd::Constant(1, 1, 3);
+  const LoopMargins margins = loop_margins(loop);
+  EXPECT_TRUE(margins.stable);
+  EXPECT_TRUE(margins.gain_crossovers.empty());
+  EXPECT_TRUE(std::isinf(margins.gain_margin));
+  EXPECT_NEAR(margins.Ms, 1, 1e-15);
+}
+
 TEST(PeriodicMargins, RefuseSeveralChannels) {
   std::mt19937 random(5);
   EXPECT_THROW((void)loop_margins(random_plant(random, 2, 3, 2)), InvalidInput);

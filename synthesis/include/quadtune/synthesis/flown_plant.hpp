@@ -43,8 +43,7 @@ struct FlownPlant {
 /// and scale factors count; bias, noise, limits, quanta and lost samples do not.
 /// @param setup  its vehicle, flown vehicle, sensors, estimator and environment
 /// @throws InvalidInput  for a period, height or delay out of range, a sensor's delay beyond 40
-///                       control periods, sensors whose clocks do not repeat within 4000 periods,
-///                       or a vehicle that cannot hover, with its culprit
+///                       control periods, or a vehicle that cannot hover, with its culprit
 [[nodiscard]] FlownPlant flown_plant(const FlightSetup& setup, const FlownPlantOptions& options);
 
 /// A state feedback as a law for flown_plant(): from the 12 states to its commands. An integral
