@@ -48,8 +48,9 @@ SensorFrame<T> sensor_frame(const HoverFrame& at, const Eigen::Matrix<T, Eigen::
 
 /// The numbers of a Mambo's estimator that move with the vehicle, one after the other; its
 /// covariances do not, to first order, while the innovations are 0.
+/// @param periods  MamboEstimatorSettings::aligned_periods
 template <class T, class Function>
-void each_number(MamboEstimatorState<T>& state, const Function& f) {
+void each_number(int periods, MamboEstimatorState<T>& state, const Function& f) {
   const auto all = [&](const char* name, auto& vector, double scale) {
     for (Index i = 0; i < vector.size(); ++i) f(name, i, vector(i), scale);
   };
@@ -63,10 +64,15 @@ void each_number(MamboEstimatorState<T>& state, const Function& f) {
   all("flow position", state.flow_position, 0.3);
   all("newest flow", state.flow, 0.3);
   f("newest echo", 0, state.echo_height, 0.3);
+  for (int j = 0; j < periods; ++j) {
+    FlowMoment<T>& moment = state.moments[static_cast<std::size_t>(j)];
+    all("earlier rate", moment.rates, 1.0);
+    all("earlier flow", moment.flow, 0.3);
+  }
 }
 
 template <class T, class Function>
-void each_number(UquadFilterState<T>& state, const Function& f) {
+void each_number(int, UquadFilterState<T>& state, const Function& f) {
   static constexpr std::array<const char*, 5> kNames = {"believed position", "believed attitude",
                                                         "believed velocity", "believed rates",
                                                         "believed force bias"};
@@ -96,6 +102,9 @@ MamboEstimatorState<Jet> as_jets(const MamboEstimatorState<double>& from) {
   to.flow = from.flow.cast<Jet>();
   to.flow_age = Jet(from.flow_age);
   to.flow_seen = from.flow_seen;
+  for (std::size_t j = 0; j < from.moments.size(); ++j)
+    to.moments[j] = {from.moments[j].rates.cast<Jet>(), from.moments[j].flow.cast<Jet>(),
+                     Jet(from.moments[j].age), from.moments[j].came};
   to.periods = from.periods;
   return to;
 }
@@ -140,6 +149,7 @@ class Mambo {
     else
       return quadtune::step(jets_, state, frame);
   }
+  [[nodiscard]] int kept() const { return settings_.aligned_periods; }
   /// What must come to rest before the gains are those of a long flight.
   [[nodiscard]] static VectorXd covariance(const State<double>& state) {
     VectorXd all(8);
@@ -182,6 +192,7 @@ class Uquad {
     else
       return quadtune::step(jets_, state, frame, body_, speeds, false);
   }
+  [[nodiscard]] static int kept() { return 0; }
   [[nodiscard]] static VectorXd covariance(const State<double>& state) {
     return state.kalman.P.reshaped();
   }
@@ -205,12 +216,13 @@ class Linearizing {
     constexpr double kSettled = 1e-9;
     auto state = estimator_.start(x);
     LinearEstimator result;
-    each_number(state, [&](const char* name, Index i, const double&, double scale) {
-      static constexpr std::array<const char*, 3> kAxes = {" x", " y", " z"};
-      result.states.push_back({name + std::string(kAxes[static_cast<std::size_t>(i)]), ""});
-      result.scale.conservativeResize(std::ssize(result.states));
-      result.scale(std::ssize(result.states) - 1) = scale;
-    });
+    each_number(
+        estimator_.kept(), state, [&](const char* name, Index i, const double&, double scale) {
+          static constexpr std::array<const char*, 3> kAxes = {" x", " y", " z"};
+          result.states.push_back({name + std::string(kAxes[static_cast<std::size_t>(i)]), ""});
+          result.scale.conservativeResize(std::ssize(result.states));
+          result.scale(std::ssize(result.states) - 1) = scale;
+        });
     // From one round of the clocks to the next until nothing changes.
     const auto rounds = static_cast<std::size_t>(
         std::max(2.0, std::ceil(kLongest / (dt * static_cast<double>(N)))));
@@ -252,7 +264,8 @@ class Linearizing {
           number.v(static_cast<int>(column - first)) = 1;
         ++column;
       };
-      each_number(state, [&](const char*, Index, Jet& number, double) { seed(number); });
+      each_number(estimator_.kept(), state,
+                  [&](const char*, Index, Jet& number, double) { seed(number); });
       Eigen::Matrix<Jet, Eigen::Dynamic, 1> values = values_.cast<Jet>();
       for (Index i = 0; i < kFrameSize; ++i) seed(values(i));
       RotorSpeeds<Jet> speeds = speeds_.cast<Jet>();
@@ -264,7 +277,8 @@ class Linearizing {
       const auto take = [&](const Jet& number) {
         all.row(row++).segment(first, count) = number.v.head(count).transpose();
       };
-      each_number(state, [&](const char*, Index, const Jet& number, double) { take(number); });
+      each_number(estimator_.kept(), state,
+                  [&](const char*, Index, const Jet& number, double) { take(number); });
       for (int i = 0; i < 12; ++i) take(estimate.x(i));
     }
     return {all.leftCols(states), all.middleCols(states, kFrameSize),

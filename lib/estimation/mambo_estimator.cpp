@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "estimation/checks.hpp"
 
 namespace quadtune {
@@ -32,6 +35,10 @@ void validate_settings(const MamboEstimatorSettings<T>& settings, const std::str
     throw InvalidInput(where,
                        fmt::format("flow_compensation is {} and {}, expected finite numbers",
                                    settings.flow_compensation_x, settings.flow_compensation_y));
+  require_not_negative(settings.gyro_lag, "gyro_lag", " s", where);
+  if (settings.aligned_periods < 0 || settings.aligned_periods > kMostAlignedPeriods)
+    throw InvalidInput(where, fmt::format("aligned_periods is {}, expected 0 to {}",
+                                          settings.aligned_periods, kMostAlignedPeriods));
   require_not_negative(settings.flow_least_height, "flow_least_height", " m", where);
   require_not_negative(settings.flow_timeout, "flow_timeout", " s", where);
   require_not_negative(settings.flow_disagreement, "flow_disagreement", " m/s", where);
@@ -40,6 +47,14 @@ void validate_settings(const MamboEstimatorSettings<T>& settings, const std::str
 }
 
 }  // namespace
+
+int flow_alignment_periods(double gyro_lag, double flow_delay, double dt) {
+  if (gyro_lag == 0 && flow_delay == 0) return 0;
+  // An image waits for the gyroscope, or the gyroscope's readings for the image, which is up to a
+  // period older than its delay when it is looked at.
+  const double apart = std::max(gyro_lag - flow_delay, flow_delay + dt - gyro_lag);
+  return static_cast<int>(std::min<double>(2 + std::ceil(apart / dt), kMostAlignedPeriods));
+}
 
 void validate(const MamboEstimatorSettings<double>& settings, const std::string& where) {
   validate_settings(settings, where);

@@ -193,6 +193,17 @@ void calibrate_flow(FlightSetup& setup) {
   estimator.flow_scale = setup.real_sensors ? 1 / sensors.flow->faults.scale.head<2>().mean() : 1;
   estimator.flow_compensation_x = of_image(sensors.flow->half_field_x);
   estimator.flow_compensation_y = of_image(sensors.flow->half_field_y);
+  estimator.gyro_lag = 0;
+  estimator.aligned_periods = 0;
+  if (!setup.real_sensors || !sensors.gyroscope) return;
+  const SensorFaults& gyro = *sensors.gyroscope;
+  const double dt = control_period(setup), flow_delay = sensors.flow->faults.delay;
+  // A second-order response is late by 2 ζ/ω for all that is slower than it.
+  const double response =
+      gyro.natural_frequency > 0 ? 2 * gyro.damping / gyro.natural_frequency : 0;
+  // An image that would have to wait longer than flows are kept is used when it leaves.
+  estimator.gyro_lag = std::min(gyro.delay + response, flow_delay + (kMostAlignedPeriods - 2) * dt);
+  estimator.aligned_periods = flow_alignment_periods(estimator.gyro_lag, flow_delay, dt);
 }
 
 void validate(const FlightSetup& setup) {

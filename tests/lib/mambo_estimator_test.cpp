@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include "matrix_near.hpp"
 #include "pack_functions.hpp"
@@ -236,6 +237,46 @@ TEST(MamboEstimator, TakesTheTurningOutOfTheFlow) {
   EXPECT_THAT(state.flow_position, MatrixNear(Vector2d(0.005 * wrong), 1e-11));
 }
 
+/// Turning to and fro on the spot at 1 m: the largest velocity that the flow is taken for. The
+/// gyroscope's reading is `lag` late, the flow comes every third period, `delay` after its image.
+double velocity_of_turning(Settings settings, double lag, double delay) {
+  const Vector12 x0 = at_height(1);
+  State state = mambo_estimator_start(settings, x0);
+  const auto rate = [](double t) { return 0.5 * std::sin(20 * t); };
+  double worst = 0;
+  for (int k = 0; k < 400; ++k) {
+    const double t = k * settings.dt;
+    // Images are taken at their own instants, between the control periods.
+    const double image = std::floor((t - delay) / 0.017) * 0.017;
+    const bool fresh = image > (k - 1) * settings.dt - delay;
+    Frame frame = perfect(x0);
+    frame.rates.value.y() = rate(t - lag);
+    frame.flow = {Vector2d(-rate(image) * (1 + kA * kA / 3), 0), fresh, t - image};
+    step(settings, state, frame);
+    // What the flow alone says, before the attitude's share.
+    if (k > 20) worst = std::max(worst, std::abs(state.flow(0)));
+  }
+  return worst;
+}
+
+TEST(MamboEstimator, TakesOutTheTurningOfTheImagesOwnInstant) {
+  Settings settings = exact_settings();
+  for (const auto& [lag, delay] : {std::pair(0.0124, 0.0), std::pair(0.0, 0.03),
+                                   std::pair(0.02, 0.013), std::pair(0.013, 0.0131)}) {
+    settings.gyro_lag = 0;
+    settings.aligned_periods = 0;
+    const double before = velocity_of_turning(settings, lag, delay);
+    settings.gyro_lag = lag;
+    settings.aligned_periods = flow_alignment_periods(lag, delay, settings.dt);
+    const double after = velocity_of_turning(settings, lag, delay);
+    // A straight line between readings 5 ms apart misses (20 · 5 ms)²/8 of the rate.
+    EXPECT_LT(after, 0.5 * 1.2 * 0.01 / 8) << lag << " " << delay;
+    EXPECT_GT(before, 10 * after) << lag << " " << delay;
+  }
+  EXPECT_EQ(flow_alignment_periods(0, 0, 0.005), 0);
+  EXPECT_EQ(flow_alignment_periods(10, 0, 0.005), kMostAlignedPeriods);
+}
+
 TEST(MamboEstimator, FollowsAFlightOverTheGround) {
   const Settings settings = exact_settings();
   Vector12 x = at_height(1);
@@ -432,6 +473,8 @@ TEST(MamboEstimator, LanesDoNotDependOnEachOtherAndFloatFollows) {
   Settings settings;
   settings.calibration_time = 0.1;
   settings.bias_time_constant = 20;
+  settings.gyro_lag = 0.012;
+  settings.aligned_periods = 5;
   const auto packed = mambo_estimator_cast<Pack<4>>(settings);
   const auto one = mambo_estimator_cast<Pack<1>>(settings);
   const auto single = mambo_estimator_cast<float>(settings);
@@ -494,29 +537,11 @@ TEST(MamboEstimator, LanesDoNotDependOnEachOtherAndFloatFollows) {
 
 // Every setting another than its default, so that one that is forgotten or swapped shows.
 TEST(MamboEstimator, CastKeepsEverySetting) {
-  const Settings settings = {0.01,
-                             1.5,
-                             2,
-                             3,
-                             4,
-                             5,
-                             6,
-                             7,
-                             8,
-                             9,
-                             10,
-                             11,
-                             12,
-                             13,
-                             14,
-                             15,
-                             16,
-                             17,
-                             18,
-                             19,
-                             false,
-                             20,
-                             MamboPosition::flow_velocity};
+  const Settings settings = {0.01, 1.5, 2,     3,     4,
+                             5,    6,   7,     8,     9,
+                             10,   11,  12,    13,    14,
+                             15,   16,  17,    0.175, 3,
+                             18,   19,  false, 20,    MamboPosition::flow_velocity};
   EXPECT_EQ(mambo_estimator_cast<double>(settings), settings);
 }
 
@@ -541,6 +566,8 @@ TEST(MamboEstimator, RefusesWhatCannotRun) {
   refused([](Settings& s) { s.sonar_least = 6; },
           "sonar_least is 6 m and sonar_greatest 5 m, expected the first to be smaller because "
           "echoes lie between them");
+  refused([](Settings& s) { s.gyro_lag = kNaN; }, "gyro_lag is nan s, expected 0 or more");
+  refused([](Settings& s) { s.aligned_periods = 33; }, "aligned_periods is 33, expected 0 to 32");
   refused([](Settings& s) { s.flow_scale = 0; }, "flow_scale is 0, expected a positive number");
   refused([](Settings& s) { s.flow_compensation_y = kNaN; },
           "flow_compensation is 0 and nan, expected finite numbers");

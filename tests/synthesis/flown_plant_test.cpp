@@ -257,6 +257,34 @@ TEST(FlownPlant, TellsThatAnLqrWithoutTheLagIsUnstable) {
   EXPECT_LT(std::abs(flown_poles(setup, 0.005)(0)), 0.997);
 }
 
+/// A late gyroscope and a fresh image make a loop that grows with height, until their instants are
+/// aligned.
+TEST(FlownPlant, TellsWhatAlignsFlowAndGyroscope) {
+  FlightSetup setup = flight(quiet("mambo"), EstimatorKind::mambo, 0.005);
+  auto& gains = std::get<CascadeController>(setup.controller).gains;
+  for (PidLoop& loop : gains.loops) {
+    if (loop.name == "roll" || loop.name == "pitch") {
+      loop.Kp *= 12;
+      loop.Kd *= 5;
+    }
+    if (loop.name == "x" || loop.name == "y") {
+      loop.Kp *= 3;
+      loop.Kd *= 2;
+    }
+  }
+  const auto largest = [&](double height) {
+    FlownPlantOptions options;
+    options.height = height;
+    const FlownPlant plant = flown_plant(setup, options);
+    return std::abs(periodic_poles(closed(cut_at_inputs(plant.plant, flown_law(setup))))(0));
+  };
+  EXPECT_GT(setup.mambo_estimator.aligned_periods, 0);
+  EXPECT_NEAR(setup.mambo_estimator.gyro_lag, 0.005 + 2 * 0.707 / 190, 1e-12);
+  for (const double height : {0.6, 1.1, 4.0}) EXPECT_LT(largest(height), 1) << height;
+  setup.mambo_estimator.aligned_periods = 0;
+  EXPECT_GT(largest(4), 1.02);
+}
+
 TEST(FlownPlant, DelaysCommandsAsTheDelayedHoldDoes) {
   FlightSetup setup = flight(quiet("uquad"), EstimatorKind::truth, 0.01);
   const ContinuousLti body =

@@ -3,6 +3,7 @@
 /// velocity from optical flow by two small Kalman filters. Theory: "Estimators on board".
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -11,6 +12,9 @@
 #include "quadtune/estimation/on_board.hpp"
 
 namespace quadtune {
+
+/// Most control periods that MamboEstimatorSettings::aligned_periods may be.
+inline constexpr int kMostAlignedPeriods = 32;
 
 /// What the horizontal position is the integral of.
 enum class MamboPosition {
@@ -52,6 +56,12 @@ struct MamboEstimatorSettings {
   /// original; 1 + a²/3 and 1 + b²/3 take out the mean over an image of half fields of view a, b.
   T flow_compensation_x = T(0);
   T flow_compensation_y = T(0);
+  /// How much later than the image the gyroscope's reading is, by its delay and its response [s].
+  T gyro_lag = T(0);
+  /// Control periods over which flows and readings are kept, so that each image is freed of the
+  /// turning of its own instant; flow_alignment_periods(). 0: of the instant at which it comes, as
+  /// the original, which at height drives a vehicle whose gyroscope is late into the ground.
+  int aligned_periods = 0;
   T flow_least_height = T(0.4);  ///< estimated height below which flow is not believed [m]
   T flow_timeout = T(0.1);       ///< age at which the newest flow is no longer used [s]
   /// true: the newest flow corrects in every period until the next, as the original; false: once.
@@ -73,6 +83,15 @@ template <class T>
           settings.bias_time_constant};
 }
 
+/// One control period's share of the alignment of flow and gyroscope.
+template <class T>
+struct FlowMoment {
+  Eigen::Matrix<T, 2, 1> rates = Eigen::Matrix<T, 2, 1>::Zero();  ///< p, q read in it [rad/s]
+  Eigen::Matrix<T, 2, 1> flow = Eigen::Matrix<T, 2, 1>::Zero();   ///< that came in it [rad/s]
+  T age = T(0);                                                   ///< of that image then [s]
+  MaskOf<T> came{};
+};
+
 /// What is kept from one period to the next. A copy of it resumes identically.
 template <class T>
 struct MamboEstimatorState {
@@ -90,6 +109,7 @@ struct MamboEstimatorState {
   Eigen::Matrix<T, 2, 1> flow = Eigen::Matrix<T, 2, 1>::Zero();  ///< newest, compensated [rad/s]
   T flow_age = T(0);                                             ///< [s]
   MaskOf<T> flow_seen{};                                         ///< whether any flow came yet
+  std::array<FlowMoment<T>, kMostAlignedPeriods> moments{};      ///< newest first, aligned_periods
 
   std::int64_t periods = 0;                  ///< since the start
   Vector3<T> gyro_sum = Vector3<T>::Zero();  ///< while standing still
@@ -139,6 +159,56 @@ template <class T>
   return {R_WB(0, 0) * u + R_WB(0, 1) * v + R_WB(0, 2) * w,
           R_WB(1, 0) * u + R_WB(1, 1) * v + R_WB(1, 2) * w};
 }
+
+/// A flow whose image is of an instant that the gyroscope has told of, freed of the turning then.
+template <class T>
+struct AlignedFlow {
+  Eigen::Matrix<T, 2, 1> translation = Eigen::Matrix<T, 2, 1>::Zero();  ///< [rad/s]
+  MaskOf<T> due{};  ///< whether there is one in this period
+};
+
+/// Takes in what came and gives what is due: of the flows that came in the last aligned_periods the
+/// one whose instant the gyroscope has told of in this period, or before the flow came.
+template <class T>
+[[nodiscard]] AlignedFlow<T> aligned_flow(const MamboEstimatorSettings<T>& settings,
+                                          MamboEstimatorState<T>& state, const Vector3<T>& rates,
+                                          const Sample<Eigen::Matrix<T, 2, 1>, T>& flow,
+                                          const MaskOf<T>& fresh) {
+  const int n = settings.aligned_periods;
+  const T dt = T(settings.dt);
+  auto& moments = state.moments;
+  for (int j = n - 1; j > 0; --j)
+    moments[static_cast<std::size_t>(j)] = moments[static_cast<std::size_t>(j - 1)];
+  moments[0] = {{rates.x(), rates.y()}, flow.value, flow.age, fresh};
+  AlignedFlow<T> result;
+  for (int j = n - 1; j >= 0; --j) {
+    const FlowMoment<T>& moment = moments[static_cast<std::size_t>(j)];
+    // How long ago the gyroscope told of the image's instant, in periods; rounding counts as now.
+    const T ago = (moment.age - settings.gyro_lag) / dt + T(j);
+    const MaskOf<T> told = ago > T(-1e-6);
+    const MaskOf<T> now = j == 0 ? told : both(told, negated(ago > T(1 - 1e-6)));
+    const MaskOf<T> due = both(moment.came, now);
+    if (!any(due)) continue;
+    Eigen::Matrix<T, 2, 1> turning = Eigen::Matrix<T, 2, 1>::Zero();
+    const T back = clamped(ago, T(0), T(n - 1));
+    for (int i = 0; i < n; ++i) {
+      // In a straight line between two readings.
+      const T weight = greater(T(T(1) - magnitude(T(back - T(i)))), T(0));
+      turning += moments[static_cast<std::size_t>(i)].rates * weight;
+    }
+    const Eigen::Matrix<T, 2, 1> translation = {
+        moment.flow(0) + settings.flow_compensation_x * turning.y(),
+        moment.flow(1) - settings.flow_compensation_y * turning.x()};
+    result.translation = select_entries<T>(due, translation, result.translation);
+    result.due = either(result.due, due);
+  }
+  return result;
+}
+
+/// How many periods aligned_flow() must look back over.
+/// @param gyro_lag  [s], ≥ 0;  @param flow_delay  from the image to having its flow [s], ≥ 0
+/// @param dt        control period [s], > 0
+[[nodiscard]] int flow_alignment_periods(double gyro_lag, double flow_delay, double dt);
 
 /// One control period: from what the sensors said to what is believed.
 ///
@@ -226,11 +296,14 @@ Estimate<T> step(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<
 
   // Horizontal velocity. The turning is taken out when the flow comes, for it is of that instant.
   const MaskOf<T> flow_fresh = both(frame.flow.fresh, entries_are_finite<T>(frame.flow.value));
-  const Vector2 translation = {frame.flow.value(0) + settings.flow_compensation_x * rates.y(),
-                               frame.flow.value(1) - settings.flow_compensation_y * rates.x()};
-  state.flow = select_entries<T>(flow_fresh, translation, state.flow);
-  state.flow_age = select(flow_fresh, T(0), T(state.flow_age + dt));
-  state.flow_seen = either(state.flow_seen, flow_fresh);
+  AlignedFlow<T> come = {{frame.flow.value(0) + settings.flow_compensation_x * rates.y(),
+                          frame.flow.value(1) - settings.flow_compensation_y * rates.x()},
+                         flow_fresh};
+  if (settings.aligned_periods > 0)
+    come = aligned_flow(settings, state, rates, frame.flow, flow_fresh);
+  state.flow = select_entries<T>(come.due, come.translation, state.flow);
+  state.flow_age = select(come.due, T(0), T(state.flow_age + dt));
+  state.flow_seen = either(state.flow_seen, come.due);
   const Vector2 flow_velocity = velocity_of_flow<T>(state.flow * settings.flow_scale, -z, vz, R_WB);
   const MaskOf<T> flow_valid = both(both(state.flow_seen, state.flow_age <= settings.flow_timeout),
                                     both(upright, -z >= settings.flow_least_height));
@@ -241,7 +314,7 @@ Estimate<T> step(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<
   const KalmanUpdate<T> flow_update =
       update(state.velocity, Matrix2(Matrix2::Identity()), flow_velocity,
              Matrix2(Matrix2::Identity() * settings.velocity_R),
-             settings.hold_flow ? flow_valid : both(flow_valid, flow_fresh));
+             settings.hold_flow ? flow_valid : both(flow_valid, come.due));
   estimate.flow_used = flow_update.used;
   estimate.innovation_square += flow_update.innovation_square;
   estimate.innovation_freedom += select(flow_update.used, T(2), T(0));
@@ -309,6 +382,8 @@ template <class To, class From>
           To(from.flow_scale),
           To(from.flow_compensation_x),
           To(from.flow_compensation_y),
+          To(from.gyro_lag),
+          from.aligned_periods,
           To(from.flow_least_height),
           To(from.flow_timeout),
           from.hold_flow,

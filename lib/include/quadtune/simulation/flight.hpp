@@ -127,7 +127,9 @@ struct FlightResult {
 };
 
 /// Makes the Mambo's estimator right for the optical flow that flies: the sensor's scale undone,
-/// the body's own turning taken out of the image. Without optical flow it changes nothing.
+/// the body's own turning taken out of the image, that of the image's own instant where the
+/// gyroscope or the image is late. The law, whose period counts, comes first. Without optical flow
+/// it changes nothing.
 void calibrate_flow(FlightSetup& setup);
 
 /// Checks that a setup can be flown.
