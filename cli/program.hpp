@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "quadtune/errors.hpp"
 #include "stop_signals.hpp"
 
 namespace CLI {
@@ -36,19 +37,6 @@ class UsageError : public std::runtime_error {
  public:
   /// @param where  the option or argument concerned, e.g. "--dt", for scripts.
   UsageError(const std::string& message, std::string where)
-      : std::runtime_error(message), where_(std::move(where)) {}
-
-  [[nodiscard]] const std::string& where() const { return where_; }
-
- private:
-  std::string where_;
-};
-
-/// No solution exists or none was found; the message names the culprit.
-class NoSolution : public std::runtime_error {
- public:
-  /// @param where  the option, file or vehicle that asked for it, for scripts.
-  NoSolution(const std::string& message, std::string where)
       : std::runtime_error(message), where_(std::move(where)) {}
 
   [[nodiscard]] const std::string& where() const { return where_; }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What is thrown when a caller or a file is at fault. A numerical outcome is never thrown: it is a
-/// status in the solver's result.
+/// What is thrown when a caller or a file is at fault. A numerical outcome is never thrown by a
+/// solver: it is a status in its result. What goes several steps at once throws NoSolution.
 #pragma once
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace quadtune {
 
@@ -18,6 +19,39 @@ class InvalidInput : public std::invalid_argument {
       : std::invalid_argument(where.empty() ? message : where + ": " + message), where_(where) {}
 
   /// @return  the place alone, as it stands at the start of what().
+  [[nodiscard]] const std::string& where() const { return where_; }
+
+ protected:
+  /// For a message that names its place in its own words.
+  struct Whole {};
+  InvalidInput(Whole, std::string where, const std::string& message)
+      : std::invalid_argument(message), where_(std::move(where)) {}
+
+ private:
+  std::string where_;
+};
+
+/// An option's word or number that cannot be taken, wherever it was written. what() begins with the
+/// option's key, so that who knows the place puts it before: "quadtune fly: --" of a command line,
+/// "file:line: " of a file.
+class OptionError : public InvalidInput {
+ public:
+  /// @param option   its key, e.g. "estimator"; with a word after it where that alone is refused,
+  ///                 e.g. "flow simplified"
+  /// @param message  e.g. "sensors is 'x', expected ideal or real"
+  OptionError(std::string option, const std::string& message)
+      : InvalidInput(Whole{}, std::move(option), message) {}
+
+  [[nodiscard]] const std::string& option() const { return where(); }
+};
+
+/// No solution exists or none was found; the message names the culprit.
+class NoSolution : public std::runtime_error {
+ public:
+  /// @param where  the option, file or vehicle that asked for it, for scripts.
+  NoSolution(const std::string& message, std::string where)
+      : std::runtime_error(message), where_(std::move(where)) {}
+
   [[nodiscard]] const std::string& where() const { return where_; }
 
  private:
