@@ -473,8 +473,8 @@ Verb replay_verb() {
                                    options->log));
               PlannedFlight flight = replayed_flight(plan, options->flight);
               if (!options->log.empty() || !options->report.empty())
-                keep_log(flight, "campaign replay");
-              const FlownFlight flown = fly_planned(std::move(flight));
+                told_of_command("campaign replay", [&] { keep_log(flight); });
+              const FlownFlight flown = fly_planned(std::move(flight), interrupted);
               if (!options->log.empty()) {
                 write_file(options->log, log_bytes(flown.result.log, options->log));
                 context.written.push_back(options->log);

@@ -106,7 +106,7 @@ CampaignMission read_campaign_mission(const TomlTable& table, const std::filesys
     if (error.where() == "mission") throw InvalidInput(table.where("mission"), error.what());
     throw;
   }
-  FlightArguments& arguments = read.arguments;
+  FlightOptions& arguments = read.arguments;
   arguments.estimator = table.text_or("estimator", "");
   arguments.sensors = table.text_or("sensors", "");
   arguments.flow = table.text_or("flow", "");

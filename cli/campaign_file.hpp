@@ -25,7 +25,7 @@ struct CampaignDesign {
 /// [[mission]]: how it is flown.
 struct CampaignMission {
   Mission mission;
-  FlightArguments arguments;  ///< estimator, sensors, flow, wind, duration, …
+  FlightOptions arguments;  ///< estimator, sensors, flow, wind, duration, …
   std::string where;
 };
 

@@ -8,9 +8,6 @@
 #include <limits>
 
 #include "campaign_file.hpp"
-#include "cascade_report.hpp"
-#include "design_flights.hpp"
-#include "design_flow.hpp"
 #include "flight_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
@@ -21,6 +18,9 @@
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
 #include "quadtune/version.hpp"
+#include "quadtune/workbench/cascade_report.hpp"
+#include "quadtune/workbench/chosen_law.hpp"
+#include "quadtune/workbench/flying_loop.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -126,7 +126,7 @@ void take(const Json& json, const std::string& where, MamboEstimatorSettings<dou
   estimator.velocity_R = member(json, "velocity_R", where).get<double>();
 }
 
-Json to_json(const FlightArguments& arguments) {
+Json to_json(const FlightOptions& arguments) {
   Json json = {
       {"estimator", arguments.estimator}, {"sensors", arguments.sensors},
       {"flow", arguments.flow},           {"wind", arguments.wind},
@@ -136,8 +136,8 @@ Json to_json(const FlightArguments& arguments) {
   if (arguments.step) json["step_s"] = *arguments.step;
   return json;
 }
-FlightArguments arguments_of(const Json& json, const std::string& where) {
-  FlightArguments arguments;
+FlightOptions arguments_of(const Json& json, const std::string& where) {
+  FlightOptions arguments;
   arguments.estimator = member(json, "estimator", where).get<std::string>();
   arguments.sensors = member(json, "sensors", where).get<std::string>();
   arguments.flow = member(json, "flow", where).get<std::string>();
@@ -152,21 +152,7 @@ FlightArguments arguments_of(const Json& json, const std::string& where) {
 
 // --- making a plan ---
 
-/// The words of the file as the command line has them, its mistakes told as the file's.
-template <class Function>
-auto told_of_file(const std::string& where, Function&& function) {
-  try {
-    return function();
-  } catch (const UsageError& error) {
-    std::string message = error.what();
-    const std::string prefix = "quadtune campaign: ";
-    if (message.starts_with(prefix)) message.erase(0, prefix.size());
-    if (message.starts_with("--")) message.erase(0, 2);
-    throw InvalidInput(where, message);
-  }
-}
-
-/// The same for a name of no vehicle.
+/// A name of no vehicle was written in the file.
 Vehicle vehicle_of(const CampaignRequest& request) {
   try {
     return load_vehicle(request.vehicle);
@@ -275,7 +261,7 @@ class PlanMaker {
   /// The law does not depend on the mission; what it decides of the estimator may.
   void add_design(Json& json, const CampaignDesign& design, const Vehicle& vehicle) {
     Json entry = {{"name", design.name}};
-    FlightArguments arguments;
+    FlightOptions arguments;
     arguments.vehicle = request_.vehicle;
     arguments.gains = design.gains;
     arguments.controller = design.controller;
@@ -287,10 +273,10 @@ class PlanMaker {
     Controller controller = law.controller;
     entry["estimators"] = Json::array();
     for (const CampaignMission& m : request_.missions) {
-      FlightArguments flown = m.arguments;
+      FlightOptions flown = m.arguments;
       flown.integrator = design.integrator;
-      const PlannedFlight plan = told_of_file(
-          m.where, [&] { return plan_flight(flown, vehicle, m.mission, law, "campaign"); });
+      const PlannedFlight plan =
+          told_of_file(m.where, [&] { return plan_flight(flown, vehicle, m.mission, law); });
       controller = plan.setup.controller;  // with the integrator that was asked for
       entry["estimators"].push_back(to_json(plan.setup.mambo_estimator));
     }
@@ -395,8 +381,9 @@ CampaignPlan plan_of(const Json& json, const std::filesystem::path& folder,
       of.mission = member(missions[m], "name", where).get<std::string>();
       const Mission mission =
           parse_mission(member(missions[m], "text", where).get<std::string>(), of.mission, folder);
-      PlannedFlight flight = plan_flight(arguments_of(member(missions[m], "flown", where), where),
-                                         vehicle, mission, law, "campaign");
+      const FlightOptions options = arguments_of(member(missions[m], "flown", where), where);
+      PlannedFlight flight =
+          told_of_command("campaign", [&] { return plan_flight(options, vehicle, mission, law); });
       of.setup = std::move(flight.setup);
       take(member(design, "estimators", where).at(m), where, of.setup.mambo_estimator);
       flight.setup = {};

@@ -227,7 +227,8 @@ Verb certify_verb() {
                       "boxes that a proof may look at (default 20000)")
                 ->type_name("N");
             return [options](Context& context) {
-              options->controller = controller_kind(options->controller, "certify");
+              options->controller =
+                  told_of_command("certify", [&] { return controller_kind(options->controller); });
               run(*options, context);
             };
           }};

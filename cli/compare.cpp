@@ -18,12 +18,12 @@ namespace {
 
 struct Options {
   std::string what, first, second;
-  FlightArguments flight;
+  FlightOptions flight;
 };
 
 /// The two flights: what the user asked for, but for the one thing that is compared.
-std::array<FlightArguments, 2> both_flights(Options options) {
-  FlightArguments& flight = options.flight;
+std::array<FlightOptions, 2> both_flights(Options options) {
+  FlightOptions& flight = options.flight;
   const auto expect_none = [&](const std::string& value, const char* option, const char* because) {
     if (!value.empty())
       throw UsageError(fmt::format("quadtune compare: {} came with {}, expected none because {}",
@@ -33,7 +33,7 @@ std::array<FlightArguments, 2> both_flights(Options options) {
   if (options.what == "integrators") {
     expect_none(flight.integrator, "--integrator", "euler is compared with tustin");
     flight = as_the_model_project(flight);
-    std::array<FlightArguments, 2> two = {flight, flight};
+    std::array<FlightOptions, 2> two = {flight, flight};
     two[0].integrator = "euler";
     two[1].integrator = "tustin";
     return two;
@@ -47,7 +47,7 @@ std::array<FlightArguments, 2> both_flights(Options options) {
                        "V");
     flight = as_the_model_project(flight);
     if (flight.estimator.empty()) flight.estimator = "mambo-original";
-    std::array<FlightArguments, 2> two = {flight, flight};
+    std::array<FlightOptions, 2> two = {flight, flight};
     two[0].flow = "simplified";
     two[1].flow = "full";
     return two;
@@ -55,7 +55,7 @@ std::array<FlightArguments, 2> both_flights(Options options) {
   if (options.what == "filter") {
     expect_none(flight.estimator, "--estimator",
                 "the position by filtered velocity is compared with that by the flow's own");
-    std::array<FlightArguments, 2> two = {flight, flight};
+    std::array<FlightOptions, 2> two = {flight, flight};
     two[0].estimator = "mambo";
     two[1].estimator = "mambo-raw";
     return two;
@@ -67,7 +67,7 @@ std::array<FlightArguments, 2> both_flights(Options options) {
           "quadtune compare gains mambo published designed",
           "A");
     expect_none(flight.gains, "--gains", "the two that are compared follow the vehicle");
-    std::array<FlightArguments, 2> two = {flight, flight};
+    std::array<FlightOptions, 2> two = {flight, flight};
     two[0].gains = options.first;
     two[1].gains = options.second;
     return two;
@@ -112,16 +112,18 @@ Verb compare_verb() {
                                          options->first),
                              "A");
           options->flight.seed = context.seed;
-          const std::array<FlightArguments, 2> wanted = both_flights(*options);
+          const std::array<FlightOptions, 2> wanted =
+              told_of_command("compare", [&] { return both_flights(*options); });
           // Both are planned before the first flies, so that a mistake in the second comes first.
           std::array<PlannedFlight, 2> plans;
           for (std::size_t i = 0; i < 2; ++i) {
-            plans[i] = plan_flight(wanted[i], "compare");
-            keep_log(plans[i], "compare");
+            plans[i] = plan_of_command(wanted[i], "compare");
+            told_of_command("compare", [&] { keep_log(plans[i]); });
           }
           for (const std::string& note : plans[0].notes) context.note("compare: note: " + note);
           std::array<FlownFlight, 2> flights;
-          for (std::size_t i = 0; i < 2; ++i) flights[i] = fly_planned(std::move(plans[i]));
+          for (std::size_t i = 0; i < 2; ++i)
+            flights[i] = fly_planned(std::move(plans[i]), interrupted);
           const FlightDifference difference =
               difference_of(flights[0].result.log, flights[1].result.log);
           const std::array<std::string, 2> names = names_of(*options);

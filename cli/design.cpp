@@ -6,12 +6,13 @@
 #include <optional>
 #include <ostream>
 
-#include "design_flights.hpp"
-#include "design_flow.hpp"
 #include "design_report.hpp"
+#include "flight_story.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
+#include "quadtune/workbench/export_content.hpp"
+#include "trusted_covariances.hpp"
 #include "verify_report.hpp"
 
 namespace quadtune::cli {
@@ -82,7 +83,8 @@ Verb design_verb() {
             throw UsageError("quadtune design: expected a design file", "FILE");
           DesignOutcome outcome = run_design(options->file);
           require_tuned(outcome, options->force, context);
-          outcome.flights = fly_missions(outcome, context.seed, !options->directory.empty());
+          outcome.flights =
+              fly_missions(outcome, context.seed, !options->directory.empty(), interrupted);
           for (const std::string& note : outcome.model.notes) context.note("design: note: " + note);
           if (outcome.design.condition.yaw != 0 && outcome.gains)
             context.note("design: note: position is in world axes, so K holds at this yaw only");

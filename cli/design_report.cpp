@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <numbers>
 
+#include "cascade_report.hpp"
 #include "design_flights.hpp"
 #include "export_report.hpp"
+#include "margins_report.hpp"
 #include "print.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/mixer.hpp"

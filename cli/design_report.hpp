@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "design_flow.hpp"
+#include "quadtune/exports/export.hpp"
+#include "quadtune/exports/manifest.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/workbench/design.hpp"
 
 namespace quadtune::cli {
 

@@ -9,15 +9,17 @@
 #include <memory>
 #include <ostream>
 
-#include "cascade_report.hpp"
-#include "design_flow.hpp"
 #include "export_report.hpp"
 #include "given_gains.hpp"
 #include "program.hpp"
 #include "quadtune/exports/convert.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/workbench/cascade_report.hpp"
+#include "quadtune/workbench/export_content.hpp"
+#include "quadtune/workbench/flying_loop.hpp"
 #include "refusal.hpp"
+#include "trusted_covariances.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -33,7 +33,7 @@ void refuse_one_file(const std::vector<std::pair<std::string, std::string>>& out
 
 Verb fly_verb() {
   struct Options {
-    FlightArguments flight;
+    FlightOptions flight;
     std::string log, report;
   };
   return {"fly", "V [--mission NAME|FILE] [options]",
@@ -62,10 +62,11 @@ Verb fly_verb() {
               refuse_one_file(
                   {{"--log", options->log}, {"--report", options->report}, {"-o", context.file}});
               options->flight.seed = context.seed;
-              PlannedFlight plan = plan_flight(options->flight, "fly");
-              if (!options->log.empty() || !options->report.empty()) keep_log(plan, "fly");
+              PlannedFlight plan = plan_of_command(options->flight, "fly");
+              if (!options->log.empty() || !options->report.empty())
+                told_of_command("fly", [&] { keep_log(plan); });
               for (const std::string& note : plan.notes) context.note("fly: note: " + note);
-              const FlownFlight flight = fly_planned(std::move(plan));
+              const FlownFlight flight = fly_planned(std::move(plan), interrupted);
               if (!options->log.empty()) {
                 write_file(options->log, log_bytes(flight.result.log, options->log));
                 context.written.push_back(options->log);

@@ -1,46 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Control laws that the user names: of an export, of a file of gains, or of a design file.
+/// Gains that the user names beside a problem: in its order; and laws as JSON that is read again.
 #pragma once
 
-#include <optional>
+#include <Eigen/Core>
 #include <string>
+#include <vector>
 
-#include "design_flow.hpp"
+#include "quadtune/convention.hpp"
 #include "quadtune/design.hpp"
-#include "quadtune/exports/read_gains.hpp"
+#include "quadtune/exports/content.hpp"
 #include "quadtune/gains.hpp"
-#include "quadtune/linearize/linearize.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/model/vehicle.hpp"
+#include "quadtune/workbench/given_gains.hpp"
 
 namespace quadtune::cli {
-
-/// Laws with what is known of them where they are a design's.
-struct GivenLaws {
-  StoredLaws laws;
-  std::optional<DesignOutcome> design;  ///< solved, where the file is a design
-};
-
-/// Reads what read_laws() reads, or solves the laws of a design file (.toml).
-/// @throws InvalidInput  for another file, or one without a law
-/// @throws NoSolution    for a design that has no solution
-[[nodiscard]] GivenLaws read_given_laws(const std::string& path);
-
-/// @throws InvalidInput  for laws of another vehicle
-void require_vehicle(const StoredLaws& laws, const Vehicle& vehicle, const std::string& path);
 
 /// The keys by which read_laws() knows the laws again, for what a verb prints as JSON:
 /// "format", "format_version", and "gains" or "cascade" of what `content` has.
 void add_laws(internal::Json& json, const ExportContent& content);
-
-struct GivenGains {
-  Gains gains;
-  std::optional<Design> design;  ///< where they stood in a design file
-};
-
-/// Reads what read_gains() reads; of a design file (.toml) [published], or where it has none the
-/// gains that it gives.
-/// @throws InvalidInput  for a design without gains, or with published ones of some inputs only.
-[[nodiscard]] GivenGains read_given_gains(const std::string& path);
 
 /// @param words  the model's convention
 /// @param path   for messages

@@ -11,7 +11,6 @@
 #include <optional>
 #include <ostream>
 
-#include "design_flow.hpp"
 #include "given_gains.hpp"
 #include "lqr_arguments.hpp"
 #include "lqr_schedule.hpp"
@@ -24,6 +23,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/synthesis/state_feedback.hpp"
+#include "quadtune/workbench/flying_loop.hpp"
 
 namespace quadtune::cli {
 namespace {

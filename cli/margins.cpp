@@ -11,7 +11,6 @@
 #include <ostream>
 
 #include "cascade_report.hpp"
-#include "design_flow.hpp"
 #include "given_gains.hpp"
 #include "loop_figure.hpp"
 #include "margins_report.hpp"
@@ -24,6 +23,7 @@
 #include "quadtune/discretize/delay.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/model/vehicle.hpp"
+#include "quadtune/workbench/flying_loop.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "cascade_report.hpp"
 #include "comparison_figure.hpp"
 #include "print.hpp"
 #include "program.hpp"
@@ -24,7 +23,8 @@
 #include "quadtune/frequency_response.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/model/vehicle.hpp"
-#include "standard_lqr.hpp"
+#include "quadtune/workbench/cascade_report.hpp"
+#include "quadtune/workbench/standard_lqr.hpp"
 
 namespace quadtune::cli {
 namespace {

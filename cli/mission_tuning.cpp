@@ -47,8 +47,9 @@ TrialRequest request_of(const MissionTuning& tuning, const MissionRequirements& 
   const ChosenLaw law{start, tuning.law, {}, tuning.position_bandwidth};
   for (std::size_t i = 0; i < requirements.missions.size(); ++i) {
     const CampaignMission& mission = requirements.missions[i];
-    PlannedFlight plan =
-        plan_flight(mission.arguments, tuning.vehicle, mission.mission, law, tuning.verb);
+    PlannedFlight plan = told_of_command(tuning.verb, [&] {
+      return plan_flight(mission.arguments, tuning.vehicle, mission.mission, law);
+    });
     for (const std::string& note : plan.notes) context.note(tuning.verb + ": note: " + note);
     request.missions.push_back(
         {mission.mission.name, std::move(plan.setup), requirements.limits[i]});
@@ -122,11 +123,11 @@ std::string vehicle_text(const std::string& word) {
 }
 
 void require_sane(const std::string& verb, const MissionTuningArguments& arguments) {
-  FlightArguments flight;
+  FlightOptions flight;
   flight.estimator = arguments.estimator;
   flight.sensors = arguments.sensors;
   if (!arguments.wind.empty()) flight.wind = arguments.wind;
-  require_flight_words(flight, verb);
+  told_of_command(verb, [&] { require_flight_words(flight); });
   if (!arguments.file.empty()) (void)vehicle_text(arguments.vehicle);  // before a long search
   if (!(arguments.budget > 0) || arguments.budget > 1e6)
     refuse(verb, "--budget",

@@ -12,7 +12,6 @@
 
 #include "cascade_arguments.hpp"
 #include "cascade_report.hpp"
-#include "flight_arguments.hpp"
 #include "given_gains.hpp"
 #include "loop_figure.hpp"
 #include "margins_report.hpp"
@@ -26,6 +25,7 @@
 #include "quadtune/synthesis/pid_loop.hpp"
 #include "quadtune/synthesis/pid_optimum.hpp"
 #include "quadtune/synthesis/pid_rules.hpp"
+#include "quadtune/workbench/chosen_law.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -6,8 +6,10 @@
 #include "number_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/workbench/linearize_or_refuse.hpp"
 
 namespace quadtune::cli {
+
 void add_plant_options(CLI::App& app, PlantArguments& arguments) {
   app.add_option("V", arguments.vehicle, "a built-in vehicle's name or a vehicle file");
   app.add_option("--at", arguments.at, "steady flight: hover (default), line, circle or spin")
@@ -40,15 +42,6 @@ LinearizeOptions linearize_options(const PlantArguments& arguments) {
   // Refused by the options' names, not by the function that would trip over them.
   (void)selected_states(convention(options.convention, "--convention"), options.states, "--states");
   return options;
-}
-
-Linearization linearize_or_refuse(const Vehicle& vehicle, const FlightCondition& condition,
-                                  const LinearizeOptions& options, const std::string& where) {
-  Linearization model = linearize(vehicle, condition, options);
-  if (!model.solved())
-    throw NoSolution(
-        vehicle.name + ": no " + to_string(condition.kind) + " trim: " + model.trim.culprit, where);
-  return model;
 }
 
 Plant make_plant(const PlantArguments& arguments) {

@@ -44,11 +44,4 @@ struct Plant {
 /// @throws NoSolution  with the trim's culprit.
 [[nodiscard]] Plant make_plant(const PlantArguments& arguments);
 
-/// The same for a vehicle in memory.
-/// @param where  the file or vehicle that asked for it, for NoSolution.
-[[nodiscard]] Linearization linearize_or_refuse(const Vehicle& vehicle,
-                                                const FlightCondition& condition,
-                                                const LinearizeOptions& options,
-                                                const std::string& where);
-
 }  // namespace quadtune::cli

@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cascade_report.hpp"
-#include "design_flow.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/synthesis/diagonal_lqr.hpp"
-#include "standard_lqr.hpp"
+#include "quadtune/workbench/chosen_law.hpp"
+#include "quadtune/workbench/flying_loop.hpp"
+#include "quadtune/workbench/standard_lqr.hpp"
 
 namespace quadtune::cli {
 namespace {

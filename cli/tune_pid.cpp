@@ -6,7 +6,6 @@
 #include <cmath>
 #include <memory>
 
-#include "cascade_report.hpp"
 #include "flight_arguments.hpp"
 #include "mission_tuning.hpp"
 #include "program.hpp"
@@ -60,11 +59,11 @@ class PidTuning {
  public:
   PidTuning(const MissionTuningArguments& arguments, const std::string& gains, bool separate)
       : vehicle_(load_vehicle(arguments.vehicle)) {
-    FlightArguments chosen;
+    FlightOptions chosen;
     chosen.vehicle = arguments.vehicle;
     chosen.gains = gains;
     chosen.controller = "cascaded-pid";
-    law_ = choose_law(chosen, vehicle_, "tune pid");
+    law_ = told_of_command("tune pid", [&] { return choose_law(chosen, vehicle_, "tune pid"); });
     start_ = std::get<CascadeController>(law_.controller);
     hover_ = cascade_vehicle(vehicle_, arguments.vehicle);
     specification_.dt = start_.gains.dt;

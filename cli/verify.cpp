@@ -11,8 +11,6 @@
 #include <memory>
 #include <ostream>
 
-#include "cascade_report.hpp"
-#include "design_flow.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
@@ -22,6 +20,9 @@
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
 #include "quadtune/version.hpp"
+#include "quadtune/workbench/cascade_report.hpp"
+#include "quadtune/workbench/export_content.hpp"
+#include "quadtune/workbench/flying_loop.hpp"
 #include "verify_evidence.hpp"
 #include "verify_report.hpp"
 

@@ -7,9 +7,10 @@
 #include <cmath>
 #include <limits>
 
-#include "design_flow.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/matrix_checks.hpp"
 #include "quadtune/synthesis/state_feedback.hpp"
+#include "quadtune/workbench/flying_loop.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -88,12 +88,12 @@ struct ExportRequest {
 /// A mission that the gains must fly before they are exported.
 struct MissionRequest {
   std::string mission;           ///< name of a built-in one, or a file beside the design's
-  std::string controller;        ///< "cascaded-pid" or "state-feedback"
-  std::string estimator;         ///< as `quadtune fly --estimator`; empty: by the sensors
+  std::string controller = {};   ///< "cascaded-pid" or "state-feedback"
+  std::string estimator = {};    ///< as `quadtune fly --estimator`; empty: by the sensors
   std::string sensors = "real";  ///< or "ideal"
   std::string flow = "full";     ///< as `quadtune fly --flow`
   std::string wind = "calm";     ///< as `quadtune fly --wind`
-  std::string where;             ///< "file:line", for messages
+  std::string where = {};        ///< "file:line", for messages
 };
 
 /// Gains published elsewhere, to say how far the design is from them and why.

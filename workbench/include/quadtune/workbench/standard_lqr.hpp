@@ -8,7 +8,7 @@
 #include "quadtune/synthesis/pid_cascade.hpp"
 #include "quadtune/synthesis/riccati.hpp"
 
-namespace quadtune::cli {
+namespace quadtune {
 
 /// Weights by Bryson's rule from what the vehicle can give, see docs/cli.md: diagonal, of the 12
 /// states of ned_convention() and the wrench.
@@ -16,11 +16,11 @@ namespace quadtune::cli {
 
 /// Of the hover, from the 12 states to the wrench, weights by Bryson's rule from what the vehicle
 /// can give, see docs/cli.md. The motors' lag is not in it.
-/// @param verb  that asked, for NoSolution
+/// @param who  asked, e.g. "fly", for the message of NoSolution
 /// @throws NoSolution  with the culprit
-[[nodiscard]] RiccatiResult standard_lqr(const CascadeVehicle& vehicle, const std::string& verb);
+[[nodiscard]] RiccatiResult standard_lqr(const CascadeVehicle& vehicle, const std::string& who);
 
 /// The same as gains that can be flown.
-[[nodiscard]] Gains standard_gains(const Vehicle& vehicle, const std::string& verb);
+[[nodiscard]] Gains standard_gains(const Vehicle& vehicle, const std::string& who);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune

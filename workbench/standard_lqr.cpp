@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "standard_lqr.hpp"
+#include "quadtune/workbench/standard_lqr.hpp"
 
-#include "cascade_report.hpp"
-#include "program.hpp"
+#include "quadtune/convention.hpp"
+#include "quadtune/errors.hpp"
 #include "quadtune/synthesis/lqr.hpp"
 #include "quadtune/tuning/bryson.hpp"
+#include "quadtune/workbench/cascade_report.hpp"
 
-namespace quadtune::cli {
+namespace quadtune {
 
 LqrWeights standard_weights(const CascadeVehicle& vehicle) {
   Eigen::VectorXd deviation(12);
@@ -15,15 +16,15 @@ LqrWeights standard_weights(const CascadeVehicle& vehicle) {
   return bryson_weights(deviation, vehicle.authority.cwiseProduct(share));
 }
 
-RiccatiResult standard_lqr(const CascadeVehicle& vehicle, const std::string& verb) {
+RiccatiResult standard_lqr(const CascadeVehicle& vehicle, const std::string& who) {
   RiccatiResult riccati = lqr(vehicle.hover, standard_weights(vehicle));
-  if (!riccati.solved()) throw NoSolution(verb + ": lqr: " + riccati.culprit, "V");
+  if (!riccati.solved()) throw NoSolution(who + ": lqr: " + riccati.culprit, "V");
   return riccati;
 }
 
-Gains standard_gains(const Vehicle& vehicle, const std::string& verb) {
+Gains standard_gains(const Vehicle& vehicle, const std::string& who) {
   Gains gains;
-  gains.K = standard_lqr(cascade_vehicle(vehicle, verb), verb).K;
+  gains.K = standard_lqr(cascade_vehicle(vehicle, who), who).K;
   gains.K_int = Eigen::MatrixXd(4, 0);
   gains.states = ned_convention().states;
   gains.inputs = ned_convention().wrench;
@@ -35,4 +36,4 @@ Gains standard_gains(const Vehicle& vehicle, const std::string& verb) {
   return gains;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune

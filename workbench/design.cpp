@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/design.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "quadtune/convention.hpp"
+#include "quadtune/discretize/zoh.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/workbench/flying_loop.hpp"
+#include "quadtune/workbench/linearize_or_refuse.hpp"
+#include "quadtune/workbench/standard_lqr.hpp"
+
+namespace quadtune {
+namespace {
+
+/// Entry by entry over K and K_int. Each row has its own unit, so it is its own scale.
+class DifferenceSearch {
+ public:
+  explicit DifferenceSearch(Eigen::VectorXd row_scale) : row_scale_(std::move(row_scale)) {}
+
+  void add(const char* matrix, const Eigen::MatrixXd& published, const Eigen::MatrixXd& here,
+           const std::vector<Signal>& rows, const std::vector<Signal>& columns) {
+    for (Eigen::Index i = 0; i < published.rows(); ++i)
+      for (Eigen::Index j = 0; j < published.cols(); ++j) {
+        const double scale = row_scale_(i);
+        const double difference = std::abs(here(i, j) - published(i, j));
+        worst_.max_relative = std::max(worst_.max_relative, difference / scale);
+        // Entries that are zero up to rounding carry no relative difference.
+        if (std::abs(published(i, j)) < 1e-9 * scale) continue;
+        const double relative = difference / std::abs(published(i, j));
+        if (relative <= worst_.max_entry) continue;
+        worst_.max_entry = relative;
+        worst_.worst = fmt::format("{}({}, {})", matrix, rows[static_cast<std::size_t>(i)].name,
+                                   columns[static_cast<std::size_t>(j)].name);
+        worst_.published = published(i, j);
+        worst_.converged = here(i, j);
+      }
+  }
+
+  [[nodiscard]] const PublishedDifference& worst() const { return worst_; }
+
+ private:
+  Eigen::VectorXd row_scale_;
+  PublishedDifference worst_;
+};
+
+PublishedDifference compare(const PublishedGains& published, const Gains& gains) {
+  Eigen::VectorXd scale = published.K.cwiseAbs().rowwise().maxCoeff();
+  if (published.K_int.size())
+    scale = scale.cwiseMax(published.K_int.cwiseAbs().rowwise().maxCoeff());
+  DifferenceSearch search(scale);
+  search.add("K", published.K, gains.K, gains.inputs, gains.states);
+  if (published.K_int.size())
+    search.add("K_int", published.K_int, gains.K_int, gains.inputs, gains.integrals);
+  return search.worst();
+}
+
+/// What messages call a design: its file, or its name where there is none.
+std::string place_of(const Design& design) {
+  return design.file.empty() ? design.name : design.file.string();
+}
+
+void solve_feedback(DesignOutcome& outcome) {
+  const Design& design = outcome.design;
+  const std::string where = place_of(design);
+  if (!(design.lqr->dt > 0) && !design.exports.empty())
+    throw InvalidInput(where,
+                       "lqr.dt_s is missing, expected the flight computer's sample period because "
+                       "the gains are exported");
+  outcome.model =
+      linearize_or_refuse(design.vehicle, design.condition, linearize_options(*design.lqr), where);
+  outcome.feedback = state_feedback(outcome.model.plant, *design.lqr);
+  const RiccatiResult& riccati = outcome.feedback->riccati;
+  if (!riccati.solved())
+    throw NoSolution(
+        fmt::format("{}: lqr: {}: {}", where, to_string(riccati.status), riccati.culprit), where);
+  outcome.gains = make_gains(design.vehicle, outcome.model, *design.lqr, *outcome.feedback);
+  outcome.poles = flying_poles(outcome.model, *outcome.gains, riccati);
+  outcome.margins = flying_margins(outcome.model, *outcome.gains, riccati);
+  if (design.lqr->dt > 0) outcome.sampled = discretize_zoh(outcome.model.plant, design.lqr->dt);
+  if (design.published) outcome.published = compare(*design.published, *outcome.gains);
+}
+
+DesignedFilter solve_filter(const KalmanDesign& design, const std::string& where) {
+  DesignedFilter result;
+  result.evidence = kalman(design.model, {design.G, design.Q, design.R, design.N});
+  if (!result.evidence.solved())
+    throw NoSolution(fmt::format("{}: kalman {}: {}: {}", where, design.name,
+                                 to_string(result.evidence.status), result.evidence.culprit),
+                     where);
+  result.filter = {design.name,       design.model,     design.G,          design.Q,
+                   design.R,          design.N,         result.evidence.M, result.evidence.L,
+                   result.evidence.P, result.evidence.Z};
+  if (!design.tuned.empty())
+    result.filter.noise_source =
+        fmt::format("{}{}", design.tuned,
+                    design.tuned_verdict.empty() ? "" : ", verdict " + design.tuned_verdict);
+  return result;
+}
+
+}  // namespace
+
+DesignOutcome solve_laws(Design design) {
+  DesignOutcome outcome;
+  outcome.design = std::move(design);
+  const Vehicle& vehicle = outcome.design.vehicle;
+  const std::string where = place_of(outcome.design);
+  if (outcome.design.lqr)
+    solve_feedback(outcome);
+  else
+    outcome.model = linearize_or_refuse(vehicle, outcome.design.condition, {}, where);
+  if (outcome.design.cascade) {
+    const CascadeDesign& cascade = *outcome.design.cascade;
+    outcome.cascade = cascade.specification
+                          ? design_cascade(vehicle, *cascade.specification, where)
+                          : assess_written_cascade(vehicle, cascade.gains, cascade.method, where);
+  }
+  return outcome;
+}
+
+DesignOutcome run_design(Design design) {
+  DesignOutcome outcome = solve_laws(std::move(design));
+  for (const KalmanDesign& filter : outcome.design.kalman)
+    outcome.filters.push_back(solve_filter(filter, place_of(outcome.design)));
+  return outcome;
+}
+
+DesignOutcome run_design(const std::filesystem::path& file) {
+  return run_design(load_design(file));
+}
+
+std::vector<std::string> doubtful_covariances(const Design& design) {
+  std::vector<std::string> doubts;
+  const auto add = [&](const std::string& tuned, const std::string& filter,
+                       const std::string& verdict) {
+    if (verdict.empty() || verdict == "pass") return;
+    doubts.push_back(fmt::format("the verdict on {} of {} is '{}'", internal::printable(tuned),
+                                 filter, internal::printable(verdict)));
+  };
+  for (const KalmanDesign& filter : design.kalman)
+    add(filter.tuned, "filter " + filter.name, filter.tuned_verdict);
+  if (const auto& estimator = design.estimator)
+    add(estimator->tuned, "the estimator", estimator->model.verdict);
+  return doubts;
+}
+
+}  // namespace quadtune

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The control law that flies: designed, published, or of a file.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "quadtune/design.hpp"
+#include "quadtune/gains.hpp"
+#include "quadtune/model/vehicle.hpp"
+#include "quadtune/simulation/flight.hpp"
+#include "quadtune/workbench/cascade_report.hpp"
+#include "quadtune/workbench/flight_options.hpp"
+#include "quadtune/workbench/margins_report.hpp"
+
+namespace quadtune {
+
+/// The kinds of law by name, as controller_kind() gives them.
+inline constexpr char kCascadedPid[] = "cascaded-pid";
+inline constexpr char kStateFeedback[] = "state-feedback";
+
+/// Control period of laws that come with none [s]: that of the Mambo's program.
+inline constexpr double kUsualPeriod = 0.005;
+
+/// Back calculation of designed cascades [1/s]: near Ki/Kp of their loops. The model project's
+/// 0.001 unwinds nothing.
+inline constexpr double kDesignedBackCalculation = 2;
+
+/// What steers, and what is known of it.
+struct ChosenLaw {
+  Controller controller;
+  std::string words;  ///< e.g. "cascaded PID, designed as by `quadtune pid mambo`"
+  std::optional<MarginsReport> margins = {};  ///< of its loops, where its design computed them
+  double position_bandwidth = 0;  ///< of the slower loop of x and y [rad/s]; 0: not known
+};
+
+/// "cascaded-pid" or "state-feedback", also for "pid" and "lqr"; "" stays.
+/// @throws OptionError  for other words
+[[nodiscard]] std::string controller_kind(const std::string& word);
+
+/// The law that `gains`, `controller` and `integrator` of the options ask for.
+/// @param who  asked, e.g. "fly", for the message of NoSolution
+/// @throws OptionError, InvalidInput, FileError, NoSolution
+[[nodiscard]] ChosenLaw choose_law(FlightOptions options, const Vehicle& vehicle,
+                                   const std::string& who);
+
+/// What is asked of a cascade where nobody says: a design within the published gains or the usual
+/// bounds, at the published period or kUsualPeriod.
+[[nodiscard]] CascadeSpecification usual_specification(const Vehicle& vehicle);
+
+/// A cascade of a design file as it is flown.
+/// @param gains  designed where the file asks for them
+[[nodiscard]] CascadeController cascade_controller(const CascadeDesign& design,
+                                                   const CascadeGains& gains);
+
+/// Of the slower loop of x and y [rad/s]; 0 where there is none.
+[[nodiscard]] double position_bandwidth(const CascadeReport& report);
+
+/// A state feedback as it is flown: with the guards of the uquad's program in its convention.
+/// @param dt  control period [s]; that of the gains where they have one
+[[nodiscard]] StateFeedbackController feedback_controller(const Gains& gains, double dt);
+
+}  // namespace quadtune

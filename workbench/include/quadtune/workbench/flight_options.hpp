@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+/// How a mission is to be flown, in the words of `quadtune fly`.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace quadtune {
+
+/// Words are checked by what takes the options: a word that is not known throws OptionError.
+struct FlightOptions {
+  std::string vehicle;  ///< name or file
+  std::string mission = "hover";
+  std::string controller;  ///< "cascaded-pid", "state-feedback"; empty: what the gains are
+  std::string gains;       ///< a file, an export, "designed" or "published"; empty: "designed"
+  std::string integrator;  ///< "euler", "backward-euler", "tustin"; empty: the gains' own
+  std::string estimator;   ///< "mambo", "mambo-original", "mambo-raw", "uquad", "truth"; empty: by
+                           ///< the sensors
+  std::string flow;        ///< "full", "simplified", "off"; empty: "full"
+  std::optional<double> flow_rate;  ///< [Hz]; none: the vehicle's
+  std::string sensors;              ///< "ideal", "real"; empty: "real"
+  std::string wind = "calm";
+  std::optional<double> duration;  ///< [s]; none: the mission's
+  std::string solver = "bogacki-shampine-3";
+  std::optional<double> step;  ///< [s]; none: that of FlightSetup
+  bool dynamic_environment = false;
+  std::uint64_t seed = 1;
+};
+
+}  // namespace quadtune

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A vehicle flies a mission, and whether it flew well.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "quadtune/model/vehicle.hpp"
+#include "quadtune/simulation/flight.hpp"
+#include "quadtune/simulation/mission.hpp"
+#include "quadtune/workbench/flight_options.hpp"
+#include "quadtune/workbench/flight_plan.hpp"
+
+namespace quadtune {
+
+/// A flight that was flown, and judged by its mission.
+struct FlownFlight {
+  PlannedFlight plan;
+  FlightResult result;
+  Verdict verdict;    ///< of the mission's limits; it was flown to the end
+  double wall_s = 0;  ///< time that the computer took [s]
+  bool passed = false;
+};
+
+/// Flies and judges what was planned.
+/// @param stop  asked now and then; true ends the flight with Interrupted
+[[nodiscard]] FlownFlight fly_planned(PlannedFlight plan, const std::function<bool()>& stop = {});
+
+/// "tilt_max" as "greatest tilt".
+[[nodiscard]] std::string label_of(Metric metric);
+
+/// A metric's value with its unit: "0.0123 m", "none" where it has none, "never" where it is
+/// infinite.
+[[nodiscard]] std::string in_words(Metric metric, double value);
+
+/// Why a flight did not pass, a sentence each; empty where it did.
+[[nodiscard]] std::vector<std::string> reasons(const FlownFlight& flight);
+
+}  // namespace quadtune
