@@ -103,7 +103,44 @@ DesignedFilter solve_filter(const KalmanDesign& design, const std::string& where
   return result;
 }
 
+/// Which law flies a mission, and that there is one.
+void complete(MissionRequest& mission, const Design& design) {
+  mission.controller = controller_kind(mission.controller);
+  if (mission.controller.empty())
+    mission.controller = design.cascade ? kCascadedPid : kStateFeedback;
+  if (mission.controller == kCascadedPid ? !design.cascade : !design.lqr)
+    throw OptionError("controller",
+                      fmt::format("controller of the mission '{}' is {}, expected the law that is "
+                                  "designed",
+                                  internal::printable(mission.mission), mission.controller));
+}
+
 }  // namespace
+
+LqrDesign usual_lqr(const Vehicle& vehicle, double dt) {
+  const LqrWeights weights = standard_weights(cascade_vehicle(vehicle, vehicle.name));
+  LqrDesign lqr;
+  lqr.input_kind = InputKind::wrench;
+  for (const Signal& state : ned_convention().states) lqr.states.push_back(state.name);
+  for (const Signal& input : ned_convention().wrench) lqr.inputs.push_back(input.name);
+  lqr.Q = weights.Q;
+  lqr.R = weights.R;
+  lqr.method = LqrMethod::sampled;
+  lqr.dt = dt;
+  return lqr;
+}
+
+CascadeDesign usual_cascade(const Vehicle& vehicle) {
+  const CascadeController flown;
+  CascadeDesign cascade;
+  cascade.specification = usual_specification(vehicle);
+  cascade.method = cascade.specification->method;
+  cascade.gains.dt = cascade.specification->dt;
+  cascade.attitude_limit = flown.attitude_limit;
+  cascade.integrator_limit = flown.integrator_limit;
+  cascade.back_calculation = kDesignedBackCalculation;
+  return cascade;
+}
 
 DesignOutcome solve_laws(Design design) {
   DesignOutcome outcome;
@@ -147,6 +184,23 @@ std::vector<std::string> doubtful_covariances(const Design& design) {
   if (const auto& estimator = design.estimator)
     add(estimator->tuned, "the estimator", estimator->model.verdict);
   return doubts;
+}
+
+DesignOutcome design(const Vehicle& vehicle, const DesignRequirements& requirements,
+                     const std::function<bool()>& stop) {
+  Design asked;
+  asked.name = requirements.name.empty() ? vehicle.name : requirements.name;
+  asked.vehicle = vehicle;
+  asked.condition = requirements.condition;
+  asked.lqr = requirements.lqr;
+  asked.cascade = requirements.cascade;
+  if (!asked.lqr && !asked.cascade) asked.lqr = usual_lqr(vehicle);
+  asked.kalman = requirements.kalman;
+  asked.missions = requirements.missions;
+  for (MissionRequest& mission : asked.missions) complete(mission, asked);
+  DesignOutcome outcome = run_design(std::move(asked));
+  outcome.flights = fly_missions(outcome, requirements.seed, requirements.keep_logs, stop);
+  return outcome;
 }
 
 }  // namespace quadtune

@@ -9,6 +9,11 @@
 
 namespace quadtune {
 
+FlownFlight fly(const Vehicle& vehicle, const FlightOptions& options,
+                const std::function<bool()>& stop) {
+  return fly_planned(plan_flight(options, vehicle, vehicle.name), stop);
+}
+
 FlownFlight fly_planned(PlannedFlight plan, const std::function<bool()>& stop) {
   FlownFlight flight;
   flight.plan = std::move(plan);

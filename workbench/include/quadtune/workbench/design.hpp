@@ -56,6 +56,44 @@ struct DesignOutcome {
   std::vector<FlownFlight> flights;  ///< of the missions that the design asks for
 };
 
+/// What is asked of a design that is in no file. As it stands: an LQR with standard weights that
+/// flies the built-in mission "hover" with the vehicle's own sensors.
+struct DesignRequirements {
+  std::string name;                      ///< of the design; empty: the vehicle's
+  FlightCondition condition;             ///< steady flight that the state feedback holds
+  std::optional<LqrDesign> lqr;          ///< none, and no cascade: usual_lqr()
+  std::optional<CascadeDesign> cascade;  ///< e.g. usual_cascade()
+  std::vector<KalmanDesign> kalman;
+  /// That the gains must fly. Without a `controller`, by the cascade where there is one.
+  std::vector<MissionRequest> missions = {MissionRequest{.mission = "hover"}};
+  std::uint64_t seed = 1;  ///< of everything random in the flights
+  bool keep_logs = false;  ///< FlightResult::log of each flight
+};
+
+/// All twelve states of ned_convention() to the wrench, weights by Bryson's rule from what the
+/// vehicle can give (standard_weights()), the continuous cost of held inputs.
+/// @param dt  sample period of the law [s], > 0
+/// @throws NoSolution  if the vehicle cannot hover
+[[nodiscard]] LqrDesign usual_lqr(const Vehicle& vehicle, double dt = kUsualPeriod);
+
+/// The cascade that `quadtune fly V` designs where nothing else is said, with its limits.
+[[nodiscard]] CascadeDesign usual_cascade(const Vehicle& vehicle);
+
+/// Gains, margins, poles, and the missions flown with them: what `quadtune design` does, for a
+/// vehicle in memory and without any file.
+///
+///     const DesignOutcome hover = design(load_vehicle("crazyflie"));
+///     if (!missions_passed(hover)) std::cerr << reasons(hover.flights[0])[0] << '\n';
+///
+/// @param stop  asked now and then while missions are flown; true ends them with Interrupted
+/// @throws OptionError   for a word of a mission that is not known, naming the option
+/// @throws InvalidInput  for a problem or a mission that makes no sense
+/// @throws NoSolution    with the culprit of the trim, the LQR problem, a loop or a filter
+/// @throws FileError     for a mission file that cannot be read
+[[nodiscard]] DesignOutcome design(const Vehicle& vehicle,
+                                   const DesignRequirements& requirements = {},
+                                   const std::function<bool()>& stop = {});
+
 /// Trims, linearizes, solves the control laws alone: no filters, no flights.
 /// @throws NoSolution  with the culprit of the trim, the LQR problem or a loop.
 [[nodiscard]] DesignOutcome solve_laws(Design design);

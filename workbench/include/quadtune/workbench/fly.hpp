@@ -23,8 +23,22 @@ struct FlownFlight {
   bool passed = false;
 };
 
+/// Plans, flies and judges: what `quadtune fly` does, for a vehicle in memory.
+///
+///     const FlownFlight hover = fly(load_vehicle("mambo"));
+///     for (const std::string& why : reasons(hover)) std::cerr << why << '\n';
+///
+/// @param options  `vehicle` is not looked at
+/// @param stop     asked now and then; true ends the flight with Interrupted
+/// @throws OptionError   for a word that an option does not know, naming the option
+/// @throws InvalidInput  for a mission or a file of gains that cannot be flown
+/// @throws NoSolution    where no law can be designed
+/// @throws FileError, Interrupted
+[[nodiscard]] FlownFlight fly(const Vehicle& vehicle, const FlightOptions& options = {},
+                              const std::function<bool()>& stop = {});
+
 /// Flies and judges what was planned.
-/// @param stop  asked now and then; true ends the flight with Interrupted
+/// @param stop  as fly()
 [[nodiscard]] FlownFlight fly_planned(PlannedFlight plan, const std::function<bool()>& stop = {});
 
 /// "tilt_max" as "greatest tilt".
