@@ -27,7 +27,7 @@ done
 expect quadtune "is no PIE" 'FLAGS_1.*PIE' <<<"$(readelf -dW "$BUILD/bin/quadtune")"
 # Where all sizes are known to be right nothing of it is seen in a library; the commands tell.
 if [ "$FORTIFIED" = 1 ]; then
-  sources='"command": .* -c [^ ]*/(lib|linearize|discretize|synthesis|tuning|exports|cli)/[^ ]*\.cpp'
+  sources='"command": .* -c [^ ]*/(lib|linearize|discretize|synthesis|tuning|exports|workbench|cli)/[^ ]*\.cpp'
   compiled=$(grep -Ec "$sources" "$BUILD/compile_commands.json")
   checked=$(grep -E "$sources" "$BUILD/compile_commands.json" | grep -Fc -- '-D_FORTIFY_SOURCE=2' || true)
   if [ "$compiled" = 0 ] || [ "$checked" != "$compiled" ]; then

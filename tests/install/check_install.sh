@@ -25,6 +25,7 @@ case $1 in
     "$CMAKE" -S "$here/outside" -B "$WORK/outside" -G Ninja -DCMAKE_PREFIX_PATH="$prefix"
     "$CMAKE" --build "$WORK/outside"
     expect_output "$WORK/outside/outside"
+    "$WORK/outside/own_vehicle"
     ;;
   pkg_config)
     pc=$(find "$prefix" -name quadtune.pc)

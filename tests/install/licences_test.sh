@@ -54,7 +54,7 @@ fi
 # What is linked statically, or compiled in from headers.
 while read -r prefix word; do
   if grep -rqE "#include <$prefix" --include='*.cpp' --include='*.hpp' \
-    "$source"/{lib,linearize,discretize,synthesis,tuning,exports,cli}; then
+    "$source"/{lib,linearize,discretize,synthesis,tuning,exports,workbench,cli}; then
     named "$word" "headers <$prefix...>"
   fi
 done <<'PARTS'

@@ -14,6 +14,7 @@
 #include <quadtune/synthesis/riccati.hpp>
 #include <quadtune/tuning/bryson.hpp>
 #include <quadtune/version.hpp>
+#include <quadtune/workbench/fly.hpp>
 #include <string>
 
 namespace {
@@ -81,6 +82,15 @@ void check_exports() {
          "SHA-256");
 }
 
+// Half a second of flight from the one-call interface, with a struct of options that both lay out.
+void check_workbench() {
+  quadtune::FlightOptions options;
+  options.duration = 0.5;
+  const quadtune::FlownFlight flown = quadtune::fly(quadtune::load_vehicle("mambo"), options);
+  expect(flown.result.end == quadtune::FlightEnd::completed, "half a second of flight");
+  expect(flown.plan.margins && flown.plan.margins->loops.size() == 4, "margins of the cascade");
+}
+
 }  // namespace
 
 int main() {
@@ -91,5 +101,6 @@ int main() {
   check_synthesis();
   check_tuning();
   check_exports();
+  check_workbench();
   std::cout << "quadtune " << quadtune::kVersion << " ok\n";
 }

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# example_test.sh PROGRAM SOURCE: what the example prints, and how it ends.
+set -uo pipefail
+program=$1
+source=$2
+status=0
+
+# expect STATUS PATTERN WORD...: the program with these words ends so and prints a line that fits.
+expect() {
+  local wanted=$1 pattern=$2 output came
+  shift 2
+  output=$("$program" "$@" 2>&1)
+  came=$?
+  echo "$output"
+  if [ "$came" != "$wanted" ] || ! grep -Eq "$pattern" <<<"$output"; then
+    echo "$*: ended with $came, expected $wanted and a line '$pattern'"
+    status=1
+  fi
+}
+
+expect 0 '^hover, real sensors, estimator mambo: pass$'
+expect 0 '^  T: gain margin .* dB, phase margin .* deg, delay margin .* ms$' rolling-spider
+expect 0 '^crazyflie: largest [|]z[|] 0[.]99' "$source/vehicles/crazyflie.toml"
+# The noise of its barometer and satellites is more than the hover's limits allow.
+expect 1 '^  tracking error, rms is .* m, expected at most 0.05 m$' uquad
+expect 2 '^own_vehicle: .*no-such' no-such.toml
+exit $status
