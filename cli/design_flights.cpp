@@ -29,6 +29,9 @@ std::string missions_text(const DesignOutcome& outcome) {
       if (std::isfinite(metrics[metric]))
         text += fmt::format(", {} {:.3g} {}", label_of(metric), metrics[metric], unit_of(metric));
     text += "\n  " + circumstances(flight.plan);
+    if (flight.loop)
+      text += fmt::format("\n  flown loop: largest |z| {:.6f}: {}", std::abs(flight.loop->mode.z),
+                          in_words(*flight.loop));
     for (const std::string& reason : reasons(flight)) text += "\n  " + reason;
   }
   return text;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "flown_report.hpp"
 #include "print.hpp"
 #include "quadtune/version.hpp"
 
@@ -174,6 +175,7 @@ Json to_json(const FlownFlight& flight) {
                               {"value", finite_or_null(check.value)},
                               {check.at_least ? "at_least" : "at_most", check.bound},
                               {"ok", check.ok}});
+  if (flight.loop) json["flown_loop"] = to_json(*flight.loop);
   json["reasons"] = reasons(flight);
   json["events"] = Json::array();
   for (const LogEvent& event : result.events)

@@ -8,9 +8,12 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <ostream>
 
 #include "cascade_report.hpp"
+#include "flight_arguments.hpp"
+#include "flown_report.hpp"
 #include "given_gains.hpp"
 #include "loop_figure.hpp"
 #include "margins_report.hpp"
@@ -22,7 +25,9 @@
 #include "quadtune/control/cascade_law.hpp"
 #include "quadtune/discretize/delay.hpp"
 #include "quadtune/discretize/zoh.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/vehicle.hpp"
+#include "quadtune/workbench/flown_loop.hpp"
 #include "quadtune/workbench/flying_loop.hpp"
 
 namespace quadtune::cli {
@@ -36,6 +41,8 @@ struct Options {
   double sampled = 0;
   double dt = 0;
   double delay = 0;
+  std::string plant = "flown", estimator, sensors;
+  double height = FlownLoopOptions().height;
   PlotArgument plot;
 };
 
@@ -212,6 +219,27 @@ NamedLoop vehicle_loop(const Options& options) {
           names_or_numbers(gains.inputs, std::ssize(gains.inputs))};
 }
 
+/// The same as it flies: with the rotors' lag, the sensors and the estimator.
+FlownLoop flown_vehicle_loop(const Options& options) {
+  FlightOptions flight;
+  flight.vehicle = options.vehicle;
+  flight.gains = options.gains;
+  flight.controller = read_given_laws(options.gains).laws.gains ? "state-feedback" : "cascaded-pid";
+  flight.estimator = options.estimator;
+  flight.sensors = options.sensors;
+  FlownLoopOptions at;
+  at.height = options.height;
+  at.command_delay = options.delay;
+  const PlannedFlight plan = plan_of_command(flight, "margins");
+  const double most = kMostDelayPeriods * control_period(plan.setup);
+  if (options.delay > most * (1 + 1e-9))
+    throw UsageError(fmt::format("quadtune margins: --delay is {} s, expected at most {} s, {} "
+                                 "samples, because the flown loop keeps what is on its way",
+                                 number(options.delay), number(most), kMostDelayPeriods),
+                     "--delay");
+  return flown_loop(plan, at);
+}
+
 /// Exactly one of the three ways to name a loop.
 void require_one_loop(const Options& options) {
   const bool fraction = !options.num.empty() || !options.den.empty();
@@ -229,14 +257,35 @@ void require_one_loop(const Options& options) {
 /// What the picture is of, as it was asked for.
 std::string figure_title(const Options& options) {
   const std::string what =
-      !options.vehicle.empty() ? fmt::format("{} with the gains {}", options.vehicle, options.gains)
-      : !options.num.empty()   ? fmt::format("num {}, den {}", options.num, options.den)
-                               : fmt::format("A {}, B {}, K {}", options.A, options.B, options.K);
+      !options.vehicle.empty()
+          ? fmt::format("{} with the gains {}, without lag, sensors and estimator", options.vehicle,
+                        options.gains)
+      : !options.num.empty() ? fmt::format("num {}, den {}", options.num, options.den)
+                             : fmt::format("A {}, B {}, K {}", options.A, options.B, options.K);
   return "Loop of " + what +
          (options.dt > 0        ? fmt::format(", sampled every {} s", number(options.dt))
           : options.sampled > 0 ? fmt::format(", sampled every {} s", number(options.sampled))
                                 : "") +
          (options.delay > 0 ? fmt::format(", delay {} s", number(options.delay)) : "");
+}
+
+/// @param flown_option  the first that came of those that belong to the flown loop; or empty
+void require_flown(const Options& options, const std::string& flown_option) {
+  if (options.plant != "flown" && options.plant != "ideal")
+    throw UsageError(fmt::format("quadtune margins: --plant is '{}', expected flown or ideal",
+                                 internal::printable(options.plant)),
+                     "--plant");
+  require_positive(options.height, "margins", "--height");
+  if (flown_option.empty()) return;
+  if (options.vehicle.empty())
+    throw UsageError(
+        fmt::format("quadtune margins: {} belongs to a vehicle, expected one", flown_option),
+        flown_option);
+  if (options.plant == "ideal" && flown_option != "--plant")
+    throw UsageError(fmt::format("quadtune margins: {} belongs to the flown loop, expected none "
+                                 "with --plant ideal",
+                                 flown_option),
+                     flown_option);
 }
 
 void run(const Options& options, bool has_dt, bool has_sampled, Context& context) {
@@ -262,22 +311,34 @@ void run(const Options& options, bool has_dt, bool has_sampled, Context& context
       !options.vehicle.empty() ? vehicle_loop(options)
       : matrices ? matrix_loop(options, kind_of(options, has_dt, has_sampled), context.in)
                  : transfer_function_loop(options, has_dt);
-  const MarginsReport report = margins_report(named.loop, named.names);
+  const MarginsReport ideal = margins_report(named.loop, named.names);
+  std::optional<FlownLoop> flown;
+  if (!options.vehicle.empty() && options.plant == "flown") flown = flown_vehicle_loop(options);
+  const MarginsReport& report = flown ? flown->margins : ideal;
   draw(
-      options.plot, [&] { return margins_figure(figure_title(options), named.loop, report); },
+      options.plot, [&] { return margins_figure(figure_title(options), named.loop, ideal); },
       context);
   if (context.json) {
     internal::Json json = to_json(report);
     json["time"] = named.loop.discrete() ? "discrete" : "continuous";
     json["dt"] = named.loop.discrete() ? internal::Json(named.loop.dt()) : internal::Json();
+    if (!options.vehicle.empty()) json["plant"] = options.plant;
+    if (flown) {
+      json["flown"] = to_json(*flown);
+      json["ideal"] = to_json(ideal);
+    }
     context.out << internal::readable(json) << "\n";
   } else {
-    context.out << section("loop", named.loop.discrete() ? fmt::format("discrete, every {} s",
-                                                                       number(named.loop.dt()))
-                                                         : "continuous")
-                << section("margins", to_text(report));
+    context.out << section(
+        "loop", named.loop.discrete() ? fmt::format("discrete, every {} s", number(named.loop.dt()))
+                                      : "continuous");
+    if (flown) context.out << section("flown loop", to_text(*flown));
+    context.out << section("margins", to_text(report));
+    if (flown) context.out << section("ideal", to_text(ideal));
   }
   if (!named.taken_as.empty()) context.note("margins: " + named.taken_as);
+  if (flown)
+    for (const std::string& note : flown_notes(*flown)) context.note("margins: note: " + note);
   for (const std::string& note : margin_notes(report)) context.note("margins: note: " + note);
   for (const std::string& warning : margin_warnings(report))
     context.note("margins: warning: " + warning);
@@ -289,7 +350,7 @@ Verb margins_verb() {
   return {
       "margins",
       "--num LIST --den LIST [--delay S]   or   --A FILE --B FILE --K FILE [--discrete --dt T | "
-      "--sampled DT]   or   V --gains FILE",
+      "--sampled DT]   or   V --gains FILE [--plant ideal]",
       "gain, phase, delay and disk margins of a loop under negative feedback",
       "quadtune margins --num 25 --den 1,10,10,10", [](CLI::App& app) -> Action {
         auto options = std::make_shared<Options>();
@@ -317,8 +378,27 @@ Verb margins_verb() {
         add_number(app, "--delay", options->delay,
                    "delay in the loop [s]; whole samples of a discrete one")
             ->type_name("S");
+        app.add_option(
+               "--plant", options->plant,
+               "with V: flown (default) has the rotors' lag, the sensors' clocks and delays "
+               "and the estimator in it; ideal is the textbook's")
+            ->type_name("NAME");
+        app.add_option("--estimator", options->estimator,
+                       "with V: as of `quadtune fly`; by the sensors")
+            ->type_name("NAME");
+        app.add_option("--sensors", options->sensors, "with V: real (default) or ideal")
+            ->type_name("NAME");
+        add_number(app, "--height", options->height, "with V: of the hover [m]; 1.1")
+            ->type_name("M");
+        std::vector<CLI::Option*> of_flown;
+        for (const char* name : {"--estimator", "--sensors", "--height", "--plant"})
+          of_flown.push_back(app.get_option(name));
         add_plot_option(app, options->plot);
-        return [options, dt, sampled](Context& context) {
+        return [options, dt, sampled, of_flown](Context& context) {
+          std::string came;
+          for (const CLI::Option* option : of_flown)
+            if (came.empty() && option->count() > 0) came = option->get_name();
+          require_flown(*options, came);
           run(*options, dt->count() > 0, sampled->count() > 0, context);
         };
       }};

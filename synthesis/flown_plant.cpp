@@ -35,7 +35,6 @@ using internal::LinearEstimator;
 using internal::Reading;
 
 constexpr const char* kWhere = "flown plant";
-constexpr double kMostDelay = 40;            ///< [control periods]
 constexpr std::size_t kLongestRound = 1000;  ///< [control periods]
 /// Into so many parts a clock is rounded that does not repeat with the others within that.
 constexpr double kRounding = 1000;
@@ -185,11 +184,11 @@ class Assembly {
       if (!internal::reads(setup, reading)) continue;
       const std::optional<SensorFaults> faults = faults_of(sensors, reading);
       if (!faults || std::isnan(body_.readings(kReadingFirst[i]))) continue;
-      if (faults->delay > kMostDelay * options_.dt * (1 + 1e-9))
-        throw InvalidInput(kWhere,
-                           fmt::format("the {} is {} s late, expected at most {:g} control "
-                                       "periods of {} s",
-                                       kReadingNames[i], faults->delay, kMostDelay, options_.dt));
+      if (faults->delay > kMostDelayPeriods * options_.dt * (1 + 1e-9))
+        throw InvalidInput(
+            kWhere, fmt::format("the {} is {} s late, expected at most {} control "
+                                "periods of {} s",
+                                kReadingNames[i], faults->delay, kMostDelayPeriods, options_.dt));
       Channel channel;
       channel.reading = reading;
       channel.rate = faults->rate;
@@ -398,9 +397,10 @@ FlownPlant flown_plant(const FlightSetup& setup, const FlownPlantOptions& option
           fmt::format("the control period is {} s", options.dt), "a positive number");
   require(options.height > 0 && std::isfinite(options.height),
           fmt::format("the height is {} m", options.height), "a positive number");
-  require(options.command_delay >= 0 && options.command_delay <= kMostDelay * options.dt,
+  require(options.command_delay >= 0 &&
+              options.command_delay <= kMostDelayPeriods * options.dt * (1 + 1e-9),
           fmt::format("the command delay is {} s", options.command_delay),
-          fmt::format("0 to {:g} control periods of {} s", kMostDelay, options.dt));
+          fmt::format("0 to {} control periods of {} s", kMostDelayPeriods, options.dt));
   return Assembly(setup, options).make();
 }
 

@@ -76,7 +76,9 @@ FlownFlight fly_one(const DesignOutcome& outcome, const MissionRequest& request,
   PlannedFlight plan = plan_of(outcome, request, mission, seed);
   plan.setup.log = keep_log;
   take_tuned_noise(outcome.design, plan.setup);
-  return fly_planned(std::move(plan), stop);
+  FlownFlight flight = fly_planned(std::move(plan), stop);
+  judge_loop(flight);
+  return flight;
 }
 
 }  // namespace

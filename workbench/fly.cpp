@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <complex>
 #include <utility>
 
 namespace quadtune {
@@ -78,9 +79,24 @@ std::string in_words(Metric metric, double value) {
   return fmt::format("{:.4g}{}", value, unit == "1" ? "" : " " + unit);
 }
 
+void judge_loop(FlownFlight& flight) {
+  const MissionKind& kind = flight.plan.setup.mission.kind;
+  if (std::holds_alternative<MotorTest>(kind) || std::holds_alternative<Carried>(kind)) return;
+  FlownLoopOptions at;
+  at.evidence = MarginsEvidence::none;
+  if (const auto* hover = std::get_if<Hover>(&kind); hover != nullptr && hover->position.z() < 0)
+    at.height = -hover->position.z();
+  flight.loop = flown_loop(flight.plan, at);
+  if (flight.loop->grows()) flight.passed = false;
+}
+
 std::vector<std::string> reasons(const FlownFlight& flight) {
   std::vector<std::string> why;
   const FlightResult& result = flight.result;
+  if (flight.loop && flight.loop->grows())
+    why.push_back(fmt::format("the flown loop is unstable at {} m, largest |z| {:.6f}: {}; {}",
+                              flight.loop->at.height, std::abs(flight.loop->mode.z),
+                              in_words(*flight.loop), what_helps(flight.plan, *flight.loop)));
   if (result.end == FlightEnd::diverged)
     why.push_back(fmt::format("diverged at {:.4g} s: state {} left every range that means anything",
                               result.end_time, result.culprit));

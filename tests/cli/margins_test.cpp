@@ -80,7 +80,9 @@ TEST(MarginsVerb, OfAVehiclesGains) {
   const Json& expected = designed["lqr"]["margins"];
   EXPECT_EQ(designed["verdict"], "pass");
   EXPECT_TRUE(designed["warnings"].empty());
-  const Json read = json_of({"margins", "uquad", "--gains", out});
+  const Json read = json_of({"margins", "uquad", "--gains", out, "--plant", "ideal"});
+  EXPECT_EQ(read["plant"], "ideal");
+  EXPECT_FALSE(read.contains("flown"));
   ASSERT_EQ(read["loops"].size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(read["loops"][i]["name"], expected["loops"][i]["name"]);
@@ -93,10 +95,42 @@ TEST(MarginsVerb, OfAVehiclesGains) {
   // Fourteen samples later the loop is lost; the delay margin is less than ten.
   const double samples = double(expected["loops"][0]["delay_margin_s"]) / 0.01;
   EXPECT_LT(samples, 10);
-  const Json late = json_of({"margins", "uquad", "--gains", out, "--delay", "0.14"});
+  const Json late =
+      json_of({"margins", "uquad", "--gains", out, "--delay", "0.14", "--plant", "ideal"});
   EXPECT_FALSE(late["loops"][0]["stable"]);
   EXPECT_TRUE(
       json_of({"margins", "uquad", "--gains", out, "--delay", "0.01"})["loops"][0]["stable"]);
+  // The flown loop beside it: more delay, less margin, and the same textbook's.
+  const Json flown = json_of({"margins", "uquad", "--gains", out});
+  EXPECT_EQ(flown["plant"], "flown");
+  EXPECT_EQ(flown["ideal"]["loops"], read["loops"]);
+  EXPECT_TRUE(flown["flown"]["stable"]);
+  EXPECT_LT(flown["flown"]["largest_pole"], 1);
+  EXPECT_EQ(flown["flown"]["periods"], 100);  // GPS of 1 Hz, law of 100 Hz
+  EXPECT_EQ(flown["flown"]["estimator"], "uquad");
+  EXPECT_TRUE(flown["flown"]["drifts"].empty());
+  for (const Json& loop : flown["loops"]) EXPECT_TRUE(loop["stable"]);
+}
+
+/// Flow and gyroscope that are not of one instant throw the Mambo's state feedback, the higher the
+/// sooner: its textbook's margins do not know.
+TEST(MarginsVerb, OfTheFlownLoopKnowTheEstimator) {
+  const std::string design = testing::source_folder() + "/designs/mambo-hover.toml";
+  const Json aligned = json_of({"margins", "mambo", "--gains", design});
+  EXPECT_TRUE(aligned["flown"]["stable"]);
+  EXPECT_EQ(aligned["flown"]["drifts"], Json({"px", "py", "yaw"}));
+  const Json original = json_of(
+      {"margins", "mambo", "--gains", design, "--estimator", "mambo-original", "--height", "3"});
+  EXPECT_FALSE(original["flown"]["stable"]);
+  EXPECT_GT(original["flown"]["largest_pole"], 1.01);
+  for (const Json& loop : original["ideal"]["loops"]) EXPECT_TRUE(loop["stable"]);
+  const ProgramResult text = run_program({"margins", "mambo", "--gains", design});
+  EXPECT_EQ(text.status, 0);
+  for (const char* part : {"hover at 1.1 m, estimator mambo, real sensors; the clocks repeat every "
+                           "10 periods",
+                           "stable, largest |z| 0.99", "--plant ideal"})
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text.out;
+  EXPECT_NE(text.err.find("tells of px, py and yaw"), std::string::npos) << text.err;
 }
 
 TEST(MarginsVerb, OfLqrAreTheGuaranteed) {

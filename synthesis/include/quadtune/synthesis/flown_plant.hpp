@@ -18,6 +18,9 @@
 
 namespace quadtune {
 
+/// The longest delay of a sensor or of the commands [control periods].
+inline constexpr int kMostDelayPeriods = 40;
+
 /// What a flown plant is built for, beside a flight's setup.
 struct FlownPlantOptions {
   InputKind inputs = InputKind::wrench;  ///< what the law commands

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "quadtune/simulation/mission.hpp"
 #include "quadtune/workbench/flight_options.hpp"
 #include "quadtune/workbench/flight_plan.hpp"
+#include "quadtune/workbench/flown_loop.hpp"
 
 namespace quadtune {
 
@@ -21,7 +23,14 @@ struct FlownFlight {
   Verdict verdict;    ///< of the mission's limits; it was flown to the end
   double wall_s = 0;  ///< time that the computer took [s]
   bool passed = false;
+  /// Near the mission's hover, where somebody asked for it; a flight whose loop grows has not
+  /// passed.
+  std::optional<FlownLoop> loop = {};
 };
+
+/// Looks at the loop of a flight too, at the height of its hover. Flights without a law have none.
+/// @throws InvalidInput  as flown_loop()
+void judge_loop(FlownFlight& flight);
 
 /// Plans, flies and judges: what `quadtune fly` does, for a vehicle in memory.
 ///

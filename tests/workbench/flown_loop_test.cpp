@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The loop of a flight as it flies, and designs that are refused by it.
+#include "quadtune/workbench/flown_loop.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <complex>
+#include <string>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/model/vehicle.hpp"
+#include "quadtune/workbench/design.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(FlownLoop, OfADesignedCascadeHoldsAtEveryHeight) {
+  const PlannedFlight plan = plan_flight({.vehicle = "mambo"}, "test");
+  for (const double height : {0.5, 1.1, 2.0, 3.0, 4.0}) {
+    const FlownLoop loop = flown_loop(plan, {.height = height});
+    EXPECT_TRUE(loop.stable()) << height << ": " << in_words(loop);
+    EXPECT_GT(loop.decay(), 0);
+    EXPECT_EQ(loop.period, 10U);
+    ASSERT_EQ(loop.margins.loops.size(), 4U);
+    for (const LoopMargins& margins : loop.margins.loops) EXPECT_TRUE(margins.stable);
+  }
+}
+
+/// Without the alignment of flow and gyroscope the same cascade falls from 3 m, as flights showed.
+TEST(FlownLoop, KnowsWhyTheMamboFell) {
+  const PlannedFlight plan = plan_flight({.vehicle = "mambo", .estimator = "mambo"}, "test");
+  PlannedFlight before = plan;
+  before.setup.mambo_estimator.aligned_periods = 0;
+  EXPECT_TRUE(flown_loop(before, {.height = 2.0}).stable());
+  const FlownLoop loop = flown_loop(before, {.height = 4.0});
+  EXPECT_TRUE(loop.grows()) << in_words(loop);
+  EXPECT_THAT(in_words(loop), HasSubstr("doubles in"));
+  const std::string why = what_helps(before, loop);
+  EXPECT_THAT(why, HasSubstr("true states"));
+  EXPECT_THAT(why, HasSubstr("sensors without delay"));
+}
+
+TEST(FlownLoop, TellsDelayedCommandsFromPrompt) {
+  const PlannedFlight plan = plan_flight({.vehicle = "mambo"}, "test");
+  const FlownLoop prompt = flown_loop(plan);
+  const FlownLoop late = flown_loop(plan, {.command_delay = 0.006});
+  for (std::size_t i = 1; i < 3; ++i)
+    EXPECT_LT(late.margins.loops[i].phase_margin, prompt.margins.loops[i].phase_margin);
+  EXPECT_TRUE(flown_loop(plan, {.command_delay = 0.05}).grows());
+}
+
+/// An LQR that does not know of 72 ms of lag hovers well with true states, as nothing disturbs it,
+/// and is unstable.
+TEST(Design, DoesNotPassWithAFlownLoopThatGrows) {
+  const Vehicle crazyflie = load_vehicle("crazyflie");
+  DesignRequirements requirements;
+  requirements.lqr = usual_lqr(crazyflie);
+  requirements.missions = {{.mission = "hover", .estimator = "truth"}};
+  const DesignOutcome outcome = design(crazyflie, requirements);
+  ASSERT_EQ(outcome.flights.size(), 1U);
+  const FlownFlight& flight = outcome.flights[0];
+  EXPECT_TRUE(flight.verdict.ok);
+  EXPECT_FALSE(flight.passed);
+  ASSERT_TRUE(flight.loop);
+  EXPECT_NEAR(std::abs(flight.loop->mode.z), 1.0012, 2e-4);
+  ASSERT_FALSE(reasons(flight).empty());
+  EXPECT_THAT(reasons(flight)[0],
+              HasSubstr("the flown loop is unstable at 1.1 m, largest |z| 1.00"));
+  EXPECT_THAT(reasons(flight)[0], HasSubstr("rotors without lag"));
+}
+
+TEST(FlownLoop, SaysWhatNoSensorTells) {
+  const FlownLoop loop = flown_loop(plan_flight({.vehicle = "mambo"}, "test"));
+  ASSERT_FALSE(flown_notes(loop).empty());
+  bool told = false;
+  for (const std::string& note : flown_notes(loop))
+    told = told || note.find("tells of px, py and yaw") != std::string::npos;
+  EXPECT_TRUE(told);
+}
+
+}  // namespace
+}  // namespace quadtune
