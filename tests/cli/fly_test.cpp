@@ -148,7 +148,8 @@ TEST(Fly, WritesAReportOfOneFile) {
 }
 
 TEST(Fly, ALostVehicleEndsWithOneAndSaysWhy) {
-  const ProgramResult result = run_program({"fly", "mambo", "--controller", "state-feedback"});
+  const ProgramResult result = run_program(
+      {"fly", "mambo", "--controller", "state-feedback", "--estimator", "mambo-original"});
   EXPECT_EQ(result.status, 1);
   EXPECT_THAT(result.err, HasSubstr("fly: safety exit 'tilt' at "));
   EXPECT_THAT(result.out, HasSubstr("verdict: fail"));
