@@ -50,7 +50,8 @@ struct Options {
 struct NamedLoop {
   OpenLoop loop;
   std::vector<std::string> names;
-  std::string taken_as = {};  ///< what matrices were taken for, where nothing declared it
+  std::string taken_as = {};    ///< what matrices were taken for, where nothing declared it
+  std::string controller = {};  ///< of a vehicle's loop: FlightOptions::controller
 };
 
 /// What A and B are, as `lqr` asks it.
@@ -207,7 +208,7 @@ NamedLoop vehicle_loop(const Options& options) {
     const DiscreteLti law = cascade_law(cascade.gains, cascade.method);
     const DiscreteLti plant = cascade_plant(vehicle, cascade, options.gains);
     return {OpenLoop(delayed(cut_at_inputs(plant, law), options.delay)),
-            names_or_numbers(law.outputs, std::ssize(law.outputs))};
+            names_or_numbers(law.outputs, std::ssize(law.outputs)), "", "cascaded-pid"};
   }
   const Gains& gains = *given.laws.gains;
   if (!(gains.dt > 0))
@@ -216,15 +217,15 @@ NamedLoop vehicle_loop(const Options& options) {
                        "loop is looked at as it flies");
   const VerifyModel model = model_of(vehicle, gains);
   return {OpenLoop(delayed(open_loop(model.plant, gains), options.delay)),
-          names_or_numbers(gains.inputs, std::ssize(gains.inputs))};
+          names_or_numbers(gains.inputs, std::ssize(gains.inputs)), "", "state-feedback"};
 }
 
 /// The same as it flies: with the rotors' lag, the sensors and the estimator.
-FlownLoop flown_vehicle_loop(const Options& options) {
+FlownLoop flown_vehicle_loop(const Options& options, const std::string& controller) {
   FlightOptions flight;
   flight.vehicle = options.vehicle;
   flight.gains = options.gains;
-  flight.controller = read_given_laws(options.gains).laws.gains ? "state-feedback" : "cascaded-pid";
+  flight.controller = controller;
   flight.estimator = options.estimator;
   flight.sensors = options.sensors;
   FlownLoopOptions at;
@@ -313,7 +314,8 @@ void run(const Options& options, bool has_dt, bool has_sampled, Context& context
                  : transfer_function_loop(options, has_dt);
   const MarginsReport ideal = margins_report(named.loop, named.names);
   std::optional<FlownLoop> flown;
-  if (!options.vehicle.empty() && options.plant == "flown") flown = flown_vehicle_loop(options);
+  if (!options.vehicle.empty() && options.plant == "flown")
+    flown = flown_vehicle_loop(options, named.controller);
   const MarginsReport& report = flown ? flown->margins : ideal;
   draw(
       options.plot, [&] { return margins_figure(figure_title(options), named.loop, ideal); },
