@@ -10,11 +10,16 @@ namespace quadtune::internal {
 
 FlightRecorder::FlightRecorder(const FlightSetup& setup, const Sensors& sensors, int rotors,
                                std::size_t rows)
-    : has_{sensors.accelerometer.has_value(), sensors.gyroscope.has_value(),
-           sensors.magnetometer.has_value(),  sensors.barometer.has_value(),
-           sensors.sonar.has_value(),         sensors.flow.has_value(),
-           sensors.gps.has_value(),           sensors.vision.has_value(),
-           flown_vehicle(setup).battery.has_value(),  WindModel<1>({setup.environment.wind}, 1, 0).windy()},
+    : has_{sensors.accelerometer.has_value(),
+           sensors.gyroscope.has_value(),
+           sensors.magnetometer.has_value(),
+           sensors.barometer.has_value(),
+           sensors.sonar.has_value(),
+           sensors.flow.has_value(),
+           sensors.gps.has_value(),
+           sensors.vision.has_value(),
+           flown_vehicle(setup).battery.has_value(),
+           WindModel<1>({setup.environment.wind}, 1, 0).windy()},
       rows_(rows) {
   table_.about = {{"vehicle", flown_vehicle(setup).name},
                   {"mission", setup.mission.name},
