@@ -15,18 +15,16 @@
 #include "quadtune/lti.hpp"
 #include "quadtune/simulation/flight.hpp"
 #include "quadtune/synthesis/periodic_loop.hpp"
+#include "quadtune/synthesis/uncertain_loop.hpp"
 
 namespace quadtune {
-
-/// The longest delay of a sensor or of the commands [control periods].
-inline constexpr int kMostDelayPeriods = 40;
 
 /// What a flown plant is built for, beside a flight's setup.
 struct FlownPlantOptions {
   InputKind inputs = InputKind::wrench;  ///< what the law commands
   double dt = 0.005;                     ///< control period [s], > 0
   double height = 1.1;                   ///< of the hover above the ground [m], > 0
-  double command_delay = 0;  ///< from the law's output to the rotors' command [s], 0 … 40 dt
+  double command_delay = 0;  ///< from the law's output to the rotors' command [s], [0, kMostDelayPeriods dt]
 };
 
 /// Linear about a hover with the heading north, exact for inputs that are held over a control
@@ -45,8 +43,8 @@ struct FlownPlant {
 /// with the gains that its covariances settle to. Of the sensors their clocks, delays, responses
 /// and scale factors count; bias, noise, limits, quanta and lost samples do not.
 /// @param setup  its vehicle, flown vehicle, sensors, estimator and environment
-/// @throws InvalidInput  for a period, height or delay out of range, a sensor's delay beyond 40
-///                       control periods, or a vehicle that cannot hover, with its culprit
+/// @throws InvalidInput  for a period, height or delay out of range, a sensor's delay beyond
+///                       kMostDelayPeriods control periods, or a vehicle that cannot hover, with its culprit
 [[nodiscard]] FlownPlant flown_plant(const FlightSetup& setup, const FlownPlantOptions& options);
 
 /// A state feedback as a law for flown_plant(): from the 12 states to its commands. An integral

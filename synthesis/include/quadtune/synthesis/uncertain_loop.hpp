@@ -38,7 +38,8 @@ struct LoopBox {
   double delay_high = 0;  ///< [s], ≥ delay_low
 };
 
-/// Most periods that a delay may last: each is a state for every input.
+/// The longest delay of a loop, of its commands or of a sensor [control periods]: each period adds
+/// one state to every delayed signal.
 inline constexpr int kMostDelayPeriods = 60;
 
 /// Checks shapes and finiteness.

@@ -18,7 +18,7 @@ namespace quadtune {
 /// Where the loop is looked at, beside what the plan says.
 struct FlownLoopOptions {
   double height = 1.1;       ///< of the hover above the ground [m], > 0
-  double command_delay = 0;  ///< from the law's output to the rotors [s], 0 … 40 control periods
+  double command_delay = 0;  ///< from the law's output to the rotors [s], 0 … kMostDelayPeriods control periods
   MarginsEvidence evidence = MarginsEvidence::essential;  ///< all at once is never computed
 };
 
