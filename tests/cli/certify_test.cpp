@@ -155,7 +155,7 @@ TEST_F(CertifyTest, RefusesBadBoxes) {
   EXPECT_THAT(refused({out, "--thrust", "0:1"}, 2), HasSubstr("--thrust is '0:1'"));
   EXPECT_THAT(refused({out, "--thrust", "nan:1"}, 2), HasSubstr("--thrust is 'nan:1'"));
   EXPECT_THAT(refused({out, "--delay", "-0.1:0"}, 2), HasSubstr("--delay is '-0.1:0'"));
-  EXPECT_THAT(refused({out, "--delay", "0:1"}, 2), HasSubstr("at most 60 periods of 0.01 s"));
+  EXPECT_THAT(refused({out, "--delay", "0:1"}, 2), HasSubstr("at most 40 periods of 0.01 s"));
   EXPECT_THAT(refused({out, "--lag", "0:0.1"}, 2), HasSubstr("--lag is '0:0.1'"));
   EXPECT_THAT(refused({out, "--controller", "pdi"}, 2), HasSubstr("--controller is 'pdi'"));
   EXPECT_THAT(refused({out, "--budget", "0"}, 2), HasSubstr("--budget"));

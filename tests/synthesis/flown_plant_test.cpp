@@ -357,10 +357,10 @@ TEST(FlownPlant, RefusesWhatItCannotBeBuiltFor) {
   refused(setup, {InputKind::wrench, 0.005, 0}, "the height is 0 m");
   refused(setup, {InputKind::wrench, 0.005, 1, nan}, "the command delay is nan s");
   refused(setup, {InputKind::wrench, 0.005, 1, -0.1}, "the command delay is -0.1 s");
-  refused(setup, {InputKind::wrench, 0.005, 1, 0.31}, "expected 0 to 60 control periods");
+  refused(setup, {InputKind::wrench, 0.005, 1, 0.21}, "expected 0 to 40 control periods");
   FlightSetup late = setup;
   late.vehicle.sensors.gyroscope->delay = 0.31;
-  refused(late, {}, "the gyroscope is 0.31 s late, expected at most 60 control periods");
+  refused(late, {}, "the gyroscope is 0.31 s late, expected at most 40 control periods");
   FlightSetup heavy = setup;
   heavy.vehicle.mass = 10;
   refused(heavy, {}, "'mambo' cannot hover");

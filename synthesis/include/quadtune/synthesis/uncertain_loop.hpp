@@ -40,7 +40,7 @@ struct LoopBox {
 
 /// The longest delay of a loop, of its commands or of a sensor [control periods]: each period adds
 /// one state to every delayed signal.
-inline constexpr int kMostDelayPeriods = 60;
+inline constexpr int kMostDelayPeriods = 40;
 
 /// Checks shapes and finiteness.
 /// @throws InvalidInput  naming the matrix, its shape and what was expected.
