@@ -64,6 +64,16 @@ Eigen::MatrixXd map_columns(const Eigen::MatrixXd& K, const Map& map) {
 
 }  // namespace
 
+CommandMemory in_inputs(const CommandMemory& memory, const Eigen::MatrixXd& W) {
+  CommandMemory result = memory;
+  result.lag = W.cwiseAbs() * memory.lag;
+  result.K_lag = W * memory.K_lag * W.transpose();
+  const Eigen::Index nu = W.rows();
+  for (Eigen::Index k = 0; k < memory.past; ++k)
+    result.K_past.middleCols(k * nu, nu) = W * memory.K_past.middleCols(k * nu, nu) * W.transpose();
+  return result;
+}
+
 Gains in_convention(const Gains& gains, const Convention& target, SignLaw sign_law) {
   validate(gains, "in_convention");
   const Convention& source = convention(gains.convention, "in_convention");
@@ -86,6 +96,7 @@ Gains in_convention(const Gains& gains, const Convention& target, SignLaw sign_l
     result.K = W * result.K;
     result.K_int = W * result.K_int;
     result.u0 = W * gains.u0;
+    if (gains.memory) result.memory = in_inputs(*gains.memory, W);
   }
   return result;
 }

@@ -96,6 +96,49 @@ void compare(const std::string& matrix, const Eigen::MatrixXd& A, const Eigen::M
     }
 }
 
+/// Columns of K_past: the inputs of the last command, of the one before it, …
+std::vector<Signal> past_commands(const std::vector<Signal>& inputs, int past) {
+  std::vector<Signal> all;
+  for (int k = 1; k <= past; ++k)
+    for (const Signal& input : inputs)
+      all.push_back({fmt::format("{}[-{}]", input.name, k), input.unit});
+  return all;
+}
+
+/// Compares axes, limits and memory. A law without memory is compared as one with all memory gains
+/// 0, no past commands and a lag of 0.
+void compare_dynamics(const Gains& a, const Gains& b, GainsDiff& result) {
+  compare("heading_axes", "", a.axes == PositionAxes::heading ? 1 : 0,
+          b.axes == PositionAxes::heading ? 1 : 0, result);
+  compare("position_error_m", "", a.limits.position_error, b.limits.position_error, result);
+  compare("conditional_integration", "", a.limits.conditional_integration ? 1 : 0,
+          b.limits.conditional_integration ? 1 : 0, result);
+  if (!a.memory && !b.memory) return;
+  const Eigen::Index nu = a.K.rows();
+  const CommandMemory none{Eigen::VectorXd::Zero(nu), Eigen::MatrixXd::Zero(nu, nu), 0,
+                           Eigen::MatrixXd::Zero(nu, 0)};
+  Eigen::MatrixXd order(nu, nu);
+  for (Eigen::Index i = 0; i < nu; ++i)
+    for (Eigen::Index j = 0; j < nu; ++j)
+      order(i, j) =
+          a.inputs[static_cast<std::size_t>(i)].name == b.inputs[static_cast<std::size_t>(j)].name
+              ? 1
+              : 0;
+  const CommandMemory x = a.memory ? *a.memory : none;
+  const CommandMemory y = b.memory ? in_inputs(*b.memory, order) : none;
+  compare("past", "", x.past, y.past, result);
+  for (Eigen::Index i = 0; i < nu; ++i)
+    compare("lag_s", a.inputs[static_cast<std::size_t>(i)].name, x.lag(i), y.lag(i), result);
+  compare("K_lag", x.K_lag, y.K_lag, a.inputs, a.inputs, result);
+  const int past = std::max(x.past, y.past);
+  const auto padded = [&](const CommandMemory& memory) {
+    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(nu, past * nu);
+    K.leftCols(memory.K_past.cols()) = memory.K_past;
+    return K;
+  };
+  compare("K_past", padded(x), padded(y), a.inputs, past_commands(a.inputs, past), result);
+}
+
 }  // namespace
 
 GainsDiff diff(const Gains& a, const Gains& b) {
@@ -117,6 +160,7 @@ GainsDiff diff(const Gains& a, const Gains& b) {
   compare("K", a.K, as_first(turned.K, turned.states, a.states), a.inputs, a.states, result);
   compare("K_int", a.K_int, as_first(turned.K_int, turned.integrals, a.integrals), a.inputs,
           a.integrals, result);
+  compare_dynamics(a, turned, result);
   sort_entries(result);
   return result;
 }
@@ -129,6 +173,10 @@ GainsDiff diff(const CascadeDesign& a, const CascadeDesign& b) {
   compare("integrator_limit", "", a.integrator_limit, b.integrator_limit, result);
   compare("back_calculation_per_s", "", a.back_calculation, b.back_calculation, result);
   compare("takeoff_time_s", "", a.takeoff_time, b.takeoff_time, result);
+  compare("velocity_feed_forward", "", a.velocity_feed_forward ? 1 : 0,
+          b.velocity_feed_forward ? 1 : 0, result);
+  compare("conditional_integration", "", a.conditional_integration ? 1 : 0,
+          b.conditional_integration ? 1 : 0, result);
   for (const CascadeAxis axis : kAllCascadeAxes) {
     const std::string name = to_string(axis);
     const PidLoop x = loop_of(a.gains, axis);

@@ -118,13 +118,16 @@ std::string vehicle_json_text(const Vehicle& vehicle) {
 std::string gains_json_text(const ExportContent& content) {
   Json json;
   json["format"] = "quadtune-gains";
-  json["format_version"] = 1;
-  if (content.gains) json["gains"] = exports::gains_to_json(*content.gains);
+  const bool dynamic = content.gains && exports::has_dynamic_parts(*content.gains);
+  const int version = dynamic || content.estimator ? 2 : 1;
+  json["format_version"] = version;
+  if (content.gains) json["gains"] = exports::gains_to_json(*content.gains, version);
   json["vehicle"] = exports::vehicle_to_json(content.vehicle);
   json["filters"] = Json::array();
   for (const KalmanFilter& filter : content.filters)
     json["filters"].push_back(exports::filter_to_json(filter));
   if (content.cascade) json["cascade"] = exports::cascade_to_json(*content.cascade);
+  if (content.estimator) json["estimator"] = exports::estimator_to_json(*content.estimator);
   exports::add_weights(json, content.Q, content.R);
   return internal::readable(json) + "\n";
 }

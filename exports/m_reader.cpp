@@ -214,6 +214,14 @@ std::optional<CascadeDesign> parse_cascade_vars(const std::string& text,
   cascade.integrator_limit = scalar("integratorLimit").value_or(cascade.integrator_limit);
   cascade.back_calculation = scalar("backCalculation").value_or(0);
   cascade.takeoff_time = scalar("takeoffTime").value_or(0);
+  const auto truth = [&](const char* name) {
+    const double value = scalar(name).value_or(0);
+    if (value != 0 && value != 1)
+      throw InvalidInput(origin, fmt::format("{}{} is {}, expected 0 or 1", prefix, name, value));
+    return value == 1;
+  };
+  cascade.velocity_feed_forward = truth("velocityFeedForward");
+  cascade.conditional_integration = truth("conditionalIntegration");
   if (find(all, prefix + "integrator") != nullptr) {
     const std::vector<std::string> word = words_of(text, prefix + "integrator", origin);
     cascade.method = pid_method(word.empty() ? "" : word.front(), origin);

@@ -162,6 +162,16 @@ void add_state_feedback(MFile& m, const Gains& gains) {
                        fmt::format("the gain's sample time is {} s, expected a positive one, "
                                    "because the model project runs sampled",
                                    gains.dt));
+  if (gains.memory || gains.axes == PositionAxes::heading)
+    throw InvalidInput("mambo",
+                       fmt::format("the law {}, expected a matrix on the states in world axes, "
+                                   "which is all that controllerVars.m holds",
+                                   gains.memory ? "feeds back its past commands"
+                                                : "sees the position error in heading axes"));
+  if (gains.limits != FeedbackLimits{})
+    throw InvalidInput("mambo",
+                       "the law limits its position error or its integrals, expected none, because "
+                       "controllerVars.m holds the matrices alone");
   const std::string prefix = "Controller.StateFeedback.";
   const bool plain = gains.sign_law == SignLaw::set_point_minus_state;
   const std::string error = plain ? "(x_sp - x)" : "(x - x_sp)";
@@ -231,6 +241,13 @@ void add_cascade(MFile& m, const CascadeDesign& design) {
   limit("integratorLimit", design.integrator_limit, "");
   limit("backCalculation", design.back_calculation, "1/s");
   limit("takeoffTime", design.takeoff_time, "s");
+  // The model project has neither of these; a file without them means that the law has neither.
+  if (design.velocity_feed_forward)
+    m.number("Controller.Cascade.velocityFeedForward", 1,
+             "Kd acts on the velocity minus the reference velocity");
+  if (design.conditional_integration)
+    m.number("Controller.Cascade.conditionalIntegration", 1,
+             "an integral stops while the output exceeds its limits");
 }
 
 std::string controller_vars(const ExportContent& content) {

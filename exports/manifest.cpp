@@ -135,15 +135,16 @@ ExportKind export_kind(const std::string& name, const std::string& where) {
 std::string manifest_text(const Manifest& manifest) {
   Json json;
   json["format"] = exports::kManifestFormat;
-  json["format_version"] = 1;
+  const int version = manifest.gains && exports::has_dynamic_parts(*manifest.gains) ? 2 : 1;
+  json["format_version"] = version;
   json["kind"] = to_string(manifest.kind);
   json["vehicle"] = manifest.vehicle;
   if (!manifest.made_at.empty()) json["made_at"] = manifest.made_at;
   json["versions"] = Json::object();
-  for (const auto& [name, version] : manifest.versions) json["versions"][name] = version;
+  for (const auto& [name, number] : manifest.versions) json["versions"][name] = number;
   json["inputs"] = files_to_json(manifest.inputs);
   json["files"] = files_to_json(manifest.files);
-  if (manifest.gains) json["gains"] = exports::gains_to_json(*manifest.gains);
+  if (manifest.gains) json["gains"] = exports::gains_to_json(*manifest.gains, version);
   if (manifest.cascade) json["cascade"] = exports::cascade_to_json(*manifest.cascade);
   exports::add_weights(json, manifest.Q, manifest.R);
   json["evidence"] = evidence_to_json(manifest.evidence);
@@ -165,7 +166,8 @@ std::string manifest_text(const Manifest& manifest) {
 }
 
 Manifest parse_manifest(const std::string& text, const std::string& origin) {
-  const Json json = exports::parse_json(text, origin, exports::kManifestFormat);
+  const Json json =
+      exports::parse_json(text, origin, exports::kManifestFormat, exports::kGainsVersion);
   const auto path = [&](const std::string& key) { return origin + ": " + key; };
   Manifest manifest;
   manifest.kind = export_kind(
@@ -182,7 +184,8 @@ Manifest parse_manifest(const std::string& text, const std::string& origin) {
   manifest.inputs = files_from_json(member(json, "inputs", origin), path("inputs"));
   manifest.files = files_from_json(member(json, "files", origin), path("files"));
   if (json.contains("gains"))
-    manifest.gains = exports::gains_from_json(json["gains"], path("gains"));
+    manifest.gains =
+        exports::gains_from_json(json["gains"], path("gains"), exports::format_version(json));
   if (json.contains("cascade"))
     manifest.cascade = exports::cascade_from_json(json["cascade"], path("cascade"));
   std::tie(manifest.Q, manifest.R) = exports::weights_from_json(json, origin);

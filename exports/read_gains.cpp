@@ -31,11 +31,14 @@ using internal::Json;
 StoredLaws laws_of_json(const Json& json, const std::string& origin) {
   StoredLaws laws;
   if (json.contains("gains")) {
-    laws.gains = exports::gains_from_json(json["gains"], origin + ": gains");
+    laws.gains =
+        exports::gains_from_json(json["gains"], origin + ": gains", exports::format_version(json));
     laws.vehicle = laws.gains->vehicle;
   }
   if (json.contains("cascade"))
     laws.cascade = exports::cascade_from_json(json["cascade"], origin + ": cascade");
+  if (json.contains("estimator"))
+    laws.estimator = exports::estimator_from_json(json["estimator"], origin + ": estimator");
   if (laws.vehicle.empty() && json.contains("vehicle")) {
     const Json& vehicle = json["vehicle"];
     const std::string where = origin + ": vehicle";
@@ -48,7 +51,8 @@ StoredLaws laws_of_json(const Json& json, const std::string& origin) {
 }
 
 StoredLaws laws_of_json_text(const std::string& text, const std::string& origin) {
-  return laws_of_json(exports::parse_json(text, origin, kGainsFormat), origin);
+  return laws_of_json(exports::parse_json(text, origin, kGainsFormat, exports::kGainsVersion),
+                      origin);
 }
 
 StoredLaws laws_of_m_text(const std::string& text, const std::string& origin) {
@@ -133,8 +137,14 @@ StoredLaws read_file(const fs::path& path) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   const char mark = first == std::string::npos ? '\0' : text[first];
   if (mark == '{' || path.extension() == ".json") {
-    if (exports::json_format(text, origin) == exports::kManifestFormat)
+    if (exports::json_format(text, origin) == exports::kManifestFormat) {
+      // Its folder holds more than it does, such as the estimator.
+      if (path.filename() == kManifestName &&
+          parse_manifest(text, origin).kind == ExportKind::json &&
+          fs::exists(path.parent_path() / kGainsJsonName))
+        return read_json(path.parent_path() / kGainsJsonName);
       return laws_of_manifest(parse_manifest(text, origin));
+    }
     return laws_of_json_text(text, origin);
   }
   if (mark == '%' || path.extension() == ".m") return laws_of_m_text(text, origin);

@@ -20,7 +20,9 @@ class Table {
   }
   void add_unless(double if_absent, const std::string& key, const Eigen::Vector3d& value,
                   int axes) {
-    if ((value.head(axes).array() == if_absent).all()) return;
+    if (!(value.head(axes).array() == if_absent).all()) add_always(key, value, axes);
+  }
+  void add_always(const std::string& key, const Eigen::Vector3d& value, int axes) {
     if (axes == 1)
       add(key, value(0));
     else
@@ -40,6 +42,13 @@ class Table {
     add_unless(none.limit, "limit_" + unit, faults.limit);
     add_unless(0, "quantum_" + unit, faults.quantum);
     add_unless(0, "dropout", faults.dropout);
+    add_unless(0, "bias_turn_on_" + unit, faults.turn_on_bias, axes);
+    add_unless(0, "bias_walk_" + unit + "_per_sqrt_s", faults.bias_walk, axes);
+    if (faults.correlation > 0) {
+      add_always("correlated_noise_" + unit, faults.correlated_noise, axes);
+      add("correlation_s", faults.correlation);
+    }
+    add_unless(0, "vibration_" + unit + "_per_rad2_s2", faults.vibration, axes);
   }
 
   Json json() { return std::move(json_); }
@@ -48,6 +57,13 @@ class Table {
   std::string name_;
   Json json_ = Json::object();
 };
+
+Json gyroscope_to_json(const Sensors& sensors) {
+  Table table("gyroscope");
+  table.add_faults(*sensors.gyroscope, "rad_per_s", 3);
+  table.add_unless(0, "g_sensitivity_rad_per_s_per_m_per_s2", sensors.g_sensitivity, 3);
+  return table.json();
+}
 
 Json faults_to_json(const std::string& name, const SensorFaults& faults, const std::string& unit) {
   Table table(name);
@@ -78,6 +94,8 @@ Json to_json(const FlowSensor& flow) {
   table.add("half_field_x_rad", flow.half_field_x);
   table.add("half_field_y_rad", flow.half_field_y);
   table.add("least_height_m", flow.least_height);
+  if (std::isfinite(flow.greatest_height)) table.add("greatest_height_m", flow.greatest_height);
+  table.add_unless(0, "noise_per_height_rad_per_s_per_m", flow.noise_per_height);
   table.add("simplified_rate_gain", flow.simplified_rate_gain);
   return table.json();
 }
@@ -95,8 +113,7 @@ Json sensors_to_json(const Sensors& sensors) {
   Json json = Json::object();
   if (sensors.accelerometer)
     json["accelerometer"] = faults_to_json("accelerometer", *sensors.accelerometer, "m_per_s2");
-  if (sensors.gyroscope)
-    json["gyroscope"] = faults_to_json("gyroscope", *sensors.gyroscope, "rad_per_s");
+  if (sensors.gyroscope) json["gyroscope"] = gyroscope_to_json(sensors);
   if (sensors.magnetometer)
     json["magnetometer"] = faults_to_json("magnetometer", *sensors.magnetometer, "uT");
   if (sensors.barometer) json["barometer"] = to_json(*sensors.barometer);

@@ -43,7 +43,16 @@ Json rotor_to_json(const Rotor& rotor) {
   add_known(json, "chord_m", rotor.chord);
   if (rotor.blades > 0) json["blades"] = rotor.blades;
   add_unless(0, json, "inertia_kg_m2", rotor.inertia);
-  add_unless(0, json, "lag_s", rotor.lag);
+  if (lag_down(rotor) == rotor.lag) {
+    add_unless(0, json, "lag_s", rotor.lag);
+  } else {
+    json["lag_up_s"] = number_to_json(rotor.lag, "rotor.lag_up");
+    json["lag_down_s"] = number_to_json(rotor.lag_down, "rotor.lag_down");
+  }
+  add_unless(0, json, "drag_N_s2_per_rad_m", rotor.drag);
+  add_unless(0, json, "inflow_N_s2_per_rad_m", rotor.inflow);
+  add_unless(0, json, "flapping_N_s2_per_rad", rotor.flapping);
+  if (rotor.ground_effect) json["ground_effect"] = true;
   return json;
 }
 
@@ -56,6 +65,8 @@ Json motor_to_json(const MotorCommand& motor) {
   json["max_" + unit] = number_to_json(motor.max, "motor.max");
   if (squared) json["gain_rad2_per_s2_per_count"] = number_to_json(motor.gain, "motor.gain");
   add_unless(0, json, "quantum_" + unit, motor.quantum);
+  add_unless(0, json, "command_delay_s", motor.delay);
+  add_unless(0, json, "command_jitter_s", motor.delay_jitter);
   const auto is_one = [](int sign) { return sign == 1; };
   if (!std::all_of(motor.direction.begin(), motor.direction.end(), is_one))
     json["direction"] = motor.direction;
@@ -76,21 +87,78 @@ Json body_to_json(const Vehicle& vehicle) {
   return json;
 }
 
-std::string law_text(SignLaw law) {
-  return law == SignLaw::set_point_minus_state ? "u = u0 + K (x_sp - x) + K_int integral(x_sp - x)"
-                                               : "u = u0 + K (x - x_sp) + K_int integral(x - x_sp)";
+std::string law_text(const Gains& gains) {
+  const std::string text = gains.sign_law == SignLaw::set_point_minus_state
+                               ? "u = u0 + K (x_sp - x) + K_int integral(x_sp - x)"
+                               : "u = u0 + K (x - x_sp) + K_int integral(x - x_sp)";
+  return gains.memory ? text + " - K_lag (m - u0) - K_past (u_past - u0)" : text;
+}
+
+/// @throws InvalidInput  for a name that stands for no word
+bool truth_from_json(const Json& json, const std::string& where) {
+  if (!json.is_boolean())
+    throw InvalidInput(where, fmt::format("is {}, expected true or false", json.type_name()));
+  return json.get<bool>();
+}
+
+/// What version 1 of the file has no place for.
+void add_dynamic_parts(Json& json, const Gains& gains) {
+  json["axes"] = to_string(gains.axes);
+  Json limits = Json::object();
+  if (std::isfinite(gains.limits.position_error))
+    limits["position_error_m"] = gains.limits.position_error;
+  limits["conditional_integration"] = gains.limits.conditional_integration;
+  json["limits"] = limits;
+  if (!gains.memory) {
+    json["memory"] = nullptr;
+    return;
+  }
+  Json& memory = json["memory"];
+  memory["actuators"] = "m[k+1] = m[k] + (1 - exp(-dt/lag)) (u[k - past] - m[k])";
+  memory["lag_s"] = vector_to_json(gains.memory->lag, "lag");
+  memory["K_lag"] = matrix_to_json(gains.memory->K_lag, "K_lag");
+  memory["past"] = gains.memory->past;
+  memory["K_past"] = matrix_to_json(gains.memory->K_past, "K_past");
+}
+
+void read_dynamic_parts(const Json& json, const std::string& where, Gains& gains) {
+  using internal::member;
+  const std::string limits_at = where + ".limits", memory_at = where + ".memory";
+  gains.axes = position_axes(
+      internal::string_from_json(member(json, "axes", where), where + ".axes"), where + ".axes");
+  const Json& limits = member(json, "limits", where);
+  if (limits.is_object() && limits.contains("position_error_m"))
+    gains.limits.position_error =
+        internal::number_from_json(limits["position_error_m"], limits_at + ".position_error_m");
+  gains.limits.conditional_integration = truth_from_json(
+      member(limits, "conditional_integration", limits_at), limits_at + ".conditional_integration");
+  const Json& memory = member(json, "memory", where);
+  if (memory.is_null()) return;
+  const auto at = [&](const char* key) -> const Json& { return member(memory, key, memory_at); };
+  CommandMemory read;
+  read.lag = internal::vector_from_json(at("lag_s"), memory_at + ".lag_s");
+  read.K_lag = internal::matrix_from_json(at("K_lag"), memory_at + ".K_lag");
+  const double past = internal::number_from_json(at("past"), memory_at + ".past");
+  if (past != std::floor(past) || past < 0 || past > kMostPastCommands)
+    throw InvalidInput(memory_at + ".past", fmt::format("is {}, expected a whole number from 0 to "
+                                                        "{}",
+                                                        past, kMostPastCommands));
+  read.past = static_cast<int>(past);
+  read.K_past = internal::matrix_from_json(at("K_past"), memory_at + ".K_past");
+  if (read.past == 0 && read.K_past.size() == 0) read.K_past.resize(gains.K.rows(), 0);
+  gains.memory = std::move(read);
 }
 
 }  // namespace
 
-Json gains_to_json(const Gains& gains) {
+Json gains_to_json(const Gains& gains, int version) {
   validate(gains, "json");
   const Convention& c = convention(gains.convention, "json");
   Json json;
   json["vehicle"] = gains.vehicle;
   json["convention"] = {{"name", c.name}, {"description", c.description}};
   json["sign_law"] = to_string(gains.sign_law);
-  json["law"] = law_text(gains.sign_law);
+  json["law"] = law_text(gains);
   json["input_kind"] = to_string(gains.input_kind);
   json["dt_s"] = gains.dt;
   json["states"] = signals_to_json(gains.states);
@@ -100,10 +168,15 @@ Json gains_to_json(const Gains& gains) {
   json["u0"] = vector_to_json(gains.u0, "u0");
   json["K"] = matrix_to_json(gains.K, "K");
   json["K_int"] = matrix_to_json(gains.K_int, "K_int");
+  if (version >= 2) add_dynamic_parts(json, gains);
   return json;
 }
 
-Gains gains_from_json(const Json& json, const std::string& where) {
+bool has_dynamic_parts(const Gains& gains) {
+  return gains.memory || gains.axes != PositionAxes::world || gains.limits != FeedbackLimits{};
+}
+
+Gains gains_from_json(const Json& json, const std::string& where, int version) {
   using internal::member;
   const auto path = [&](const char* key) { return where + "." + key; };
   const auto at = [&](const char* key) -> const Json& { return member(json, key, where); };
@@ -115,11 +188,6 @@ Gains gains_from_json(const Json& json, const std::string& where) {
   (void)convention(gains.convention, path("convention.name"));
   gains.sign_law = sign_law(text("sign_law"), path("sign_law"));
   gains.input_kind = input_kind(text("input_kind"), path("input_kind"));
-  // Derived from the sign law, for who reads the file: it must not say something else.
-  if (json.contains("law") && text("law") != law_text(gains.sign_law))
-    throw InvalidInput(path("law"),
-                       fmt::format("is '{}', expected '{}' because sign_law is {}", text("law"),
-                                   law_text(gains.sign_law), to_string(gains.sign_law)));
   gains.dt = internal::number_from_json(at("dt_s"), path("dt_s"));
   gains.states = internal::signals_from_json(at("states"), path("states"));
   gains.inputs = internal::signals_from_json(at("inputs"), path("inputs"));
@@ -129,6 +197,20 @@ Gains gains_from_json(const Json& json, const std::string& where) {
   gains.K = internal::matrix_from_json(at("K"), path("K"));
   gains.K_int = internal::matrix_from_json(at("K_int"), path("K_int"));
   if (gains.integrals.empty() && gains.K_int.size() == 0) gains.K_int.resize(gains.K.rows(), 0);
+  if (version >= 2) {
+    read_dynamic_parts(json, where, gains);
+  } else {
+    for (const char* key : {"axes", "limits", "memory"})
+      if (json.contains(key))
+        throw InvalidInput(path(key),
+                           "is there, expected version 2 of the file, because version 1 "
+                           "has no such part");
+  }
+  // Derived from the rest, for who reads the file: it must not say something else.
+  if (json.contains("law") && text("law") != law_text(gains))
+    throw InvalidInput(path("law"),
+                       fmt::format("is '{}', expected '{}' because sign_law is {}", text("law"),
+                                   law_text(gains), to_string(gains.sign_law)));
   validate(gains, where);
   return gains;
 }
@@ -216,6 +298,8 @@ Json cascade_to_json(const CascadeDesign& cascade) {
   add_finite("integrator_limit", cascade.integrator_limit);
   add_finite("back_calculation_per_s", cascade.back_calculation);
   add_finite("takeoff_time_s", cascade.takeoff_time);
+  if (cascade.velocity_feed_forward) json["velocity_feed_forward"] = true;
+  if (cascade.conditional_integration) json["conditional_integration"] = true;
   json["loops"] = Json::array();
   for (const PidLoop& loop : cascade.gains.loops) {
     const auto number = [&](const char* key, double value) {
@@ -255,6 +339,11 @@ CascadeDesign cascade_from_json(const Json& json, const std::string& where) {
   cascade.integrator_limit = number("integrator_limit", cascade.integrator_limit, false);
   cascade.back_calculation = number("back_calculation_per_s", 0, true);
   cascade.takeoff_time = number("takeoff_time_s", 0, true);
+  const auto truth = [&](const char* key) {
+    return json.contains(key) && truth_from_json(json[key], where + "." + key);
+  };
+  cascade.velocity_feed_forward = truth("velocity_feed_forward");
+  cascade.conditional_integration = truth("conditional_integration");
   const Json& loops = member(json, "loops", where);
   if (!loops.is_array())
     throw InvalidInput(where + ".loops", fmt::format("is {}, expected a list", loops.type_name()));
@@ -302,17 +391,21 @@ std::string json_format(const std::string& text, const std::string& origin) {
   return format_of(parsed(text, origin), origin);
 }
 
-Json parse_json(const std::string& text, const std::string& origin, const std::string& format) {
+Json parse_json(const std::string& text, const std::string& origin, const std::string& format,
+                int newest) {
   Json json = parsed(text, origin);
   const std::string came = format_of(json, origin);
   if (came != format)
     throw InvalidInput(origin, fmt::format("format is '{}', expected '{}'", came, format));
   const Json& version = internal::member(json, "format_version", origin);
-  if (version != 1)
-    throw InvalidInput(origin, fmt::format("format_version is {}, expected 1, the only one that "
-                                           "this version of quadtune knows",
-                                           internal::json_text(version)));
+  if (version != 1 && !(version == 2 && newest >= 2))
+    throw InvalidInput(
+        origin, fmt::format("format_version is {}, expected {}", internal::json_text(version),
+                            newest >= 2 ? "1 or 2, which this version of quadtune knows"
+                                        : "1, the only one that this version of quadtune knows"));
   return json;
 }
+
+int format_version(const Json& json) { return json["format_version"].get<int>(); }
 
 }  // namespace quadtune::exports

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "quadtune/design.hpp"
+#include "quadtune/exports/stored_estimator.hpp"
 #include "quadtune/filter.hpp"
 #include "quadtune/gains.hpp"
 #include "quadtune/internal/json.hpp"
@@ -15,11 +16,17 @@ namespace quadtune::exports {
 
 using internal::Json;
 
-[[nodiscard]] Json gains_to_json(const Gains& gains);
+/// @param version  of the file; from 2 on with memory, limits and axes
+[[nodiscard]] Json gains_to_json(const Gains& gains, int version);
 
 /// @param where  "file: path" for messages
 /// @throws InvalidInput  naming the JSON path, what came and what was expected.
-[[nodiscard]] Gains gains_from_json(const Json& json, const std::string& where);
+/// @param version  of the file; from 2 on the file says everything of a law that has a memory,
+///                 limits or axes of its own
+[[nodiscard]] Gains gains_from_json(const Json& json, const std::string& where, int version);
+
+/// Whether the gains have a part that version 1 of the files has no place for.
+[[nodiscard]] bool has_dynamic_parts(const Gains& gains);
 
 /// Adds "weights" with Q and R, each only if it has entries.
 void add_weights(Json& json, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R);
@@ -46,6 +53,11 @@ void add_weights(Json& json, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R)
 /// @throws InvalidInput  naming the JSON path, what came and what was expected.
 [[nodiscard]] CascadeDesign cascade_from_json(const Json& json, const std::string& where);
 
+/// An estimator with the numbers that are its own.
+[[nodiscard]] Json estimator_to_json(const StoredEstimator& estimator);
+/// @throws InvalidInput  naming the JSON path, what came and what was expected.
+[[nodiscard]] StoredEstimator estimator_from_json(const Json& json, const std::string& where);
+
 /// "format" of a manifest.
 inline constexpr char kManifestFormat[] = "quadtune-export";
 
@@ -53,9 +65,14 @@ inline constexpr char kManifestFormat[] = "quadtune-export";
 /// @throws InvalidInput  "origin:line: …" for bad syntax, or where it says nothing.
 [[nodiscard]] std::string json_format(const std::string& text, const std::string& origin);
 
-/// Parses a JSON text whose member "format" must be `format` in version 1.
+/// The newest version of gains and manifests.
+inline constexpr int kGainsVersion = 2;
+
+/// Parses a JSON text whose member "format" must be `format` in a version from 1 to `newest`.
 /// @throws InvalidInput  "origin:line: …" for bad syntax or another format.
 [[nodiscard]] Json parse_json(const std::string& text, const std::string& origin,
-                              const std::string& format);
+                              const std::string& format, int newest = 1);
+/// "format_version" of what parse_json() returned.
+[[nodiscard]] int format_version(const Json& json);
 
 }  // namespace quadtune::exports

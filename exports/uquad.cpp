@@ -99,6 +99,16 @@ void require_hover_at_program_rate(const Gains& gains) {
                        fmt::format("the gain's sample time is {} s, expected {} s, because "
                                    "the flight program's loop is fixed",
                                    gains.dt, kFlightProgramDt));
+  if (gains.memory || gains.axes == PositionAxes::heading)
+    throw InvalidInput("uquad",
+                       fmt::format("the law {}, expected a matrix on the states in world axes, "
+                                   "which is all that the flight program holds",
+                                   gains.memory ? "feeds back its past commands"
+                                                : "sees the position error in heading axes"));
+  if (gains.limits != FeedbackLimits{})
+    throw InvalidInput("uquad",
+                       "the law limits its position error or its integrals, expected none, because "
+                       "the flight program's files hold the matrices alone");
   for (std::size_t i = 0; i < gains.states.size(); ++i) {
     const std::string& name = gains.states[i].name;
     const double value = gains.x0(static_cast<Eigen::Index>(i));

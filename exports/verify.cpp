@@ -273,9 +273,10 @@ std::string uquad_weights_difference(const fs::path& directory, const Manifest& 
 
 std::string json_weights_difference(const fs::path& directory, const Manifest& manifest) {
   const fs::path path = directory / kGainsJsonName;
-  const auto [Q, R] = exports::weights_from_json(
-      exports::parse_json(exports::export_text(path), path.string(), "quadtune-gains"),
-      path.string());
+  const auto [Q, R] =
+      exports::weights_from_json(exports::parse_json(exports::export_text(path), path.string(),
+                                                     "quadtune-gains", exports::kGainsVersion),
+                                 path.string());
   if (!same(Q, manifest.Q)) return std::string(kGainsJsonName) + ": weights.Q differs";
   return same(R, manifest.R) ? "" : std::string(kGainsJsonName) + ": weights.R differs";
 }

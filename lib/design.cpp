@@ -14,6 +14,7 @@
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/estimation/tuned_noise.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
+#include "quadtune/gains.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
@@ -115,8 +116,44 @@ std::vector<std::string> read_states(const TomlTable& table, const Convention& c
                                  internal::did_you_mean(word, {"full", "no-position"})));
 }
 
+// [lqr] with plant = "flown".
+LqiDesign read_lqi(const TomlTable& table) {
+  table.allow(
+      {{"plant"}, {"Q"}, {"R"}, {"change"}, {"integral"}, {"Q_integral"}, {"past"}, {"dt", "s"}});
+  LqiDesign lqi;
+  const std::vector<std::string> states =
+      names_or_numbers(ned_convention().states, std::ssize(ned_convention().states));
+  const std::vector<std::string> inputs =
+      names_or_numbers(ned_convention().wrench, std::ssize(ned_convention().wrench));
+  const auto weights = [&](const char* key, const std::vector<std::string>& names, const char* what,
+                           const Range& range) -> std::optional<Eigen::VectorXd> {
+    if (!table.has(key)) return std::nullopt;
+    return read_weight(table, key, std::ssize(names), what + joined(names), range).diagonal();
+  };
+  if (table.has("integral")) lqi.integrals = read_names(table, "integral", states);
+  if (table.has("dt_s")) lqi.dt = table.number("dt_s", Range::positive());
+  lqi.Q = weights("Q", states, "states: ", Range::not_negative());
+  lqi.Q_integral = weights("Q_integral", lqi.integrals, "integrals: ", Range::not_negative());
+  lqi.R = weights("R", inputs, "inputs: ", Range::positive());
+  lqi.R_change = weights("change", inputs, "inputs: ", Range::not_negative());
+  if (table.has("past")) lqi.past = table.integer("past", lqi.R_change ? 1 : 0, kMostPastCommands);
+  return lqi;
+}
+
+/// "flown" or "ideal" of [lqr].
+bool on_flown_plant(const TomlTable& table) {
+  const std::string plant = table.text_or("plant", "ideal");
+  if (plant != "flown" && plant != "ideal")
+    throw InvalidInput(
+        table.where("plant"),
+        fmt::format("lqr.plant is '{}', expected 'flown' or 'ideal'{}", internal::printable(plant),
+                    internal::did_you_mean(plant, {"flown", "ideal"})));
+  return plant == "flown";
+}
+
 LqrDesign read_lqr(const TomlTable& table, const Vehicle& vehicle) {
-  table.allow({{"convention"},
+  table.allow({{"plant"},
+               {"convention"},
                {"inputs"},
                {"states"},
                {"Q"},
@@ -255,10 +292,13 @@ CascadeDesign read_cascade(const TomlTable& table) {
                            {"attitude_limit", "rad"},
                            {"integrator_limit"},
                            {"back_calculation", "per_s"},
-                           {"takeoff_time", "s"}});
+                           {"takeoff_time", "s"},
+                           {"velocity_feed_forward"},
+                           {"conditional_integration"}});
   table.allow(keys);
   CascadeDesign cascade;
-  if (const auto wanted = table.maybe_table("design")) {
+  const auto wanted = table.maybe_table("design");
+  if (wanted) {
     for (const std::string& name : cascade_axis_names())
       if (table.has(name))
         throw InvalidInput(table.where(name),
@@ -266,8 +306,12 @@ CascadeDesign read_cascade(const TomlTable& table) {
                                        "expected one or the other",
                                        name));
     cascade.gains.dt = table.number("dt_s", Range::positive());
-    cascade.specification = internal::read_cascade_specification(*wanted, cascade.gains.dt);
-    cascade.method = cascade.specification->method;
+    const CascadeSpecification asked =
+        internal::read_cascade_specification(*wanted, cascade.gains.dt);
+    if (!wanted->keys().empty()) {
+      cascade.specification = asked;
+      cascade.method = asked.method;
+    }
     if (table.has("integrator"))
       throw InvalidInput(table.where("integrator"),
                          "[cascade] has an integrator beside [cascade.design], expected it there");
@@ -282,6 +326,12 @@ CascadeDesign read_cascade(const TomlTable& table) {
       table.number_or("integrator_limit", cascade.integrator_limit, Range::positive());
   cascade.back_calculation = table.number_or("back_calculation_per_s", 0, Range::not_negative());
   cascade.takeoff_time = table.number_or("takeoff_time_s", 0, Range::not_negative());
+  // Gains that are designed here are flown by the law that they are designed for.
+  const auto truth = [&](const char* key) {
+    return table.has(key) ? table.truth(key) : wanted.has_value();
+  };
+  cascade.velocity_feed_forward = truth("velocity_feed_forward");
+  cascade.conditional_integration = truth("conditional_integration");
   return cascade;
 }
 
@@ -330,6 +380,10 @@ std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& des
     for (const ExportRequest& earlier : exports)
       if (earlier.to == request.to)
         throw InvalidInput(where, "export to '" + request.to + "' stands twice, expected once");
+    if (request.to != "json" && design.lqi)
+      throw InvalidInput(where, fmt::format("export to '{}' has no place for the past commands and "
+                                            "lags of a law with lqr.plant 'flown', expected json",
+                                            request.to));
     if (request.to == "uquad" && !design.lqr)
       throw InvalidInput(where, "export to 'uquad' has no gains to write, expected an [lqr] table");
     exports.push_back(request);
@@ -342,7 +396,7 @@ PublishedGains read_published(const TomlTable& table, const std::optional<LqrDes
   if (!lqr)
     throw InvalidInput(table.where(),
                        "[published] has nothing to be compared with, expected an "
-                       "[lqr] table");
+                       "[lqr] table for the ideal plant");
   PublishedGains published;
   published.source = table.text("source");
   published.note = table.text_or("note", "");
@@ -426,7 +480,7 @@ MissionRequest read_mission_request(const TomlTable& table, const Design& design
                                    table.title(), internal::printable(request.controller),
                                    internal::did_you_mean(request.controller, known)));
   const bool cascade = request.controller == known[0];
-  if (cascade ? !design.cascade : !design.lqr)
+  if (cascade ? !design.cascade : !has_feedback(design))
     throw InvalidInput(
         table.where("controller"),
         fmt::format("{} flies {}, but the file has no {}, expected the law that the "
@@ -461,7 +515,18 @@ Design parse_design(const std::string& text, const std::string& origin,
   design.description = file.text_or("description", "");
   design.vehicle = read_vehicle(file, folder);
   if (const auto table = file.maybe_table("trim")) design.condition = read_trim(*table);
-  if (const auto table = file.maybe_table("lqr")) design.lqr = read_lqr(*table, design.vehicle);
+  if (const auto table = file.maybe_table("lqr")) {
+    if (!on_flown_plant(*table))
+      design.lqr = read_lqr(*table, design.vehicle);
+    else if (design.condition.kind != FlightKind::hover)
+      throw InvalidInput(
+          table->where("plant"),
+          fmt::format("lqr.plant is 'flown' in a design whose trim is a {}, expected "
+                      "a hover",
+                      to_string(design.condition.kind)));
+    else
+      design.lqi = read_lqi(*table);
+  }
   for (const TomlTable& table : file.tables("kalman")) {
     design.kalman.push_back(read_kalman(table, folder));
     for (std::size_t i = 0; i + 1 < design.kalman.size(); ++i)
@@ -473,7 +538,7 @@ Design parse_design(const std::string& text, const std::string& origin,
   if (const auto table = file.maybe_table("estimator"))
     design.estimator = read_estimator(*table, folder, design.vehicle);
   if (const auto table = file.maybe_table("cascade")) design.cascade = read_cascade(*table);
-  if (!design.lqr && design.kalman.empty() && !design.cascade)
+  if (!has_feedback(design) && design.kalman.empty() && !design.cascade)
     throw InvalidInput(file.where(),
                        "the file asks for nothing, expected [lqr], [[kalman]] or "
                        "[cascade]");

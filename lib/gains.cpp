@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/matrix_checks.hpp"
 
 namespace quadtune {
@@ -28,6 +30,41 @@ void validate(const Gains& gains, const std::string& where) {
   require_finite(gains.u0, where, "u0");
   if (!(gains.dt >= 0) || !std::isfinite(gains.dt))
     throw InvalidInput(where, fmt::format("dt is {} s, expected 0 (continuous) or more", gains.dt));
+  if (!(gains.limits.position_error > 0))
+    throw InvalidInput(where, fmt::format("the limit of the position error is {} m, expected more "
+                                          "than 0",
+                                          gains.limits.position_error));
+  if (!gains.memory) return;
+  const CommandMemory& memory = *gains.memory;
+  if (!(gains.dt > 0))
+    throw InvalidInput(where,
+                       "dt is 0 s, expected a sample period because the law feeds back its "
+                       "own past commands");
+  require_shape(memory.lag, nu, 1, where, "lag", "one entry per input");
+  for (const double lag : memory.lag)
+    if (!(lag > 0) || !(lag <= kMostActuatorLag))
+      throw InvalidInput(where, fmt::format("lag is {} s, expected more than 0, at most {} s", lag,
+                                            kMostActuatorLag));
+  require_shape(memory.K_lag, nu, nu, where, "K_lag", "inputs: " + names(gains.inputs));
+  require_finite(memory.K_lag, where, "K_lag");
+  if (memory.past < 0 || memory.past > kMostPastCommands)
+    throw InvalidInput(where, fmt::format("past is {}, expected 0 to {} control periods",
+                                          memory.past, kMostPastCommands));
+  require_shape(memory.K_past, nu, nu * memory.past, where, "K_past",
+                fmt::format("past: {}; inputs: {}", memory.past, names(gains.inputs)));
+  require_finite(memory.K_past, where, "K_past");
+}
+
+std::string to_string(PositionAxes axes) {
+  return axes == PositionAxes::heading ? "heading" : "world";
+}
+
+PositionAxes position_axes(const std::string& name, const std::string& where) {
+  if (name == "world") return PositionAxes::world;
+  if (name == "heading") return PositionAxes::heading;
+  throw InvalidInput(
+      where, fmt::format("axes is '{}', expected world or heading{}", internal::printable(name),
+                         internal::did_you_mean(name, {"world", "heading"})));
 }
 
 namespace {
@@ -37,6 +74,37 @@ int index_of(const std::vector<Signal>& signals, const std::string& name) {
     if (signals[i].name == name) return static_cast<int>(i);
   throw InvalidInput("open_loop",
                      fmt::format("no state '{}' in the plant, expected {}", name, names(signals)));
+}
+
+/// Adds the law's memory of its own commands, u = -C x: the actuators' states m, then past
+/// commands.
+void remember(const CommandMemory& memory, DiscreteLti& loop) {
+  const Eigen::Index n = loop.A.rows(), nu = loop.C.rows(), past = memory.past;
+  const Eigen::Index all = n + nu * (1 + past);
+  loop.A.conservativeResizeLike(Eigen::MatrixXd::Zero(all, all));
+  loop.B.conservativeResizeLike(Eigen::MatrixXd::Zero(all, loop.B.cols()));
+  loop.C.conservativeResizeLike(Eigen::MatrixXd::Zero(nu, all));
+  loop.C.middleCols(n, nu) = memory.K_lag;
+  loop.C.rightCols(nu * past) = memory.K_past;
+  for (Eigen::Index i = 0; i < nu; ++i) {
+    const double share = -std::expm1(-loop.dt / memory.lag(i));
+    loop.A(n + i, n + i) = 1 - share;
+    if (past > 0)
+      loop.A(n + i, all - nu + i) += share;
+    else
+      loop.A.row(n + i) -= share * loop.C.row(i);
+  }
+  for (Eigen::Index j = 0; j < past; ++j) {
+    const Eigen::Index at = n + nu * (1 + j);
+    if (j == 0)
+      loop.A.middleRows(at, nu) = -loop.C;
+    else
+      loop.A.block(at, at - nu, nu, nu).setIdentity();
+  }
+  for (const Signal& input : loop.inputs) loop.states.push_back({"lag_" + input.name, input.unit});
+  for (Eigen::Index j = 0; j < past; ++j)
+    for (const Signal& input : loop.inputs)
+      loop.states.push_back({fmt::format("{}[k-{}]", input.name, j + 1), input.unit});
 }
 
 }  // namespace
@@ -82,6 +150,7 @@ DiscreteLti open_loop(const DiscreteLti& plant, const Gains& gains) {
   }
   loop.inputs = gains.inputs;
   loop.outputs = gains.inputs;
+  if (gains.memory) remember(*gains.memory, loop);
   return loop;
 }
 

@@ -38,7 +38,8 @@ NedModel by_rotor_speeds(const RigidBody& body, const TrimResult& trim) {
   const auto f = [&](const JetVector& zj) -> StateVector<Jet> {
     const RotorSpeeds<Jet> speeds = zj.tail(trim.u.size());
     const StateVector<Jet> x = zj.head<12>();
-    return state_derivative(body, x, rotor_loads(body, speeds));
+    const Vector3<Jet> velocity = x.segment<3>(kVelocity), rates = x.segment<3>(kRates);
+    return state_derivative(body, x, rotor_loads(body, speeds, velocity, rates));
   };
   return split(internal::differentiate(f, z, 12), trim.u);
 }
@@ -52,7 +53,12 @@ NedModel by_wrench(const RigidBody& body, const TrimResult& trim) {
   const auto f = [&](const JetVector& zj) -> StateVector<Jet> {
     const Eigen::Matrix<Jet, 4, 1> wrench = zj.tail<4>();
     const StateVector<Jet> x = zj.head<12>();
-    return state_derivative(body, x, wrench_loads(wrench, loads.angular_momentum.z()));
+    RotorLoads<Jet> asked = wrench_loads(wrench, loads.angular_momentum.z());
+    if (body.has_airflow) {
+      const Vector3<Jet> velocity = x.segment<3>(kVelocity), rates = x.segment<3>(kRates);
+      add_airflow(body, trim.u, velocity, rates, asked);
+    }
+    return state_derivative(body, x, asked);
   };
   return split(internal::differentiate(f, z, 12), u0);
 }

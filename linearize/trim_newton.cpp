@@ -128,12 +128,15 @@ Eigen::Matrix<T, 6, 1> TrimProblem::evaluate(const Eigen::Matrix<T, Eigen::Dynam
   const Vector3<T> velocity = R.transpose() * velocity_.cast<T>();
   const Vector3<T> rates = body_rate_matrix(roll, pitch) * Vector3<T>(T(0), T(0), T(yaw_rate_));
   RotorLoads<T> loads;
+  RotorSpeeds<T> speeds(rotors());
   for (Eigen::Index i = 0; i < rotors(); ++i) {
     const RotorCurve& curve = curves_[static_cast<std::size_t>(i)];
     const T thrust = z(2 + i) * T(weight());
-    add_rotor(body_.rotors[static_cast<std::size_t>(i)], thrust, curve.torque(thrust),
-              curve.speed(thrust), loads);
+    speeds(i) = curve.speed(thrust);
+    add_rotor(body_.rotors[static_cast<std::size_t>(i)], thrust, curve.torque(thrust), speeds(i),
+              loads);
   }
+  if (body_.has_airflow) add_airflow(body_, speeds, velocity, rates, loads);
   const Vector3<T> down = R.row(2).transpose();
   Eigen::Matrix<T, 6, 1> balance;
   balance << linear_acceleration(body_, down, velocity, rates, loads.force, velocity) *

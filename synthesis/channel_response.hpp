@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The response of a loop of one channel, wherever it comes from, as margins are computed from it.
+/// The frequency response of a loop with one channel, from which margins are computed.
 #pragma once
 
 #include <complex>
@@ -14,15 +14,15 @@ struct ChannelResponse {
   using Function = std::function<std::complex<double>(double w)>;
 
   Function at;               ///< L at w [rad/s]
-  Function again;            ///< the same, computed in another order: it differs by rounding only
+  Function again;            ///< L computed in another order: it differs from `at` by rounding only
   Function sensitivity;      ///< S of the closed loop
   std::vector<double> grid;  ///< as frequency_grid()
-  bool discrete = false;     ///< the last of the grid is Nyquist
-  double delay = 0;          ///< [s] beside the states, of a continuous loop
-  bool stable = false;       ///< when closed
+  bool discrete = false;     ///< whether the last frequency of the grid is Nyquist
+  double delay = 0;          ///< of a continuous loop, in addition to its states [s]
+  bool stable = false;       ///< whether the closed loop is stable
 };
 
-/// Margins by a response. Without `stable` the disk is 0.
+/// The margins of a loop. The disk margin of an unstable loop is 0.
 /// @param skew  as loop_margins(), finite
 [[nodiscard]] LoopMargins margins_of(const ChannelResponse& response, double skew);
 

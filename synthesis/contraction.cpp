@@ -24,12 +24,6 @@ using Eigen::VectorXd;
 // What bends less is not in the way, rounding is.
 constexpr double kNothing = 1e-12;
 
-/// Coordinates z = Y x; X is Y⁻¹ up to rounding.
-struct Coordinates {
-  MatrixXd Y;
-  MatrixXd X;
-};
-
 /// The corners of a box, which two differ in one coordinate alone, and what bends in between.
 struct Corners {
   std::vector<Index> free;        ///< coordinates with a width: numbers, then `ahead`
@@ -199,7 +193,8 @@ double expansion(const Coordinates& z, const Corners& corners) {
 /// 0.
 /// @param least  the expansion in z; of the result after
 Coordinates improved(Coordinates z, const Corners& corners, double target, double& least) {
-  constexpr int kSteps = 60;
+  // Late steps pay even if they fail: the halves of the box begin with their coordinates.
+  constexpr int kSteps = 200;
   Coordinates best = z;
   const Index n = z.Y.rows();
   for (int step = 0; step < kSteps && !(least < 1); ++step) {
@@ -235,12 +230,14 @@ Coordinates improved(Coordinates z, const Corners& corners, double target, doubl
   return best;
 }
 
-/// Of several ways to take nearby eigenvalues together, the one that contracts the corners best.
+/// Compares the coordinates of `start` with those of several groupings of the eigenvalues, and
+/// returns the ones in which the corners expand least.
+/// @param least  the expansion in the coordinates of `start`, infinite where there are none
 std::optional<Coordinates> chosen(const MatrixXd& middle, const Modes& modes,
-                                  const Corners& corners) {
+                                  const Corners& corners, const Coordinates* start, double least) {
   constexpr double kHopeless = 1.3;  // the box is too large for a step or two
   std::optional<Coordinates> best;
-  double least = std::numeric_limits<double>::infinity();
+  if (start != nullptr) best = *start;
   for (const double share : {0.0, 0.3, 1.0, 3.0}) {
     std::optional<Coordinates> z = along(middle, modes, share);
     if (!z) continue;
@@ -303,20 +300,30 @@ void prove(const Coordinates& z, const Corners& corners, Contraction& result) {
 
 }  // namespace
 
-Contraction prove_contraction(const UncertainLoop& loop, const EnclosedBox& box) {
+Contraction prove_contraction(const UncertainLoop& loop, const EnclosedBox& box,
+                              const Coordinates* start) {
   Contraction result;
+  const Corners corners = corners_of(loop, box);
+  if (!corners.free.empty()) result.widest = corners.free.back();
+  double least = std::numeric_limits<double>::infinity();
+  if (start != nullptr) {
+    least = expansion(*start, corners);
+    if (least < 1) prove(*start, corners, result);
+    if (result.proved) {
+      result.radius = std::numeric_limits<double>::quiet_NaN();
+      return result;
+    }
+  }
   const MatrixXd middle = enclosed_loop(loop, 0.5 * (box.low + box.high),
                                         0.5 * (box.ahead_low + box.ahead_high), box.past)
                               .mid;
-  const Corners corners = corners_of(loop, box);
-  if (!corners.free.empty()) result.widest = corners.free.back();
   const Modes modes = modes_of(middle);
   result.radius = modes.radius;
   if (!(modes.radius < 1)) return result;
-  const std::optional<Coordinates> z = chosen(middle, modes, corners);
-  if (!z) return result;
-  prove(*z, corners, result);
-  if (!result.proved && !corners.free.empty()) result.widest = widest(*z, corners);
+  result.coordinates = chosen(middle, modes, corners, start, least);
+  if (!result.coordinates) return result;
+  prove(*result.coordinates, corners, result);
+  if (!result.proved && !corners.free.empty()) result.widest = widest(*result.coordinates, corners);
   return result;
 }
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <limits>
 
@@ -31,7 +32,9 @@ class Equations {
   explicit Equations(const FlightSetup& setup)
       : setup_(setup), body_(flown_vehicle(setup)), sensors_(sensors_of(setup)) {
     for (int i = 0; i < body_.rotor_count; ++i)
-      if (body_.rotors[static_cast<std::size_t>(i)].lag > 0) lagging_.push_back(i);
+      if (body_.rotors[static_cast<std::size_t>(i)].lag > 0 ||
+          body_.rotors[static_cast<std::size_t>(i)].lag_down > 0)
+        lagging_.push_back(i);
   }
 
   [[nodiscard]] const std::vector<int>& lagging() const { return lagging_; }
@@ -49,13 +52,14 @@ class Equations {
       const int i = lagging_[j];
       const BasicRotor<double>& rotor = body_.rotors[static_cast<std::size_t>(i)];
       const Index row = 12 + static_cast<Index>(j);
-      const T rise = (speeds(i) - z(row)) / T(rotor.lag);
+      const T rise = (speeds(i) - z(row)) / T(std::max(rotor.lag, rotor.lag_down));
       result(row) = rise;
       reaction -= T(rotor.spin * rotor.inertia) * rise;
       speeds(i) = z(row);
     }
-    RotorLoads<T> loads = rotor_loads(body_, speeds);
     const Vector3<T> velocity = x.template segment<3>(kVelocity);
+    RotorLoads<T> loads =
+        rotor_loads(body_, speeds, velocity, Vector3<T>(x.template segment<3>(kRates)));
     result.template tail<kFrameSize>() =
         readings<T>(x, Vector3<T>((loads.force + drag_force(body_, velocity)) / T(body_.mass)));
     loads.torque.z() += reaction;
@@ -94,7 +98,8 @@ class Equations {
       if (range >= T(sonar.least_range) && range <= T(sonar.greatest_range))
         all(first(Reading::sonar)) = range;
     }
-    if (sensors_.flow && !(height < T(sensors_.flow->least_height))) {
+    if (sensors_.flow && !(height < T(sensors_.flow->least_height)) &&
+        !(height > T(sensors_.flow->greatest_height))) {
       const FlowSensor& flow = *sensors_.flow;
       const int at = first(Reading::flow);
       const auto mean_square = [](double half) { return std::tan(half) * std::tan(half) / 3; };
@@ -133,7 +138,8 @@ VectorXd hover_speeds(const Vehicle& vehicle) {
   return result.u;
 }
 
-/// Speeds told per input of the law, at the speeds that the true vehicle hovers with.
+}  // namespace
+
 MatrixXd told_speeds(const Vehicle& believed, const VectorXd& speeds, InputKind inputs) {
   const Index rotors = speeds.size();
   VectorXd per_thrust(rotors);
@@ -154,6 +160,36 @@ MatrixXd told_speeds(const Vehicle& believed, const VectorXd& speeds, InputKind 
       break;
   }
   return MatrixXd::Identity(rotors, rotors);
+}
+
+namespace {
+
+/// Puts the speeds of the rotors together by what they do, so that roll, pitch, yaw and thrust have
+/// states of their own: as single speeds they couple axes by what rounding leaves of sums that
+/// cancel.
+void part_rotors(FlownBody& body) {
+  constexpr Index kFirst = 12, kDown = 8;  // the accelerations of w, p, q, r are rows 8 to 11
+  const Index rotors = body.A.rows() - kFirst;
+  if (rotors < 4) return;
+  MatrixXd effect = body.A.block(kDown, kFirst, 4, rotors);
+  const VectorXd size = effect.rowwise().norm();
+  if (!(size.minCoeff() > 0)) return;
+  effect = (size.cwiseInverse().asDiagonal() * effect).eval();
+  const Eigen::FullPivLU<MatrixXd> lu(effect);
+  if (lu.rank() < 4) return;
+  MatrixXd S = MatrixXd::Identity(body.A.rows(), body.A.rows());
+  S.block(kFirst, kFirst, 4, rotors) = effect;
+  // Changes of speed that do nothing.
+  if (rotors > 4) S.bottomRightCorner(rotors - 4, rotors) = lu.kernel().transpose();
+  const MatrixXd inverse = S.inverse();
+  body.A = (S * body.A * inverse).eval();
+  body.B = (S * body.B).eval();
+  body.C = (body.C * inverse).eval();
+  static constexpr std::array<const char*, 4> kNames = {"rotors for thrust", "rotors for roll",
+                                                        "rotors for pitch", "rotors for yaw"};
+  for (Index i = 0; i < rotors; ++i)
+    body.states[static_cast<std::size_t>(kFirst + i)].name =
+        i < 4 ? kNames[static_cast<std::size_t>(i)] : "rotors against each other";
 }
 
 }  // namespace
@@ -193,6 +229,7 @@ FlownBody flown_body(const FlightSetup& setup, InputKind inputs, double height) 
     result.inputs = ned_convention().wrench;
   else
     for (Index i = 0; i < rotors; ++i) result.inputs.push_back({fmt::format("{}", i + 1), ""});
+  part_rotors(result);
   return result;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The continuous part of a flown plant: rigid body and rotors about a hover, and what the sensors
-/// read of them.
+/// The continuous part of a flown plant: rigid body and rotors about a hover, and the sensors'
+/// readings of them.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,19 +12,24 @@
 
 namespace quadtune::internal {
 
-/// ẋ = A x + B c, readings = C x + D c, c the speeds that the rotors are told [rad/s].
+/// ẋ = A x + B c, readings = C x + D c, with c the commanded rotor speeds [rad/s].
 struct FlownBody {
   Eigen::MatrixXd A, B;
-  Eigen::MatrixXd C, D;        ///< kFrameSize rows
-  Eigen::VectorXd readings;    ///< kFrameSize values in the hover; NaN where nothing is read
-  StateVector<double> x;       ///< the hover
-  Eigen::VectorXd speeds;      ///< of the rotors there [rad/s]
-  Eigen::MatrixXd commands;    ///< (rotors × inputs): speeds told per input of the law
+  Eigen::MatrixXd C, D;      ///< kFrameSize rows
+  Eigen::VectorXd readings;  ///< kFrameSize values in the hover; NaN for a sensor that is not used
+  StateVector<double> x;     ///< the hover
+  Eigen::VectorXd speeds;    ///< rotor speeds in the hover [rad/s]
+  Eigen::MatrixXd commands;  ///< (rotors × inputs): commanded speed per input of the law
   std::vector<Signal> states;  ///< the 12, then the speeds of rotors with lag
   std::vector<Signal> inputs;  ///< of the law
 };
 
 /// @throws InvalidInput  if either vehicle cannot hover
 [[nodiscard]] FlownBody flown_body(const FlightSetup& setup, InputKind inputs, double height);
+
+/// Commanded rotor speeds per input of a law (rotors × inputs) [rad/s per unit of the input].
+/// @param speeds  at which the rotors turn in the hover [rad/s]
+[[nodiscard]] Eigen::MatrixXd told_speeds(const Vehicle& believed, const Eigen::VectorXd& speeds,
+                                          InputKind inputs);
 
 }  // namespace quadtune::internal

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "on_board_jets.hpp"
+#include "quadtune/estimation/general_filter.hpp"
 #include "quadtune/estimation/mambo_estimator.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
 #include "quadtune/model/rigid_body.hpp"
@@ -54,13 +55,13 @@ void each_number(int periods, MamboEstimatorState<T>& state, const Function& f) 
   const auto all = [&](const char* name, auto& vector, double scale) {
     for (Index i = 0; i < vector.size(); ++i) f(name, i, vector(i), scale);
   };
-  all("believed attitude", state.attitude.angles, 0.1);
+  all("estimated attitude", state.attitude.angles, 0.1);
   all("newest rate", state.attitude.gyro, 1.0);
   all("gyro bias", state.attitude.gyro_bias, 0.01);
   all("newest force", state.force, 1.0);
-  all("believed height", state.altitude.x, 0.3);
-  all("believed velocity", state.velocity.x, 0.3);
-  all("believed position", state.position, 0.3);
+  all("estimated height", state.altitude.x, 0.3);
+  all("estimated velocity", state.velocity.x, 0.3);
+  all("estimated position", state.position, 0.3);
   all("flow position", state.flow_position, 0.3);
   all("newest flow", state.flow, 0.3);
   f("newest echo", 0, state.echo_height, 0.3);
@@ -73,9 +74,9 @@ void each_number(int periods, MamboEstimatorState<T>& state, const Function& f) 
 
 template <class T, class Function>
 void each_number(int, UquadFilterState<T>& state, const Function& f) {
-  static constexpr std::array<const char*, 5> kNames = {"believed position", "believed attitude",
-                                                        "believed velocity", "believed rates",
-                                                        "believed force bias"};
+  static constexpr std::array<const char*, 5> kNames = {"estimated position", "estimated attitude",
+                                                        "estimated velocity", "estimated rates",
+                                                        "estimated force bias"};
   static constexpr std::array<double, 5> kScales = {0.3, 0.1, 0.3, 1, 0.1};
   for (Index i = 0; i < kUquadStates; ++i)
     f(kNames[static_cast<std::size_t>(i / 3)], i % 3, state.kalman.x(i),
@@ -83,6 +84,43 @@ void each_number(int, UquadFilterState<T>& state, const Function& f) {
   f("newest tilt", 0, state.tilt.roll, 0.1);
   f("newest tilt", 1, state.tilt.pitch, 0.1);
   f("force excess", 0, state.force_excess, 0.1);
+}
+
+/// The numbers of the general filter that a later step uses.
+struct GeneralParts {
+  int readings = 0;  ///< stored periods of gyroscope and accelerometer
+  int queue = 0;     ///< stored periods of samples that wait for the horizon
+  bool flow = false, range = false, pressure = false, field = false, gps = false, vision = false;
+};
+
+template <class T, class Function>
+void each_number(const GeneralParts& parts, GeneralFilterState<T>& state, const Function& f) {
+  const auto all = [&](const char* name, auto& vector, double scale) {
+    for (Index i = 0; i < vector.size(); ++i) f(name, i, vector(i), scale);
+  };
+  all("estimated position", state.motion.position, 0.3);
+  all("estimated velocity", state.motion.velocity, 0.3);
+  for (Index i = 0; i < 3; ++i) f("estimated attitude", i, state.motion.attitude(1 + i), 0.05);
+  all("gyro bias", state.gyro_bias, 0.01);
+  // In hover no sensor tells a horizontal bias of the accelerometer from a tilt: the sum of both is
+  // a constant of the motion, which no law can move. The linear model takes the biases as constant.
+  f("force bias", 2, state.force_bias(2), 0.1);
+  if (parts.pressure) f("barometer offset", 0, state.pressure_height, 0.3);
+  for (int j = 0; j < parts.readings; ++j) {
+    all("earlier rate", state.readings[j].rates, 1.0);
+    all("earlier force", state.readings[j].force, 1.0);
+  }
+  for (int j = 0; j < parts.queue; ++j) {
+    if (parts.flow) all("waiting flow", state.flow[j].value, 0.3);
+    if (parts.range) f("waiting range", 0, state.range[j].value, 0.3);
+    if (parts.pressure) f("waiting pressure", 0, state.pressure[j].value, 3.0);
+    if (parts.field) all("waiting field", state.field[j].value, 3.0);
+    if (parts.gps) {
+      all("waiting position", state.gps_position[j].value, 0.3);
+      all("waiting velocity", state.gps_velocity[j].value, 0.3);
+    }
+    if (parts.vision) all("waiting image", state.vision[j].value, 0.3);
+  }
 }
 
 MamboEstimatorState<Jet> as_jets(const MamboEstimatorState<double>& from) {
@@ -123,7 +161,46 @@ UquadFilterState<Jet> as_jets(const UquadFilterState<double>& from) {
   return to;
 }
 
-/// Both estimators behind one face, for doubles and jets.
+template <class To, class From>
+void as_jets(const From& from, To& to) {
+  to.newest = from.newest;
+  for (std::size_t j = 0; j < from.values.size(); ++j) {
+    using Value = std::decay_t<decltype(from.values[j].value)>;
+    if constexpr (std::is_same_v<Value, double>)
+      to.values[j].value = Jet(from.values[j].value);
+    else
+      to.values[j].value = from.values[j].value.template cast<Jet>();
+    to.values[j].age = Jet(from.values[j].age);
+    to.values[j].came = from.values[j].came;
+  }
+}
+
+GeneralFilterState<Jet> as_jets(const GeneralFilterState<double>& from) {
+  GeneralFilterState<Jet> to;
+  to.motion = {from.motion.position.cast<Jet>(), from.motion.velocity.cast<Jet>(),
+               from.motion.attitude.cast<Jet>()};
+  to.gyro_bias = from.gyro_bias.cast<Jet>();
+  to.force_bias = from.force_bias.cast<Jet>();
+  to.pressure_height = Jet(from.pressure_height);
+  for (std::size_t i = 0; i < from.P.entries.size(); ++i) to.P.entries[i] = Jet(from.P.entries[i]);
+  to.yaw = Jet(from.yaw);
+  to.readings.newest = from.readings.newest;
+  for (std::size_t j = 0; j < from.readings.values.size(); ++j)
+    to.readings.values[j] = {from.readings.values[j].rates.cast<Jet>(),
+                             from.readings.values[j].force.cast<Jet>()};
+  as_jets(from.flow, to.flow);
+  as_jets(from.range, to.range);
+  as_jets(from.pressure, to.pressure);
+  as_jets(from.field, to.field);
+  as_jets(from.gps_position, to.gps_position);
+  as_jets(from.gps_velocity, to.gps_velocity);
+  as_jets(from.vision, to.vision);
+  for (std::size_t i = 0; i < from.rejections.size(); ++i)
+    to.rejections[i] = {Jet(from.rejections[i].time), Jet(from.rejections[i].count)};
+  return to;
+}
+
+/// The estimators behind one face, for doubles and jets.
 class Mambo {
  public:
   template <class T>
@@ -151,6 +228,7 @@ class Mambo {
   }
   [[nodiscard]] int kept() const { return settings_.aligned_periods; }
   /// What must come to rest before the gains are those of a long flight.
+  static constexpr bool kSettles = true;
   [[nodiscard]] static VectorXd covariance(const State<double>& state) {
     VectorXd all(8);
     all << state.altitude.P.reshaped(), state.velocity.P.reshaped();
@@ -193,6 +271,7 @@ class Uquad {
       return quadtune::step(jets_, state, frame, body_, speeds, false);
   }
   [[nodiscard]] static int kept() { return 0; }
+  static constexpr bool kSettles = true;
   [[nodiscard]] static VectorXd covariance(const State<double>& state) {
     return state.kalman.P.reshaped();
   }
@@ -201,6 +280,54 @@ class Uquad {
   RigidBody body_;
   UquadFilterSettings<double> settings_;
   UquadFilterSettings<Jet> jets_;
+};
+
+class General {
+ public:
+  template <class T>
+  using State = GeneralFilterState<T>;
+
+  /// @param oldest  age of the oldest sample that is used when it arrives [s]
+  General(const FlightSetup& setup, double dt, double oldest)
+      : settings_(general_filter_settings(setup)) {
+    settings_.dt = dt;
+    validate(settings_, "estimator");
+    const int horizon = horizon_periods(settings_);
+    // A period needs the readings of up to two periods before the horizon's, one that is carried
+    // back those of the periods that it goes through.
+    const double before = std::max(0.0, oldest - horizon * dt);
+    const int carried =
+        std::min(kMostHistoryPeriods, static_cast<int>(std::ceil(before / dt - 1e-9)));
+    const double fresher = std::min(settings_.gyroscope.lag, settings_.accelerometer.lag);
+    parts_.readings = horizon - static_cast<int>(std::floor(fresher / dt + 1e-9)) + 1 + carried;
+    parts_.queue = horizon;
+    parts_.flow = settings_.flow.has_value();
+    parts_.range = settings_.range.has_value();
+    parts_.pressure = settings_.pressure.has_value();
+    parts_.field = settings_.heading.has_value();
+    parts_.gps = settings_.gps_position.has_value();
+    parts_.vision = settings_.vision.has_value();
+  }
+
+  [[nodiscard]] State<double> start(const StateVector<double>& x) const {
+    State<double> state = general_filter_start(settings_, x);
+    return state;
+  }
+  template <class T>
+  Estimate<T> step(State<T>& state, const SensorFrame<T>& frame, const RotorSpeeds<T>&) const {
+    return quadtune::step(settings_, state, frame, false);
+  }
+  [[nodiscard]] const GeneralParts& kept() const { return parts_; }
+  [[nodiscard]] static VectorXd covariance(const State<double>& state) {
+    return Eigen::Map<const VectorXd>(state.P.entries.data(), std::ssize(state.P.entries));
+  }
+  /// Variances of biases fall for minutes and those of what is not observed grow for ever: the
+  /// gains are those after the longest time, which differ little from any later.
+  static constexpr bool kSettles = false;
+
+ private:
+  GeneralFilterSettings settings_;
+  GeneralParts parts_;
 };
 
 template <class Estimator>
@@ -234,10 +361,11 @@ class Linearizing {
       const VectorXd now = Estimator::covariance(state);
       // Each entry by itself: a variance that nothing bounds grows and bothers nobody.
       result.settled =
-          round > 0 &&
+          Estimator::kSettles && round > 0 &&
           ((now - before).array().abs() <= kSettled * (now.array().abs() + 1e-30)).all();
       before = now;
     }
+    if (!Estimator::kSettles) result.settled = true;
     result.first = k;
     for (std::size_t i = 0; i < N; ++i, ++k) {
       result.steps.push_back(slopes(state, frame(k), std::ssize(result.states)));
@@ -298,6 +426,8 @@ bool reads(const FlightSetup& setup, Reading reading) {
     case EstimatorKind::mambo:
       return reading == Reading::specific_force || reading == Reading::rates ||
              reading == Reading::sonar || reading == Reading::flow || reading == Reading::vision;
+    case EstimatorKind::general:
+      return true;
     case EstimatorKind::uquad:
       break;
   }
@@ -314,6 +444,39 @@ LinearEstimator linear_estimator(const FlightSetup& setup, double dt, const Vect
   if (setup.estimator == EstimatorKind::uquad) {
     const Uquad uquad(setup, dt);
     return Linearizing<Uquad>(uquad, values, speeds).run(x, frame, N, dt);
+  }
+  if (setup.estimator == EstimatorKind::general) {
+    double oldest = 0;
+    const auto consider = [&](const std::optional<SensorFaults>& faults) {
+      if (!faults) return;
+      const double response =
+          faults->natural_frequency > 0 ? 2 * faults->damping / faults->natural_frequency : 0;
+      oldest = std::max(oldest, faults->delay + response + dt);
+    };
+    const Sensors sensors = sensors_of(setup);
+    consider(sensors.magnetometer);
+    consider(sensors.vision);
+    if (sensors.barometer) consider(sensors.barometer->faults);
+    if (sensors.sonar) consider(sensors.sonar->faults);
+    if (sensors.flow) consider(sensors.flow->faults);
+    if (sensors.gps) consider(sensors.gps->position);
+    const General general(setup, dt, oldest);
+    // The filter undoes the scale factors: it is given the readings with them.
+    VectorXd read = values;
+    const auto scale = [&](Reading reading, const SensorFaults& faults) {
+      const auto i = static_cast<std::size_t>(reading);
+      for (Index axis = 0; axis < kReadingSize[i]; ++axis)
+        read(kReadingFirst[i] + axis) *= faults.scale(axis);
+    };
+    if (sensors.accelerometer) scale(Reading::specific_force, *sensors.accelerometer);
+    if (sensors.gyroscope) scale(Reading::rates, *sensors.gyroscope);
+    if (sensors.magnetometer) scale(Reading::magnetic_field, *sensors.magnetometer);
+    if (sensors.barometer) scale(Reading::pressure, sensors.barometer->faults);
+    if (sensors.sonar) scale(Reading::sonar, sensors.sonar->faults);
+    if (sensors.flow) scale(Reading::flow, sensors.flow->faults);
+    if (sensors.gps) scale(Reading::gps_position, sensors.gps->position);
+    if (sensors.vision) scale(Reading::vision, *sensors.vision);
+    return Linearizing<General>(general, read, speeds).run(x, frame, N, dt);
   }
   const Mambo mambo(setup, dt);
   return Linearizing<Mambo>(mambo, values, speeds).run(x, frame, N, dt);

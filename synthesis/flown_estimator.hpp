@@ -12,7 +12,7 @@
 
 namespace quadtune::internal {
 
-/// The sensors that an estimator may read, in the order in which their values stand in one vector.
+/// The sensors that an estimator may use, in the order of their values in the vector of readings.
 enum class Reading {
   specific_force,
   rates,
@@ -29,38 +29,38 @@ inline constexpr std::array<int, kReadings> kReadingSize = {3, 3, 3, 1, 1, 2, 3,
 inline constexpr std::array<int, kReadings> kReadingFirst = {0, 3, 6, 9, 10, 11, 13, 16, 19};
 inline constexpr int kFrameSize = 22;
 
-/// Whether the estimator looks at a sensor.
+/// Whether the estimator uses a sensor.
 [[nodiscard]] bool reads(const FlightSetup& setup, Reading reading);
 
-/// What the sensors say in a control period of a hover.
+/// Which sensors have a new sample in a control period of a hover, and the age of each.
 struct HoverFrame {
   std::array<bool, kReadings> fresh{};
   std::array<double, kReadings> age{};  ///< [s]
 };
 
-/// One control period: rows of the estimator's state after it, then of the 12 states that it
-/// believes.
+/// The Jacobian of one estimator step. Rows: the estimator's next state, then its estimates of the
+/// 12 states.
 struct EstimatorStep {
-  Eigen::MatrixXd from_state;   ///< columns: its state before
+  Eigen::MatrixXd from_state;   ///< columns: the estimator's previous state
   Eigen::MatrixXd from_frame;   ///< columns: kFrameSize readings
-  Eigen::MatrixXd from_speeds;  ///< columns: rotor speeds told in the period that ends [rad/s]
+  Eigen::MatrixXd from_speeds;  ///< columns: rotor speeds commanded in the previous period [rad/s]
 };
 
 struct LinearEstimator {
   std::vector<Signal> states;
-  Eigen::VectorXd scale;             ///< what counts as 1 of each state
-  std::vector<EstimatorStep> steps;  ///< N, the first for period `first`
-  std::size_t first = 0;  ///< a multiple of N: how many periods its covariances took to settle
-  bool settled = true;    ///< whether they did
+  Eigen::VectorXd scale;             ///< a typical size of each state, to compare them by
+  std::vector<EstimatorStep> steps;  ///< N steps; the first is that of control period `first`
+  std::size_t first = 0;             ///< periods until its covariances settled, a multiple of N
+  bool settled = true;               ///< whether the covariances settled
 };
 
-/// @param setup   with estimator mambo or uquad
+/// @param setup   with an estimator other than truth
 /// @param dt      control period [s]
-/// @param values  what the sensors say in the hover, kFrameSize; NaN for none
-/// @param x       the hover, as the estimator believes it
-/// @param speeds  of the rotors there [rad/s]
-/// @param frame   of each control period
-/// @param N       after which the frames repeat, but for the first of them
+/// @param values  readings in the hover, kFrameSize; NaN for a sensor that is not used
+/// @param x       the estimates of the 12 states in the hover
+/// @param speeds  rotor speeds in the hover [rad/s]
+/// @param frame   new samples in each control period
+/// @param N       number of control periods after which the frames repeat, except for the first
 [[nodiscard]] LinearEstimator linear_estimator(const FlightSetup& setup, double dt,
                                                const Eigen::VectorXd& values,
                                                const StateVector<double>& x,

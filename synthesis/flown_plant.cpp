@@ -12,10 +12,11 @@
 
 #include "flown_body.hpp"
 #include "flown_estimator.hpp"
-#include "quadtune/control/cascade_law.hpp"
-#include "quadtune/control/state_feedback_law.hpp"
+#include "flown_noise.hpp"
 #include "quadtune/discretize/matrix_exponential.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/estimation/general_filter_settings.hpp"
+#include "quadtune/model/rigid_body.hpp"
 #include "quadtune/simulation/sensor_channel.hpp"
 
 namespace quadtune {
@@ -54,6 +55,10 @@ struct Channel {
   Index response_at = 0;  ///< y, y' and the last truth of each axis
   Index pending_at = 0;   ///< samples on their way, the oldest first
   Index slots = 0;        ///< how many
+  internal::ReadingNoise noise;
+  Index drift_at = 0;  ///< states of the random walk, then of the correlated error, of each axis
+  Index white_at = 0;  ///< columns of w: of the first sample of a control period, then the next
+  Index slow_at = 0;   ///< columns of w: of the random walk, then of the correlated error
 
   [[nodiscard]] Index size() const { return kReadingSize[static_cast<std::size_t>(reading)]; }
   [[nodiscard]] Index first() const { return kReadingFirst[static_cast<std::size_t>(reading)]; }
@@ -136,6 +141,7 @@ class Assembly {
       : options_(options),
         body_(internal::flown_body(setup, options.inputs, options.height)),
         holds_(body_.A, body_.B) {
+    note_omissions(flown_vehicle(setup));
     add_channels(setup);
     if (setup.estimator != EstimatorKind::truth)
       estimator_ = internal::linear_estimator(
@@ -156,16 +162,23 @@ class Assembly {
       MatrixXd rows = step(first_ + k);
       drop_rounding(rows);
       result.plant.A.push_back(rows.leftCols(nz_));
-      result.plant.B.push_back(rows.rightCols(nu_));
+      result.plant.B.push_back(rows.middleCols(nz_, nu_));
+      if (options_.noise) result.noise.push_back(rows.rightCols(nw_));
     }
     result.plant.C = MatrixXd::Zero(12, nz_);
     result.plant.C.middleCols(believed_at_, 12).setIdentity();
     std::vector<Index> kept;
-    result.plant = loop_part(result.plant, &kept);
+    PeriodicLti loop = loop_part(result.plant, &kept);
     for (const Index i : {0, 1, 2, 5})
       if (std::find(kept.begin(), kept.end(), i) == kept.end())
         result.drifts.push_back(body_.states[static_cast<std::size_t>(i)]);
-    result.scale = scale_(kept);
+    if (options_.noise) {
+      result.scale = scale_;
+      result.noise_start = noise_start();
+    } else {
+      result.plant = std::move(loop);
+      result.scale = scale_(kept);
+    }
     result.notes = notes_;
     if (!estimator_.settled)
       result.notes.emplace_back(
@@ -176,6 +189,31 @@ class Assembly {
 
  private:
   [[nodiscard]] double time(std::size_t k) const { return static_cast<double>(k) * options_.dt; }
+
+  void note_omissions(const Vehicle& vehicle) {
+    const auto any = [&](auto&& has) {
+      return std::any_of(vehicle.rotors.begin(), vehicle.rotors.end(), has);
+    };
+    if (any([](const Rotor& rotor) { return rotor.lag != lag_down(rotor); }))
+      notes_.emplace_back(
+          "the rotors' speeds rise and fall with different lags; the model has the slower one for "
+          "both directions");
+    if (vehicle.motor.delay_jitter > 0)
+      notes_.push_back(fmt::format(
+          "the commands' jitter of up to {:.6g} s is in the model as its mean, {:.6g} s",
+          vehicle.motor.delay_jitter, 0.5 * vehicle.motor.delay_jitter));
+    const auto effect = [&](const Rotor& rotor) {
+      return rotor.ground_effect ? ground_effect(rotor.radius, options_.height) - 1 : 0;
+    };
+    double most = 0;
+    for (const Rotor& rotor : vehicle.rotors) most = std::max(most, effect(rotor));
+    constexpr double kMatters = 1e-3;
+    if (most > kMatters)
+      notes_.push_back(fmt::format(
+          "the model leaves the ground effect out; at a height of {:.6g} m it adds {:.2g} % of "
+          "thrust",
+          options_.height, 100 * most));
+  }
 
   void add_channels(const FlightSetup& setup) {
     const Sensors sensors = sensors_of(setup);
@@ -194,6 +232,8 @@ class Assembly {
       channel.rate = faults->rate;
       channel.delay = faults->delay;
       channel.scale = faults->scale;
+      if (options_.noise)
+        channel.noise = internal::reading_noise(sensors, reading, options_.height);
       if (faults->natural_frequency > 0)
         channel.response =
             sampled_response(faults->natural_frequency, faults->damping, 1 / faults->rate);
@@ -257,34 +297,82 @@ class Assembly {
         channel.slots =
             std::max<Index>(channel.slots, channel.taken(time(k)) - channel.arrived(time(k)));
       for (Index i = 0; i < channel.slots * channel.size(); ++i) add(name + " on its way", 1);
+      channel.drift_at = std::ssize(states_);
+      channel.white_at = nw_;
+      if (!options_.noise) continue;
+      long most = 0;
+      for (std::size_t k = first_; k < first_ + period_; ++k)
+        most = std::max(most, channel.taken(time(k + 1)) - channel.taken(time(k)));
+      channel.slow_at = channel.white_at + most * channel.size();
+      nw_ = channel.slow_at + 2 * channel.size();
+      for (const char* error : {" random walk", " correlated error"})
+        for (Index axis = 0; axis < channel.size(); ++axis) add(name + error, 1);
     }
     estimator_at_ = std::ssize(states_);
     for (std::size_t i = 0; i < estimator_.states.size(); ++i)
       add(estimator_.states[i].name, estimator_.scale(static_cast<Index>(i)));
     believed_at_ = std::ssize(states_);
-    for (std::size_t i = 0; i < 12; ++i) add("believed " + body_.states[i].name, scales_[i]);
+    for (std::size_t i = 0; i < 12; ++i) add("estimated " + body_.states[i].name, scales_[i]);
     nz_ = std::ssize(states_);
     scale_ = Eigen::Map<const VectorXd>(scales_.data(), nz_);
   }
 
-  /// The law's input of j periods ago, as rows over (z, u).
+  /// Of rows over (z, u, w).
+  [[nodiscard]] Index width() const { return nz_ + nu_ + nw_; }
+
+  /// The variances of z long after the start, as far as they are the sensors' own.
+  [[nodiscard]] VectorXd noise_start() const {
+    VectorXd variance = VectorXd::Zero(nz_);
+    for (const Channel& channel : channels_)
+      variance.segment(channel.drift_at + channel.size(), channel.size()) =
+          channel.noise.correlated.head(channel.size()).cwiseAbs2();
+    return variance;
+  }
+
+  /// What a sample of a period has in addition to the truth.
+  /// @param i  of those taken in the period, from 0 on
+  void add_noise(const Channel& channel, Index i, MatrixXd& sample) const {
+    if (!options_.noise) return;
+    for (Index axis = 0; axis < channel.size(); ++axis) {
+      sample(axis, channel.drift_at + axis) += 1;
+      sample(axis, channel.drift_at + channel.size() + axis) += 1;
+      sample(axis, nz_ + nu_ + channel.white_at + i * channel.size() + axis) +=
+          channel.noise.white(axis);
+    }
+  }
+
+  void add_drifts(const Channel& channel, MatrixXd& next) const {
+    if (!options_.noise) return;
+    const internal::ReadingNoise& noise = channel.noise;
+    const double decay = noise.correlation > 0 ? std::exp(-options_.dt / noise.correlation) : 0;
+    for (Index axis = 0; axis < channel.size(); ++axis) {
+      const Index walk = channel.drift_at + axis, correlated = walk + channel.size();
+      const Index w = nz_ + nu_ + channel.slow_at + axis;
+      next(walk, walk) = 1;
+      next(walk, w) = noise.walk(axis) * std::sqrt(options_.dt);
+      next(correlated, correlated) = decay;
+      next(correlated, w + channel.size()) = noise.correlated(axis) * std::sqrt(1 - decay * decay);
+    }
+  }
+
+  /// The law's input of j periods ago, as rows over (z, u, w).
   [[nodiscard]] MatrixXd input(Index j) const {
-    MatrixXd rows = MatrixXd::Zero(nu_, nz_ + nu_);
+    MatrixXd rows = MatrixXd::Zero(nu_, width());
     if (j == 0)
-      rows.rightCols(nu_).setIdentity();
+      rows.middleCols(nz_, nu_).setIdentity();
     else
       rows.middleCols(history_at_ + (j - 1) * nu_, nu_).setIdentity();
     return rows;
   }
 
-  /// One control period from instant k to k + 1: rows of z[k+1] over (z[k], u[k]).
+  /// One control period from instant k to k + 1: rows of z[k+1] over (z[k], u[k], w[k]).
   [[nodiscard]] MatrixXd step(std::size_t k) {
-    MatrixXd next = MatrixXd::Zero(nz_, nz_ + nu_);
+    MatrixXd next = MatrixXd::Zero(nz_, width());
     const MatrixXd late = body_.commands * input(part_ > 0 ? whole_ + 1 : whole_);
     const MatrixXd prompt = body_.commands * input(whole_);
     const Index nx = body_.A.rows();
     const auto state_at = [&](double h) -> MatrixXd {
-      MatrixXd rows = MatrixXd::Zero(nx, nz_ + nu_);
+      MatrixXd rows = MatrixXd::Zero(nx, width());
       const bool first_part = h <= part_;
       rows.leftCols(nx) = holds_.over(h).Phi;
       if (first_part) {
@@ -297,10 +385,10 @@ class Assembly {
     };
     next.topRows(nx) = state_at(options_.dt);
     for (Index j = 0; j < history_; ++j) next.middleRows(history_at_ + j * nu_, nu_) = input(j);
-    MatrixXd readings = MatrixXd::Zero(kFrameSize, nz_ + nu_);
+    MatrixXd readings = MatrixXd::Zero(kFrameSize, width());
     for (const Channel& channel : channels_) {
       std::vector<MatrixXd> samples = pending(channel, k);
-      MatrixXd response = MatrixXd::Zero(3 * channel.size(), nz_ + nu_);
+      MatrixXd response = MatrixXd::Zero(3 * channel.size(), width());
       for (Index i = 0; channel.response && i < response.rows(); ++i)
         response(i, channel.response_at + i) = 1;
       for (long n = channel.taken(time(k)) + 1; n <= channel.taken(time(k + 1)); ++n) {
@@ -311,9 +399,11 @@ class Assembly {
             body_.D.middleRows(channel.first(), channel.size()) * (h <= part_ ? late : prompt);
         if (channel.response) respond(*channel.response, truth, response);
         for (Index axis = 0; axis < channel.size(); ++axis) truth.row(axis) *= channel.scale(axis);
+        add_noise(channel, n - channel.taken(time(k)) - 1, truth);
         samples.push_back(std::move(truth));
       }
       if (channel.response) next.middleRows(channel.response_at, response.rows()) = response;
+      add_drifts(channel, next);
       const long left = channel.taken(time(k + 1)) - channel.arrived(time(k + 1));
       const std::size_t gone = samples.size() - static_cast<std::size_t>(left);
       if (gone > 0) readings.middleRows(channel.first(), channel.size()) = samples[gone - 1];
@@ -335,11 +425,11 @@ class Assembly {
   /// What rounding leaves of axes that do not know of one another: nothing.
   void drop_rounding(MatrixXd& rows) const {
     constexpr double kRoundingOnly = 1e-13;
-    VectorXd size(nz_ + nu_);
+    VectorXd size(width());
     size.head(nz_) = scale_;
     // An input's size is what moves some state by as much as counts.
-    for (Index j = 0; j < nu_; ++j)
-      size(nz_ + j) = 1 / rows.col(nz_ + j).cwiseAbs().cwiseQuotient(scale_).maxCoeff();
+    for (Index j = nz_; j < width(); ++j)
+      size(j) = 1 / rows.col(j).cwiseAbs().cwiseQuotient(scale_).maxCoeff();
     for (Index j = 0; j < rows.cols(); ++j)
       for (Index i = 0; i < rows.rows(); ++i)
         if (std::abs(rows(i, j)) * size(j) <= kRoundingOnly * scale_(i)) rows(i, j) = 0;
@@ -350,7 +440,7 @@ class Assembly {
     const long count = channel.taken(time(k)) - channel.arrived(time(k));
     std::vector<MatrixXd> all;
     for (long i = 0; i < count; ++i) {
-      MatrixXd rows = MatrixXd::Zero(channel.size(), nz_ + nu_);
+      MatrixXd rows = MatrixXd::Zero(channel.size(), width());
       rows.middleCols(channel.pending_at + i * channel.size(), channel.size()).setIdentity();
       all.push_back(std::move(rows));
     }
@@ -381,7 +471,7 @@ class Assembly {
   std::vector<Signal> states_;
   std::vector<double> scales_;
   VectorXd scale_;
-  Index nz_ = 0, nu_ = 0;
+  Index nz_ = 0, nu_ = 0, nw_ = 0;
   Index history_at_ = 0, history_ = 0, whole_ = 0, estimator_at_ = 0, believed_at_ = 0;
   double part_ = 0;  ///< of a control period by which commands are late [s]
 };
@@ -392,60 +482,53 @@ void require(bool good, const std::string& came, const std::string& expected) {
 
 }  // namespace
 
+namespace {
+
+/// Whether satellite fixes are too slow to matter beside optical flow. A clock of 1 Hz makes the
+/// period of the plant 200 control periods of 5 ms long.
+bool flies_by_flow(const FlightSetup& setup, double height) {
+  constexpr double kSlow = 5;  // [Hz]
+  Sensors sensors = sensors_of(setup);
+  if (setup.estimator != EstimatorKind::general || !sensors.flow || !sensors.gps ||
+      !(sensors.gps->position.rate < kSlow))
+    return false;
+  sensors.gps.reset();
+  return general_filter_lacks(sensors).empty() && height >= sensors.flow->least_height &&
+         height <= sensors.flow->greatest_height;
+}
+
+}  // namespace
+
 FlownPlant flown_plant(const FlightSetup& setup, const FlownPlantOptions& options) {
   require(options.dt > 0 && std::isfinite(options.dt),
           fmt::format("the control period is {} s", options.dt), "a positive number");
   require(options.height > 0 && std::isfinite(options.height),
           fmt::format("the height is {} m", options.height), "a positive number");
-  require(options.command_delay >= 0 &&
-              options.command_delay <= kMostDelayPeriods * options.dt * (1 + 1e-9),
-          fmt::format("the command delay is {} s", options.command_delay),
-          fmt::format("0 to {} control periods of {} s", kMostDelayPeriods, options.dt));
-  return Assembly(setup, options).make();
-}
-
-DiscreteLti flown_law(const Vehicle& vehicle, const Gains& gains, double dt) {
-  const StateFeedbackSettings<double> law = state_feedback_settings(vehicle, gains, dt, {});
-  DiscreteLti result;
-  result.dt = dt;
-  // i[k] = i[k-1] - dt x[k], u[k] = K_int i[k] - K x[k].
-  const Index ni = law.integrals;
-  result.A = MatrixXd::Identity(ni, ni);
-  result.B = MatrixXd::Zero(ni, 12);
-  for (Index j = 0; j < ni; ++j) {
-    result.B(j, law.integrated[static_cast<std::size_t>(j)]) = -dt;
-    const std::string& name =
-        ned_convention()
-            .states[static_cast<std::size_t>(law.integrated[static_cast<std::size_t>(j)])]
-            .name;
-    result.states.push_back({"integral of " + name, ""});
-  }
-  const MatrixXd K_int = law.K_int.topLeftCorner(law.inputs, ni);
-  result.C = K_int;
-  result.D = K_int * result.B - law.K.topRows(law.inputs);
-  result.inputs = ned_convention().states;
+  const auto short_enough = [&](double delay) {
+    return delay >= 0 && delay <= kMostDelayPeriods * options.dt * (1 + 1e-9);
+  };
+  const std::string allowed =
+      fmt::format("0 to {} control periods of {} s", kMostDelayPeriods, options.dt);
+  require(short_enough(options.command_delay),
+          fmt::format("the command delay is {} s", options.command_delay), allowed);
+  const MotorCommand& motor = flown_vehicle(setup).motor;
+  const double own = motor.delay + 0.5 * motor.delay_jitter;
+  FlownPlantOptions with_own = options;
+  with_own.command_delay += own;
+  require(short_enough(with_own.command_delay),
+          fmt::format("the command delay is {} s with the vehicle's own {} s",
+                      with_own.command_delay, own),
+          allowed);
+  if (!flies_by_flow(setup, options.height)) return Assembly(setup, with_own).make();
+  FlightSetup by_flow = setup;
+  by_flow.vehicle.sensors.gps.reset();
+  if (by_flow.flown) by_flow.flown->sensors.gps.reset();
+  FlownPlant result = Assembly(by_flow, with_own).make();
+  result.notes.emplace_back(
+      "satellite fixes below 5 Hz are left out: optical flow holds the vehicle, and they correct "
+      "the "
+      "position over many seconds");
   return result;
-}
-
-DiscreteLti flown_law(const CascadeGains& gains, PidMethod method) {
-  DiscreteLti law = cascade_law(gains, method);
-  law.B = law.B.rightCols(12).eval();
-  law.D = law.D.rightCols(12).eval();
-  law.inputs = ned_convention().states;
-  for (Signal& state : law.states) state.name = "integral of " + state.name.substr(4);
-  return law;
-}
-
-DiscreteLti flown_law(const FlightSetup& setup) {
-  if (const auto* cascade = std::get_if<CascadeController>(&setup.controller))
-    return flown_law(cascade->gains, cascade->method);
-  const auto& feedback = std::get<StateFeedbackController>(setup.controller);
-  return flown_law(setup.vehicle, feedback.gains, feedback.dt);
-}
-
-InputKind input_kind(const FlightSetup& setup) {
-  if (std::holds_alternative<CascadeController>(setup.controller)) return InputKind::wrench;
-  return std::get<StateFeedbackController>(setup.controller).gains.input_kind;
 }
 
 }  // namespace quadtune

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Ceres jets as a scalar of the code that runs on board (scalar.hpp), so that what flies can be
-/// differentiated exactly. Private to this folder: no public header knows of Ceres.
+/// Ceres jets as a scalar of the on-board code (scalar.hpp), which makes its exact derivatives
+/// available. Private to this folder: no public header includes Ceres.
 #pragma once
 
 #include <ceres/jet.h>

@@ -188,6 +188,24 @@ PeriodicLti cut_at_inputs(const PeriodicLti& plant, const DiscreteLti& law) {
   return loop;
 }
 
+PeriodicLti cut_at_outputs(const PeriodicLti& plant, const DiscreteLti& law) {
+  PeriodicLti loop = cut_at_inputs(plant, law);
+  const Index np = plant.A.front().rows(), nl = law.A.rows(), ny = plant.C.rows();
+  for (std::size_t k = 0; k < plant.period(); ++k) {
+    const MatrixXd& B = plant.B[k];
+    loop.A[k].topRightCorner(np, nl) = B * law.C;
+    loop.A[k].bottomLeftCorner(nl, np).setZero();
+    MatrixXd in(np + nl, ny);
+    in << B * law.D, law.B;
+    loop.B[k] = std::move(in);
+  }
+  loop.C = MatrixXd::Zero(ny, np + nl);
+  loop.C.leftCols(np) = -plant.C;
+  loop.inputs = plant.outputs;
+  loop.outputs = plant.outputs;
+  return loop;
+}
+
 std::vector<MatrixXd> closed(const PeriodicLti& loop) {
   std::vector<MatrixXd> A = loop.A;
   for (std::size_t k = 0; k < A.size(); ++k) A[k] -= loop.B[k] * loop.C;

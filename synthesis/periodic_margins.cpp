@@ -18,6 +18,7 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
+using Eigen::VectorXcd;
 
 }  // namespace
 
@@ -28,8 +29,8 @@ struct MeanResponse::Reduced {
   double dt = 0;
   Index inputs = 0, outputs = 0;
   MatrixXcd T;                   ///< P(N, 0) in Schur form, U T Uᴴ
-  std::vector<MatrixXcd> enter;  ///< Uᴴ P(N, j+1) B[j]
-  std::vector<MatrixXcd> leave;  ///< C P(k, 0) U / N
+  MatrixXcd enter;               ///< Uᴴ P(N, j+1) B[j], N columns for each input
+  MatrixXcd leave;               ///< C P(k, 0) U / N, the rows of step k below those of k - 1
   std::vector<MatrixXd> within;  ///< h[m]; h[0] is 0
 };
 
@@ -43,15 +44,15 @@ MeanResponse::MeanResponse(const PeriodicLti& plant) : reduced_(std::make_unique
   r.outputs = plant.C.rows();
   const double share = 1 / static_cast<double>(N);
   MatrixXd whole = MatrixXd::Identity(nx, nx);
-  std::vector<MatrixXd> leave;
+  MatrixXd leave(static_cast<Index>(N) * r.outputs, nx);
   for (std::size_t k = 0; k < N; ++k) {
-    leave.push_back(share * plant.C * whole);
+    leave.middleRows(static_cast<Index>(k) * r.outputs, r.outputs) = share * plant.C * whole;
     whole = (plant.A[k] * whole).eval();
   }
   const Eigen::ComplexSchur<MatrixXd> schur(whole);
   r.T = schur.matrixT();
-  for (const MatrixXd& row : leave) r.leave.push_back(row * schur.matrixU());
-  r.enter.resize(N);
+  r.leave = leave * schur.matrixU();
+  r.enter.resize(nx, static_cast<Index>(N) * r.inputs);
   r.within.assign(N, MatrixXd::Zero(r.outputs, r.inputs));
   for (std::size_t j = 0; j < N; ++j) {
     MatrixXd moved = plant.B[j];  // P(k, j+1) B[j], k = j + 1
@@ -59,7 +60,9 @@ MeanResponse::MeanResponse(const PeriodicLti& plant) : reduced_(std::make_unique
       r.within[k - j] += share * plant.C * moved;
       moved = (plant.A[k] * moved).eval();
     }
-    r.enter[j] = schur.matrixU().adjoint() * moved;
+    const MatrixXcd arrived = schur.matrixU().adjoint() * moved;
+    for (Index i = 0; i < r.inputs; ++i)
+      r.enter.col(i * static_cast<Index>(N) + static_cast<Index>(j)) = arrived.col(i);
   }
 }
 
@@ -69,23 +72,21 @@ MeanResponse& MeanResponse::operator=(MeanResponse&&) noexcept = default;
 
 MatrixXcd MeanResponse::at(double w) const {
   const Reduced& r = *reduced_;
-  const auto N = static_cast<double>(r.enter.size());
+  const auto N = static_cast<Index>(r.within.size());
   const Complex step = std::polar(1.0, w * r.dt);
-  MatrixXcd x = MatrixXcd::Zero(r.T.rows(), r.inputs);
-  Complex turn = 1;
-  for (const MatrixXcd& enter : r.enter) {
-    x += turn * enter;
-    turn *= step;
-  }
+  VectorXcd turn(N);  // λ^k
+  turn(0) = 1;
+  for (Index k = 1; k < N; ++k) turn(k) = turn(k - 1) * step;
+  MatrixXcd x(r.T.rows(), r.inputs);
+  for (Index i = 0; i < r.inputs; ++i) x.col(i).noalias() = r.enter.middleCols(i * N, N) * turn;
   MatrixXcd shifted = -r.T;
-  shifted.diagonal().array() += std::polar(1.0, w * r.dt * N);
+  shifted.diagonal().array() += std::polar(1.0, w * r.dt * static_cast<double>(N));
   shifted.triangularView<Eigen::Upper>().solveInPlace(x);
+  const MatrixXcd left = r.leave * x;
   MatrixXcd y = MatrixXcd::Zero(r.outputs, r.inputs);
-  turn = 1;
-  for (std::size_t k = 0; k < r.leave.size(); ++k) {
-    y += turn * (r.leave[k] * x + r.within[k].cast<Complex>());
-    turn *= std::conj(step);
-  }
+  for (Index k = 0; k < N; ++k)
+    y += std::conj(turn(k)) * (left.middleRows(k * r.outputs, r.outputs) +
+                               r.within[static_cast<std::size_t>(k)].cast<Complex>());
   return y;
 }
 
@@ -113,7 +114,7 @@ LoopMargins loop_margins(const PeriodicLti& loop, double skew) {
   for (MatrixXd& B : reversed.B) B = B.colwise().reverse().eval();
   reversed.C = part.C.rowwise().reverse().eval();
   const MeanResponse again(reversed);
-  const Eigen::VectorXcd poles = periodic_poles(closed(loop));
+  const VectorXcd poles = periodic_poles(closed(loop));
   internal::ChannelResponse response;
   response.sensitivity = [&](double w) { return 1.0 - response_of_closed.at(w)(0, 0); };
   // The open loop's own mean has poles wherever an integrator repeats, 2π/(N dt) apart, as narrow

@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include "contraction.hpp"
 #include "loop_parts.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/in_parallel.hpp"
 
 namespace quadtune {
 namespace {
@@ -17,10 +20,15 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using internal::Contraction;
+using internal::Coordinates;
 using internal::EnclosedBox;
 using internal::LoopPart;
 
 constexpr Index kMostNumbers = 10;
+
+// Boxes that are looked at together, by as many threads as there are. A constant, so that the
+// answer does not depend on the threads.
+constexpr std::size_t kTogether = 16;
 
 // A box narrower than this share of its bounds is not split again.
 constexpr double kNarrowest = 1e-9;
@@ -29,6 +37,14 @@ constexpr double kNarrowest = 1e-9;
 struct PartEvidence {
   double gap = std::numeric_limits<double>::infinity();
   double condition = 1;
+  double share = 0;  ///< that is proved
+};
+
+/// A box that is not proved yet, and the coordinates that were best for the one that it is half of.
+struct OpenBox {
+  EnclosedBox box;
+  std::shared_ptr<const Coordinates> start;
+  double share = 1;  ///< of the box of its part
 };
 
 std::string name_of(const LoopPart& part) {
@@ -66,7 +82,7 @@ LoopBox in_delays(const EnclosedBox& box, double dt) {
 class Proof {
  public:
   Proof(const UncertainLoop& loop, const StabilityProofOptions& options)
-      : loop_(loop), options_(options) {}
+      : loop_(loop), options_(options), threads_(internal::thread_count(options.threads)) {}
 
   StabilityProof run(const LoopBox& box) {
     result_.status = StabilityProofStatus::proved;
@@ -119,34 +135,74 @@ class Proof {
       throw InvalidInput("prove_stability",
                          fmt::format("{} numbers move {}, expected at most {}", part.terms.size(),
                                      name_of(part), kMostNumbers));
-    std::vector<EnclosedBox> open = {part.share(region)};
+    std::vector<OpenBox> open = {{part.share(region), nullptr}};
+    const int before = result_.boxes;
     while (!open.empty()) {
-      const EnclosedBox box = open.back();
-      open.pop_back();
-      if (options_.interrupted && options_.interrupted())
-        return fail(StabilityProofStatus::interrupted, part, box, "interrupted");
-      if (result_.boxes >= options_.most_boxes)
-        return fail(StabilityProofStatus::not_proved, part, box,
+      if (takes_too_long(result_.boxes - before, evidence.share))
+        return fail(StabilityProofStatus::not_proved, part, open.back().box,
+                    fmt::format("{} boxes were looked at, and {:.2g} of the box is proved",
+                                result_.boxes, evidence.share));
+      const auto left = static_cast<std::size_t>(options_.most_boxes - result_.boxes);
+      if (left == 0)
+        return fail(StabilityProofStatus::not_proved, part, open.back().box,
                     fmt::format("{} boxes were looked at", result_.boxes));
-      ++result_.boxes;
-      const Contraction contraction = internal::prove_contraction(part.loop, box);
-      if (contraction.proved) {
-        ++result_.proved_boxes;
-        evidence.gap = std::min(evidence.gap, contraction.gap);
-        evidence.condition = std::max(evidence.condition, contraction.condition);
-        continue;
+      std::vector<OpenBox> together;
+      while (!open.empty() && together.size() < std::min(kTogether, left)) {
+        together.push_back(std::move(open.back()));
+        open.pop_back();
       }
-      if (!(contraction.radius < 1))
-        return fail(StabilityProofStatus::unstable, part, box,
-                    fmt::format("spectral radius {:.9g} in its middle", contraction.radius));
-      if (!can_split(box, contraction.widest))
-        return fail(StabilityProofStatus::not_proved, part, box,
-                    fmt::format("spectral radius {:.12g} in a box too narrow to split",
-                                contraction.radius));
-      auto [first, second] = halves(box, contraction.widest);
-      open.push_back(std::move(second));
-      open.push_back(std::move(first));
+      std::vector<Contraction> contractions(together.size());
+      try {
+        internal::in_parallel(
+            together.size(), threads_,
+            [&]() -> internal::PartWorker {
+              return [&](std::size_t i) {
+                contractions[i] = internal::prove_contraction(part.loop, together[i].box,
+                                                              together[i].start.get());
+              };
+            },
+            options_.interrupted);
+      } catch (const Interrupted&) {
+        return fail(StabilityProofStatus::interrupted, part, together.front().box, "interrupted");
+      }
+      for (std::size_t i = 0; i < together.size(); ++i)
+        if (!goes_on(part, together[i], std::move(contractions[i]), evidence, open)) return false;
     }
+    return true;
+  }
+
+  /// @param boxes  of this part that were looked at, and the share of it that they prove
+  [[nodiscard]] bool takes_too_long(int boxes, double share) const {
+    constexpr int kEnoughToTell = 128;
+    return boxes >= kEnoughToTell && boxes > share * options_.give_up * options_.most_boxes;
+  }
+
+  /// Keeps the evidence of a box that is proved, and divides one that is not.
+  /// @return false where the proof ends here
+  bool goes_on(const LoopPart& part, const OpenBox& one, Contraction contraction,
+               PartEvidence& evidence, std::vector<OpenBox>& open) {
+    const EnclosedBox& box = one.box;
+    ++result_.boxes;
+    if (contraction.proved) {
+      ++result_.proved_boxes;
+      evidence.share += one.share;
+      evidence.gap = std::min(evidence.gap, contraction.gap);
+      evidence.condition = std::max(evidence.condition, contraction.condition);
+      return true;
+    }
+    if (!(contraction.radius < 1))
+      return fail(StabilityProofStatus::unstable, part, box,
+                  fmt::format("spectral radius {:.9g} in its middle", contraction.radius));
+    if (!can_split(box, contraction.widest))
+      return fail(
+          StabilityProofStatus::not_proved, part, box,
+          fmt::format("spectral radius {:.12g} in a box too narrow to split", contraction.radius));
+    std::shared_ptr<const Coordinates> start;
+    if (contraction.coordinates)
+      start = std::make_shared<const Coordinates>(*std::move(contraction.coordinates));
+    auto [first, second] = halves(box, contraction.widest);
+    open.push_back({std::move(second), start, 0.5 * one.share});
+    open.push_back({std::move(first), start, 0.5 * one.share});
     return true;
   }
 
@@ -183,6 +239,7 @@ class Proof {
 
   const UncertainLoop& loop_;
   const StabilityProofOptions& options_;
+  std::size_t threads_;
   StabilityProof result_;
 };
 

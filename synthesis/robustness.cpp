@@ -20,16 +20,21 @@ StabilityProof prove_scaled(const LoopFamily& family, double scale,
 }
 
 /// Raises proved_scale until the bracket is narrow: first nearly to what was found, then by halves.
+/// A wider box takes more boxes, by at least the square of the scale where two ranges of a part
+/// grow. Where the last proof took half of the budget there is no other.
 void narrow_bracket(const LoopFamily& family, const RobustnessOptions& options,
                     Robustness& result) {
   StabilityProofOptions proof_options = options.proof;
   proof_options.most_boxes = options.bracket_boxes;
+  proof_options.give_up = 2;
+  int taken = result.proof.boxes;
   double beyond = std::min(result.found_scale, family.greatest_scale);
   if (!result.proof.proved()) beyond = std::min(beyond, 1.0);
   double scale =
       result.found_scale <= family.greatest_scale ? beyond * (1 - 0.5 * options.tolerance) : beyond;
   constexpr int kMostProofs = 12;
   for (int i = 0; i < kMostProofs && result.proved_scale < beyond * (1 - options.tolerance); ++i) {
+    if (result.proved_scale > 0 && 2 * taken > options.bracket_boxes) return;
     if (scale <= result.proved_scale) scale = 0.5 * (result.proved_scale + beyond);
     const StabilityProof proof = prove_scaled(family, scale, proof_options);
     result.boxes += proof.boxes;
@@ -38,6 +43,7 @@ void narrow_bracket(const LoopFamily& family, const RobustnessOptions& options,
       return;
     }
     (proof.proved() ? result.proved_scale : beyond) = scale;
+    if (proof.proved()) taken = proof.boxes;
     scale = 0.5 * (result.proved_scale + beyond);
   }
 }
@@ -82,7 +88,8 @@ Robustness assess_robustness(const LoopFamily& family, const RobustnessOptions& 
   result.proof = prove_scaled(family, 1, options.proof);
   result.boxes = result.proof.boxes;
   if (result.proof.proved()) result.proved_scale = 1;
-  internal::RobustnessSearch search(family, options.seed, options.proof.interrupted);
+  internal::RobustnessSearch search(family, options.seed, options.proof.threads,
+                                    options.proof.interrupted);
   result.worst = search.worst();
   const auto nearest = search.nearest();
   result.found_scale = nearest.scale;

@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
+
+#include "quadtune/internal/in_parallel.hpp"
 
 namespace quadtune::internal {
 namespace {
@@ -15,6 +18,9 @@ using Eigen::VectorXd;
 constexpr int kDrawn = 100;       // points beside the corners
 constexpr int kMostCorners = 12;  // parameters of which all corners are looked at
 constexpr std::size_t kClimbs = 4;
+// Rays that are looked at together. A constant, so that what is found does not depend on the
+// threads.
+constexpr std::size_t kTogether = 16;
 constexpr double kFinestStep = 1e-3;  // of half the box's width
 constexpr int kStepsAlong = 24;       // of a ray, from nominal outwards
 constexpr double kRayTolerance = 1e-4;
@@ -24,11 +30,12 @@ const double kInfinity = std::numeric_limits<double>::infinity();
 }  // namespace
 
 RobustnessSearch::RobustnessSearch(const LoopFamily& family, std::uint64_t seed,
-                                   const std::function<bool()>& interrupted)
-    : family_(family), interrupted_(interrupted), random_(seed) {
+                                   std::size_t threads, const std::function<bool()>& interrupted)
+    : family_(family), threads_(thread_count(threads)), interrupted_(interrupted), random_(seed) {
   const ParameterBox box = scaled_box(family, 1);
   const LoopBox loop_box = family.over(box.low, box.high);
   parts_ = loop_parts(family.loop, {loop_box.low, loop_box.high, 0, 0, 0});
+  known_.resize(parts_.size());
 }
 
 VectorXd RobustnessSearch::parameters(const Direction& direction, double scale) const {
@@ -46,9 +53,23 @@ VectorXd RobustnessSearch::parameters(const Direction& direction, double scale) 
 double RobustnessSearch::radius(const Direction& direction, double scale) const {
   const LoopPoint point = family_.at(parameters(direction, scale));
   double largest = 0;
-  for (const LoopPart& part : parts_)
-    largest = std::max(largest, spectral_radius(part.loop, point.numbers(part.terms), point.delay));
+  for (std::size_t i = 0; i < parts_.size(); ++i) largest = std::max(largest, radius_of(i, point));
   return largest;
+}
+
+double RobustnessSearch::radius_of(std::size_t part, const LoopPoint& point) const {
+  const VectorXd numbers = point.numbers(parts_[part].terms);
+  std::vector<double> key(numbers.begin(), numbers.end());
+  key.push_back(point.delay);
+  {
+    const std::lock_guard lock(mutex_);
+    const auto known = known_[part].find(key);
+    if (known != known_[part].end()) return known->second;
+  }
+  const double radius = spectral_radius(parts_[part].loop, numbers, point.delay);
+  const std::lock_guard lock(mutex_);
+  known_[part].emplace(std::move(key), radius);
+  return radius;
 }
 
 // The corners that differ, then points drawn evenly.
@@ -106,21 +127,38 @@ RobustnessSearch::Direction RobustnessSearch::climbed(Direction best, const Bett
   return best;
 }
 
+template <class F>
+auto RobustnessSearch::each(std::size_t count, const F& f) const {
+  std::vector<decltype(f(std::size_t{0}))> results(count);
+  std::vector<char> called(count, 0);  // not bool, whose elements share bytes
+  const auto one = [&](std::size_t i) {
+    if (stopped()) return;
+    results[i] = f(i);
+    called[i] = 1;
+  };
+  in_parallel(count, threads_, [&] { return one; }, {});
+  results.resize(
+      static_cast<std::size_t>(std::find(called.begin(), called.end(), 0) - called.begin()));
+  return results;
+}
+
 WorstCase RobustnessSearch::worst() {
-  std::vector<std::pair<double, Direction>> seen;
-  for (Direction& direction : starts()) {
-    if (stopped()) break;
-    seen.emplace_back(radius(direction, 1), std::move(direction));
-  }
-  std::stable_sort(seen.begin(), seen.end(),
-                   [](const auto& a, const auto& b) { return a.first > b.first; });
-  WorstCase worst;
+  const std::vector<Direction> all = starts();
+  const std::vector<double> radii =
+      each(all.size(), [&](std::size_t i) { return radius(all[i], 1); });
+  std::vector<std::size_t> order(radii.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return radii[a] > radii[b]; });
   const auto value = [this](const Direction& direction) { return radius(direction, 1); };
-  for (std::size_t i = 0; i < std::min(kClimbs, seen.size()); ++i) {
-    const Direction top = climbed(seen[i].second, value);
-    const double at_top = value(top);
-    if (at_top > worst.radius) worst = {at_top, parameters(top, 1)};
-  }
+  const std::vector<WorstCase> tops =
+      each(std::min(kClimbs, order.size()), [&](std::size_t i) -> WorstCase {
+        const Direction top = climbed(all[order[i]], value);
+        return {value(top), parameters(top, 1)};
+      });
+  WorstCase worst;
+  for (const WorstCase& top : tops)
+    if (top.radius > worst.radius) worst = top;
   return worst;
 }
 
@@ -149,30 +187,37 @@ double RobustnessSearch::first_unstable(const Direction& direction, double up_to
 }
 
 RobustnessSearch::Nearest RobustnessSearch::nearest() {
-  std::vector<std::pair<double, Direction>> seen;
+  struct Ray {
+    double scale = kInfinity;
+    Direction direction;
+  };
+  const std::vector<Direction> all = starts();
+  std::vector<Ray> seen;
   double least = family_.greatest_scale;
-  for (Direction& direction : starts()) {
-    if (stopped()) break;
-    const double scale = first_unstable(direction, least);
-    if (!(scale < kInfinity)) continue;
-    least = std::min(least, scale);
-    seen.emplace_back(scale, std::move(direction));
+  for (std::size_t first = 0; first < all.size() && !stopped(); first += kTogether) {
+    const double up_to = least;
+    const std::size_t count = std::min(kTogether, all.size() - first);
+    for (Ray& ray : each(count, [&](std::size_t i) -> Ray {
+           return {first_unstable(all[first + i], up_to), all[first + i]};
+         })) {
+      if (!(ray.scale < kInfinity)) continue;
+      least = std::min(least, ray.scale);
+      seen.push_back(std::move(ray));
+    }
   }
   if (seen.empty()) return {kInfinity, {}};
-  // The last found are the least.
   std::stable_sort(seen.begin(), seen.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  Direction best = seen.front().second;
-  for (std::size_t i = 0; i < std::min(kClimbs, seen.size()); ++i) {
-    const Direction top = climbed(seen[i].second, [&](const Direction& direction) {
-      return -first_unstable(direction, 1.0001 * least);
-    });
-    const double scale = first_unstable(top, 1.0001 * least);
-    if (scale > least) continue;
-    least = scale;
-    best = top;
-  }
-  return {least, {radius(best, least), parameters(best, least)}};
+                   [](const Ray& a, const Ray& b) { return a.scale < b.scale; });
+  const double up_to = 1.0001 * least;
+  Ray best = seen.front();
+  for (const Ray& top : each(std::min(kClimbs, seen.size()), [&](std::size_t i) -> Ray {
+         const Direction found = climbed(seen[i].direction, [&](const Direction& direction) {
+           return -first_unstable(direction, up_to);
+         });
+         return {first_unstable(found, up_to), found};
+       }))
+    if (top.scale <= best.scale) best = top;
+  return {best.scale, {radius(best.direction, best.scale), parameters(best.direction, best.scale)}};
 }
 
 }  // namespace quadtune::internal

@@ -2,6 +2,8 @@
 /// Looks for the worst loop of a family, and for the nearest that is unstable.
 #pragma once
 
+#include <map>
+#include <mutex>
 #include <random>
 #include <vector>
 
@@ -15,7 +17,9 @@ namespace quadtune::internal {
 /// may be there.
 class RobustnessSearch {
  public:
-  RobustnessSearch(const LoopFamily& family, std::uint64_t seed,
+  /// @param threads      at most so many at once; what is found does not depend on it
+  /// @param interrupted  asked by any thread
+  RobustnessSearch(const LoopFamily& family, std::uint64_t seed, std::size_t threads,
                    const std::function<bool()>& interrupted);
 
   /// The largest spectral radius in the family's box.
@@ -34,16 +38,25 @@ class RobustnessSearch {
 
   [[nodiscard]] Eigen::VectorXd parameters(const Direction& direction, double scale) const;
   [[nodiscard]] double radius(const Direction& direction, double scale) const;
+  [[nodiscard]] double radius_of(std::size_t part, const LoopPoint& point) const;
   [[nodiscard]] double first_unstable(const Direction& direction, double up_to) const;
   [[nodiscard]] std::vector<Direction> starts();
+  /// f(0) … f(count - 1), of those that were called before the search was stopped.
+  template <class F>
+  [[nodiscard]] auto each(std::size_t count, const F& f) const;
   template <class Better>
   Direction climbed(Direction best, const Better& value) const;
   [[nodiscard]] bool stopped() const { return interrupted_ && interrupted_(); }
 
   const LoopFamily& family_;
+  std::size_t threads_;
   std::function<bool()> interrupted_;
   std::mt19937_64 random_;
   std::vector<LoopPart> parts_;
+  /// Radii by the numbers and the delay of each part: most steps along a parameter leave most parts
+  /// as they are.
+  mutable std::vector<std::map<std::vector<double>, double>> known_;
+  mutable std::mutex mutex_;
 };
 
 }  // namespace quadtune::internal

@@ -13,6 +13,7 @@
 #include "quadtune/control/state_feedback_law.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/linearize/linearize.hpp"
+#include "quadtune/synthesis/flown_plant.hpp"
 
 namespace quadtune {
 namespace {
@@ -148,7 +149,18 @@ HoverLaw law_of(const Vehicle& vehicle, const Gains& gains) {
   FlightCondition condition;
   condition.yaw = hover.yaw;
   const MatrixXd M = wrench_of_inputs(vehicle, condition, gains.input_kind);
-  // u = -K x + K_int i, i⁺ = i - dt x of the integrated states.
+  // A law with memory is closed as it runs on board: integrals are advanced before they are used.
+  if (gains.memory) {
+    const DiscreteLti law = flown_law(vehicle, gains, gains.dt);
+    hover.law.dt = gains.dt;
+    hover.law.A = law.A;
+    hover.law.B = law.B(Eigen::all, hover.kept);
+    hover.law.C = M * law.C;
+    hover.law.D = M * law.D(Eigen::all, hover.kept);
+    return hover;
+  }
+  // A law without memory is closed as `verify` closes it: u = -K x + K_int i, i⁺ = i - dt x of the
+  // integrated states.
   const auto nx = static_cast<Index>(hover.kept.size());
   hover.law.dt = gains.dt;
   hover.law.A = MatrixXd::Identity(ned.integrals, ned.integrals);
@@ -238,7 +250,7 @@ class HoverFamily {
 
   /// The vehicle's own where the range holds it, else the middle.
   [[nodiscard]] double nominal_lag() const {
-    const double own = vehicle_.rotors.front().lag;
+    const double own = slower_lag(vehicle_.rotors.front());
     const bool inside = uncertainty_.lag.low <= own && own <= uncertainty_.lag.high;
     return inside ? own : 0.5 * (uncertainty_.lag.low + uncertainty_.lag.high);
   }

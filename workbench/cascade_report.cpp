@@ -36,7 +36,7 @@ CascadeVehicle cascade_vehicle(const Vehicle& vehicle, const std::string& where)
       throw NoSolution(
           fmt::format("{}: no authority: at hover the rotors cannot change {}", where, axes[i]),
           where);
-  for (const Rotor& rotor : vehicle.rotors) hover.lag = std::max(hover.lag, rotor.lag);
+  for (const Rotor& rotor : vehicle.rotors) hover.lag = std::max(hover.lag, slower_lag(rotor));
   if (vehicle.published_cascade) hover.published = vehicle.published_cascade->gains;
   return hover;
 }

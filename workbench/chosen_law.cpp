@@ -4,11 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/workbench/flown_gains.hpp"
+#include "quadtune/workbench/flown_lqi.hpp"
 #include "quadtune/workbench/given_gains.hpp"
+#include "quadtune/workbench/near_hover.hpp"
 #include "quadtune/workbench/standard_lqr.hpp"
 
 namespace quadtune {
@@ -23,17 +27,73 @@ ChosenLaw published_cascade(const Vehicle& vehicle) {
           "cascaded PID, published: " + vehicle.published_cascade->source};
 }
 
-ChosenLaw designed_cascade(const FlightOptions& options, const Vehicle& vehicle) {
+/// The cascade of the loop-by-loop rules.
+ChosenLaw cascade_by_loops(const Vehicle& vehicle, const std::string& words) {
   ChosenLaw law;
   const CascadeReport report = design_cascade(vehicle, usual_specification(vehicle), vehicle.name);
   law.margins = report.margins;
   law.position_bandwidth = position_bandwidth(report);
   CascadeController controller{report.cascade.gains};
   controller.back_calculation = kDesignedBackCalculation;
+  controller.velocity_feed_forward = true;
+  controller.conditional_integration = true;
   law.controller = controller;
-  law.words = fmt::format("cascaded PID, designed as by `quadtune pid {}`",
-                          options.vehicle.empty() ? vehicle.name : options.vehicle);
+  law.words = words;
   return law;
+}
+
+/// Of the wrench's components at the first member of the family, a hover at 1.1 m.
+MarginsReport margins_of(const FlownGains& gains, double dt) {
+  MarginsReport report;
+  report.dt = dt;
+  for (Eigen::Index input = 0; input < 4; ++input)
+    for (const FlownAxisGains& axis : gains.axes)
+      if (wrench_of(axis.axis) == input) {
+        report.names.push_back(ned_convention().wrench[static_cast<std::size_t>(input)].name);
+        report.loops.push_back(axis.margins.front());
+      }
+  return report;
+}
+
+ChosenLaw designed_cascade(const FlightOptions& flight, const Vehicle& vehicle) {
+  const std::string named = flight.vehicle.empty() ? vehicle.name : flight.vehicle;
+  const std::string words = fmt::format("cascaded PID, designed as by `quadtune pid {}`", named);
+  (void)cascade_vehicle(vehicle, vehicle.name);  // says why where it cannot hover
+  if (!usually_on_flown_plant(vehicle)) return cascade_by_loops(vehicle, words);
+  FlownGainsOptions options;
+  options.dt = usual_specification(vehicle).dt;
+  try {
+    const FlownGains gains = flown_gains(vehicle, options);
+    ChosenLaw law;
+    CascadeController controller{as_cascade(gains, options.dt)};
+    controller.back_calculation = kDesignedBackCalculation;
+    controller.attitude_limit = kDesignedAttitudeLimit;
+    controller.velocity_feed_forward = true;
+    controller.conditional_integration = true;
+    law.controller = controller;
+    law.margins = margins_of(gains, options.dt);
+    law.words = words;
+    return law;
+  } catch (const NoSolution&) {
+    return cascade_by_loops(
+        vehicle, "cascaded PID, designed loop by loop because no gains stabilize the flown plant");
+  }
+}
+
+ChosenLaw designed_feedback(const Vehicle& vehicle, const std::string& who) {
+  try {
+    FlownLqi design = flown_lqi(vehicle);
+    keep_near_hover(vehicle, design.lqi.gains);
+    return {feedback_controller(design.lqi.gains, kUsualPeriod),
+            "state feedback, LQI with weights by Bryson's rule and the lag of the rotors",
+            {}};
+  } catch (const NoSolution&) {
+    Gains gains = standard_gains(vehicle, who);
+    keep_near_hover(vehicle, gains);
+    return {feedback_controller(gains, kUsualPeriod),
+            "state feedback, LQR with weights by Bryson's rule; the LQI has no solution",
+            {}};
+  }
 }
 
 /// What is known by a word alone: gains designed or published.
@@ -41,10 +101,7 @@ ChosenLaw law_of_word(const FlightOptions& options, const Vehicle& vehicle, bool
                       const std::string& who) {
   const bool designed = options.gains == "designed";
   if (cascade) return designed ? designed_cascade(options, vehicle) : published_cascade(vehicle);
-  if (designed)
-    return {feedback_controller(standard_gains(vehicle, who), kUsualPeriod),
-            "state feedback, LQR with weights by Bryson's rule",
-            {}};
+  if (designed) return designed_feedback(vehicle, who);
   throw OptionError("gains",
                     "gains published is for cascaded-pid, expected designed or a file of "
                     "gains");
@@ -69,9 +126,10 @@ ChosenLaw law_of_file(const FlightOptions& options, const Vehicle& vehicle) {
   if (!flies_cascade(given, options))
     return {feedback_controller(*given.laws.gains, kUsualPeriod),
             "state feedback of " + options.gains,
-            given.design ? given.design->margins : std::nullopt};
+            given.design ? given.design->margins : std::nullopt, 0, given.laws.estimator};
   const CascadeDesign& cascade = *given.laws.cascade;
   ChosenLaw law{cascade_controller(cascade, cascade.gains), "cascaded PID of " + options.gains};
+  law.estimator = given.laws.estimator;
   if (cascade.specification) {
     law.margins = given.design->cascade->margins;
     law.position_bandwidth = position_bandwidth(*given.design->cascade);
@@ -99,6 +157,12 @@ ChosenLaw choose_law(FlightOptions options, const Vehicle& vehicle, const std::s
   return law_of_file(options, vehicle);
 }
 
+bool usually_on_flown_plant(const Vehicle& vehicle) {
+  constexpr double kSlowFixes = 5;  // [Hz]
+  const Sensors& sensors = vehicle.sensors;
+  return sensors.flow || !sensors.gps || sensors.gps->position.rate >= kSlowFixes;
+}
+
 CascadeSpecification usual_specification(const Vehicle& vehicle) {
   CascadeSpecification specification;
   specification.dt = vehicle.published_cascade ? vehicle.published_cascade->gains.dt : kUsualPeriod;
@@ -111,6 +175,8 @@ CascadeController cascade_controller(const CascadeDesign& design, const CascadeG
   controller.attitude_limit = design.attitude_limit;
   controller.integrator_limit = design.integrator_limit;
   controller.back_calculation = design.back_calculation;
+  controller.velocity_feed_forward = design.velocity_feed_forward;
+  controller.conditional_integration = design.conditional_integration;
   return controller;
 }
 
@@ -127,6 +193,12 @@ double position_bandwidth(const CascadeReport& report) {
 StateFeedbackController feedback_controller(const Gains& gains, double dt) {
   StateFeedbackController controller{gains, gains.dt > 0 ? gains.dt : dt, {}};
   if (gains.convention == "uquad") controller.guards = uquad_integral_guards();
+  // Far from the set point the proportional part does the work, and the integral grows as if near.
+  // It does not stand: a vehicle that is heavier than believed may hang that far below.
+  constexpr double kNear = 0.3, kInfinity = std::numeric_limits<double>::infinity();  // [m, rad]
+  if (gains.convention == "ned")
+    for (const Signal& integral : gains.integrals)
+      controller.guards.push_back({integral.name, kInfinity, kNear * controller.dt, kInfinity});
   return controller;
 }
 

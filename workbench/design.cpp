@@ -5,14 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "quadtune/convention.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/workbench/chosen_law.hpp"
+#include "quadtune/workbench/flown_gains.hpp"
 #include "quadtune/workbench/flying_loop.hpp"
 #include "quadtune/workbench/linearize_or_refuse.hpp"
+#include "quadtune/workbench/lqi_report.hpp"
 #include "quadtune/workbench/standard_lqr.hpp"
 
 namespace quadtune {
@@ -86,6 +90,21 @@ void solve_feedback(DesignOutcome& outcome) {
   if (design.published) outcome.published = compare(*design.published, *outcome.gains);
 }
 
+void solve_lqi(DesignOutcome& outcome) {
+  const Vehicle& vehicle = outcome.design.vehicle;
+  const std::string where = place_of(outcome.design);
+  FlightOptions flight;
+  flight.estimator = program_estimator(outcome.design);
+  outcome.lqi = lqi_report(vehicle, flown_lqi_options(vehicle, *outcome.design.lqi), flight);
+  outcome.gains = outcome.lqi->design.lqi.gains;
+  LinearizeOptions words;
+  words.inputs = InputKind::wrench;
+  outcome.model = linearize_or_refuse(vehicle, outcome.design.condition, words, where);
+  outcome.poles = outcome.lqi->design.lqi.riccati.poles;
+  outcome.margins = outcome.lqi->flown.margins;
+  outcome.sampled = discretize_zoh(outcome.model.plant, outcome.gains->dt);
+}
+
 DesignedFilter solve_filter(const KalmanDesign& design, const std::string& where) {
   DesignedFilter result;
   result.evidence = kalman(design.model, {design.G, design.Q, design.R, design.N});
@@ -108,11 +127,41 @@ void complete(MissionRequest& mission, const Design& design) {
   mission.controller = controller_kind(mission.controller);
   if (mission.controller.empty())
     mission.controller = design.cascade ? kCascadedPid : kStateFeedback;
-  if (mission.controller == kCascadedPid ? !design.cascade : !design.lqr)
+  if (mission.controller == kCascadedPid ? !design.cascade : !has_feedback(design))
     throw OptionError("controller",
                       fmt::format("controller of the mission '{}' is {}, expected the law that is "
                                   "designed",
                                   internal::printable(mission.mission), mission.controller));
+}
+
+/// Gains designed on the flown plant, where that is the usual way and there are any.
+std::optional<CascadeGains> gains_on_flown_plant(const Vehicle& vehicle, double dt) {
+  if (!usually_on_flown_plant(vehicle)) return std::nullopt;
+  FlownGainsOptions options;
+  options.dt = dt;
+  try {
+    return as_cascade(flown_gains(vehicle, options), dt);
+  } catch (const NoSolution&) {
+    return std::nullopt;
+  }
+}
+
+/// The cascade of `quadtune pid V`, with the period of `cascade`, which has no gains yet, and with
+/// the limits that `fly V` gives it where `cascade` has none.
+void design_as_usual(const Vehicle& vehicle, CascadeDesign& cascade) {
+  (void)cascade_vehicle(vehicle, vehicle.name);  // says why where it cannot hover
+  CascadeController flown;
+  if (auto gains = gains_on_flown_plant(vehicle, cascade.gains.dt)) {
+    cascade.gains = std::move(*gains);
+    flown.attitude_limit = kDesignedAttitudeLimit;
+  } else {
+    cascade.specification = usual_specification(vehicle);
+    cascade.specification->dt = cascade.gains.dt;
+    cascade.method = cascade.specification->method;
+  }
+  if (std::isinf(cascade.attitude_limit)) cascade.attitude_limit = flown.attitude_limit;
+  if (std::isinf(cascade.integrator_limit)) cascade.integrator_limit = flown.integrator_limit;
+  if (cascade.back_calculation == 0) cascade.back_calculation = kDesignedBackCalculation;
 }
 
 }  // namespace
@@ -131,14 +180,11 @@ LqrDesign usual_lqr(const Vehicle& vehicle, double dt) {
 }
 
 CascadeDesign usual_cascade(const Vehicle& vehicle) {
-  const CascadeController flown;
   CascadeDesign cascade;
-  cascade.specification = usual_specification(vehicle);
-  cascade.method = cascade.specification->method;
-  cascade.gains.dt = cascade.specification->dt;
-  cascade.attitude_limit = flown.attitude_limit;
-  cascade.integrator_limit = flown.integrator_limit;
-  cascade.back_calculation = kDesignedBackCalculation;
+  cascade.gains.dt = usual_specification(vehicle).dt;
+  cascade.velocity_feed_forward = true;
+  cascade.conditional_integration = true;
+  design_as_usual(vehicle, cascade);
   return cascade;
 }
 
@@ -147,12 +193,23 @@ DesignOutcome solve_laws(Design design) {
   outcome.design = std::move(design);
   const Vehicle& vehicle = outcome.design.vehicle;
   const std::string where = place_of(outcome.design);
+  if (outcome.design.lqr && outcome.design.lqi)
+    throw InvalidInput(where,
+                       "the design has weights of the ideal and of the flown plant, "
+                       "expected one, because it has one state feedback");
+  if (outcome.design.lqi && outcome.design.condition.kind != FlightKind::hover)
+    throw InvalidInput(where, fmt::format("the trim is '{}', expected hover, because the flown "
+                                          "plant is one of hover",
+                                          to_string(outcome.design.condition.kind)));
   if (outcome.design.lqr)
     solve_feedback(outcome);
+  else if (outcome.design.lqi)
+    solve_lqi(outcome);
   else
     outcome.model = linearize_or_refuse(vehicle, outcome.design.condition, {}, where);
   if (outcome.design.cascade) {
-    const CascadeDesign& cascade = *outcome.design.cascade;
+    CascadeDesign& cascade = *outcome.design.cascade;
+    if (cascade.gains.loops.empty() && !cascade.specification) design_as_usual(vehicle, cascade);
     outcome.cascade = cascade.specification
                           ? design_cascade(vehicle, *cascade.specification, where)
                           : assess_written_cascade(vehicle, cascade.gains, cascade.method, where);
@@ -193,13 +250,16 @@ DesignOutcome design(const Vehicle& vehicle, const DesignRequirements& requireme
   asked.vehicle = vehicle;
   asked.condition = requirements.condition;
   asked.lqr = requirements.lqr;
+  asked.lqi = requirements.lqi;
   asked.cascade = requirements.cascade;
-  if (!asked.lqr && !asked.cascade) asked.lqr = usual_lqr(vehicle);
+  if (!has_feedback(asked) && !asked.cascade) asked.cascade = usual_cascade(vehicle);
   asked.kalman = requirements.kalman;
   asked.missions = requirements.missions;
   for (MissionRequest& mission : asked.missions) complete(mission, asked);
   DesignOutcome outcome = run_design(std::move(asked));
-  outcome.flights = fly_missions(outcome, requirements.seed, requirements.keep_logs, stop);
+  outcome.flights =
+      fly_missions(outcome, requirements.seed, requirements.keep_logs, stop, requirements.seeds);
+  outcome.disturbed = fly_disturbed(outcome, requirements.seed, stop);
   return outcome;
 }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "quadtune/errors.hpp"
@@ -49,11 +50,14 @@ PlannedFlight plan_of(const DesignOutcome& outcome, const MissionRequest& reques
   const Design& design = outcome.design;
   FlightOptions options;
   options.vehicle = design.vehicle.name;
-  options.estimator = request.estimator;
+  options.estimator = request.estimator.empty() ? program_estimator(design) : request.estimator;
   options.sensors = request.sensors;
   options.flow = request.flow;
   options.wind = request.wind;
   options.seed = seed;
+  options.gains = design.file.string();  // for the commands of a diagnosis alone
+  options.controller = request.controller;
+  options.mission = request.mission;
   const bool cascade = request.controller == kCascadedPid;
   const Controller controller =
       cascade ? Controller(cascade_controller(*design.cascade, outcome.cascade->cascade.gains))
@@ -71,20 +75,110 @@ PlannedFlight plan_of(const DesignOutcome& outcome, const MissionRequest& reques
 }
 
 FlownFlight fly_one(const DesignOutcome& outcome, const MissionRequest& request,
-                    const Mission& mission, std::uint64_t seed, bool keep_log,
+                    const Mission& mission, std::uint64_t seed, std::uint32_t seeds, bool keep_log,
                     const std::function<bool()>& stop) {
   PlannedFlight plan = plan_of(outcome, request, mission, seed);
-  plan.setup.log = keep_log;
   take_tuned_noise(outcome.design, plan.setup);
-  FlownFlight flight = fly_planned(std::move(plan), stop);
+  FlownFlight flight = worst_of(fly_seeds(plan, seeds, stop));
+  if (keep_log) {  // of the flight that is shown alone
+    std::vector<SeedVerdict> verdicts = std::move(flight.seeds);
+    flight.plan.setup.log = true;
+    flight = fly_planned(std::move(flight.plan), stop);
+    flight.seeds = std::move(verdicts);
+  }
   judge_loop(flight);
   return flight;
 }
 
+/// A disturbed vehicle leaves its place; judged is that it flies on and comes back.
+void loosen(Mission& mission) {
+  std::erase_if(mission.limits, [](const Limit& limit) {
+    switch (limit.metric) {
+      case Metric::settling_time:
+      case Metric::overshoot:
+      case Metric::yaw_overshoot:
+      case Metric::tracking_rms:
+      case Metric::height_rms:
+      case Metric::yaw_rms:
+        return true;
+      default:
+        return false;
+    }
+  });
+  for (Limit& limit : mission.limits) switch (limit.metric) {
+      case Metric::tracking_max:
+      case Metric::height_max:
+      case Metric::height_peak:
+      case Metric::yaw_max:
+      case Metric::final_distance:
+        limit.most *= kDisturbedSlack;
+        break;
+      default:
+        break;
+    }
+}
+
+void add_gust(FlightSetup& setup) {
+  Gust& gust = setup.environment.wind.gust;
+  if (!gust.velocity.isZero(0)) return;  // the mission has its own
+  gust.velocity = Eigen::Vector3d(kGustSpeed, kGustSpeed, 0) / std::sqrt(2.0);
+  gust.length = kGustLength;
+  gust.start = duration_of(setup) / 2;
+}
+
+void add_load(FlightSetup& setup) {
+  Vehicle loaded = flown_vehicle(setup);
+  loaded.mass *= 1 + kLoadShare;
+  loaded.inertia *= 1 + kLoadShare;
+  setup.flown = std::move(loaded);
+}
+
 }  // namespace
 
+std::string program_estimator(const Design& design) {
+  const Sensors& sensors = design.vehicle.sensors;
+  const bool tuned = std::any_of(design.kalman.begin(), design.kalman.end(),
+                                 [](const KalmanDesign& filter) { return !filter.tuned.empty(); });
+  const auto exported_to = [&](const char* kind) {
+    return std::any_of(design.exports.begin(), design.exports.end(),
+                       [&](const ExportRequest& request) { return request.to == kind; });
+  };
+  if ((tuned || exported_to("mambo")) && sensors.sonar) return "mambo";
+  if ((design.estimator || exported_to("uquad")) && sensors.barometer && sensors.magnetometer)
+    return "uquad";
+  return "";
+}
+
+std::vector<FlownFlight> fly_disturbed(const DesignOutcome& outcome, std::uint64_t seed,
+                                       const std::function<bool()>& stop) {
+  std::vector<FlownFlight> flights;
+  for (const MissionRequest& request : outcome.design.missions) {
+    const Mission mission = mission_of(request);
+    // Ideal sensors test a law as in a textbook, which no gust is part of.
+    if (request.sensors == "ideal") continue;
+    if (std::holds_alternative<MotorTest>(mission.kind) ||
+        std::holds_alternative<Carried>(mission.kind))
+      continue;
+    for (const bool gust : {true, false}) {
+      PlannedFlight plan = plan_of(outcome, request, mission, seed);
+      take_tuned_noise(outcome.design, plan.setup);
+      loosen(plan.setup.mission);
+      plan.widened.clear();  // of other limits than these
+      if (gust)
+        add_gust(plan.setup);
+      else
+        add_load(plan.setup);
+      FlownFlight flight = fly_planned(std::move(plan), stop);
+      flight.variant = gust ? "gust" : "load";
+      flights.push_back(std::move(flight));
+    }
+  }
+  return flights;
+}
+
 std::vector<FlownFlight> fly_missions(const DesignOutcome& outcome, std::uint64_t seed,
-                                      bool keep_logs, const std::function<bool()>& stop) {
+                                      bool keep_logs, const std::function<bool()>& stop,
+                                      std::uint32_t seeds) {
   // Each leaves a page of its name.
   std::vector<Mission> missions;
   for (const MissionRequest& request : outcome.design.missions) {
@@ -99,13 +193,16 @@ std::vector<FlownFlight> fly_missions(const DesignOutcome& outcome, std::uint64_
   std::vector<FlownFlight> flights;
   for (std::size_t i = 0; i < missions.size(); ++i)
     flights.push_back(
-        fly_one(outcome, outcome.design.missions[i], missions[i], seed, keep_logs, stop));
+        fly_one(outcome, outcome.design.missions[i], missions[i], seed, seeds, keep_logs, stop));
   return flights;
 }
 
 bool missions_passed(const DesignOutcome& outcome) {
-  return std::all_of(outcome.flights.begin(), outcome.flights.end(),
-                     [](const FlownFlight& flight) { return flight.passed; });
+  const auto all_pass = [](const std::vector<FlownFlight>& flights) {
+    return std::all_of(flights.begin(), flights.end(),
+                       [](const FlownFlight& flight) { return flight.passed; });
+  };
+  return all_pass(outcome.flights) && all_pass(outcome.disturbed);
 }
 
 }  // namespace quadtune

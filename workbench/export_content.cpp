@@ -6,6 +6,7 @@
 #include "quadtune/estimation/tuned_noise.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
 #include "quadtune/workbench/cascade_report.hpp"
+#include "quadtune/workbench/flight_plan.hpp"
 
 namespace quadtune {
 
@@ -37,6 +38,17 @@ ExportContent export_content(const DesignOutcome& outcome) {
                         riccati.iterations,
                         riccati.poles};
   }
+  if (outcome.lqi && outcome.lqi->design.weights.R_change.size() == 0) {
+    const ActuatorLqiWeights& weights = outcome.lqi->design.weights;
+    const Eigen::Index ni = weights.Q_integral.rows();
+    content.Q = Eigen::MatrixXd::Zero(12 + ni, 12 + ni);
+    content.Q.topLeftCorner(12, 12) = weights.Q;
+    content.Q.bottomRightCorner(ni, ni) = weights.Q_integral;
+    content.R = weights.R;
+    const RiccatiResult& riccati = outcome.lqi->design.lqi.riccati;
+    content.evidence = {kFlownLqiMethod, to_string(riccati.status), riccati.residual,
+                        riccati.rcond,   riccati.iterations,        riccati.poles};
+  }
   content.plant = outcome.sampled;
   for (const DesignedFilter& designed : outcome.filters) content.filters.push_back(designed.filter);
   if (design.estimator) {
@@ -49,6 +61,10 @@ ExportContent export_content(const DesignOutcome& outcome) {
     content.cascade->gains = outcome.cascade->cascade.gains;
     content.cascade_plant = cascade_plant(design.vehicle, *content.cascade, design.file.string());
   }
+  const double dt = outcome.gains && outcome.gains->dt > 0 ? outcome.gains->dt
+                    : content.cascade                      ? content.cascade->gains.dt
+                                                           : 0;
+  if (dt > 0) content.estimator = stored_estimator(design.vehicle, program_estimator(design), dt);
   content.versions = library_versions();
   // What was made in memory has no bytes to be known again by.
   if (!design.file.empty())

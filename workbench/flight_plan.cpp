@@ -10,6 +10,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/workbench/sensor_words.hpp"
 
 namespace quadtune {
 namespace {
@@ -27,15 +28,19 @@ auto word_of(const std::string& option, Function&& read) {
   }
 }
 
-/// The estimator that a vehicle's sensors can feed.
-std::string usual_estimator(const Sensors& sensors) {
+/// The estimator that a vehicle's sensors can feed. The general filter has no model of the
+/// simplified flow.
+std::string usual_estimator(Sensors sensors, FlowModel flow) {
+  if (flow == FlowModel::off) sensors.flow.reset();
+  const bool modelled = flow != FlowModel::simplified || !sensors.flow;
+  if (modelled && general_filter_lacks(sensors).empty()) return "general";
   if (sensors.sonar && sensors.flow) return "mambo";
   return sensors.barometer && sensors.magnetometer ? "uquad" : "truth";
 }
 
 void require_estimator(const std::string& name) {
-  static const std::vector<std::string> words = {"mambo", "mambo-original", "mambo-raw", "uquad",
-                                                 "truth"};
+  static const std::vector<std::string> words = {"mambo", "mambo-original", "mambo-raw",
+                                                 "uquad", "general",        "truth"};
   if (std::find(words.begin(), words.end(), name) == words.end())
     throw OptionError("estimator", fmt::format("estimator: no estimator '{}', expected {}{}",
                                                internal::printable(name), fmt::join(words, ", "),
@@ -57,6 +62,21 @@ void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& f
   setup.estimator = estimator_kind(original || raw ? "mambo" : name, "estimator");
   if (raw) setup.mambo_estimator.position = MamboPosition::flow_velocity;
   if (setup.estimator == EstimatorKind::truth) return;
+  if (setup.estimator == EstimatorKind::general) {
+    Sensors flown = sensors;
+    if (setup.flow == FlowModel::off) flown.flow.reset();
+    const std::string lacks = general_filter_lacks(flown);
+    if (!lacks.empty())
+      throw OptionError("estimator",
+                        fmt::format("estimator general: the vehicle '{}' has {}; expected an "
+                                    "estimator that its sensors feed",
+                                    setup.vehicle.name, lacks));
+    if (flown.flow && setup.flow == FlowModel::simplified)
+      throw OptionError("estimator",
+                        "estimator general: the flow is simplified, expected full because the "
+                        "filter has the model of the averaged motion field");
+    return;
+  }
   need(sensors.accelerometer.has_value(), "accelerometer");
   need(sensors.gyroscope.has_value(), "gyroscope");
   if (setup.estimator == EstimatorKind::mambo) {
@@ -76,6 +96,7 @@ struct FlightWords {
   FlowModel flow = FlowModel::full;
   Wind wind;
   Integrator solver = Integrator::bogacki_shampine_3;
+  AllocationRule allocation = AllocationRule::prioritized;
   std::optional<PidMethod> integrator;
 };
 
@@ -97,6 +118,16 @@ FlightWords words_of(const FlightOptions& options) {
       word_of("wind", [&](const std::string& key) { return wind_of_words(options.wind, key); });
   words.solver =
       word_of("solver", [&](const std::string& key) { return integrator(options.solver, key); });
+  if (!options.allocation.empty())
+    words.allocation = word_of("allocation", [&](const std::string& key) {
+      return allocation_rule(options.allocation, key);
+    });
+  const std::string& take_off = options.take_off;
+  if (!take_off.empty() && take_off != "climb" && take_off != "thrust")
+    throw OptionError(
+        "take-off",
+        fmt::format("take-off is '{}', expected climb or thrust{}", internal::printable(take_off),
+                    internal::did_you_mean(take_off, {"climb", "thrust"})));
   if (!options.estimator.empty()) require_estimator(options.estimator);
   return words;
 }
@@ -149,6 +180,26 @@ void require_sane_times(const FlightSetup& setup) {
 
 }  // namespace
 
+std::optional<StoredEstimator> stored_estimator(const Vehicle& vehicle, const std::string& name,
+                                                double dt) {
+  StoredEstimator estimator{name.empty() ? usual_estimator(vehicle.sensors, FlowModel::full)
+                                         : name};
+  // No file holds true states, nor the variants of the Mambo's estimator.
+  if (estimator.name == "truth" || estimator.name == "mambo-raw" ||
+      estimator.name == "mambo-original")
+    return {};
+  if (estimator.name == "general") {
+    estimator.general =
+        general_filter_settings(vehicle.sensors, dt, vehicle.gravity, Environment().magnetic_field);
+    try {
+      validate(*estimator.general, "estimator general");
+    } catch (const InvalidInput&) {
+      return {};  // the control period is too short for this suite
+    }
+  }
+  return estimator;
+}
+
 void keep_log(PlannedFlight& plan) {
   constexpr double kMostRows = 2e6;  // about 1.5 GB
   FlightSetup& setup = plan.setup;
@@ -164,6 +215,12 @@ void keep_log(PlannedFlight& plan) {
 
 FlightOptions as_the_model_project(FlightOptions options) {
   if (options.sensors.empty()) options.sensors = "ideal";
+  if (options.allocation.empty()) options.allocation = "clipped";
+  if (options.take_off.empty()) options.take_off = "thrust";
+  if (options.estimator.empty() && !options.vehicle.empty()) {
+    const Sensors sensors = load_vehicle(options.vehicle).sensors;
+    if (sensors.sonar && sensors.flow) options.estimator = "mambo";
+  }
   if (options.gains.empty() && controller_kind(options.controller) != kStateFeedback &&
       !options.vehicle.empty() && load_vehicle(options.vehicle).published_cascade)
     options.gains = "published";
@@ -179,8 +236,10 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
                           const Mission& mission, const ChosenLaw& law) {
   PlannedFlight flight;
   FlightSetup& setup = flight.setup;
+  flight.options = options;
   setup.vehicle = vehicle;
-  setup.mission = mission;
+  setup.mission = options.take_off == "thrust" ? with_thrust_take_off(mission) : mission;
+  if (options.take_off == "climb") setup.mission.start.take_off_by = TakeOff::climb;
   setup.controller = law.controller;
   flight.law = law.words;
   flight.margins = law.margins;
@@ -192,19 +251,28 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
                       "integrator is for a cascaded PID, expected none because a state feedback "
                       "sums its error once a sample");
   }
+  setup.allocation = words.allocation;
   setup.real_sensors = words.real_sensors;
   flight.sensors = words.real_sensors ? "real" : "ideal";
   if (setup.real_sensors && !vehicle.sensors_known)
-    flight.notes.push_back(
-        fmt::format("the file of '{}' has no [sensors]: typical ones of small vehicles are flown",
-                    vehicle.name));
+    flight.notes.push_back(fmt::format("the file of '{}' has no [sensors]; assumed: {}",
+                                       vehicle.name, in_words(vehicle.sensors)));
   setup.flow = words.flow;
   setup.flow_rate = options.flow_rate.value_or(0);
   setup.duration = options.duration.value_or(0);
   require_flow_sensor(options, setup);
-  const std::string estimator =
-      options.estimator.empty() ? usual_estimator(vehicle.sensors) : options.estimator;
-  set_estimator(estimator, setup, flight);
+  const bool of_law = options.estimator.empty() && law.estimator && words.flow == FlowModel::full;
+  const std::string estimator = of_law ? law.estimator->name
+                                : options.estimator.empty()
+                                    ? usual_estimator(vehicle.sensors, words.flow)
+                                    : options.estimator;
+  try {
+    set_estimator(estimator, setup, flight);
+  } catch (const OptionError& error) {
+    if (!of_law) throw;
+    throw InvalidInput(law.words, error.what());
+  }
+  if (law.estimator && estimator == "general") setup.general_filter = law.estimator->general;
   if (options.estimator.empty() && estimator == "truth")
     flight.notes.push_back(fmt::format(
         "the sensors of '{}' feed no estimator: the law has the true state", vehicle.name));
@@ -214,7 +282,7 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   flight.wind = options.wind;
   const Wind& wind = setup.environment.wind;
   const bool windy = !wind.mean.isZero(0) || !wind.gust.velocity.isZero(0) || wind.turbulence > 0;
-  if (windy && vehicle.drag.cda.isZero(0) && vehicle.drag.linear.isZero(0))
+  if (windy && !feels_wind(vehicle))
     flight.notes.push_back(
         fmt::format("the file of '{}' has no drag_area_m2 and no drag_linear_N_s_per_m: the wind "
                     "does not move it",
@@ -224,6 +292,8 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   setup.seed = options.seed;
   require_sane_times(setup);
   validate(setup);
+  flight.bound = mission_bound(setup);
+  if (flight.bound) flight.widened = widen_limits(*flight.bound, setup.mission);
   return flight;
 }
 

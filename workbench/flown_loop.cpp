@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <complex>
+#include <variant>
 
 namespace quadtune {
 namespace {
@@ -17,6 +18,17 @@ std::string joined(const std::vector<std::string>& names, const std::string& las
   return text;
 }
 
+/// Whether a state is one of a sensor, or a sample that waits: it says nothing about a mode that
+/// the states of the vehicle and the estimator do not.
+bool is_of_sensor(const std::string& state) {
+  for (const char* start : {"waiting ", "accelerometer", "gyroscope", "magnetometer", "barometer",
+                            "sonar", "flow", "GPS", "vision"})
+    if (state.rfind(start, 0) == 0) return true;
+  return false;
+}
+
+}  // namespace
+
 FlownPlantOptions plant_options(const FlightSetup& setup, const FlownLoopOptions& options) {
   FlownPlantOptions result;
   result.inputs = input_kind(setup);
@@ -26,8 +38,6 @@ FlownPlantOptions plant_options(const FlightSetup& setup, const FlownLoopOptions
   return result;
 }
 
-}  // namespace
-
 double FlownLoop::decay() const { return -std::log(std::abs(mode.z)) / dt; }
 
 double FlownLoop::frequency() const { return std::abs(std::arg(mode.z)) / dt; }
@@ -36,17 +46,29 @@ std::string what_helps(const PlannedFlight& plan, const FlownLoop& loop) {
   const auto holds = [&](const auto& change, double gain = 1) {
     FlightSetup setup = plan.setup;
     change(setup);
+    auto* feedback = std::get_if<StateFeedbackController>(&setup.controller);
+    const bool remembers = feedback != nullptr && feedback->gains.memory;
+    if (remembers) {
+      // The law knows its own commands: they are half as large, too.
+      feedback->gains.K *= gain;
+      feedback->gains.K_int *= gain;
+      feedback->gains.memory->K_lag *= gain;
+      feedback->gains.memory->K_past *= gain;
+    }
     DiscreteLti law = flown_law(setup);
-    law.C *= gain;
-    law.D *= gain;
+    if (!remembers) {
+      law.C *= gain;
+      law.D *= gain;
+    }
     const FlownPlant plant = flown_plant(setup, plant_options(setup, loop.at));
-    const Eigen::VectorXcd poles = periodic_poles(closed(cut_at_inputs(plant.plant, law)));
+    const Eigen::VectorXcd poles =
+        periodic_poles(closed(loop_part(cut_at_inputs(plant.plant, law))));
     return poles.size() == 0 || std::log(std::abs(poles(0))) / loop.dt < 1e-4;
   };
   const auto without_lag = [](FlightSetup& setup) {
-    for (Rotor& rotor : setup.vehicle.rotors) rotor.lag = 0;
+    for (Rotor& rotor : setup.vehicle.rotors) rotor.lag = rotor.lag_down = 0;
     if (setup.flown)
-      for (Rotor& rotor : setup.flown->rotors) rotor.lag = 0;
+      for (Rotor& rotor : setup.flown->rotors) rotor.lag = rotor.lag_down = 0;
   };
   std::vector<std::string> causes;
   if (plan.setup.estimator != EstimatorKind::truth &&
@@ -61,15 +83,18 @@ std::string what_helps(const PlannedFlight& plan, const FlownLoop& loop) {
   if (holds(without_lag)) causes.emplace_back("rotors without lag");
   if (holds([](FlightSetup&) {}, 0.5)) causes.emplace_back("half the gains");
   if (causes.empty())
-    return "neither true states, rotors without lag nor half the gains would hold it";
-  return "it would hold with " + joined(causes, "or");
+    return "none of true states, rotors without lag and half the gains would stabilize it";
+  return "it would be stable with " + joined(causes, "or");
 }
 
 FlownLoop flown_loop(const PlannedFlight& plan, const FlownLoopOptions& options) {
   const FlightSetup& setup = plan.setup;
   const FlownPlantOptions of_plant = plant_options(setup, options);
   const FlownPlant plant = flown_plant(setup, of_plant);
-  const PeriodicLti cut = cut_at_inputs(plant.plant, flown_law(setup));
+  const PeriodicLti whole = cut_at_inputs(plant.plant, flown_law(setup));
+  // A law of some states only leaves the others alone: they are part of no loop.
+  std::vector<Eigen::Index> kept;
+  const PeriodicLti cut = loop_part(whole, &kept);
   FlownLoop loop;
   loop.at = options;
   loop.dt = of_plant.dt;
@@ -79,9 +104,12 @@ FlownLoop flown_loop(const PlannedFlight& plan, const FlownLoopOptions& options)
   loop.drifts = plant.drifts;
   loop.notes = plan.notes;
   loop.notes.insert(loop.notes.end(), plant.notes.begin(), plant.notes.end());
-  Eigen::VectorXd scale = Eigen::VectorXd::Ones(cut.C.cols());
+  Eigen::VectorXd scale = Eigen::VectorXd::Ones(whole.C.cols());
   scale.head(plant.scale.size()) = plant.scale;
-  loop.mode = largest_mode(closed(cut), cut.states, scale);
+  constexpr double kNeverNamed = 1e9;
+  for (std::size_t i = 0; i < whole.states.size(); ++i)
+    if (is_of_sensor(whole.states[i].name)) scale(static_cast<Eigen::Index>(i)) *= kNeverNamed;
+  loop.mode = largest_mode(closed(cut), cut.states, scale(kept));
   loop.margins.dt = loop.dt;
   for (const Signal& input : cut.inputs) loop.margins.names.push_back(input.name);
   if (options.evidence != MarginsEvidence::none)
@@ -93,9 +121,8 @@ FlownLoop flown_loop(const PlannedFlight& plan, const FlownLoopOptions& options)
 std::string in_words(const FlownLoop& loop) {
   const double rate = std::abs(loop.decay());
   std::string text = joined(loop.mode.states) + ": ";
-  // Nothing in a flight tells it from one that stands still.
-  constexpr double kStandsStill = 1e-6;
-  if (rate < kStandsStill)
+  constexpr double kNeutral = 1e-6;  // [1/s], less than any flight can show
+  if (rate < kNeutral)
     text += "neither grows nor decays";
   else
     text += fmt::format("{} in {:.3g} s", loop.decay() > 0 ? "halves" : "doubles",
@@ -109,10 +136,10 @@ std::vector<std::string> flown_notes(const FlownLoop& loop) {
   if (!loop.drifts.empty()) {
     std::vector<std::string> names;
     for (const Signal& state : loop.drifts) names.push_back(state.name);
-    notes.push_back(
-        fmt::format("no sensor that the estimator reads tells of {}: what is believed "
-                    "of {} drifts away from what is true",
-                    joined(names), names.size() == 1 ? "it" : "them"));
+    notes.push_back(fmt::format(
+        "the sensors that the estimator uses do not observe {}: {} from the true {}", joined(names),
+        names.size() == 1 ? "its estimate drifts" : "their estimates drift",
+        names.size() == 1 ? "value" : "values"));
   }
   notes.insert(notes.end(), loop.notes.begin(), loop.notes.end());
   return notes;

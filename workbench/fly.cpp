@@ -8,7 +8,28 @@
 #include <complex>
 #include <utility>
 
+#include "quadtune/errors.hpp"
+
 namespace quadtune {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+FlownFlight judged(PlannedFlight plan, FlightResult result, double wall_s) {
+  FlownFlight flight;
+  flight.plan = std::move(plan);
+  flight.result = std::move(result);
+  flight.wall_s = wall_s;
+  Mission mission = flight.plan.setup.mission;
+  mission.duration = duration_of(flight.plan.setup);
+  flight.verdict = judge(mission, flight.result.metrics);
+  flight.passed = flight.verdict.ok && flight.result.end == FlightEnd::completed;
+  return flight;
+}
+
+}  // namespace
 
 FlownFlight fly(const Vehicle& vehicle, const FlightOptions& options,
                 const std::function<bool()>& stop) {
@@ -16,15 +37,41 @@ FlownFlight fly(const Vehicle& vehicle, const FlightOptions& options,
 }
 
 FlownFlight fly_planned(PlannedFlight plan, const std::function<bool()>& stop) {
-  FlownFlight flight;
-  flight.plan = std::move(plan);
   const auto begin = std::chrono::steady_clock::now();
-  flight.result = fly(flight.plan.setup, stop);
-  flight.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  Mission judged = flight.plan.setup.mission;
-  judged.duration = duration_of(flight.plan.setup);
-  flight.verdict = judge(judged, flight.result.metrics);
-  flight.passed = flight.verdict.ok && flight.result.end == FlightEnd::completed;
+  FlightResult result = fly(plan.setup, stop);
+  const double wall = seconds_since(begin);
+  return judged(std::move(plan), std::move(result), wall);
+}
+
+std::vector<FlownFlight> fly_seeds(const PlannedFlight& plan, std::uint32_t count,
+                                   const std::function<bool()>& stop) {
+  if (count == 0) throw OptionError("seeds", "seeds is 0, expected 1 or more");
+  std::vector<FlightSetup> setups(count, plan.setup);
+  for (std::uint32_t i = 0; i < count; ++i) setups[i].seed = plan.setup.seed + i;
+  const auto begin = std::chrono::steady_clock::now();
+  std::vector<FlightResult> results = fly_all(setups, 0, stop);
+  const double wall = seconds_since(begin) / count;
+  std::vector<FlownFlight> flights;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    PlannedFlight one = plan;
+    one.setup = std::move(setups[i]);
+    flights.push_back(judged(std::move(one), std::move(results[i]), wall));
+  }
+  return flights;
+}
+
+FlownFlight worst_of(std::vector<FlownFlight> flights) {
+  std::vector<SeedVerdict> seeds;
+  std::size_t worst = flights.size();
+  for (std::size_t i = 0; i < flights.size(); ++i) {
+    const FlownFlight& flight = flights[i];
+    const std::vector<std::string> why = reasons(flight);
+    seeds.push_back({flight.plan.setup.seed, flight.passed, flight.result.end,
+                     flight.result.metrics, why.empty() ? "" : why.front()});
+    if (!flight.passed && worst == flights.size()) worst = i;
+  }
+  FlownFlight flight = std::move(flights.at(worst == flights.size() ? 0 : worst));
+  flight.seeds = std::move(seeds);
   return flight;
 }
 
@@ -68,6 +115,8 @@ std::string label_of(Metric metric) {
       return "distance at the end";
     case Metric::touchdown_speed:
       return "speed at touchdown";
+    case Metric::height_peak:
+      return "greatest height above the reference";
   }
   return "";
 }
@@ -79,15 +128,19 @@ std::string in_words(Metric metric, double value) {
   return fmt::format("{:.4g}{}", value, unit == "1" ? "" : " " + unit);
 }
 
-void judge_loop(FlownFlight& flight) {
-  const MissionKind& kind = flight.plan.setup.mission.kind;
-  if (std::holds_alternative<MotorTest>(kind) || std::holds_alternative<Carried>(kind)) return;
+std::optional<FlownLoop> hover_loop(const PlannedFlight& plan) {
+  const MissionKind& kind = plan.setup.mission.kind;
+  if (std::holds_alternative<MotorTest>(kind) || std::holds_alternative<Carried>(kind)) return {};
   FlownLoopOptions at;
   at.evidence = MarginsEvidence::none;
   if (const auto* hover = std::get_if<Hover>(&kind); hover != nullptr && hover->position.z() < 0)
     at.height = -hover->position.z();
-  flight.loop = flown_loop(flight.plan, at);
-  if (flight.loop->grows()) flight.passed = false;
+  return flown_loop(plan, at);
+}
+
+void judge_loop(FlownFlight& flight) {
+  flight.loop = hover_loop(flight.plan);
+  if (flight.loop && flight.loop->grows()) flight.passed = false;
 }
 
 std::vector<std::string> reasons(const FlownFlight& flight) {
@@ -110,9 +163,12 @@ std::vector<std::string> reasons(const FlownFlight& flight) {
     const bool ended = flight.result.end != FlightEnd::completed;
     if (check.ok || (ended && (check.metric == Metric::duration || std::isnan(check.value))))
       continue;
-    why.push_back(fmt::format(
+    std::string reason = fmt::format(
         "{} is {}, expected {} {}", label_of(check.metric), in_words(check.metric, check.value),
-        check.at_least ? "at least" : "at most", in_words(check.metric, check.bound)));
+        check.at_least ? "at least" : "at most", in_words(check.metric, check.bound));
+    for (const WidenedLimit& widened : flight.plan.widened)
+      if (widened.what == name_of(check.metric)) reason += fmt::format(" ({})", in_words(widened));
+    why.push_back(std::move(reason));
   }
   return why;
 }

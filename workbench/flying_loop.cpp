@@ -9,6 +9,7 @@
 #include "quadtune/model/rotation.hpp"
 #include "quadtune/synthesis/lqr.hpp"
 #include "quadtune/workbench/linearize_or_refuse.hpp"
+#include "quadtune/workbench/near_hover.hpp"
 
 namespace quadtune {
 namespace {
@@ -57,6 +58,7 @@ Gains make_gains(const Vehicle& vehicle, const Linearization& model, const LqrDe
   gains.input_kind = lqr.input_kind;
   gains.sign_law = convention(lqr.convention, "design").sign_law;
   gains.dt = lqr.dt;
+  if (lqr.convention == "ned" && gains.K.allFinite()) keep_near_hover(vehicle, gains);
   return gains;
 }
 

@@ -63,7 +63,7 @@ GivenGains read_given_gains(const std::string& path) {
   if (!path.ends_with(".toml")) return {read_gains(path), {}};
   const Design design = load_design(path);
   if (design.published) return {published_gains(design, path), design};
-  if (!design.lqr)
+  if (!has_feedback(design))
     throw InvalidInput(path, "has no [lqr], expected one, because its gains are asked for");
   return {*solve_laws(design).gains, design};
 }

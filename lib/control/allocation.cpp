@@ -47,6 +47,7 @@ Allocation<double> allocation(const Vehicle& vehicle) {
     const Eigen::MatrixXd P = inverse.pseudoInverse() * scale.asDiagonal();
     const Eigen::Vector4d hover(vehicle.mass * vehicle.gravity, 0, 0, 0);
     result.P.topRows(n) = P;
+    result.M.leftCols(n) = M;
     result.thrust0 += P * (hover - wrench);
     if (pass == 1) result.wrench0 = hover;
     if ((result.thrust0.array() < 0).any())

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "quadtune/errors.hpp"
@@ -28,6 +29,21 @@ GuardedIntegralSettings<double> guard_of(const std::string& state, double dt,
     settings = {dt, found->error_limit, found->increment_limit, found->integral_limit};
   validate(settings, "integral of '" + state + "'");
   return settings;
+}
+
+/// @param W  from the inputs of the gains' convention to quadtune's own: a signed permutation
+void remember(const CommandMemory& memory, const Eigen::MatrixXd& W, double dt,
+              StateFeedbackSettings<double>& settings) {
+  const int n = settings.inputs;
+  settings.remembers = true;
+  settings.lag_share.head(n) =
+      W.cwiseAbs() * memory.lag.unaryExpr([dt](double lag) { return -std::expm1(-dt / lag); });
+  settings.K_lag.topLeftCorner(n, n) = W * memory.K_lag * W.transpose();
+  settings.past = memory.past;
+  settings.K_past.setZero(kMaxRotors, static_cast<Eigen::Index>(memory.past) * n);
+  for (int k = 0; k < memory.past; ++k)
+    settings.K_past.block(0, k * n, n, n) =
+        W * memory.K_past.middleCols(static_cast<Eigen::Index>(k) * n, n) * W.transpose();
 }
 
 }  // namespace
@@ -87,6 +103,10 @@ StateFeedbackSettings<double> state_feedback_settings(const Vehicle& vehicle, co
     settings.guards[j] = guard_of(name, dt, guards);
   }
   settings.u0.head(inputs) = W * gains.u0;
+  settings.axes = gains.axes;
+  settings.position_error_limit = gains.limits.position_error;
+  settings.conditional_integration = gains.limits.conditional_integration;
+  if (gains.memory) remember(*gains.memory, W, dt, settings);
   return settings;
 }
 

@@ -43,6 +43,7 @@ Wind wind_of_words(const std::string& words, const std::string& where) {
   for (const auto& [name, speed] : kinds)
     if (words == name) {
       wind.turbulence = speed;
+      wind.mean.x() = speed;  // it is that wind, 6 m above the ground, that makes the turbulence
       return wind;
     }
   const std::vector<std::pair<std::string, double*>> keys = {

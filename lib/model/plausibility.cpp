@@ -184,7 +184,7 @@ class Search {
     const double yaw = vehicle_.inertia(2, 2);
     double lag = 0, inertia = 0;
     for (const Rotor& rotor : vehicle_.rotors) {
-      lag = std::max(lag, rotor.lag);
+      lag = std::max(lag, slower_lag(rotor));
       inertia = std::max(inertia, rotor.inertia);
     }
     if (lag > 0) look("motor lag", "s", lag, {1e-3, 0.5}, {{1000, "lag_s may be in ms"}});

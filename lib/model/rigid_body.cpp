@@ -44,8 +44,24 @@ RigidBody RigidBody::of_vehicle(const Vehicle& vehicle, double ratio) {
   body.density_ratio = ratio;
   for (const Rotor& rotor : vehicle.rotors)
     body.rotors[static_cast<std::size_t>(body.rotor_count++)] = {
-        rotor.position,  spin_sign(rotor.spin), rotor.thrust_a2, rotor.thrust_a1,
-        rotor.torque_d2, rotor.torque_d1,       rotor.inertia,   rotor.lag};
+        rotor.position,
+        spin_sign(rotor.spin),
+        rotor.thrust_a2,
+        rotor.thrust_a1,
+        rotor.torque_d2,
+        rotor.torque_d1,
+        rotor.inertia,
+        rotor.lag,
+        lag_down(rotor),
+        rotor.drag,
+        rotor.inflow,
+        rotor.flapping,
+        rotor.ground_effect && rotor.radius > 0 ? rotor.radius : 0};
+  for (const Rotor& rotor : vehicle.rotors) {
+    body.has_airflow =
+        body.has_airflow || rotor.drag != 0 || rotor.inflow != 0 || rotor.flapping != 0;
+    body.has_ground_effect = body.has_ground_effect || (rotor.ground_effect && rotor.radius > 0);
+  }
   return body;
 }
 

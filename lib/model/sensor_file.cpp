@@ -19,10 +19,20 @@ constexpr Range kTilt = {0, Range::Bound::open, 1.5, Range::Bound::closed};
 constexpr double kMostWaiting = 10000;
 
 std::vector<TomlKey> fault_keys(const std::string& unit) {
-  return {{"rate", "Hz"}, {"delay", "s"},  {"scale"},
-          {"bias", unit}, {"noise", unit}, {"natural_frequency", "rad_per_s"},
-          {"damping"},    {"limit", unit}, {"quantum", unit},
-          {"dropout"}};
+  return {{"rate", "Hz"},
+          {"delay", "s"},
+          {"scale"},
+          {"bias", unit},
+          {"noise", unit},
+          {"natural_frequency", "rad_per_s"},
+          {"damping"},
+          {"limit", unit},
+          {"quantum", unit},
+          {"dropout"},
+          {"bias_turn_on", unit},
+          {"bias_walk", unit + "_per_sqrt_s"},
+          {"correlated_noise", unit},
+          {"correlation", "s"}};
 }
 
 void allow(const TomlTable& table, const std::string& unit, std::vector<TomlKey> more = {}) {
@@ -63,6 +73,21 @@ SensorFaults read_faults(const TomlTable& table, const std::string& unit, int co
   faults.limit = table.number_or("limit_" + unit, faults.limit, Range::positive());
   faults.quantum = table.number_or("quantum_" + unit, 0, Range::not_negative());
   faults.dropout = table.number_or("dropout", 0, kShare);
+  const auto deviations = [&](const std::string& key) {
+    return axes(table, key, Eigen::Vector3d::Zero(), count, Range::not_negative());
+  };
+  faults.turn_on_bias = deviations("bias_turn_on_" + unit);
+  faults.bias_walk = deviations("bias_walk_" + unit + "_per_sqrt_s");
+  faults.correlated_noise = deviations("correlated_noise_" + unit);
+  faults.correlation = table.number_or("correlation_s", 0, Range::positive());
+  const bool correlated = table.has("correlated_noise_" + unit);
+  if (correlated != table.has("correlation_s"))
+    throw InvalidInput(
+        table.where(correlated ? "correlated_noise_" + unit : "correlation_s"),
+        fmt::format("{} has {} but no {}, expected both: how large the error is, and over which "
+                    "time it stays alike",
+                    table.title(), correlated ? "correlated_noise_" + unit : "correlation_s",
+                    correlated ? "correlation_s" : "correlated_noise_" + unit));
   return faults;
 }
 
@@ -88,12 +113,23 @@ FlowSensor read_flow(const TomlTable& table) {
         {{"half_field_x", "rad"},
          {"half_field_y", "rad"},
          {"least_height", "m"},
+         {"greatest_height", "m"},
+         {"noise_per_height", "rad_per_s_per_m"},
          {"simplified_rate_gain"}});
   FlowSensor flow;
   flow.faults = read_faults(table, "rad_per_s", 2);
   flow.half_field_x = table.number_or("half_field_x_rad", flow.half_field_x, kHalfField);
   flow.half_field_y = table.number_or("half_field_y_rad", flow.half_field_y, kHalfField);
   flow.least_height = table.number_or("least_height_m", flow.least_height, Range::positive());
+  flow.greatest_height =
+      table.number_or("greatest_height_m", flow.greatest_height, Range::positive());
+  if (!(flow.greatest_height > flow.least_height))
+    throw InvalidInput(table.where("greatest_height_m"),
+                       fmt::format("greatest_height_m in {} is {}, expected more than "
+                                   "least_height_m, {}",
+                                   table.title(), flow.greatest_height, flow.least_height));
+  flow.noise_per_height =
+      table.number_or("noise_per_height_rad_per_s_per_m", 0, Range::not_negative());
   flow.simplified_rate_gain = table.number_or("simplified_rate_gain", flow.simplified_rate_gain);
   return flow;
 }
@@ -122,6 +158,18 @@ SensorFaults read_three_axes(const TomlTable& table, const std::string& unit) {
   return read_faults(table, unit, 3);
 }
 
+/// An accelerometer or a gyroscope, which the rotors shake.
+SensorFaults read_inertial(const TomlTable& table, const std::string& unit,
+                           std::vector<TomlKey> more = {}) {
+  const std::string vibration = unit + "_per_rad2_s2";
+  more.push_back({"vibration", vibration});
+  allow(table, unit, more);
+  SensorFaults faults = read_faults(table, unit, 3);
+  faults.vibration =
+      axes(table, "vibration_" + vibration, faults.vibration, 3, Range::not_negative());
+  return faults;
+}
+
 }  // namespace
 
 Sensors read_sensors(const TomlTable& table) {
@@ -135,9 +183,13 @@ Sensors read_sensors(const TomlTable& table) {
                {"vision"}});
   Sensors sensors;
   if (const auto of = table.maybe_table("accelerometer"))
-    sensors.accelerometer = read_three_axes(*of, "m_per_s2");
-  if (const auto of = table.maybe_table("gyroscope"))
-    sensors.gyroscope = read_three_axes(*of, "rad_per_s");
+    sensors.accelerometer = read_inertial(*of, "m_per_s2");
+  if (const auto of = table.maybe_table("gyroscope")) {
+    sensors.gyroscope =
+        read_inertial(*of, "rad_per_s", {{"g_sensitivity", "rad_per_s_per_m_per_s2"}});
+    sensors.g_sensitivity =
+        axes(*of, "g_sensitivity_rad_per_s_per_m_per_s2", sensors.g_sensitivity, 3, Range::any());
+  }
   if (const auto of = table.maybe_table("magnetometer"))
     sensors.magnetometer = read_three_axes(*of, "uT");
   if (const auto of = table.maybe_table("barometer")) sensors.barometer = read_barometer(*of);

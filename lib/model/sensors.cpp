@@ -26,7 +26,11 @@ Sensors ideal(Sensors sensors) {
   if (sensors.magnetometer) make_ideal(*sensors.magnetometer);
   if (sensors.barometer) make_ideal(sensors.barometer->faults);
   if (sensors.sonar) make_ideal(sensors.sonar->faults);
-  if (sensors.flow) make_ideal(sensors.flow->faults);
+  if (sensors.flow) {
+    make_ideal(sensors.flow->faults);
+    sensors.flow->noise_per_height = 0;
+  }
+  sensors.g_sensitivity.setZero();
   if (sensors.gps) {
     make_ideal(sensors.gps->position);
     sensors.gps->velocity_noise.setZero();

@@ -30,6 +30,11 @@ class Checker {
       refuse(fmt::format("{} is {} {}, expected 0 or more", what, value, unit));
   }
 
+  void within(double value, double most, const std::string& what, const std::string& unit) const {
+    if (!(value >= 0 && value <= most))
+      refuse(fmt::format("{} is {} {}, expected 0 to {}", what, value, unit, most));
+  }
+
   void finite(double value, const std::string& what, const std::string& unit) const {
     if (!std::isfinite(value))
       refuse(fmt::format("{} is {} {}, expected a finite number", what, value, unit));
@@ -48,6 +53,8 @@ void check_motor(const MotorCommand& motor, std::size_t rotors, const Checker& c
         fmt::format("lowest motor command {} is not below the greatest {} {}, expected "
                     "lowest < greatest",
                     motor.min, motor.max, motor.unit));
+  check.within(motor.delay, kLongestCommandDelay, "command delay", "s");
+  check.within(motor.delay_jitter, kLongestCommandDelay, "command jitter", "s");
   if (!motor.direction.empty() && motor.direction.size() != rotors)
     check.refuse(fmt::format("motor direction has {} entries, expected {}, one per rotor",
                              motor.direction.size(), rotors));
@@ -66,7 +73,13 @@ void check_rotor(const Rotor& rotor, std::size_t number, double greatest_speed,
   check.not_negative(rotor.torque_d2, name + " torque d2", "N m s2/rad2");
   check.finite(rotor.torque_d1, name + " torque d1", "N m s/rad");
   check.not_negative(rotor.inertia, name + " inertia", "kg m2");
-  check.not_negative(rotor.lag, name + " lag", "s");
+  check.within(rotor.lag, kLongestLag, name + " lag", "s");
+  check.within(lag_down(rotor), kLongestLag, name + " lag down", "s");
+  check.not_negative(rotor.drag, name + " drag", "N s2/(rad m)");
+  check.not_negative(rotor.inflow, name + " inflow", "N s2/(rad m)");
+  check.not_negative(rotor.flapping, name + " flapping", "N s2/rad");
+  if (rotor.ground_effect && std::isnan(rotor.radius))
+    check.refuse(name + " has ground effect but no radius, expected the radius by which it scales");
   if (!std::isnan(rotor.radius)) check.positive(rotor.radius, name + " radius", "m");
   const double thrust = rotor_thrust(rotor, greatest_speed);
   if (!(thrust > 0) || !std::isfinite(thrust))

@@ -40,7 +40,13 @@ std::vector<TomlKey> rotor_keys() {
           {"chord", "m"},
           {"blades"},
           {"inertia", "kg_m2"},
-          {"lag", "s"}};
+          {"lag", "s"},
+          {"lag_up", "s"},
+          {"lag_down", "s"},
+          {"drag", "N_s2_per_rad_m"},
+          {"inflow", "N_s2_per_rad_m"},
+          {"flapping", "N_s2_per_rad"},
+          {"ground_effect"}};
 }
 
 // Two ways to say one thing must not meet in one table.
@@ -49,6 +55,34 @@ void require_one_of(const TomlTable& table, const std::string& a, const std::str
     throw InvalidInput(table.where(b), fmt::format("{} has both '{}' and '{}', expected one of "
                                                    "them, as each gives the whole curve",
                                                    table.title(), a, b));
+}
+
+constexpr Range kLag = {0, Range::Bound::closed, kLongestLag, Range::Bound::closed};
+
+// lag_s is both lag_up_s and lag_down_s.
+void read_lag(const TomlTable& table, Rotor& rotor) {
+  for (const char* one : {"lag_up_s", "lag_down_s"})
+    if (table.has("lag_s") && table.has(one))
+      throw InvalidInput(table.where(one),
+                         fmt::format("{} has both 'lag_s' and '{}', expected lag_s for both "
+                                     "directions or lag_up_s and lag_down_s",
+                                     table.title(), one));
+  if (table.has("lag_s")) {
+    rotor.lag = table.number("lag_s", kLag);
+    rotor.lag_down = kNaN;
+  }
+  if (!table.has("lag_up_s") && !table.has("lag_down_s")) return;
+  const double down = lag_down(rotor);
+  rotor.lag = table.number_or("lag_up_s", rotor.lag, kLag);
+  rotor.lag_down = table.number_or("lag_down_s", down, kLag);
+}
+
+// What the air does to a rotor that moves through it.
+void read_airflow(const TomlTable& table, Rotor& rotor) {
+  rotor.drag = table.number_or("drag_N_s2_per_rad_m", rotor.drag, Range::not_negative());
+  rotor.inflow = table.number_or("inflow_N_s2_per_rad_m", rotor.inflow, Range::not_negative());
+  rotor.flapping = table.number_or("flapping_N_s2_per_rad", rotor.flapping, Range::not_negative());
+  if (table.has("ground_effect")) rotor.ground_effect = table.truth("ground_effect");
 }
 
 // Lays what `table` says of a rotor over what is already known of it.
@@ -71,7 +105,8 @@ void read_rotor(const TomlTable& table, Rotor& rotor) {
   rotor.chord = table.number_or("chord_m", rotor.chord, Range::positive());
   if (table.has("blades")) rotor.blades = table.integer("blades", 1, 100);
   rotor.inertia = table.number_or("inertia_kg_m2", rotor.inertia, Range::not_negative());
-  rotor.lag = table.number_or("lag_s", rotor.lag, Range::not_negative());
+  read_lag(table, rotor);
+  read_airflow(table, rotor);
 }
 
 // T = Ct ρ π r⁴ w² and Q = Cq ρ π r⁵ w² where coefficients are given.
@@ -130,6 +165,10 @@ std::vector<Rotor> read_rotors(const TomlTable& file, double air_density) {
     rotor.spin = read_spin(table);
     read_rotor(table, rotor);
     complete_curves(rotor, air_density, table);
+    if (rotor.ground_effect && std::isnan(rotor.radius))
+      throw InvalidInput(table.where(), table.title() +
+                                            " has ground_effect but no radius_m, expected the "
+                                            "radius by which the effect scales");
     rotors.push_back(rotor);
   }
   if (rotors.empty())
@@ -250,7 +289,8 @@ MotorCommand read_motor(const TomlTable& table, std::size_t rotors) {
                     internal::printable(law), internal::did_you_mean(law, {"speed-squared"})));
   const std::string unit = squared ? "count" : "rad_s";
   std::vector<TomlKey> keys = {
-      {"command"}, {"min", unit}, {"max", unit}, {"quantum", unit}, {"direction"}};
+      {"command"},   {"min", unit},          {"max", unit},          {"quantum", unit},
+      {"direction"}, {"command_delay", "s"}, {"command_jitter", "s"}};
   if (squared) keys.push_back({"gain", "rad2_per_s2_per_count"});
   table.allow(keys);
   motor.law = squared ? CommandLaw::speed_squared : CommandLaw::speed;
@@ -263,6 +303,9 @@ MotorCommand read_motor(const TomlTable& table, std::size_t rotors) {
                        fmt::format("max_{0} in [motor] is {1}, expected more than min_{0}, {2}",
                                    unit, motor.max, motor.min));
   motor.quantum = table.number_or("quantum_" + unit, 0, Range::not_negative());
+  constexpr Range kDelay = {0, Range::Bound::closed, kLongestCommandDelay, Range::Bound::closed};
+  motor.delay = table.number_or("command_delay_s", 0, kDelay);
+  motor.delay_jitter = table.number_or("command_jitter_s", 0, kDelay);
   motor.direction =
       table.has("direction") ? read_directions(table, rotors) : std::vector<int>(rotors, 1);
   return motor;

@@ -33,29 +33,9 @@ DrydenNumbers dryden_numbers(const Wind& wind) {
   const double sigma_up = 0.1 * wind.turbulence;
   const double sigma_across = sigma_up / std::pow(shear, 0.4);
   const double V = std::max(1.0, std::hypot(wind.mean.x(), wind.mean.y()));
-  return {{sigma_across, sigma_across, sigma_up}, {L_across / V, L_across / V, L_up / V}};
-}
-
-DrydenStage dryden_stage(double tau, double dt) {
-  const double x = dt / tau;
-  DrydenStage stage;
-  stage.decay = std::exp(-x);
-  stage.coupling = x * stage.decay;
-  Eigen::Matrix2d A;
-  A << stage.decay, 0, stage.coupling, stage.decay;
-  // a' = (n - a) / τ, b' = (a - b) / τ with var a = 1: what one sample forgets is what noise adds.
-  Eigen::Matrix2d P;
-  P << 1, 0.5, 0.5, 0.5;
-  const auto factor = [](const Eigen::Matrix2d& C) {
-    Eigen::Matrix2d L = Eigen::Matrix2d::Zero();
-    L(0, 0) = std::sqrt(std::max(C(0, 0), 0.0));
-    L(1, 0) = L(0, 0) > 0 ? C(1, 0) / L(0, 0) : 0;
-    L(1, 1) = std::sqrt(std::max(C(1, 1) - L(1, 0) * L(1, 0), 0.0));
-    return L;
-  };
-  stage.noise = factor(P - A * P * A.transpose());
-  stage.stationary = factor(P);
-  return stage;
+  return {{sigma_across, sigma_across, sigma_up},
+          {L_across, L_across, L_up},
+          {L_across / V, L_across / V, L_up / V}};
 }
 
 }  // namespace quadtune

@@ -13,7 +13,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "records are written as they lie");
 
 constexpr char kMagic[8] = {'q', 't', 'f', 'l', 'i', 'g', 'h', 't'};
-constexpr std::uint32_t kFormat = 1;
+constexpr std::uint32_t kFormat = 2;
 constexpr std::size_t kDigits = 24;  // of the plan's hash
 
 std::uint32_t checksum(const char* bytes, std::size_t size) {

@@ -12,12 +12,15 @@
 #include <vector>
 
 #include "closed_loop_parts.hpp"
+#include "command_delay.hpp"
 #include "flight_recorder.hpp"
 #include "motor_stage.hpp"
 #include "quadtune/control/allocation.hpp"
 #include "quadtune/control/cascaded_pid.hpp"
+#include "quadtune/control/limited_allocation.hpp"
 #include "quadtune/control/state_feedback_law.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/estimation/general_filter.hpp"
 #include "quadtune/simulation/air.hpp"
 #include "quadtune/simulation/carried_motion.hpp"
 #include "quadtune/simulation/flight.hpp"
@@ -25,6 +28,7 @@
 #include "quadtune/simulation/mission_runner.hpp"
 #include "quadtune/simulation/plant.hpp"
 #include "quadtune/simulation/sensor_channel.hpp"
+#include "rotor_vibration.hpp"
 
 namespace quadtune::internal {
 
@@ -40,6 +44,8 @@ enum Stream : std::uint32_t {
   kGpsVelocityStream = 28,
   kWindStream = 32,
   kVisionStream = 48,
+  kCommandStream = 64,
+  kVibrationStream = 80,  ///< one a rotor
 };
 
 /// @tparam R  as Plant's N
@@ -74,8 +80,10 @@ class ClosedLoop {
   void make_sensors();
   void make_law();
   void make_estimator();
+  void make_upsets();
   void start();
 
+  void happen(double t);
   void set_environment(std::uint64_t index, double t);
   void carry(double t);
   [[nodiscard]] State truth_at(double instant, double now) const;
@@ -83,8 +91,14 @@ class ClosedLoop {
   void estimate();
   void refer(double t);
   void command(std::uint64_t index, double t);
+  void command_by_cascade();
+  void command_by_feedback();
+  [[nodiscard]] Eigen::Matrix<P, kMaxRotors, 1> inputs_of_speeds() const;
+  [[nodiscard]] RotorSpeeds<P> believed_thrusts() const;
   void watch(double t);
-  void advance(double t);
+  void tell(RotorSpeeds<P> speeds);
+  void advance(std::uint64_t index, double t);
+  void advance_late(std::uint64_t index, double t);
   void check_divergence(double t);
   void end_flight(const Mask<N>& lanes, double t, FlightEnd end, const char* name,
                   const std::string& detail);
@@ -99,6 +113,25 @@ class ClosedLoop {
   PlantOf plant_;
   State x_, x_before_, slope_before_;
   bool between_ = false;  ///< whether x_before_ and slope_before_ hold the period before
+
+  /// A part of the last control period in which one command acts.
+  struct Piece {
+    double begin = 0, end = 0;  ///< [s]
+    RotorSpeeds<P> speeds;
+    State x, slope, x_end, slope_end;
+  };
+  [[nodiscard]] const Piece& piece_at(double instant) const;
+  [[nodiscard]] Vector3<P> felt_at(double instant, const State& x);
+  [[nodiscard]] Vector3<P> shake_at(const RotorVibration<N>& shake, double instant, double now,
+                                    const State& x) const;
+  CommandDelay<N> late_;
+  std::vector<Piece> pieces_;  ///< of the last control period; empty where no command is late
+  std::size_t next_event_ = 0;
+  std::vector<int> stopped_;  ///< motors that failed, the first is 0
+  RotorPhases<N> phases_;
+  RotorVibration<N> accelerometer_shake_, gyroscope_shake_;
+  Vector3<P> g_sensitivity_ = Vector3<P>::Zero();
+  bool g_sensitive_ = false;
 
   std::optional<CarriedMotion> carried_;
   Motion motion_;
@@ -115,13 +148,16 @@ class ClosedLoop {
   std::array<Sensors, N> sensors_;
   P sonar_least_, sonar_greatest_, sonar_cosine_, ground_pressure_, pressure_fall_;
   bool linear_pressure_ = false;
-  P flow_a2_, flow_b2_, flow_least_height_, flow_gain_;
+  P flow_a2_, flow_b2_, flow_least_height_, flow_greatest_height_, flow_growth_, flow_gain_;
+  bool flow_grows_ = false;  ///< whether its noise grows with height
   SensorFrame<P> frame_;
 
   MamboEstimatorSettings<P> mambo_settings_;
   MamboEstimatorState<P> mambo_;
   UquadFilterSettings<P> uquad_settings_;
   UquadFilterState<P> uquad_;
+  GeneralFilterSettings general_settings_;
+  GeneralFilterState<P> general_;
   RigidBody believed_body_;
   Estimate<P> estimate_;
 
@@ -134,9 +170,11 @@ class ClosedLoop {
   StateFeedbackSettings<P> feedback_settings_;
   StateFeedbackState<P> feedback_;
   Allocation<P> allocation_;
+  ThrustLimits<P> limits_;
   MotorStage<N> motors_;
   RotorSpeeds<P> speeds_;  ///< that the motors are told [rad/s]
   Eigen::Matrix<P, 4, 1> wrench_ = Eigen::Matrix<P, 4, 1>::Zero();  ///< that the law asks for
+  Eigen::Matrix<P, 4, 1> made_ = Eigen::Matrix<P, 4, 1>::Zero();    ///< that the motors are told
   Mask<N> saturated_, off_;
   std::optional<Battery> battery_;
   BatteryState<P> charge_;

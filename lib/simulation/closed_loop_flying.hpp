@@ -13,6 +13,7 @@ void ClosedLoop<N, R>::run(const std::function<bool()>& interrupted) {
   for (std::uint64_t k = 0; k <= periods && any(alive_); ++k) {
     const double t = static_cast<double>(k) * dt_;
     if (k % 1024 == 0 && interrupted && interrupted()) throw Interrupted();
+    if (next_event_ < common_.mission.events.size()) happen(t);
     set_environment(k, t);
     if (carried_) carry(t);
     sense(t);
@@ -24,12 +25,12 @@ void ClosedLoop<N, R>::run(const std::function<bool()>& interrupted) {
     for (std::size_t l = 0; l < recorders_.size(); ++l)
       if (lane(alive_, static_cast<int>(l)))
         recorders_[l].add(t, static_cast<int>(l), x_, plant_.rotor_speeds(x_), frame_, estimate_,
-                          references_[l], wrench_, speeds_, charge_, plant_.wind);
+                          references_[l], wrench_, made_, speeds_, charge_, plant_.wind);
     for (int l = 0; l < N; ++l)
       if (lane(alive_, l)) results_[static_cast<std::size_t>(l)].end_time = t;
     watch(t);
     if (k == periods) break;
-    advance(t);
+    advance(k, t);
     check_divergence(t + dt_);
   }
 }
@@ -52,7 +53,12 @@ StateVector<Pack<N>> ClosedLoop<N, R>::euler_state_now() const {
 
 template <int N, int R>
 void ClosedLoop<N, R>::set_environment(std::uint64_t index, double t) {
-  if (wind_.windy()) plant_.wind = wind_.at(index, t, source_);
+  if (wind_.turbulent())
+    plant_.wind = wind_.at(
+        index, t, source_,
+        rotation_of_quaternion(x_(3), x_(4), x_(5), x_(6)) * x_.template segment<3>(kBodyVelocity));
+  else if (wind_.windy())
+    plant_.wind = wind_.at(index, t, source_);
   if (!common_.environment.dynamic) return;
   P air = plant_.body().air_density, ratio = plant_.body().density_ratio;
   P gravity = plant_.body().gravity;
@@ -85,12 +91,20 @@ template <int N, int R>
 typename ClosedLoop<N, R>::State ClosedLoop<N, R>::truth_at(double instant, double now) const {
   const double s = 1 + (instant - now) / dt_;
   if (!between_ || s >= 1 - 1e-9) return x_;
-  const State slope = plant_.derivative(x_);
-  const double s2 = s * s, s3 = s2 * s;
-  State x = x_before_ * (2 * s3 - 3 * s2 + 1) + slope_before_ * ((s3 - 2 * s2 + s) * dt_) +
-            (x_ * (3 * s2 - 2 * s3) + slope * ((s3 - s2) * dt_));
-  PlantOf::restore_norm(x);
-  return x;
+  const auto between = [](double at, double length, const State& x0, const State& slope0,
+                          const State& x1, const State& slope1) {
+    const double s2 = at * at, s3 = s2 * at;
+    State x = x0 * (2 * s3 - 3 * s2 + 1) + slope0 * ((s3 - 2 * s2 + at) * length) +
+              (x1 * (3 * s2 - 2 * s3) + slope1 * ((s3 - s2) * length));
+    PlantOf::restore_norm(x);
+    return x;
+  };
+  if (!pieces_.empty()) {
+    const Piece& p = piece_at(instant);
+    const double length = p.end - p.begin;
+    return between((instant - p.begin) / length, length, p.x, p.slope, p.x_end, p.slope_end);
+  }
+  return between(s, dt_, x_before_, slope_before_, x_, State(plant_.derivative(x_)));
 }
 
 template <int N, int R>
@@ -116,12 +130,28 @@ void ClosedLoop<N, R>::sense(double now) {
           carried_->at(accelerometer_->next()).specific_force(flown_vehicle(common_).gravity);
       for (int i = 0; i < 3; ++i) force(i) = P(felt(i));
     } else {
-      force = plant_.specific_force(truth(accelerometer_->next()));
+      const State x = truth(accelerometer_->next());
+      force = felt_at(accelerometer_->next(), x);
+      if (accelerometer_shake_.present()) {
+        const Vector3<P> shake = shake_at(accelerometer_shake_, accelerometer_->next(), now, x);
+        accelerometer_->take(force, source_, {}, &shake);
+        continue;
+      }
     }
     accelerometer_->take(force, source_);
   }
-  while (gyroscope_ && gyroscope_->due(now))
-    gyroscope_->take(truth(gyroscope_->next()).template segment<3>(kBodyRates), source_);
+  while (gyroscope_ && gyroscope_->due(now)) {
+    const double instant = gyroscope_->next();
+    const State x = truth(instant);
+    Vector3<P> rates = x.template segment<3>(kBodyRates);
+    if (g_sensitive_ && !carried_) rates += g_sensitivity_.cwiseProduct(felt_at(instant, x));
+    if (gyroscope_shake_.present() && !carried_) {
+      const Vector3<P> shake = shake_at(gyroscope_shake_, instant, now, x);
+      gyroscope_->take(rates, source_, {}, &shake);
+      continue;
+    }
+    gyroscope_->take(rates, source_);
+  }
   while (magnetometer_ && magnetometer_->due(now)) {
     const Matrix3<P> M = rotation(truth(magnetometer_->next()));
     magnetometer_->take(Vector3<P>(M.transpose() * field_), source_);
@@ -156,7 +186,11 @@ void ClosedLoop<N, R>::sense(double now) {
       flow << (v.z() * M(2, 0) * a - v.x() * M(2, 2)) / height - w.y() * (P(1) + a),
           (v.z() * M(2, 1) * b - v.y() * M(2, 2)) / height + w.x() * (P(1) + b);
     }
-    flow_->take(flow, source_, either(height < flow_least_height_, M(2, 2) <= P(0)));
+    const P growth = flow_growth_ * height;
+    flow_->take(
+        flow, source_,
+        either(either(height<flow_least_height_, height> flow_greatest_height_), M(2, 2) <= P(0)),
+        nullptr, flow_grows_ ? &growth : nullptr);
   }
   while (gps_position_ && gps_position_->due(now)) {
     const State x = truth(gps_position_->next());
@@ -182,12 +216,16 @@ void ClosedLoop<N, R>::estimate() {
     case EstimatorKind::mambo:
       estimate_ = step(mambo_settings_, mambo_, frame_);
       return;
-    case EstimatorKind::uquad: {
+    case EstimatorKind::uquad:
+    case EstimatorKind::general: {
       const Mask<N> stands =
           either(off_, Mask<N>(reference_.phase == FlightPhase::start_up || !between_));
       const bool may_stand = !common_.mission.start.in_air && !carried_;
-      estimate_ = step(uquad_settings_, uquad_, frame_, believed_body_, speeds_,
-                       both(stands, Mask<N>(may_stand)));
+      const Mask<N> standing = both(stands, Mask<N>(may_stand));
+      if (common_.estimator == EstimatorKind::general)
+        estimate_ = step(general_settings_, general_, frame_, standing);
+      else
+        estimate_ = step(uquad_settings_, uquad_, frame_, believed_body_, speeds_, standing);
       return;
     }
     case EstimatorKind::truth:
@@ -246,41 +284,131 @@ void ClosedLoop<N, R>::refer(double t) {
   off_ = either(off_, off);
 }
 
+/// The thrusts at which the speeds that the motors are told aim, by the believed curves.
+template <int N, int R>
+RotorSpeeds<Pack<N>> ClosedLoop<N, R>::believed_thrusts() const {
+  RotorSpeeds<P> thrusts(speeds_.size());
+  for (Eigen::Index i = 0; i < speeds_.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    thrusts(i) = (allocation_.a2[k] * speeds_(i) + allocation_.a1[k]) * speeds_(i);
+  }
+  return thrusts;
+}
+
+/// The speeds that the motors are told, in the kind of input of the state feedback.
+template <int N, int R>
+Eigen::Matrix<Pack<N>, kMaxRotors, 1> ClosedLoop<N, R>::inputs_of_speeds() const {
+  Eigen::Matrix<P, kMaxRotors, 1> inputs = Eigen::Matrix<P, kMaxRotors, 1>::Zero();
+  const Eigen::Index rotors = speeds_.size();
+  switch (feedback_settings_.input_kind) {
+    case InputKind::wrench:
+      inputs.template head<4>() = wrench_of_thrusts(allocation_, believed_thrusts());
+      break;
+    case InputKind::rotor_speed:
+      inputs.head(rotors) = speeds_;
+      break;
+    case InputKind::rotor_thrust:
+      inputs.head(rotors) = believed_thrusts();
+      break;
+    case InputKind::command:
+      motors_.commands_of_speeds(speeds_, inputs);
+      break;
+  }
+  return inputs;
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::command_by_cascade() {
+  wrench_ = step(cascade_settings_, cascade_, estimate_, reference_);
+  made_ = wrench_;
+  if (common_.allocation == AllocationRule::prioritized) {
+    const LimitedWrench<P> limited = prioritized(allocation_, limits_, wrench_);
+    made_ = limited.wrench;
+    speeds_ = speeds_of_wrench(allocation_, made_);
+    motors_.limit(speeds_, saturated_);
+    saturated_ = either(saturated_, limited.limited);
+  } else {
+    speeds_ = speeds_of_wrench(allocation_, wrench_);
+    motors_.limit(speeds_, saturated_);
+    if (common_.log || cascade_settings_.conditional_integration)
+      made_ = clipped(allocation_, limits_, wrench_).wrench;
+  }
+  carried_out(cascade_settings_, cascade_, wrench_, made_);
+}
+
+template <int N, int R>
+void ClosedLoop<N, R>::command_by_feedback() {
+  const Eigen::Matrix<P, kMaxRotors, 1> u =
+      step(feedback_settings_, feedback_, estimate_, reference_);
+  const InputKind kind = feedback_settings_.input_kind;
+  const auto curve_speed = [&](Eigen::Index i) {
+    const auto k = static_cast<std::size_t>(i);
+    return speed_for_thrust(u(i), allocation_.a2[k], allocation_.a1[k]);
+  };
+  switch (kind) {
+    case InputKind::wrench:
+      wrench_ = u.template head<4>();
+      break;
+    case InputKind::rotor_speed:
+      for (Eigen::Index i = 0; i < speeds_.size(); ++i) speeds_(i) = greater(u(i), P(0));
+      break;
+    case InputKind::rotor_thrust:
+      for (Eigen::Index i = 0; i < speeds_.size(); ++i) speeds_(i) = curve_speed(i);
+      break;
+    case InputKind::command:
+      motors_.speeds_of_commands(u, speeds_);
+      break;
+  }
+  const bool by_rotor = kind != InputKind::wrench;
+  if (by_rotor) {
+    const RotorLoads<P> loads = rotor_loads(plant_.body(), speeds_);
+    wrench_ << -loads.force.z(), loads.torque;
+  } else if (common_.allocation == AllocationRule::clipped) {
+    speeds_ = speeds_of_wrench(allocation_, wrench_);
+  }
+  made_ = wrench_;
+  Mask<N> limited = false;
+  if (common_.allocation == AllocationRule::prioritized) {
+    Eigen::Matrix<P, 4, 1> asked = wrench_;
+    if (by_rotor) {
+      const RotorSpeeds<P> thrusts = believed_thrusts();
+      asked = wrench_of_thrusts(allocation_, thrusts);
+      for (Eigen::Index i = 0; i < thrusts.size(); ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        limited = either(limited,
+                         either(thrusts(i) < limits_.least[k], thrusts(i) > limits_.greatest[k]));
+      }
+    }
+    const LimitedWrench<P> feasible = prioritized(allocation_, limits_, asked);
+    limited = either(limited, feasible.limited);
+    const RotorSpeeds<P> told = speeds_of_wrench(allocation_, feasible.wrench);
+    for (int i = 0; i < 4; ++i) made_(i) = select(limited, feasible.wrench(i), wrench_(i));
+    for (Eigen::Index i = 0; i < speeds_.size(); ++i)
+      speeds_(i) = by_rotor ? P(select(limited, told(i), speeds_(i))) : told(i);
+  }
+  motors_.limit(speeds_, saturated_);
+  if (common_.allocation == AllocationRule::clipped) limited = saturated_;
+  saturated_ = either(saturated_, limited);
+  if (!feedback_settings_.remembers && !feedback_settings_.conditional_integration && !common_.log)
+    return;
+  const Eigen::Matrix<P, kMaxRotors, 1> told = inputs_of_speeds();
+  Eigen::Matrix<P, kMaxRotors, 1> carried = u;
+  for (int i = 0; i < feedback_settings_.inputs; ++i) carried(i) = select(limited, told(i), u(i));
+  if (common_.allocation == AllocationRule::clipped)
+    made_ = by_rotor ? wrench_of_thrusts(allocation_, believed_thrusts())
+                     : Eigen::Matrix<P, 4, 1>(carried.template head<4>());
+  carried_out(feedback_settings_, feedback_, u, carried);
+}
+
 template <int N, int R>
 void ClosedLoop<N, R>::command(std::uint64_t index, double t) {
   saturated_ = false;
   const bool lawful =
       reference_.phase == FlightPhase::take_off || reference_.phase == FlightPhase::flying;
   if (lawful && std::holds_alternative<CascadeController>(common_.controller)) {
-    wrench_ = step(cascade_settings_, cascade_, estimate_, reference_);
-    speeds_ = speeds_of_wrench(allocation_, wrench_);
-    motors_.limit(speeds_, saturated_);
+    command_by_cascade();
   } else if (lawful) {
-    const Eigen::Matrix<P, kMaxRotors, 1> u =
-        step(feedback_settings_, feedback_, estimate_, reference_);
-    switch (feedback_settings_.input_kind) {
-      case InputKind::wrench:
-        wrench_ = u.template head<4>();
-        speeds_ = speeds_of_wrench(allocation_, wrench_);
-        break;
-      case InputKind::rotor_speed:
-        for (Eigen::Index i = 0; i < speeds_.size(); ++i) speeds_(i) = greater(u(i), P(0));
-        break;
-      case InputKind::rotor_thrust:
-        for (Eigen::Index i = 0; i < speeds_.size(); ++i) {
-          const auto k = static_cast<std::size_t>(i);
-          speeds_(i) = speed_for_thrust(u(i), allocation_.a2[k], allocation_.a1[k]);
-        }
-        break;
-      case InputKind::command:
-        motors_.speeds_of_commands(u, speeds_);
-        break;
-    }
-    if (feedback_settings_.input_kind != InputKind::wrench) {
-      const RotorLoads<P> loads = rotor_loads(plant_.body(), speeds_);
-      wrench_ << -loads.force.z(), loads.torque;
-    }
-    motors_.limit(speeds_, saturated_);
+    command_by_feedback();
   } else if (reference_.phase == FlightPhase::start_up) {
     const double share = common_.mission.start.start_up > 0
                              ? std::min(1.0, t / common_.mission.start.start_up)
@@ -291,15 +419,26 @@ void ClosedLoop<N, R>::command(std::uint64_t index, double t) {
   } else {
     speeds_.setConstant(P(0));
   }
-  for (int i = 0; i < 4; ++i) wrench_(i) = select(off_, P(0), wrench_(i));
+  if (!lawful) {
+    made_ = wrench_of_thrusts(allocation_, believed_thrusts());
+    if (feedback_settings_.remembers) {
+      const Eigen::Matrix<P, kMaxRotors, 1> told = inputs_of_speeds();
+      carried_out(feedback_settings_, feedback_, told, told);
+    }
+  }
+  for (int i = 0; i < 4; ++i) {
+    wrench_(i) = select(off_, P(0), wrench_(i));
+    made_(i) = select(off_, P(0), made_(i));
+  }
   for (Eigen::Index i = 0; i < speeds_.size(); ++i) speeds_(i) = select(off_, P(0), speeds_(i));
   saturated_ = both(saturated_, negated(off_));
   if (battery_) motors_.supply(*battery_, charge_, speeds_, saturated_);
+  for (const int motor : stopped_) speeds_(motor) = P(0);
   power_ = 0;
   const RotorSpeeds<P> turning = plant_.rotor_speeds(x_);
   for (int i = 0; i < plant_.body().rotor_count; ++i) {
     const BasicRotor<P>& rotor = plant_.body().rotors[static_cast<std::size_t>(i)];
-    const P w = R == 0 ? speeds_(i) : turning(i);
+    const P w = R == 0 && !late_.active() ? speeds_(i) : turning(i);
     power_ += rotor_torque(rotor, w, plant_.body().density_ratio) * w;
   }
   power_ = greater(power_, P(0));
@@ -373,16 +512,25 @@ void ClosedLoop<N, R>::watch(double t) {
 }
 
 template <int N, int R>
-void ClosedLoop<N, R>::advance(double) {
+void ClosedLoop<N, R>::advance(std::uint64_t index, double t) {
   if (carried_) {
     between_ = true;
     return;
   }
-  plant_.command(speeds_, x_);
+  if (late_.active()) {
+    if (phases_.present()) phases_.keep(plant_.rotor_speeds(x_));
+    advance_late(index, t);
+    if (phases_.present()) phases_.advance(plant_.rotor_speeds(x_), dt_);
+    between_ = true;
+    return;
+  }
+  tell(speeds_);
   x_before_ = x_;
   slope_before_ = plant_.derivative(x_);
   const double h = dt_ / substeps_;
+  if (phases_.present()) phases_.keep(plant_.rotor_speeds(x_));
   for (int i = 0; i < substeps_; ++i) x_ = plant_.step(common_.integrator, x_, h);
+  if (phases_.present()) phases_.advance(plant_.rotor_speeds(x_), dt_);
   between_ = true;
   for (int l = 0; l < N; ++l)
     if (lane(alive_, l))

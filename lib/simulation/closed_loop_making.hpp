@@ -3,6 +3,7 @@
 #pragma once
 
 #include "closed_loop.hpp"
+#include "closed_loop_upsets.hpp"
 #include "quadtune/simulation/packed_body.hpp"
 
 namespace quadtune::internal {
@@ -21,6 +22,7 @@ ClosedLoop<N, R>::ClosedLoop(const Lanes& setups)
   make_sensors();
   make_law();
   make_estimator();
+  make_upsets();
   start();
 }
 
@@ -94,6 +96,9 @@ void ClosedLoop<N, R>::make_sensors() {
     flow_a2_ = number([&](const Sensors& s) { return square_of_tangent(s.flow->half_field_x); });
     flow_b2_ = number([&](const Sensors& s) { return square_of_tangent(s.flow->half_field_y); });
     flow_least_height_ = number([](const Sensors& s) { return s.flow->least_height; });
+    flow_greatest_height_ = number([](const Sensors& s) { return s.flow->greatest_height; });
+    flow_growth_ = number([](const Sensors& s) { return s.flow->noise_per_height; });
+    flow_grows_ = any(flow_growth_ > P(0));
     flow_gain_ = number([](const Sensors& s) { return s.flow->simplified_rate_gain; });
   }
   if (first.gps) {
@@ -153,6 +158,9 @@ void ClosedLoop<N, R>::make_law() {
     gather(cascade_settings_.weight, [](const auto& s) { return s.weight; });
     gather(cascade_settings_.take_off_thrust, [](const auto& s) { return s.take_off_thrust; });
     gather(cascade_settings_.greatest_thrust, [](const auto& s) { return s.greatest_thrust; });
+    const auto& controller = std::get<CascadeController>(common_.controller);
+    cascade_settings_.velocity_feed_forward = controller.velocity_feed_forward;
+    cascade_settings_.conditional_integration = controller.conditional_integration;
   } else {
     const auto settings = each<StateFeedbackSettings<double>>(setups_, [](const FlightSetup& s) {
       const auto& c = std::get<StateFeedbackController>(s.controller);
@@ -174,6 +182,19 @@ void ClosedLoop<N, R>::make_law() {
         gather(law.K_int(i, j), [&](const auto& s) { return s.K_int(i, j); });
     }
     for (int j = 0; j < 12; ++j) gather(law.x0(j), [&](const auto& s) { return s.x0(j); });
+    law.axes = settings[0].axes;
+    law.conditional_integration = settings[0].conditional_integration;
+    gather(law.position_error_limit, [](const auto& s) { return s.position_error_limit; });
+    law.remembers = settings[0].remembers;
+    law.past = settings[0].past;
+    law.K_past.resize(kMaxRotors, settings[0].K_past.cols());
+    for (int i = 0; i < law.inputs; ++i) {
+      gather(law.lag_share(i), [&](const auto& s) { return s.lag_share(i); });
+      for (int j = 0; j < law.inputs; ++j)
+        gather(law.K_lag(i, j), [&](const auto& s) { return s.K_lag(i, j); });
+      for (Eigen::Index j = 0; j < law.K_past.cols(); ++j)
+        gather(law.K_past(i, j), [&](const auto& s) { return s.K_past(i, j); });
+    }
     for (std::size_t j = 0; j < static_cast<std::size_t>(law.integrals); ++j) {
       gather(law.guards[j].dt, [&](const auto& s) { return s.guards[j].dt; });
       gather(law.guards[j].error_limit, [&](const auto& s) { return s.guards[j].error_limit; });
@@ -196,9 +217,21 @@ void ClosedLoop<N, R>::make_law() {
     gather(allocation_.thrust0(i), [&](const auto& a) { return a.thrust0(i); });
     gather(allocation_.a2[k], [&](const auto& a) { return a.a2[k]; });
     gather(allocation_.a1[k], [&](const auto& a) { return a.a1[k]; });
-    for (int j = 0; j < 4; ++j)
+    for (int j = 0; j < 4; ++j) {
       gather(allocation_.P(i, j), [&](const auto& a) { return a.P(i, j); });
+      gather(allocation_.M(j, i), [&](const auto& a) { return a.M(j, i); });
+    }
   }
+  const auto limits = each<ThrustLimits<double>>(
+      setups_, [](const FlightSetup& s) { return thrust_limits(s.vehicle); });
+  const auto limit = [&](P& target, auto&& number) {
+    for (int l = 0; l < N; ++l) set_lane(target, l, number(limits[static_cast<std::size_t>(l)]));
+  };
+  for (std::size_t k = 0; k < static_cast<std::size_t>(allocation_.rotors); ++k) {
+    limit(limits_.least[k], [&](const auto& of) { return of.least[k]; });
+    limit(limits_.greatest[k], [&](const auto& of) { return of.greatest[k]; });
+  }
+  limit(limits_.floor, [](const auto& of) { return of.floor; });
   for (int j = 0; j < 4; ++j)
     gather(allocation_.wrench0(j), [&](const auto& a) { return a.wrench0(j); });
 }
@@ -224,6 +257,8 @@ void ClosedLoop<N, R>::make_estimator() {
   if (sensors_[0].barometer) uquad.reference_pressure = sensors_[0].barometer->ground_pressure;
   validate(uquad, "estimator");
   uquad_settings_ = uquad_filter_cast<P>(uquad);
+  if (common_.estimator == EstimatorKind::general)
+    general_settings_ = general_filter_settings(common_);
 }
 
 template <int N, int R>
@@ -258,6 +293,7 @@ void ClosedLoop<N, R>::start() {
   const StateVector<P> believed = euler_state_now();
   mambo_ = mambo_estimator_start(mambo_settings_, believed);
   uquad_ = uquad_filter_start(uquad_settings_, believed);
+  general_ = general_filter_start(general_settings_, believed);
   if (mission.start.in_air || carried_)
     for (int i = 0; i < 3; ++i) {
       if (gyroscope_)
@@ -271,6 +307,29 @@ void ClosedLoop<N, R>::start() {
           set_lane(mambo_.force_bias(i), l,
                    sensors_[static_cast<std::size_t>(l)].accelerometer->bias(i));
     }
+  if (common_.estimator == EstimatorKind::general && (mission.start.in_air || carried_) &&
+      gyroscope_ && accelerometer_) {
+    const auto offset = [&](int i, const auto& of_sensor, double scale) {
+      P result = 0;
+      for (int l = 0; l < N; ++l)
+        set_lane(result, l, of_sensor(sensors_[static_cast<std::size_t>(l)])(i) / scale);
+      return result;
+    };
+    Vector3<P> rates, force;
+    for (int i = 0; i < 3; ++i) {
+      rates(i) = offset(
+          i, [](const Sensors& s) { return s.gyroscope->bias; },
+          general_settings_.gyroscope.scale(i));
+      force(i) = offset(
+          i, [](const Sensors& s) { return s.accelerometer->bias; },
+          general_settings_.accelerometer.scale(i));
+    }
+    set_biases(general_, rates, force);
+    if (general_settings_.pressure && barometer_)
+      general_.pressure_height = offset(
+          0, [](const Sensors& s) { return s.barometer->faults.bias; },
+          general_settings_.pressure->slope() * general_settings_.pressure->aid.scale);
+  }
   estimate_.x = believed;
   if (common_.log)
     for (int l = 0; l < N; ++l)

@@ -11,10 +11,12 @@
 #include "quadtune/control/allocation.hpp"
 #include "quadtune/control/cascaded_pid.hpp"
 #include "quadtune/control/state_feedback_law.hpp"
+#include "quadtune/delay_limit.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/model/mixer.hpp"
 #include "quadtune/simulation/air.hpp"
 #include "quadtune/simulation/pack.hpp"
 
@@ -37,7 +39,7 @@ Enum of_name(const std::string& name, const std::vector<Enum>& all, const std::s
 int lagging_rotors(const FlightSetup& setup) {
   const std::vector<Rotor>& rotors = flown_vehicle(setup).rotors;
   const bool lags =
-      std::any_of(rotors.begin(), rotors.end(), [](const Rotor& r) { return r.lag > 0; });
+      std::any_of(rotors.begin(), rotors.end(), [](const Rotor& r) { return slower_lag(r) > 0; });
   return lags ? static_cast<int>(rotors.size()) : 0;
 }
 
@@ -70,6 +72,8 @@ std::string to_string(EstimatorKind kind) {
       return "mambo";
     case EstimatorKind::uquad:
       return "uquad";
+    case EstimatorKind::general:
+      return "general";
     case EstimatorKind::truth:
       break;
   }
@@ -78,7 +82,9 @@ std::string to_string(EstimatorKind kind) {
 
 EstimatorKind estimator_kind(const std::string& name, const std::string& where) {
   return of_name<EstimatorKind>(
-      name, {EstimatorKind::mambo, EstimatorKind::uquad, EstimatorKind::truth}, "estimator", where);
+      name,
+      {EstimatorKind::mambo, EstimatorKind::uquad, EstimatorKind::general, EstimatorKind::truth},
+      "estimator", where);
 }
 
 std::string to_string(FlowModel model) {
@@ -120,12 +126,43 @@ double duration_of(const FlightSetup& setup) {
   return setup.duration > 0 ? setup.duration : setup.mission.duration;
 }
 
-Sensors sensors_of(const FlightSetup& setup) {
-  Sensors sensors = flown_vehicle(setup).sensors;
+namespace {
+
+Sensors sensors_of(const FlightSetup& setup, const Vehicle& vehicle) {
+  Sensors sensors = vehicle.sensors;
   if (!setup.real_sensors) sensors = ideal(sensors);
   if (setup.flow == FlowModel::off) sensors.flow.reset();
   if (sensors.flow && setup.flow_rate > 0) sensors.flow->faults.rate = setup.flow_rate;
   return sensors;
+}
+
+}  // namespace
+
+Sensors sensors_of(const FlightSetup& setup) { return sensors_of(setup, flown_vehicle(setup)); }
+
+GeneralFilterSettings general_filter_settings(const FlightSetup& setup) {
+  const Sensors sensors = sensors_of(setup, setup.vehicle);
+  const std::string lacks = general_filter_lacks(sensors);
+  if (!lacks.empty())
+    throw InvalidInput("estimator general",
+                       fmt::format("the vehicle '{}' has {}", setup.vehicle.name, lacks));
+  if (sensors.flow && setup.flow == FlowModel::simplified)
+    throw InvalidInput("estimator general",
+                       "the flow is simplified, expected full because the filter has the model of "
+                       "the averaged motion field");
+  GeneralFilterSettings settings =
+      setup.general_filter && setup.real_sensors
+          ? *setup.general_filter
+          : general_filter_settings(sensors, control_period(setup), setup.vehicle.gravity,
+                                    setup.environment.magnetic_field, setup.general_noise);
+  settings.dt = control_period(setup);
+  if (setup.mission.start.in_air || std::holds_alternative<Carried>(setup.mission.kind)) {
+    // The offsets were found before.
+    settings.start.gyro_bias = 5e-4;
+    settings.start.force_bias = 0.02;
+    settings.start.pressure_height = 0.05;
+  }
+  return settings;
 }
 
 namespace internal {
@@ -146,11 +183,16 @@ bool same_structure(const FlightSetup& a, const FlightSetup& b) {
   };
   const auto law = [](const FlightSetup& s) {
     if (const auto* c = std::get_if<CascadeController>(&s.controller))
-      return std::tuple(0, static_cast<int>(c->method), std::vector<std::string>{});
-    const Gains& gains = std::get<StateFeedbackController>(s.controller).gains;
+      return std::tuple(0, static_cast<int>(c->method), c->velocity_feed_forward,
+                        c->conditional_integration, std::vector<std::string>{});
+    const auto& feedback = std::get<StateFeedbackController>(s.controller);
+    const Gains& gains = feedback.gains;
     std::vector<std::string> integrated{gains.convention};
     for (const Signal& signal : gains.integrals) integrated.push_back(signal.name);
-    return std::tuple(1, static_cast<int>(gains.input_kind), integrated);
+    integrated.push_back(
+        fmt::format("{} {}", to_string(gains.axes), gains.memory ? gains.memory->past : -1));
+    return std::tuple(1, static_cast<int>(gains.input_kind), false,
+                      gains.limits.conditional_integration, integrated);
   };
   // What a pack takes from the first flight must be the same in all.
   const auto believed = [](const Vehicle& v) {
@@ -158,25 +200,39 @@ bool same_structure(const FlightSetup& a, const FlightSetup& b) {
   };
   const auto rotor = [](const Rotor& r) {
     return std::tie(r.position, r.spin, r.thrust_a2, r.thrust_a1, r.torque_d2, r.torque_d1,
-                    r.inertia, r.lag);
+                    r.inertia);
   };
-  const bool same_rotors = std::equal(
-      a.vehicle.rotors.begin(), a.vehicle.rotors.end(), b.vehicle.rotors.begin(),
-      b.vehicle.rotors.end(), [&](const Rotor& r, const Rotor& s) { return rotor(r) == rotor(s); });
+  // The range of the motors as the law believes it to be.
+  const auto same_motors = [](const Vehicle& v, const Vehicle& w) {
+    return least_speed(v) == least_speed(w) && greatest_speed(v) == greatest_speed(w);
+  };
+  const bool same_rotors =
+      std::equal(a.vehicle.rotors.begin(), a.vehicle.rotors.end(), b.vehicle.rotors.begin(),
+                 b.vehicle.rotors.end(), [&](const Rotor& r, const Rotor& s) {
+                   return rotor(r) == rotor(s) && r.lag == s.lag && lag_down(r) == lag_down(s);
+                 });
+  // Jitter differs from lane to lane, so that flights with it fly alone.
+  const auto late = [](const FlightSetup& s) { return flown_vehicle(s).motor.delay; };
+  const auto jitters = [](const FlightSetup& s) { return flown_vehicle(s).motor.delay_jitter > 0; };
   const auto air = [](const FlightSetup& s) {
     const std::optional<BarometerSensor>& barometer = flown_vehicle(s).sensors.barometer;
     return barometer ? std::pair(std::isfinite(barometer->fall), barometer->ground_pressure)
                      : std::pair(false, 0.0);
   };
   return a.mission == b.mission && law(a) == law(b) && control_period(a) == control_period(b) &&
-         same_rotors && believed(a.vehicle) == believed(b.vehicle) && air(a) == air(b) &&
+         late(a) == late(b) && !jitters(a) && !jitters(b) && same_rotors &&
+         believed(a.vehicle) == believed(b.vehicle) && air(a) == air(b) &&
          flown_vehicle(a).gravity == flown_vehicle(b).gravity && duration_of(a) == duration_of(b) &&
-         a.estimator == b.estimator && a.mambo_estimator == b.mambo_estimator &&
-         a.uquad_filter == b.uquad_filter && a.real_sensors == b.real_sensors && a.flow == b.flow &&
+         a.allocation == b.allocation && a.estimator == b.estimator &&
+         a.mambo_estimator == b.mambo_estimator && a.uquad_filter == b.uquad_filter &&
+         (a.estimator != EstimatorKind::general ||
+          general_filter_settings(a) == general_filter_settings(b)) &&
+         a.real_sensors == b.real_sensors && a.flow == b.flow &&
          clocks(sensors_of(a)) == clocks(sensors_of(b)) &&
          a.environment.dynamic == b.environment.dynamic && a.integrator == b.integrator &&
          a.environment.magnetic_field == b.environment.magnetic_field && a.step == b.step &&
-         a.seed == b.seed && flown_vehicle(a).rotors.size() == flown_vehicle(b).rotors.size() &&
+         same_motors(a.vehicle, b.vehicle) && a.seed == b.seed &&
+         flown_vehicle(a).rotors.size() == flown_vehicle(b).rotors.size() &&
          lagging_rotors(a) == lagging_rotors(b) &&
          flown_vehicle(a).motor.law == flown_vehicle(b).motor.law &&
          flown_vehicle(a).battery == flown_vehicle(b).battery && a.safety == b.safety &&
@@ -229,12 +285,23 @@ void validate(const FlightSetup& setup) {
                        fmt::format("the vehicle flown has {} rotors, the one believed {}, expected "
                                    "as many",
                                    setup.flown->rotors.size(), setup.vehicle.rotors.size()));
+  require_possible(setup.mission.events, flown_vehicle(setup),
+                   "mission '" + setup.mission.name + "'");
+  const MotorCommand& motor = flown_vehicle(setup).motor;
+  if (!(motor.delay >= 0) || !(motor.delay_jitter >= 0) ||
+      !(motor.delay + motor.delay_jitter <= kMostDelayPeriods * dt * (1 + 1e-9)))
+    throw InvalidInput("flight",
+                       fmt::format("the commands are late by {} s and jitter by {} s, "
+                                   "expected 0 to {} control periods of {} s together",
+                                   motor.delay, motor.delay_jitter, kMostDelayPeriods, dt));
   (void)dryden_numbers(setup.environment.wind);
   // What the flight makes of these it makes in a thread of its own: better said before.
   validate(setup.mission, "mission '" + setup.mission.name + "'");
   (void)RigidBody(setup.vehicle);
   (void)RigidBody(flown_vehicle(setup));
   (void)allocation(setup.vehicle);
+  if (setup.estimator == EstimatorKind::general)
+    validate(general_filter_settings(setup), "estimator general");
   if (const auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
     (void)cascaded_pid_settings(setup.vehicle, cascade->gains, cascade->method,
                                 cascade->attitude_limit, cascade->integrator_limit,

@@ -79,6 +79,7 @@ FlightRecorder::FlightRecorder(const FlightSetup& setup, const Sensors& sensors,
                         {"track_position", "1"},
                         {"phase", "1"}});
   columns("command", {{"T", "N"}, {"tau_x", "N m"}, {"tau_y", "N m"}, {"tau_z", "N m"}});
+  columns("made", {{"T", "N"}, {"tau_x", "N m"}, {"tau_y", "N m"}, {"tau_z", "N m"}});
   numbered("command", "w");
   if (has_.accelerometer)
     columns("accelerometer", {{"x", "m/s^2"}, {"y", "m/s^2"}, {"z", "m/s^2"}});

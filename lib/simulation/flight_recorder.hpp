@@ -25,7 +25,8 @@ class FlightRecorder {
   void add(double t, int l, const State& x, const RotorSpeeds<P>& turning,
            const SensorFrame<P>& frame, const Estimate<P>& estimate,
            const Reference<double>& reference, const Eigen::Matrix<P, 4, 1>& wrench,
-           const RotorSpeeds<P>& told, const BatteryState<P>& battery, const Vector3<P>& wind) {
+           const Eigen::Matrix<P, 4, 1>& made, const RotorSpeeds<P>& told,
+           const BatteryState<P>& battery, const Vector3<P>& wind) {
     next_ = 0;
     put(t);
     for (int i = 0; i < kRotorSpeeds; ++i) put(lane(x(i), l));
@@ -40,6 +41,7 @@ class FlightRecorder {
     put(reference.track_position ? 1 : 0);
     put(static_cast<double>(reference.phase));
     for (int i = 0; i < 4; ++i) put(lane(wrench(i), l));
+    for (int i = 0; i < 4; ++i) put(lane(made(i), l));
     for (Eigen::Index i = 0; i < told.size(); ++i) put(lane(told(i), l));
     put_vector(has_.accelerometer, frame.specific_force, l);
     put_vector(has_.gyroscope, frame.rates, l);

@@ -13,25 +13,14 @@ struct NameAndUnit {
 
 // In the order of the enumeration.
 const std::array<NameAndUnit, kMetrics>& table() {
-  static const std::array<NameAndUnit, kMetrics> all = {{{"duration", "s"},
-                                                         {"settling_time", "s"},
-                                                         {"overshoot", "1"},
-                                                         {"yaw_overshoot", "1"},
-                                                         {"tracking_rms", "m"},
-                                                         {"tracking_max", "m"},
-                                                         {"height_rms", "m"},
-                                                         {"height_max", "m"},
-                                                         {"yaw_rms", "rad"},
-                                                         {"yaw_max", "rad"},
-                                                         {"tilt_max", "rad"},
-                                                         {"speed_max", "m/s"},
-                                                         {"saturation_time", "s"},
-                                                         {"energy", "J"},
-                                                         {"estimate_rms", "m"},
-                                                         {"estimate_max", "m"},
-                                                         {"position_drift", "m"},
-                                                         {"final_distance", "m"},
-                                                         {"touchdown_speed", "m/s"}}};
+  static const std::array<NameAndUnit, kMetrics> all = {
+      {{"duration", "s"},          {"settling_time", "s"},  {"overshoot", "1"},
+       {"yaw_overshoot", "1"},     {"tracking_rms", "m"},   {"tracking_max", "m"},
+       {"height_rms", "m"},        {"height_max", "m"},     {"yaw_rms", "rad"},
+       {"yaw_max", "rad"},         {"tilt_max", "rad"},     {"speed_max", "m/s"},
+       {"saturation_time", "s"},   {"energy", "J"},         {"estimate_rms", "m"},
+       {"estimate_max", "m"},      {"position_drift", "m"}, {"final_distance", "m"},
+       {"touchdown_speed", "m/s"}, {"height_peak", "m"}}};
   return all;
 }
 

@@ -11,6 +11,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/rigid_body.hpp"
+#include "quadtune/simulation/climb.hpp"
 #include "simulation/bounds.hpp"
 
 namespace quadtune {
@@ -119,6 +120,7 @@ void check(const MissionStart& start, const std::string& where) {
   require_within(start.yaw, internal::kAngles, where, "yaw of the start", "rad");
   require_within(start.start_up, internal::kTimes, where, "time of start-up", "s");
   require_within(start.take_off, internal::kTimes, where, "time of take-off", "s");
+  require_within(start.climb_rate, internal::kSpeeds, where, "climb rate of the start", "m/s");
   const double height = 0 - start.position.z();  // never -0
   if (start.in_air != (height > 0))
     refuse(where, fmt::format("the start is {} at a height of {} m, expected {}",
@@ -126,11 +128,10 @@ void check(const MissionStart& start, const std::string& where) {
                               start.in_air ? "more than 0" : "0"));
 }
 
-void check(const Landing& landing, const MissionStart& start, const std::string& where) {
+void check(const Landing& landing, double airborne, const std::string& where) {
   require_within(landing.begin, internal::kTimes, where, "begin of the landing", "s");
   require_within(landing.rate, internal::kSpeeds, where, "rate of the landing", "m/s");
   require_within(landing.off_height, internal::kSizes, where, "off height of the landing", "m");
-  const double airborne = start.in_air ? 0 : start.start_up + start.take_off;
   if (landing.begin < airborne)
     refuse(where, fmt::format("the landing begins at {} s, expected no earlier than {} s, when the "
                               "take-off ends",
@@ -141,6 +142,8 @@ void check(const SettlingRule& rule, const std::string& where) {
   require_within(rule.band, internal::kSizes, where, "settling band", "m");
   require_within(rule.yaw_band, internal::kSizes, where, "settling band of the yaw", "rad");
   require_within(rule.window, internal::kTimes, where, "settling window", "s");
+  require_within(rule.settled_band, internal::kLimits, where, "settled band", "m");
+  require_within(rule.settled_yaw_band, internal::kLimits, where, "settled band of the yaw", "rad");
 }
 
 void check(const std::vector<Limit>& limits, const std::string& where) {
@@ -158,6 +161,42 @@ void check(const std::vector<Limit>& limits, const std::string& where) {
 
 }  // namespace
 
+double first_height(const Mission& mission) {
+  struct First {
+    double operator()(const Hover& hover) const { return hover.position.z(); }
+    double operator()(const Script& script) const {
+      return script.references.empty() ? 0 : script.references.front().position.z();
+    }
+    double operator()(const Waypoints& waypoints) const {
+      return waypoints.points.empty() ? 0 : waypoints.points.front().z();
+    }
+    double operator()(const SmoothPath& path) const { return path_point(path, 0).position.z(); }
+    double operator()(const Keys& keys) const { return keys.position.z(); }
+    double operator()(const MotorTest&) const { return 0; }
+    double operator()(const Carried&) const { return 0; }
+  };
+  return 0 - std::visit(First(), mission.kind);
+}
+
+double end_of_take_off(const Mission& mission) {
+  const MissionStart& start = mission.start;
+  if (start.in_air || std::holds_alternative<Carried>(mission.kind) ||
+      std::holds_alternative<MotorTest>(mission.kind))
+    return 0;
+  return start.start_up + (start.take_off_by == TakeOff::climb
+                               ? climb_duration(first_height(mission), start.climb_rate)
+                               : start.take_off);
+}
+
+Mission with_thrust_take_off(Mission mission) {
+  mission.start.take_off_by = TakeOff::thrust;
+  mission.start.take_off = 1;
+  // The constant thrust ends where it ends: no law answers for that height.
+  std::erase_if(mission.limits,
+                [](const Limit& limit) { return limit.metric == Metric::height_peak; });
+  return mission;
+}
+
 void validate(const Mission& mission, const std::string& where) {
   require_within(mission.duration, internal::kDurations, where, "duration", "s");
   check(mission.start, where);
@@ -166,10 +205,13 @@ void validate(const Mission& mission, const std::string& where) {
     if (std::holds_alternative<MotorTest>(mission.kind) ||
         std::holds_alternative<Carried>(mission.kind))
       refuse(where, "a mission that does not fly has a landing, expected none");
-    check(*mission.landing, mission.start, where);
+    check(*mission.landing, end_of_take_off(mission), where);
   }
   if (std::holds_alternative<MotorTest>(mission.kind) && mission.start.in_air)
     refuse(where, "a motor test starts in the air, expected on the ground");
+  validate(mission.events, mission.duration, where);
+  if (!mission.events.empty() && std::holds_alternative<Carried>(mission.kind))
+    refuse(where, "a vehicle that is carried has events, expected none, as nothing moves it");
   check(mission.settling, where);
   check(mission.limits, where);
 }

@@ -325,20 +325,26 @@ MissionStart read_start(const TomlTable& table) {
   if (start.in_air)
     keys.push_back({"height", "m"});
   else
-    keys.insert(keys.end(), {{"start_up", "s"}, {"take_off", "s"}});
+    keys.insert(keys.end(), {{"start_up", "s"}, {"take_off", "s"}, {"climb_rate", "m_per_s"}});
   table.allow(keys);
   start.position = read_place(table, Vector3d::Zero(), false);
   if (start.in_air) start.position.z() = -table.number("height_m", internal::kSizes);
   start.yaw = table.number_or("yaw_rad", 0, internal::kAngles);
   start.start_up = table.number_or("start_up_s", start.start_up, internal::kTimes);
-  start.take_off = table.number_or("take_off_s", start.take_off, internal::kTimes);
+  if (table.has("take_off_s")) {
+    if (table.has("climb_rate_m_per_s"))
+      throw InvalidInput(table.where("climb_rate_m_per_s"),
+                         "climb_rate_m_per_s stands beside take_off_s, expected one of them "
+                         "because take_off_s asks for constant thrust instead of a climb");
+    start.take_off_by = TakeOff::thrust;
+    start.take_off = table.number("take_off_s", internal::kTimes);
+  }
+  start.climb_rate = table.number_or("climb_rate_m_per_s", start.climb_rate, internal::kSpeeds);
   return start;
 }
 
-Landing read_landing(const TomlTable& table, const Context& context) {
+Landing read_landing(const TomlTable& table, const Context& context, double airborne) {
   table.allow({{"at", "s"}, {"rate", "m_per_s"}, {"off_height", "m"}});
-  const MissionStart& start = context.start;
-  const double airborne = start.in_air ? 0 : start.start_up + start.take_off;
   Landing landing;
   landing.begin = table.number("at_s", context.times());
   if (landing.begin < airborne)
@@ -423,6 +429,31 @@ MissionKind read_kind(const TomlTable& file, const std::string& kind, const Cont
   return checked(read_lemniscate(table, context), table);
 }
 
+// One of [[event]]: a motor's fault or a load that comes or goes.
+FlightEvent read_event(const TomlTable& table) {
+  table.allow({{"at", "s"}, {"motor"}, {"thrust_share"}, {"load", "kg"}});
+  FlightEvent event;
+  event.time = table.number("at_s", internal::kTimes);
+  if (table.has("motor") == table.has("load_kg"))
+    throw InvalidInput(
+        table.where(),
+        fmt::format("{} has {}, expected one of them", table.title(),
+                    table.has("motor") ? "both motor and load_kg" : "neither motor nor load_kg"));
+  if (table.has("load_kg")) {
+    if (table.has("thrust_share"))
+      throw InvalidInput(table.where("thrust_share"),
+                         fmt::format("{} has thrust_share without motor, expected the motor that "
+                                     "keeps this share of its thrust",
+                                     table.title()));
+    event.what = LoadChange{table.number("load_kg")};
+    return event;
+  }
+  event.what =
+      MotorFault{static_cast<int>(table.integer("motor", 1, kMaxRotors)),
+                 table.number("thrust_share", {0, Range::Bound::closed, 1, Range::Bound::closed})};
+  return event;
+}
+
 // Tables that mean nothing where the vehicle does not fly.
 void refuse_tables(const TomlTable& file, const std::vector<std::string>& names,
                    const std::string& why) {
@@ -437,8 +468,9 @@ void refuse_tables(const TomlTable& file, const std::vector<std::string>& names,
 Mission parse_mission(const std::string& text, const std::string& origin,
                       const std::filesystem::path& folder) {
   const TomlTable file = TomlTable::parse(text, origin, kMissionFileLimit);
-  std::vector<TomlKey> keys = {{"name"},    {"description"}, {"duration", "s"}, {"start"},
-                               {"carried"}, {"landing"},     {"settling"},      {"limits"}};
+  std::vector<TomlKey> keys = {{"name"},     {"description"}, {"duration", "s"},
+                               {"start"},    {"carried"},     {"landing"},
+                               {"settling"}, {"limits"},      {"event"}};
   for (const std::string& name : kind_names()) keys.push_back({name});
   file.allow(keys);
   Mission mission;
@@ -454,24 +486,23 @@ Mission parse_mission(const std::string& text, const std::string& origin,
                          fmt::format("a vehicle is carried along '{}', expected line, circle or "
                                      "lemniscate",
                                      kind));
-    refuse_tables(file, {"start", "landing"}, "the vehicle is carried");
+    refuse_tables(file, {"start", "landing", "event"}, "the vehicle is carried");
   }
   if (kind == "motors") refuse_tables(file, {"start", "landing"}, "motors run without a law");
 
   Context context{mission.duration, {}, folder};
   if (const auto table = file.maybe_table("start")) context.start = read_start(*table);
-  const MissionStart& start = context.start;
-  const bool takes_off = !start.in_air && !carried && kind != "motors";
-  if (takes_off && start.start_up + start.take_off >= mission.duration)
-    throw InvalidInput(file.where("start"),
-                       fmt::format("start-up and take-off last {} s, expected less than the "
-                                   "mission's duration_s of {}",
-                                   start.start_up + start.take_off, mission.duration));
   mission.start = context.start;
   mission.kind = read_kind(file, kind, context);
   if (carried) mission.kind = Carried{std::get<SmoothPath>(mission.kind)};
+  if (end_of_take_off(mission) >= mission.duration)
+    throw InvalidInput(file.where("start"),
+                       fmt::format("start-up and take-off last {} s, expected less than the "
+                                   "mission's duration_s of {}",
+                                   end_of_take_off(mission), mission.duration));
   if (const auto table = file.maybe_table("landing"))
-    mission.landing = read_landing(*table, context);
+    mission.landing = read_landing(*table, context, end_of_take_off(mission));
+  for (const TomlTable& table : file.tables("event")) mission.events.push_back(read_event(table));
   if (const auto table = file.maybe_table("settling")) mission.settling = read_settling(*table);
   if (const auto table = file.maybe_table("limits")) mission.limits = read_limits(*table);
   validate(mission, file.where());

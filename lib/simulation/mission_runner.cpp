@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "quadtune/simulation/climb.hpp"
+
 namespace quadtune {
 namespace {
 
@@ -15,6 +17,14 @@ using Eigen::Vector3d;
 // How far below the ground a landing's reference goes on [m].
 constexpr double kBelowGround = 0.5;
 
+// A vehicle has stopped sinking when its believed speed downward stays below this share of the
+// landing's rate for kStopped [s]. It sinks above kSinks of it.
+constexpr double kSlow = 0.3, kSinks = 0.5;
+constexpr double kStopped = 0.4;
+
+// A vehicle that stopped so far above its reference rests on something [m].
+constexpr double kHeldUp = 0.15;
+
 // Waypoints less far apart than this horizontally give the nose no direction [m].
 constexpr double kLevelWay = 1e-6;
 
@@ -22,6 +32,13 @@ constexpr double kLevelWay = 1e-6;
 double nearest_turn(double yaw, double to) {
   constexpr double kTurn = 2 * std::numbers::pi;
   return yaw + kTurn * std::round((to - yaw) / kTurn);
+}
+
+// Downward speed of a believed state [m/s].
+double sinking(const StateVector<double>& x) {
+  const double roll = x(kAttitude), pitch = x(kAttitude + 1);
+  return -std::sin(pitch) * x(kVelocity) + std::sin(roll) * std::cos(pitch) * x(kVelocity + 1) +
+         std::cos(roll) * std::cos(pitch) * x(kVelocity + 2);
 }
 
 // The set point from a key press on.
@@ -149,6 +166,8 @@ std::string_view to_string(MissionEvent event) {
 
 struct MissionRunner::Plan {
   Mission mission;
+  double end_of_take_off = 0;                              ///< [s]
+  double first_height = 0;                                 ///< [m]
   std::vector<SetPoint> set_points;                        ///< of a mission by keys
   double abort = std::numeric_limits<double>::infinity();  ///< when [s]
   double turns = 0;  ///< added to the yaw of a path with the nose ahead [rad]
@@ -158,6 +177,8 @@ MissionRunner::MissionRunner(const Mission& mission) {
   validate(mission, "mission '" + mission.name + "'");
   auto plan = std::make_shared<Plan>();
   plan->mission = mission;
+  plan->end_of_take_off = end_of_take_off(mission);
+  plan->first_height = first_height(mission);
   waypoint_yaw_ = mission.start.yaw;
   if (const auto* keys = std::get_if<Keys>(&mission.kind)) {
     plan->set_points = set_points(*keys);
@@ -251,7 +272,8 @@ FlightPhase MissionRunner::phase_at(double t) const {
   if (std::holds_alternative<MotorTest>(mission.kind)) return FlightPhase::motors;
   const MissionStart& start = mission.start;
   if (!start.in_air && t < start.start_up) return FlightPhase::start_up;
-  if (!start.in_air && t < start.start_up + start.take_off) return FlightPhase::take_off;
+  if (start.take_off_by == TakeOff::thrust && t < plan_->end_of_take_off)
+    return FlightPhase::take_off;
   return FlightPhase::flying;
 }
 
@@ -269,11 +291,26 @@ void MissionRunner::follow(const StateVector<double>& believed) {
     waypoint_yaw_ = nearest_turn(std::atan2(way.y(), way.x()), waypoint_yaw_);
 }
 
+void MissionRunner::climb(double t, Reference<double>& reference) {
+  const MissionStart& start = plan_->mission.start;
+  const bool climbs = start.take_off_by == TakeOff::climb && t < plan_->end_of_take_off &&
+                      reference.phase == FlightPhase::flying;
+  if (climbs_ && !climbs) note(MissionEvent::flying);
+  if (climbs && !climbs_) note(MissionEvent::take_off);
+  climbs_ = climbs;
+  if (!climbs) return;
+  const ClimbPoint point = climb_at(plan_->first_height, start.climb_rate, t - start.start_up);
+  if (-reference.position.z() <= point.height) return;
+  reference.position.z() = 0 - point.height;
+  reference.velocity.z() = 0 - point.speed;
+}
+
 void MissionRunner::land(double t, const StateVector<double>& believed,
                          Reference<double>& reference) {
   const Landing& landing = *plan_->mission.landing;
   if (!landing_) {
     landing_ = true;
+    slow_since_ = t;
     note(MissionEvent::landing);
     Reference<double> last;
     ask(landing.begin, last);
@@ -282,16 +319,32 @@ void MissionRunner::land(double t, const StateVector<double>& believed,
     if (!last.track_position && believed.head<2>().allFinite())
       landing_from_.head<2>() = believed.head<2>();
   }
-  if (!landed_ && -believed(kPosition + 2) <= landing.off_height) {
-    landed_ = true;
-    note(MissionEvent::motors_off);
-  }
   reference = {};
   reference.position = landing_from_;
   reference.yaw = landing_yaw_;
   const double z = landing_from_.z() + landing.rate * (t - landing.begin);
-  reference.position.z() = landed_ ? 0 : std::min(z, kBelowGround);
-  reference.velocity.z() = !landed_ && z < kBelowGround ? landing.rate : 0;
+  reference.position.z() = std::min(z, kBelowGround);
+  reference.velocity.z() = z < kBelowGround ? landing.rate : 0;
+  if (!landed_ && touches(t, believed, reference)) {
+    landed_ = true;
+    note(MissionEvent::motors_off);
+  }
+  if (!landed_) return;
+  reference.position.z() = 0;
+  reference.velocity.z() = 0;
+}
+
+// The believed height may be wrong by more than a vehicle may fall, so the ground is found by what
+// it does: the vehicle no longer sinks although its reference does.
+bool MissionRunner::touches(double t, const StateVector<double>& believed,
+                            const Reference<double>& reference) {
+  const Landing& landing = *plan_->mission.landing;
+  const double speed = sinking(believed), height = -believed(kPosition + 2);
+  sank_ = sank_ || speed > kSinks * landing.rate;
+  if (!(speed < kSlow * landing.rate) || !std::isfinite(height)) slow_since_ = t;
+  if (t - slow_since_ < kStopped) return false;
+  const double asked = -reference.position.z();
+  return height <= landing.off_height || (sank_ && asked <= 0 && height - asked >= kHeldUp);
 }
 
 void MissionRunner::note(MissionEvent event) { event_ = std::max(event_, event); }
@@ -312,7 +365,10 @@ Reference<double> MissionRunner::at(double t, const StateVector<double>& believe
     ask(t, reference);
   }
   reference.phase = phase_at(t);
-  if (!begun_ || reference.phase != phase_) note(event_of(reference.phase));
+  const bool changed = !begun_ || reference.phase != phase_;
+  climb(t, reference);
+  // A climb is flown by the law, but the mission flies once it has ended.
+  if (changed && !climbs_) note(event_of(reference.phase));
   begun_ = true;
   phase_ = reference.phase;
   return reference;

@@ -64,6 +64,13 @@ class MotorStage {
     for (Eigen::Index i = 0; i < speeds.size(); ++i) speeds(i) = speed(greater(commands(i), P(0)));
   }
 
+  /// The inverse: commands that give these speeds.
+  void commands_of_speeds(const RotorSpeeds<P>& speeds,
+                          Eigen::Matrix<P, kMaxRotors, 1>& commands) const {
+    for (Eigen::Index i = 0; i < speeds.size(); ++i)
+      commands(i) = squared_ ? P(speeds(i) * speeds(i) / gain_) : P(speeds(i) / gain_);
+  }
+
   /// What a battery leaves of the speeds.
   void supply(const Battery& battery, const BatteryState<P>& state, RotorSpeeds<P>& speeds,
               Mask<N>& saturated) const {

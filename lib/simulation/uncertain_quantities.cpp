@@ -39,9 +39,7 @@ class Table {
 };
 
 /// Wind moves a vehicle by its drag alone.
-bool has_drag(const Parts& p) {
-  return !p.flown.drag.cda.isZero(0) || !p.flown.drag.linear.isZero(0);
-}
+bool has_drag(const Parts& p) { return feels_wind(p.flown); }
 
 void add_body(Table& table) {
   table.ratio("mass", "mass of the vehicle", [](Parts& p, double x) {
@@ -64,9 +62,10 @@ void add_body(Table& table) {
                      for (Rotor& rotor : p.flown.rotors) rotor.position(axis) -= x;
                      return true;
                    });
-  table.ratio("drag", "drag of the body", [](Parts& p, double x) {
+  table.ratio("drag", "drag of body and rotors", [](Parts& p, double x) {
     p.flown.drag.cda *= x;
     p.flown.drag.linear *= x;
+    for (Rotor& rotor : p.flown.rotors) rotor.drag *= x;
     return has_drag(p);
   });
 }
@@ -99,8 +98,9 @@ void add_motors(Table& table) {
   table.ratio("motor_lag", "time constant of the motors", [](Parts& p, double x) {
     bool any = false;
     for (Rotor& rotor : p.flown.rotors) {
-      any = any || rotor.lag > 0;
+      any = any || slower_lag(rotor) > 0;
       rotor.lag *= x;
+      rotor.lag_down *= x;
     }
     return any;
   });

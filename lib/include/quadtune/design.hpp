@@ -43,6 +43,18 @@ struct LqrDesign {
   double dt = 0;  ///< sample period of the law [s]; 0 only with LqrMethod::continuous
 };
 
+/// State feedback for the plant that flies, in the 12 states and the wrench of ned_convention():
+/// LQI with the lag of the rotors and past commands. What is none is chosen by the design.
+struct LqiDesign {
+  double dt = 0.005;                                               ///< control period [s], > 0
+  std::vector<std::string> integrals = {"px", "py", "pz", "yaw"};  ///< ni names of states
+  std::optional<Eigen::VectorXd> Q;           ///< (12) weights of the states, ≥ 0
+  std::optional<Eigen::VectorXd> Q_integral;  ///< (ni) of their integrals, ≥ 0
+  std::optional<Eigen::VectorXd> R;           ///< (4) of the commands, > 0
+  std::optional<Eigen::VectorXd> R_change;    ///< (4) of the commands' changes, ≥ 0
+  std::optional<int> past;                    ///< control periods by which the law predicts
+};
+
 /// A steady-state Kalman filter to design: x[k+1] = A x + B u + G w, y = C x + v.
 struct KalmanDesign {
   std::string name;   ///< e.g. "altitude"
@@ -76,8 +88,10 @@ struct CascadeDesign {
   PidMethod method = PidMethod::forward_euler;  ///< of the integrals, also of what is asked for
   double attitude_limit = std::numeric_limits<double>::infinity();    ///< of the references [rad]
   double integrator_limit = std::numeric_limits<double>::infinity();  ///< of |∫error| [error · s]
-  double back_calculation = 0;  ///< anti-windup gain of the integrators [1/s]
-  double takeoff_time = 0;      ///< constant thrust (1 + takeoff_gain) m g at the start [s]
+  double back_calculation = 0;         ///< anti-windup gain of the integrators [1/s]
+  double takeoff_time = 0;             ///< constant thrust (1 + takeoff_gain) m g at the start [s]
+  bool velocity_feed_forward = false;  ///< CascadedPidSettings::velocity_feed_forward
+  bool conditional_integration = false;  ///< CascadedPidSettings::conditional_integration
 };
 
 /// Files that the design writes.
@@ -111,6 +125,7 @@ struct Design {
   Vehicle vehicle;
   FlightCondition condition;
   std::optional<LqrDesign> lqr;
+  std::optional<LqiDesign> lqi;  ///< not beside lqr
   std::vector<KalmanDesign> kalman;
   std::optional<EstimatorDesign> estimator;
   std::optional<CascadeDesign> cascade;
@@ -120,6 +135,11 @@ struct Design {
   std::filesystem::path file;  ///< it was read from; empty when parsed from text
   std::string text;            ///< the file's bytes, for the manifest's hash
 };
+
+/// Whether a design has a state feedback.
+[[nodiscard]] inline bool has_feedback(const Design& design) {
+  return design.lqr.has_value() || design.lqi.has_value();
+}
 
 /// Reads a design file (docs/formats.md). A vehicle file that it names is found beside it.
 /// @throws InvalidInput  "file:line: …" for whatever is wrong in it or in its vehicle.

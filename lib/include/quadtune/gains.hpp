@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,42 @@
 #include "quadtune/lti.hpp"
 
 namespace quadtune {
+
+/// Longest lag of an actuator [s], and most past commands that a law feeds back.
+inline constexpr double kMostActuatorLag = 1;
+inline constexpr int kMostPastCommands = 40;
+
+/// The part of a law that feeds back its own past commands, for actuators that follow them late.
+///
+/// The law computes the state m of the actuators from the commands u that the motors could carry
+/// out: m[k+1] = m[k] + (1 - e^(-dt/lag)) (u[k - past] - m[k]) for each input. It adds
+/// -K_lag (m[k] - u0) - K_past [u[k-1] - u0; u[k-2] - u0; …] to its command.
+struct CommandMemory {
+  Eigen::VectorXd lag;     ///< (nu) time constants [s], > 0
+  Eigen::MatrixXd K_lag;   ///< (nu × nu)
+  int past = 0;            ///< control periods from a command to its actuator, ≥ 0
+  Eigen::MatrixXd K_past;  ///< (nu × past nu), the newest command first
+};
+
+/// Bounds that keep a state feedback near the flight that its gains were made for.
+struct FeedbackLimits {
+  /// The law sees an error of the horizontal position of at most this length [m], > 0.
+  double position_error = std::numeric_limits<double>::infinity();
+  /// Whether an integral stops growing in a direction in which the motors produce no more.
+  bool conditional_integration = false;
+
+  friend bool operator==(const FeedbackLimits&, const FeedbackLimits&) = default;
+};
+
+/// Axes in which a law sees the error of the horizontal position.
+enum class PositionAxes {
+  world,    ///< north and east: right at the heading of the trim
+  heading,  ///< the error in px and py, and its integral, turned from the trim's heading to the
+            ///< vehicle's, so that the law is the same whatever the heading
+};
+/// "world", "heading", and back.
+[[nodiscard]] std::string to_string(PositionAxes axes);
+[[nodiscard]] PositionAxes position_axes(const std::string& name, const std::string& where);
 
 /// u = u0 + K (x_sp - x) + K_int ∫(x_sp - x) for SignLaw::set_point_minus_state.
 ///
@@ -27,7 +65,10 @@ struct Gains {
   std::string convention;         ///< name of the convention
   InputKind input_kind = InputKind::rotor_speed;
   SignLaw sign_law = SignLaw::set_point_minus_state;
-  double dt = 0;  ///< sample period of the law [s]; 0 means continuous
+  double dt = 0;                             ///< sample period of the law [s]; 0 means continuous
+  std::optional<CommandMemory> memory = {};  ///< only with dt > 0
+  PositionAxes axes = PositionAxes::world;
+  FeedbackLimits limits = {};
 };
 
 /// Checks shapes and finiteness.
@@ -43,7 +84,9 @@ void validate(const Gains& gains, const std::string& where);
 /// feedback the loop as it flies.
 ///
 /// @param plant  sampled, with the gains' states in any order, and the gains' inputs
-/// @return       nx + ni states, those of the gains and their integrals; nu inputs and outputs
+/// @return       nx + ni states, those of the gains and their integrals, then those of the memory
+/// if
+///               the gains have one; nu inputs and outputs
 /// @throws InvalidInput  for a plant of other states or inputs
 [[nodiscard]] DiscreteLti open_loop(const DiscreteLti& plant, const Gains& gains);
 

@@ -11,6 +11,7 @@
 
 #include "quadtune/design.hpp"
 #include "quadtune/exports/file_set.hpp"
+#include "quadtune/exports/stored_estimator.hpp"
 #include "quadtune/exports/uquad.hpp"
 #include "quadtune/filter.hpp"
 #include "quadtune/gains.hpp"
@@ -44,6 +45,7 @@ struct ExportContent {
   std::vector<KalmanFilter> filters;  ///< "altitude" and "velocity" for the Mambo
   std::optional<UquadDiagonals> uquad_filter;
   std::optional<CascadeDesign> cascade;
+  std::optional<StoredEstimator> estimator;  ///< that the laws were judged with
   ExportEvidence evidence;
   std::vector<FileContent> inputs;  ///< design and vehicle files: name without path, and bytes
   std::vector<std::pair<std::string, std::string>>

@@ -16,4 +16,8 @@ namespace quadtune {
 [[nodiscard]] Gains in_convention(const Gains& gains, const Convention& target,
                                   SignLaw sign_law = SignLaw::set_point_minus_state);
 
+/// The memory of a law whose inputs become u_to = W u_from.
+/// @param W  (nu × nu) a permutation, with signs
+[[nodiscard]] CommandMemory in_inputs(const CommandMemory& memory, const Eigen::MatrixXd& W);
+
 }  // namespace quadtune

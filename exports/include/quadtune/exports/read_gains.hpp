@@ -7,15 +7,17 @@
 #include <string>
 
 #include "quadtune/design.hpp"
+#include "quadtune/exports/stored_estimator.hpp"
 #include "quadtune/gains.hpp"
 
 namespace quadtune {
 
 /// What files hold of control laws: one, both, or none.
 struct StoredLaws {
-  std::string vehicle;                   ///< its name; empty where the files do not say it
-  std::optional<Gains> gains;            ///< a state feedback
-  std::optional<CascadeDesign> cascade;  ///< with its gains, all six loops
+  std::string vehicle;                            ///< its name; empty where the files do not say it
+  std::optional<Gains> gains;                     ///< a state feedback
+  std::optional<CascadeDesign> cascade;           ///< with its gains, all six loops
+  std::optional<StoredEstimator> estimator = {};  ///< that the laws were judged with
 };
 
 /// Reads the laws of an export or of a file.

@@ -20,6 +20,7 @@ template <class T>
 struct Allocation {
   int rotors = 0;
   Eigen::Matrix<T, kMaxRotors, 4> P = Eigen::Matrix<T, kMaxRotors, 4>::Zero();  ///< [1, 1/m …]
+  Eigen::Matrix<T, 4, kMaxRotors> M = Eigen::Matrix<T, 4, kMaxRotors>::Zero();  ///< M P = 1
   Eigen::Matrix<T, 4, 1> wrench0 = Eigen::Matrix<T, 4, 1>::Zero();              ///< at hover
   RotorSpeeds<T> thrust0;                                                       ///< at hover [N]
   std::array<T, kMaxRotors> a2{};                                               ///< thrust curves

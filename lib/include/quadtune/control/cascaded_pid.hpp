@@ -22,6 +22,11 @@ struct CascadedPidSettings {
   T weight = T(0);                                   ///< m g, fed forward [N]
   T take_off_thrust = T(0);                          ///< in FlightPhase::take_off [N]
   T greatest_thrust = T(0);                          ///< left to the altitude loop [N]
+  /// Whether the loops of position and height damp the velocity relative to that of the reference;
+  /// false: the velocity itself, as the source programs do, which lag behind a moving reference.
+  bool velocity_feed_forward = false;
+  /// Whether integrals stop growing in a direction in which the motors produce no more.
+  bool conditional_integration = false;
 };
 
 /// What is kept from one sample to the next.
@@ -30,6 +35,9 @@ struct CascadedPidState {
   std::array<PidState<T>, kCascadeAxes> loops{};
   T roll_reference = T(0);   ///< of the last sample [rad]
   T pitch_reference = T(0);  ///< [rad]
+  /// Asked less made of the last sample, with conditional_integration; otherwise 0.
+  Eigen::Matrix<T, 4, 1> wrench_excess = Eigen::Matrix<T, 4, 1>::Zero();    ///< [N, N m]
+  Eigen::Matrix<T, 2, 1> attitude_excess = Eigen::Matrix<T, 2, 1>::Zero();  ///< x, y [rad]
 };
 
 /// The settings of a design on a vehicle.
@@ -50,16 +58,18 @@ template <class T>
                                           const Reference<T>& reference) {
   using std::cos, std::sin;
   const StateVector<T>& x = estimate.x;
-  const auto loop = [&](CascadeAxis axis, const T& set_point, const T& measurement, const T& rate) {
+  const auto loop = [&](CascadeAxis axis, const T& set_point, const T& measurement, const T& rate,
+                        const T& excess) {
     const std::size_t i = index_of(axis);
-    return step(settings.loops[i], state.loops[i], {set_point, measurement, rate, T(0)}).value;
+    return step(settings.loops[i], state.loops[i], {set_point, measurement, rate, T(0), excess});
   };
   const bool takes_off = reference.phase == FlightPhase::take_off;
   const T yaw = x(5);
   T roll_reference = reference.roll;
   T pitch_reference = reference.pitch;
   const Matrix3<T> R_WB = rotation_of_euler(x(3), x(4), x(5));
-  const Vector3<T> velocity = R_WB * Vector3<T>(x.template segment<3>(kVelocity));
+  Vector3<T> velocity = R_WB * Vector3<T>(x.template segment<3>(kVelocity));
+  if (settings.velocity_feed_forward) velocity -= reference.velocity;
   if (reference.track_position && !takes_off) {
     // Errors and velocities along and across the heading.
     const T c = cos(yaw), s = sin(yaw);
@@ -67,24 +77,44 @@ template <class T>
     const T ahead = c * north + s * east, right = c * east - s * north;
     const T speed_ahead = c * velocity(0) + s * velocity(1);
     const T speed_right = c * velocity(1) - s * velocity(0);
-    pitch_reference = loop(CascadeAxis::x, ahead, T(0), speed_ahead);
-    roll_reference = loop(CascadeAxis::y, right, T(0), speed_right);
+    const PidOutput<T> pitch =
+        loop(CascadeAxis::x, ahead, T(0), speed_ahead, state.attitude_excess(0));
+    const PidOutput<T> roll =
+        loop(CascadeAxis::y, right, T(0), speed_right, state.attitude_excess(1));
+    pitch_reference = pitch.value;
+    roll_reference = roll.value;
+    if (settings.conditional_integration)
+      state.attitude_excess = {select(pitch.finite, pitch.unlimited - pitch.value, T(0)),
+                               select(roll.finite, roll.unlimited - roll.value, T(0))};
   }
   state.roll_reference = clamped(roll_reference, -settings.attitude_limit, settings.attitude_limit);
   state.pitch_reference =
       clamped(pitch_reference, -settings.attitude_limit, settings.attitude_limit);
   Eigen::Matrix<T, 4, 1> wrench;
-  wrench(1) = loop(CascadeAxis::roll, state.roll_reference, x(3), x(9));
-  wrench(2) = loop(CascadeAxis::pitch, state.pitch_reference, x(4), x(10));
-  wrench(3) = loop(CascadeAxis::yaw, reference.yaw, yaw, x(11));
+  wrench(1) =
+      loop(CascadeAxis::roll, state.roll_reference, x(3), x(9), state.wrench_excess(1)).value;
+  wrench(2) =
+      loop(CascadeAxis::pitch, state.pitch_reference, x(4), x(10), state.wrench_excess(2)).value;
+  wrench(3) = loop(CascadeAxis::yaw, reference.yaw, yaw, x(11), state.wrench_excess(3)).value;
   if (takes_off) {
     wrench(0) = settings.take_off_thrust;
   } else {
     // The loop commands a force along +z, that is down, beside the weight.
-    const T down = loop(CascadeAxis::altitude, reference.position(2), x(2), velocity(2));
+    const T down = loop(CascadeAxis::altitude, reference.position(2), x(2), velocity(2),
+                        T(-state.wrench_excess(0)))
+                       .value;
     wrench(0) = clamped(settings.weight - down, T(0), settings.greatest_thrust);
   }
   return wrench;
+}
+
+/// Tells the law what the motors can carry out of the wrench that step() returned.
+template <class T>
+void carried_out(const CascadedPidSettings<T>& settings, CascadedPidState<T>& state,
+                 const Eigen::Matrix<T, 4, 1>& asked, const Eigen::Matrix<T, 4, 1>& made) {
+  if (!settings.conditional_integration) return;
+  for (int i = 0; i < 4; ++i)
+    state.wrench_excess(i) = select(is_finite(asked(i)), asked(i) - made(i), T(0));
 }
 
 }  // namespace quadtune

@@ -58,6 +58,9 @@ struct PidInput {
   Scalar measurement = 0;
   Scalar rate = 0;          ///< of the measurement [1/s]; used with PidDerivative::measured_rate
   Scalar feed_forward = 0;  ///< added before the output is limited
+  /// What of the last output could not be carried out, asked less made [output]. The integral then
+  /// does not grow in this direction.
+  Scalar excess = 0;
 };
 
 template <class Scalar>
@@ -118,7 +121,8 @@ template <class Scalar>
 ///
 /// I and D are the difference equations of PidQuadrature and PidDifference, I within its limits.
 /// The back-calculation moves I by dt · back_calculation · (limited - unlimited) after the output
-/// is formed, so it shows in the next one. Neither allocates nor throws. Theory: "PID element".
+/// is formed, so it shows in the next one. An input with an excess keeps I from growing in its
+/// direction. Neither allocates nor throws. Theory: "PID element".
 template <class Scalar>
 PidOutput<Scalar> step(const PidSettings<Scalar>& settings, PidState<Scalar>& state,
                        const PidInput<Scalar>& input) noexcept {
@@ -126,8 +130,10 @@ PidOutput<Scalar> step(const PidSettings<Scalar>& settings, PidState<Scalar>& st
   const Scalar v = settings.c * input.set_point - input.measurement;
 
   const PidQuadrature<Scalar> weight = pid_quadrature<Scalar>(settings.method);
-  Scalar integral = state.integral +
-                    settings.Ki * settings.dt * (weight.now * error + weight.before * state.error);
+  const Scalar increment =
+      settings.Ki * settings.dt * (weight.now * error + weight.before * state.error);
+  const MaskOf<Scalar> winds_up = input.excess * increment > Scalar(0);
+  Scalar integral = select(winds_up, state.integral, state.integral + increment);
   integral = clamped(integral, settings.integral_min, settings.integral_max);
 
   Scalar derivative = -settings.Kd * input.rate;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 
 #include "quadtune/control/allocation.hpp"
 #include "quadtune/control/guarded_integral.hpp"
@@ -40,12 +41,29 @@ struct StateFeedbackSettings {
   std::array<GuardedIntegralSettings<T>, kMostIntegrals> guards{};
   StateVector<T> x0 = StateVector<T>::Zero();  ///< set point at which u0 holds
   Eigen::Matrix<T, kMaxRotors, 1> u0 = Eigen::Matrix<T, kMaxRotors, 1>::Zero();
+  PositionAxes axes = PositionAxes::world;
+  /// The law sees an error of the horizontal position of at most this length [m], > 0.
+  T position_error_limit = T(std::numeric_limits<double>::infinity());
+  /// Whether integrals stop growing in a direction in which the motors produce no more.
+  bool conditional_integration = false;
+  /// CommandMemory, in quadtune's own inputs.
+  bool remembers = false;
+  Eigen::Matrix<T, kMaxRotors, 1> lag_share =
+      Eigen::Matrix<T, kMaxRotors, 1>::Zero();  ///< 1 - e^(-dt/lag)
+  Eigen::Matrix<T, kMaxRotors, kMaxRotors> K_lag = Eigen::Matrix<T, kMaxRotors, kMaxRotors>::Zero();
+  int past = 0;                                              ///< 0 to kMostPastCommands
+  Eigen::Matrix<T, kMaxRotors, Eigen::Dynamic> K_past = {};  ///< (kMaxRotors × past inputs)
 };
 
 /// What is kept from one sample to the next.
 template <class T>
 struct StateFeedbackState {
   std::array<GuardedIntegralState<T>, kMostIntegrals> integrals{};
+  /// Asked less made of the last sample, with conditional_integration; otherwise 0.
+  Eigen::Matrix<T, kMaxRotors, 1> excess = Eigen::Matrix<T, kMaxRotors, 1>::Zero();
+  /// Of a law that remembers: the actuators' state and the past commands, less u0.
+  Eigen::Matrix<T, kMaxRotors, 1> actuators = Eigen::Matrix<T, kMaxRotors, 1>::Zero();
+  Eigen::Matrix<T, Eigen::Dynamic, 1> commands = {};  ///< newest first; empty: none yet
 };
 
 /// Gains of any convention, sign law and input kind as a law of a vehicle.
@@ -78,23 +96,114 @@ template <class T>
   return sp;
 }
 
+/// (north, east) turned from the heading of the trim to that of the vehicle, or as it is.
+template <class T>
+[[nodiscard]] Eigen::Matrix<T, 2, 1> in_position_axes(const StateFeedbackSettings<T>& settings,
+                                                      const Estimate<T>& estimate, const T& north,
+                                                      const T& east) {
+  using std::cos, std::sin;
+  if (settings.axes == PositionAxes::world) return {north, east};
+  const T turned = estimate.x(5) - settings.x0(5);
+  const T c = cos(turned), s = sin(turned);
+  return {c * north + s * east, c * east - s * north};
+}
+
 /// One sample; returns u in the law's own input kind, one a rotor or [T τx τy τz].
+///
+/// Then carried_out() must be told what the motors produce of it.
 template <class T>
 [[nodiscard]] Eigen::Matrix<T, kMaxRotors, 1> step(const StateFeedbackSettings<T>& settings,
                                                    StateFeedbackState<T>& state,
                                                    const Estimate<T>& estimate,
                                                    const Reference<T>& reference) {
-  const StateVector<T> error = set_point(settings, estimate, reference) - estimate.x;
+  using std::sqrt;
+  StateVector<T> error = set_point(settings, estimate, reference) - estimate.x;
+  const StateVector<T> integrated = error;
+  const T distance = sqrt(error(0) * error(0) + error(1) * error(1));
+  const MaskOf<T> far = distance > settings.position_error_limit;
+  for (int i = 0; i < 2; ++i)
+    error(i) = select(far, error(i) * (settings.position_error_limit / distance), error(i));
+  error.template head<2>() = in_position_axes(settings, estimate, error(0), error(1));
   Eigen::Matrix<T, kMaxRotors, 1> u = settings.u0;
   for (int j = 0; j < 12; ++j)
     for (int i = 0; i < settings.inputs; ++i) u(i) += settings.K(i, j) * error(j);
+  // Integrals are kept in world axes, in which a steady wind is steady.
+  std::array<T, kMostIntegrals> integrals{};
+  std::array<int, 2> of_position = {-1, -1};
+  for (int j = 0; j < settings.integrals; ++j) {
+    const int of = settings.integrated[static_cast<std::size_t>(j)];
+    if (of < 2) of_position[static_cast<std::size_t>(of)] = j;
+  }
   for (int j = 0; j < settings.integrals; ++j) {
     const auto k = static_cast<std::size_t>(j);
-    const T integral =
-        step(settings.guards[k], state.integrals[k], T(error(settings.integrated[k])));
-    for (int i = 0; i < settings.inputs; ++i) u(i) += settings.K_int(i, j) * integral;
+    const int of = settings.integrated[k];
+    const GuardedIntegralState<T> before = state.integrals[k];
+    T pushes = T(0);  // what the motors do not produce already, > 0
+    if (settings.conditional_integration) {
+      // An error to the north is one along and one across the heading: both columns answer it.
+      Eigen::Matrix<T, 2, 1> turned = Eigen::Matrix<T, 2, 1>::Zero();
+      if (of < 2)
+        turned = in_position_axes<T>(settings, estimate, of == 0 ? integrated(0) : T(0),
+                                     of == 1 ? integrated(1) : T(0));
+      for (int i = 0; i < settings.inputs; ++i) {
+        T answer = T(0);
+        if (of >= 2) answer = settings.K_int(i, j) * integrated(of);
+        for (std::size_t axis = 0; of < 2 && axis < 2; ++axis)
+          if (of_position[axis] >= 0)
+            answer +=
+                settings.K_int(i, of_position[axis]) * turned(static_cast<Eigen::Index>(axis));
+        pushes += greater(T(state.excess(i) * answer), T(0));
+      }
+    }
+    integrals[k] = step(settings.guards[k], state.integrals[k], T(integrated(of)));
+    if (settings.conditional_integration) {
+      const MaskOf<T> winds_up = pushes > T(0);
+      integrals[k] = select(winds_up, before.integral, integrals[k]);
+      state.integrals[k].integral = integrals[k];
+    }
   }
+  if (settings.axes == PositionAxes::heading && (of_position[0] >= 0 || of_position[1] >= 0)) {
+    const auto sum = [&](int j) { return j < 0 ? T(0) : integrals[static_cast<std::size_t>(j)]; };
+    const Eigen::Matrix<T, 2, 1> turned =
+        in_position_axes(settings, estimate, sum(of_position[0]), sum(of_position[1]));
+    for (std::size_t axis = 0; axis < 2; ++axis)
+      if (of_position[axis] >= 0)
+        integrals[static_cast<std::size_t>(of_position[axis])] =
+            turned(static_cast<Eigen::Index>(axis));
+  }
+  for (int j = 0; j < settings.integrals; ++j)
+    for (int i = 0; i < settings.inputs; ++i)
+      u(i) += settings.K_int(i, j) * integrals[static_cast<std::size_t>(j)];
+  if (!settings.remembers) return u;
+  for (int j = 0; j < settings.inputs; ++j)
+    for (int i = 0; i < settings.inputs; ++i) u(i) -= settings.K_lag(i, j) * state.actuators(j);
+  for (Eigen::Index j = 0; j < state.commands.size(); ++j)
+    for (int i = 0; i < settings.inputs; ++i) u(i) -= settings.K_past(i, j) * state.commands(j);
   return u;
+}
+
+/// Tells the law what the motors carry out in this control period.
+/// @param asked  what step() returned, or `made` where the law was not asked
+/// @param made   what the motors produce of it, in the same kind of input
+template <class T>
+void carried_out(const StateFeedbackSettings<T>& settings, StateFeedbackState<T>& state,
+                 const Eigen::Matrix<T, kMaxRotors, 1>& asked,
+                 const Eigen::Matrix<T, kMaxRotors, 1>& made) {
+  const int n = settings.inputs;
+  if (settings.conditional_integration)
+    for (int i = 0; i < n; ++i)
+      state.excess(i) = select(is_finite(asked(i)), asked(i) - made(i), T(0));
+  if (!settings.remembers) return;
+  if (state.commands.size() == 0 && settings.past > 0)
+    state.commands.setZero(static_cast<Eigen::Index>(settings.past) * n);
+  const Eigen::Index kept = state.commands.size();
+  for (int i = 0; i < n; ++i) {
+    const T now = made(i) - settings.u0(i);
+    const T arrives = kept > 0 ? state.commands(kept - n + i) : now;
+    state.actuators(i) += settings.lag_share(i) * (arrives - state.actuators(i));
+  }
+  for (Eigen::Index j = kept - 1; j >= n; --j) state.commands(j) = state.commands(j - n);
+  for (int i = 0; i < n && kept > 0; ++i) state.commands(i) = made(i) - settings.u0(i);
 }
 
 }  // namespace quadtune

@@ -13,7 +13,7 @@
 
 namespace quadtune {
 
-/// Most control periods that MamboEstimatorSettings::aligned_periods may be.
+/// The maximum of MamboEstimatorSettings::aligned_periods.
 inline constexpr int kMostAlignedPeriods = 32;
 
 /// What the horizontal position is the integral of.
@@ -56,11 +56,12 @@ struct MamboEstimatorSettings {
   /// original; 1 + a²/3 and 1 + b²/3 take out the mean over an image of half fields of view a, b.
   T flow_compensation_x = T(0);
   T flow_compensation_y = T(0);
-  /// How much later than the image the gyroscope's reading is, by its delay and its response [s].
+  /// Total lag of a gyroscope reading: delay plus the lag of its response [s], ≥ 0.
   T gyro_lag = T(0);
-  /// Control periods over which flows and readings are kept, so that each image is freed of the
-  /// turning of its own instant; flow_alignment_periods(). 0: of the instant at which it comes, as
-  /// the original, which at height drives a vehicle whose gyroscope is late into the ground.
+  /// Number of control periods for which flows and gyroscope readings are stored, so that each flow
+  /// is corrected by the body rates at the time of its image; see flow_alignment_periods(). 0: each
+  /// flow is corrected by the newest reading, as in the original, which destabilizes a vehicle with
+  /// a delayed gyroscope at height.
   int aligned_periods = 0;
   T flow_least_height = T(0.4);  ///< estimated height below which flow is not believed [m]
   T flow_timeout = T(0.1);       ///< age at which the newest flow is no longer used [s]
@@ -83,13 +84,13 @@ template <class T>
           settings.bias_time_constant};
 }
 
-/// One control period's share of the alignment of flow and gyroscope.
+/// The flow and the gyroscope reading of one control period, stored to align them in time.
 template <class T>
 struct FlowMoment {
-  Eigen::Matrix<T, 2, 1> rates = Eigen::Matrix<T, 2, 1>::Zero();  ///< p, q read in it [rad/s]
-  Eigen::Matrix<T, 2, 1> flow = Eigen::Matrix<T, 2, 1>::Zero();   ///< that came in it [rad/s]
-  T age = T(0);                                                   ///< of that image then [s]
-  MaskOf<T> came{};
+  Eigen::Matrix<T, 2, 1> rates = Eigen::Matrix<T, 2, 1>::Zero();  ///< p, q as read [rad/s]
+  Eigen::Matrix<T, 2, 1> flow = Eigen::Matrix<T, 2, 1>::Zero();   ///< newest flow [rad/s]
+  T age = T(0);      ///< of the flow's image when the flow arrived [s]
+  MaskOf<T> came{};  ///< whether a flow arrived in this period
 };
 
 /// What is kept from one period to the next. A copy of it resumes identically.
@@ -160,15 +161,16 @@ template <class T>
           R_WB(1, 0) * u + R_WB(1, 1) * v + R_WB(1, 2) * w};
 }
 
-/// A flow whose image is of an instant that the gyroscope has told of, freed of the turning then.
+/// A flow corrected by the body rates at the time of its image.
 template <class T>
 struct AlignedFlow {
   Eigen::Matrix<T, 2, 1> translation = Eigen::Matrix<T, 2, 1>::Zero();  ///< [rad/s]
-  MaskOf<T> due{};  ///< whether there is one in this period
+  MaskOf<T> due{};  ///< whether a corrected flow became available in this period
 };
 
-/// Takes in what came and gives what is due: of the flows that came in the last aligned_periods the
-/// one whose instant the gyroscope has told of in this period, or before the flow came.
+/// Stores this period's reading and flow, and returns the flow whose correction has become
+/// possible. A flow can be corrected in the first period in which the gyroscope readings cover the
+/// time of its image: when it arrives, or up to aligned_periods - 1 periods later.
 template <class T>
 [[nodiscard]] AlignedFlow<T> aligned_flow(const MamboEstimatorSettings<T>& settings,
                                           MamboEstimatorState<T>& state, const Vector3<T>& rates,
@@ -183,7 +185,7 @@ template <class T>
   AlignedFlow<T> result;
   for (int j = n - 1; j >= 0; --j) {
     const FlowMoment<T>& moment = moments[static_cast<std::size_t>(j)];
-    // How long ago the gyroscope told of the image's instant, in periods; rounding counts as now.
+    // Control periods since the gyroscope readings covered the time of the image, up to rounding.
     const T ago = (moment.age - settings.gyro_lag) / dt + T(j);
     const MaskOf<T> told = ago > T(-1e-6);
     const MaskOf<T> now = j == 0 ? told : both(told, negated(ago > T(1 - 1e-6)));
@@ -192,7 +194,7 @@ template <class T>
     Eigen::Matrix<T, 2, 1> turning = Eigen::Matrix<T, 2, 1>::Zero();
     const T back = clamped(ago, T(0), T(n - 1));
     for (int i = 0; i < n; ++i) {
-      // In a straight line between two readings.
+      // Linear interpolation between two readings.
       const T weight = greater(T(T(1) - magnitude(T(back - T(i)))), T(0));
       turning += moments[static_cast<std::size_t>(i)].rates * weight;
     }
@@ -205,8 +207,9 @@ template <class T>
   return result;
 }
 
-/// How many periods aligned_flow() must look back over.
-/// @param gyro_lag  [s], ≥ 0;  @param flow_delay  from the image to having its flow [s], ≥ 0
+/// The number of control periods that aligned_flow() must store.
+/// @param gyro_lag    [s], ≥ 0
+/// @param flow_delay  from the image to the arrival of its flow [s], ≥ 0
 /// @param dt        control period [s], > 0
 [[nodiscard]] int flow_alignment_periods(double gyro_lag, double flow_delay, double dt);
 

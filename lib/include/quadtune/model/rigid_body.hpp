@@ -46,8 +46,13 @@ struct BasicRotor {
   P thrust_a1 = P(0);
   P torque_d2 = P(0);
   P torque_d1 = P(0);
-  P inertia = P(0);  ///< of the turning parts about the axis [kg m²]
-  P lag = P(0);      ///< of the speed [s]; 0 means none
+  P inertia = P(0);   ///< of the turning parts about the axis [kg m²]
+  P lag = P(0);       ///< of the speed while it rises [s]; 0 means none
+  P lag_down = P(0);  ///< while it falls
+  P drag = P(0);      ///< airflow at the hub, as of Rotor
+  P inflow = P(0);
+  P flapping = P(0);
+  P ground_radius = P(0);  ///< radius where the rotor has ground effect [m], else 0
 };
 
 /// What the equations need of a vehicle, with the inertia's inverse made once. P is a double, or a
@@ -76,6 +81,8 @@ struct BasicRigidBody {
   // What the equations may leave out.
   bool has_drag = true;         ///< false: cda and linear_drag are 0
   bool principal_axes = false;  ///< true: J is diagonal
+  bool has_airflow = false;     ///< true: a rotor has drag, inflow or flapping
+  bool has_ground_effect = false;
   int rotor_count = 0;
   std::array<BasicRotor<P>, kMaxRotors> rotors;  ///< the first rotor_count
 
@@ -120,6 +127,57 @@ template <class P, class Speeds>
               T(rotor_torque(rotor, w, body.density_ratio)), w, loads);
   }
   return loads;
+}
+
+/// Adds what the motion of the rotors' hubs through the air does, each with v = airspeed + w × r:
+/// drag in the rotor's plane, thrust lost in a climb, and the moment of flapping. Linear in
+/// airspeed and rates.
+/// @param speeds    one per rotor [rad/s];  @param airspeed  of the centre of mass, body axes [m/s]
+/// @param rates     body axes [rad/s]
+template <class P, class Speeds, class T>
+void add_airflow(const BasicRigidBody<P>& body, const Eigen::MatrixBase<Speeds>& speeds,
+                 const Vector3<T>& airspeed, const Vector3<T>& rates, RotorLoads<T>& loads) {
+  for (Eigen::Index i = 0; i < speeds.size(); ++i) {
+    const BasicRotor<P>& rotor = body.rotors[static_cast<std::size_t>(i)];
+    const T x(rotor.position.x()), y(rotor.position.y()), z(rotor.position.z());
+    const T vx = airspeed(0) + (rates(1) * z - rates(2) * y);
+    const T vy = airspeed(1) + (rates(2) * x - rates(0) * z);
+    const T vz = airspeed(2) + (rates(0) * y - rates(1) * x);
+    const T k = T(speeds(i)) * T(body.density_ratio);  // all go with the density
+    const T Fx = -T(rotor.drag) * k * vx, Fy = -T(rotor.drag) * k * vy;
+    const T Fz = -T(rotor.inflow) * k * vz;
+    loads.force.x() += Fx;
+    loads.force.y() += Fy;
+    loads.force.z() += Fz;
+    // r × F, and flapping, which tilts the disc back: v ahead pitches up, v to the right rolls
+    // left.
+    loads.torque.x() += y * Fz - z * Fy - T(rotor.flapping) * k * vy;
+    loads.torque.y() += z * Fx - x * Fz + T(rotor.flapping) * k * vx;
+    loads.torque.z() += x * Fy - y * Fx;
+  }
+}
+
+/// Loads of all rotors of a vehicle that moves through the air.
+/// @param speeds    one per rotor [rad/s];  @param airspeed  body axes [m/s]
+/// @param rates     body axes [rad/s]
+template <class P, class Speeds>
+[[nodiscard]] RotorLoads<typename Speeds::Scalar> rotor_loads(
+    const BasicRigidBody<P>& body, const Eigen::MatrixBase<Speeds>& speeds,
+    const Vector3<typename Speeds::Scalar>& airspeed,
+    const Vector3<typename Speeds::Scalar>& rates) {
+  RotorLoads<typename Speeds::Scalar> loads = rotor_loads(body, speeds);
+  if (body.has_airflow) add_airflow(body, speeds, airspeed, rates, loads);
+  return loads;
+}
+
+/// Thrust of a rotor near the ground over that far from it, 1/(1 - (r/4h)²), with h no less than
+/// half the radius: at most 4/3. Source: Cheeseman and Bennett 1955.
+/// @param radius  r [m], 0: no effect;  @param height  of the hub above level ground, h [m]
+template <class T>
+[[nodiscard]] T ground_effect(const T& radius, const T& height) {
+  const T least = T(0.5) * radius;
+  const T ratio = select(radius > T(0), radius / (T(4) * greater(height, least)), T(0));
+  return T(1) / (T(1) - ratio * ratio);
 }
 
 /// Loads of a commanded wrench.

@@ -24,6 +24,15 @@ struct SensorFaults {
   double limit = std::numeric_limits<double>::infinity();  ///< [unit], > 0
   double quantum = 0;                                      ///< [unit], ≥ 0; 0: none
   double dropout = 0;  ///< probability that a sample is lost, 0 … 1
+  // Errors that change slowly. No estimator is told of them. theory.md, "Simulated flight".
+  Eigen::Vector3d turn_on_bias =
+      Eigen::Vector3d::Zero();                          ///< standard deviation, per flight [unit]
+  Eigen::Vector3d bias_walk = Eigen::Vector3d::Zero();  ///< random walk [unit/√s]
+  Eigen::Vector3d correlated_noise = Eigen::Vector3d::Zero();  ///< of a Gauss-Markov error [unit]
+  double correlation = 0;  ///< its time constant [s]; > 0 where correlated_noise is
+  /// Of accelerometer and gyroscope: amplitude of a rotor's vibration over its speed squared
+  /// [unit s²/rad²].
+  Eigen::Vector3d vibration = Eigen::Vector3d::Zero();
 };
 
 /// Ultrasonic height: along body z down to level ground. No echo outside its gates.
@@ -40,6 +49,8 @@ struct FlowSensor {
   double half_field_x = 0.4;  ///< half the field of view along body x [rad]
   double half_field_y = 0.3;  ///< along body y [rad]
   double least_height = 0.4;  ///< below it the image shows no motion that can be followed [m]
+  double greatest_height = std::numeric_limits<double>::infinity();  ///< nor above it [m]
+  double noise_per_height = 0;  ///< noise that grows with height, added in quadrature [rad/s/m]
   double simplified_rate_gain = 0.8;  ///< of the package's simplified sensor, eq. 6.8 of its source
 };
 
@@ -67,6 +78,8 @@ struct Sensors {
   std::optional<SonarSensor> sonar;
   std::optional<FlowSensor> flow;
   std::optional<GpsSensor> gps;
+  /// Rates that the gyroscope shows per specific force, body axes [rad/s per m/s²].
+  Eigen::Vector3d g_sensitivity = Eigen::Vector3d::Zero();
   /// Position from a camera's images of marks whose places are known, world axes [m].
   std::optional<SensorFaults> vision;
 };

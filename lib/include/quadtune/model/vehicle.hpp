@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <limits>
@@ -32,7 +34,13 @@ struct Rotor {
   double torque_d2 = 0;  ///< Q = d2 w² + d1 w [N m], likewise [N m s²/rad²]
   double torque_d1 = 0;  ///< [N m s/rad]
   double inertia = 0;    ///< of the turning parts about the axis [kg m²]
-  double lag = 0;        ///< first-order time constant of the speed [s]; 0 means none
+  double lag = 0;  ///< first-order time constant of the speed while it rises [s], ≤ 1; 0: none
+  double lag_down = std::numeric_limits<double>::quiet_NaN();  ///< while it falls; NaN: as `lag`
+  // The hub moves through the air with v, body axes: theory.md, "Rigid body". All are ≥ 0.
+  double drag = 0;             ///< F = -drag w (v_x, v_y, 0) [N s²/(rad m)]
+  double inflow = 0;           ///< T grows by inflow w v_z, so climbing costs [N s²/(rad m)]
+  double flapping = 0;         ///< M = flapping w (-v_y, v_x, 0) [N s²/rad]
+  bool ground_effect = false;  ///< T grows near the ground; needs the radius
   double radius = std::numeric_limits<double>::quiet_NaN();  ///< [m]; NaN when not known
   double chord = std::numeric_limits<double>::quiet_NaN();   ///< [m]; NaN when not known
   double Ct = std::numeric_limits<double>::quiet_NaN();  ///< T = Ct rho pi r⁴ w²; NaN: curve given
@@ -54,6 +62,8 @@ struct MotorCommand {
   double min = 0;              ///< lowest command at which the rotor turns steadily
   double max = 0;              ///< highest command
   double quantum = 0;          ///< the command's smallest step; 0: none
+  double delay = 0;            ///< from the law's output to the motors' command [s], ≥ 0
+  double delay_jitter = 0;     ///< greatest further delay, uniform, drawn each period [s], ≥ 0
   std::vector<int>
       direction;  ///< sign that the flight code gives to each motor's command, ±1; empty: all +1
 };
@@ -101,6 +111,28 @@ template <class AnyRotor, class T, class P = double>
 template <class AnyRotor, class T, class P = double>
 [[nodiscard]] T rotor_torque(const AnyRotor& rotor, const T& w, P density_ratio = P(1)) {
   return (rotor.torque_d2 * w * w + rotor.torque_d1 * w) * density_ratio;  // Q = d2 w² + d1 w [N m]
+}
+
+/// The longest lag of a rotor and the longest delay of a command that a vehicle may have [s].
+inline constexpr double kLongestLag = 1;
+inline constexpr double kLongestCommandDelay = 10;
+
+/// Time constants of the speed while it falls, and the slower of both directions [s]. Linear models
+/// take the slower one.
+[[nodiscard]] inline double lag_down(const Rotor& rotor) {
+  return std::isnan(rotor.lag_down) ? rotor.lag : rotor.lag_down;
+}
+[[nodiscard]] inline double slower_lag(const Rotor& rotor) {
+  return std::max(rotor.lag, lag_down(rotor));
+}
+
+/// Whether moving air changes the forces on a vehicle: body drag, or a rotor's drag, inflow or
+/// flapping.
+[[nodiscard]] inline bool feels_wind(const Vehicle& vehicle) {
+  if (!vehicle.drag.cda.isZero(0) || !vehicle.drag.linear.isZero(0)) return true;
+  return std::any_of(vehicle.rotors.begin(), vehicle.rotors.end(), [](const Rotor& rotor) {
+    return rotor.drag > 0 || rotor.inflow > 0 || rotor.flapping > 0;
+  });
 }
 
 /// "cw" or "ccw"; "speed" or "speed-squared": as vehicle files write them.

@@ -17,26 +17,44 @@ namespace quadtune {
 /// Turbulence of [MIL-F-8785C] at low altitude, along and across the mean wind, sampled exactly.
 ///
 /// Along: white noise through σ √(2τ) / (1 + τ s); across and up: through
-/// σ √τ (1 + √3 τ s) / (1 + τ s)². τ = L / V with V the mean wind, at least 1 m/s, past a vehicle
-/// that hovers.
+/// σ √τ (1 + √3 τ s) / (1 + τ s)². τ = L / V with V the vehicle's level airspeed in the mean wind,
+/// at least 1 m/s.
 struct DrydenNumbers {
   Eigen::Vector3d sigma = Eigen::Vector3d::Zero();  ///< standard deviations along, across, up [m/s]
-  Eigen::Vector3d tau = Eigen::Vector3d::Ones();    ///< L / V [s]
+  Eigen::Vector3d length = Eigen::Vector3d::Ones();  ///< L [m]
+  Eigen::Vector3d tau = Eigen::Vector3d::Ones();     ///< L / V of a vehicle that hovers [s]
 };
 /// @throws InvalidInput  for a height out of 3 … 300 m, a turbulence below 0, a gust without
 /// length,
 ///                       or numbers that are not finite
 [[nodiscard]] DrydenNumbers dryden_numbers(const Wind& wind);
 
-/// One axis across the wind: two first-order stages in a row, with their joint noise.
+/// One axis across the wind: two first-order stages in a row, with their joint noise. T is a double
+/// or a Pack. The state's covariance in the long run is [1 ½; ½ ½] whatever τ, so τ may change from
+/// sample to sample.
+template <class T>
 struct DrydenStage {
-  double decay = 0;            ///< e^(-dt/τ)
-  double coupling = 0;         ///< of the first stage into the second
-  Eigen::Matrix2d noise;       ///< lower Cholesky factor of a sample's noise
-  Eigen::Matrix2d stationary;  ///< and of the state's covariance, to start from
+  T decay;                         ///< e^(-dt/τ)
+  T coupling;                      ///< of the first stage into the second
+  T noise_11, noise_21, noise_22;  ///< lower Cholesky factor of a sample's noise
 };
-/// @param tau  [s];  @param dt  [s]
-[[nodiscard]] DrydenStage dryden_stage(double tau, double dt);
+/// @param samples  dt / τ, > 0
+template <class T>
+[[nodiscard]] DrydenStage<T> dryden_stage(const T& samples) {
+  using std::exp, std::sqrt;
+  DrydenStage<T> stage;
+  stage.decay = exp(T(-samples));
+  stage.coupling = samples * stage.decay;
+  // a' = (n - a) / τ, b' = (a - b) / τ with var a = 1: what one sample forgets is what noise adds,
+  // Q = P - A P Aᵀ with A = [decay 0; coupling decay], P = [1 ½; ½ ½].
+  const T &d = stage.decay, &c = stage.coupling;
+  const T half = T(0.5) * d * d;
+  stage.noise_11 = sqrt(greater(T(1) - d * d, T(0)));
+  stage.noise_21 = (T(0.5) - d * c - half) / stage.noise_11;
+  stage.noise_22 =
+      sqrt(greater(T(0.5) - c * c - c * d - half - stage.noise_21 * stage.noise_21, T(0)));
+  return stage;
+}
 
 template <int N>
 class WindModel {
@@ -51,11 +69,18 @@ class WindModel {
   /// Whether there is any wind at all.
   [[nodiscard]] bool windy() const { return windy_; }
 
+  /// Whether any flight has turbulence.
+  [[nodiscard]] bool turbulent() const { return turbulent_; }
+
   /// Velocity of the air in sample `index`, at t = index · dt; world axes [m/s]. To be called for
   /// each index in turn.
-  [[nodiscard]] Vector3<P> at(std::uint64_t index, double t, const RandomSource<N>& source);
+  /// @param velocity  of the vehicle, world axes [m/s]; matters to turbulence alone
+  [[nodiscard]] Vector3<P> at(std::uint64_t index, double t, const RandomSource<N>& source,
+                              const Vector3<P>& velocity = Vector3<P>::Zero());
 
  private:
+  void set_pace(const Vector3<P>& velocity);
+
   std::array<Wind, N> winds_{};
   double dt_ = 0;
   std::uint32_t stream_ = 0;
@@ -63,8 +88,9 @@ class WindModel {
   Vector3<P> mean_ = Vector3<P>::Zero();
   Vector3<P> along_ = Vector3<P>::Zero(), across_ = Vector3<P>::Zero();  ///< unit vectors
   Vector3<P> sigma_;
-  /// Per axis: decay, coupling, noise (3 entries), stationary (3 entries).
-  std::array<std::array<P, 8>, 3> numbers_;
+  P level_rate_, up_rate_;  ///< dt/L of the level axes and of the vertical one [s/m]
+  P pace_ = 0;              ///< V for which the stages are [m/s]
+  DrydenStage<P> level_, up_;
   std::array<P, 3> first_, second_;
 };
 
@@ -84,23 +110,27 @@ WindModel<N>::WindModel(const std::array<Wind, N>& winds, double dt, std::uint32
       set_lane(along_(i), l, along(i));
       set_lane(across_(i), l, i == 0 ? -along.y() : i == 1 ? along.x() : 0);
       set_lane(sigma_(i), l, dryden.sigma(i));
-      const DrydenStage stage = dryden_stage(dryden.tau(i), dt);
-      const std::array<double, 8> numbers = {stage.decay,
-                                             stage.coupling,
-                                             stage.noise(0, 0),
-                                             stage.noise(1, 0),
-                                             stage.noise(1, 1),
-                                             stage.stationary(0, 0),
-                                             stage.stationary(1, 0),
-                                             stage.stationary(1, 1)};
-      for (std::size_t k = 0; k < 8; ++k)
-        set_lane(numbers_[static_cast<std::size_t>(i)][k], l, numbers[k]);
     }
+    set_lane(level_rate_, l, dt / dryden.length(0));
+    set_lane(up_rate_, l, dt / dryden.length(2));
   }
 }
 
+/// V and what follows from it.
 template <int N>
-Vector3<Pack<N>> WindModel<N>::at(std::uint64_t index, double t, const RandomSource<N>& source) {
+void WindModel<N>::set_pace(const Vector3<P>& velocity) {
+  using std::sqrt;
+  const P x = mean_(0) - velocity(0), y = mean_(1) - velocity(1);
+  const P pace = greater(P(sqrt(x * x + y * y)), P(1));
+  if (all(pace == pace_)) return;
+  pace_ = pace;
+  level_ = dryden_stage(P(level_rate_ * pace));
+  up_ = dryden_stage(P(up_rate_ * pace));
+}
+
+template <int N>
+Vector3<Pack<N>> WindModel<N>::at(std::uint64_t index, double t, const RandomSource<N>& source,
+                                  const Vector3<P>& velocity) {
   Vector3<P> wind = mean_;
   if (gusty_)
     for (int l = 0; l < N; ++l) {
@@ -111,16 +141,18 @@ Vector3<Pack<N>> WindModel<N>::at(std::uint64_t index, double t, const RandomSou
       for (int i = 0; i < 3; ++i) set_lane(wind(i), l, lane(wind(i), l) + gust.velocity(i) * share);
     }
   if (turbulent_) {
+    set_pace(velocity);
     std::array<P, 3> gusts;
     for (std::size_t i = 0; i < 3; ++i) {
       const RandomPair<N> n = random_normal(source, stream_ + static_cast<std::uint32_t>(i), index);
-      const std::array<P, 8>& c = numbers_[i];
-      if (index == 0) {
-        first_[i] = c[5] * n.first;
-        second_[i] = c[6] * n.first + c[7] * n.second;
+      const DrydenStage<P>& c = i < 2 ? level_ : up_;
+      if (index == 0) {  // as if for ever before
+        first_[i] = n.first;
+        second_[i] = P(0.5) * (n.first + n.second);
       } else {
-        second_[i] = c[0] * second_[i] + c[1] * first_[i] + (c[3] * n.first + c[4] * n.second);
-        first_[i] = c[0] * first_[i] + c[2] * n.first;
+        second_[i] = c.decay * second_[i] + c.coupling * first_[i] +
+                     (c.noise_21 * n.first + c.noise_22 * n.second);
+        first_[i] = c.decay * first_[i] + c.noise_11 * n.first;
       }
       // Along, one stage; across, √3 of the first and 1 - √3 of the second, whose variance is then
       // 2 where the first stage has 1.

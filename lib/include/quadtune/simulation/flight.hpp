@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "quadtune/cascade.hpp"
+#include "quadtune/control/limited_allocation.hpp"
 #include "quadtune/control/state_feedback_law.hpp"
+#include "quadtune/estimation/general_filter_settings.hpp"
 #include "quadtune/estimation/mambo_estimator.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
 #include "quadtune/gains.hpp"
@@ -30,6 +32,8 @@ struct CascadeController {
   double attitude_limit = 3;                    ///< of the references [rad]
   double integrator_limit = 2;                  ///< of |∫error| [error · s]
   double back_calculation = 0.001;              ///< [1/s]
+  bool velocity_feed_forward = false;           ///< CascadedPidSettings::velocity_feed_forward
+  bool conditional_integration = false;         ///< CascadedPidSettings::conditional_integration
 };
 
 /// State feedback, sampled at `dt`.
@@ -43,11 +47,12 @@ using Controller = std::variant<CascadeController, StateFeedbackController>;
 
 /// Where the law takes the state from.
 enum class EstimatorKind {
-  mambo,  ///< MamboEstimatorSettings
-  uquad,  ///< UquadFilterSettings
-  truth,  ///< the true state, to see what estimation costs
+  mambo,    ///< MamboEstimatorSettings
+  uquad,    ///< UquadFilterSettings
+  general,  ///< GeneralFilterSettings, made from the vehicle's sensors
+  truth,    ///< the true state, to see what estimation costs
 };
-/// "mambo", "uquad", "truth", and back.
+/// "mambo", "uquad", "general", "truth", and back.
 [[nodiscard]] std::string to_string(EstimatorKind kind);
 [[nodiscard]] EstimatorKind estimator_kind(const std::string& name, const std::string& where);
 
@@ -77,9 +82,14 @@ struct FlightSetup {
   std::optional<Vehicle> flown;  ///< as it truly is, with its sensors; none: as believed
   Mission mission;
   Controller controller;
+  AllocationRule allocation = AllocationRule::clipped;  ///< of commands beyond the motors
   EstimatorKind estimator = EstimatorKind::mambo;
   MamboEstimatorSettings<double> mambo_estimator;  ///< dt and gravity are set by fly()
   UquadFilterSettings<double> uquad_filter;        ///< likewise
+  GeneralFilterNoise general_noise;  ///< what the general filter assumes beyond the sensors' file
+  /// Numbers of the general filter in place of those that follow from the sensors' file. Its dt and
+  /// start are set by fly(). Only with real_sensors.
+  std::optional<GeneralFilterSettings> general_filter;
   bool real_sensors = true;  ///< false: they say what is true, at the vehicle's rates, at once
   FlowModel flow = FlowModel::full;
   double flow_rate = 0;  ///< [Hz]; 0: the vehicle's
@@ -103,6 +113,11 @@ struct FlightSetup {
 /// The control period of a setup's law, and how long it flies [s].
 [[nodiscard]] double control_period(const FlightSetup& setup);
 [[nodiscard]] double duration_of(const FlightSetup& setup);
+
+/// Settings of the general filter for a setup: the sensors of the vehicle as it is believed, the
+/// control period of its law, and start deviations for a start on the ground or in the air.
+/// @throws InvalidInput  if its sensors cannot feed the filter; the message names what is missing
+[[nodiscard]] GeneralFilterSettings general_filter_settings(const FlightSetup& setup);
 
 /// How a flight ended.
 enum class FlightEnd {

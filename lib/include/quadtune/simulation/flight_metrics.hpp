@@ -15,11 +15,12 @@
 /// at least the window (less 1 µs for rounding, here and below) are judged:
 ///
 /// | settling_time    | from the hold's beginning to the end of the last period with ‖e‖ > band or
-/// |                  | |yaw error| > yaw band, 0 if there is none; the longest of all holds;
-/// |                  | infinite where the last period of a hold is such a one
-/// | overshoot        | max of (p - r)·d / s over holds that began with a step, d the direction and
-/// |                  | s the distance from p in the step's period to r; 0 where r was never
-/// passed; |                  | only for s > band | yaw_overshoot    | likewise of the yaw
+/// |                  | |yaw error| > yaw band (the settled bands where they are wider), 0 if there
+/// is none; the longest of all holds; |                  | infinite where the last period of a hold
+/// is such a one | overshoot        | max of (p - r)·d / s over holds that began with a step, d the
+/// direction and |                  | s the distance from p in the step's period to r; 0 where r
+/// was never passed; |                  | only for s > band | yaw_overshoot    | likewise of the
+/// yaw
 ///
 /// **Tracking**, over periods that begin at least the window after the last step:
 ///
@@ -41,12 +42,15 @@
 /// | touchdown_speed  | whenever the height sinks to kGroundHeight or below after it was above
 /// |                  | kAirborneHeight: the mean downward speed from the last period but one
 /// before |                  | to the last before; the greatest of all
+/// | height_peak      | max of (height - the highest reference so far) over periods of
+/// |                  | FlightPhase::take_off and flying, at least 0: how far a take-off overshoots
 ///
 /// A root mean square is √(Σ ‖·‖² dt / Σ dt). A figure without a period to take it from is NaN.
 /// Once a state, an estimate or the power is not finite, everything but the duration is.
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -136,6 +140,7 @@ class FlightMetrics {
                     const Mask& counts);
   void add_ground(double dt, const T& height, const Mask& counts);
   void add_tilt(const T& roll, const T& pitch, const Mask& counts);
+  void add_peak(const T& height, const Reference<T>& reference, const Mask& counts);
   void close_hold(const Mask& closes);
 
   SettlingRule rule_;
@@ -181,6 +186,10 @@ class FlightMetrics {
   T sinking_ = T(0);  ///< mean downward speed between the two periods before
   Mask touched_ = Mask(false);
   T touchdown_ = T(0);
+
+  Mask rises_ = Mask(false);    ///< whether it took off, or flew, at all
+  T highest_reference_ = T(0);  ///< since then
+  T peak_ = T(0);
 };
 
 template <class T>
@@ -203,6 +212,8 @@ void FlightMetrics<T>::add(double t, double dt, const StateVector<T>& x,
   add_estimate(dt, x, estimate, counts);
   add_ground(dt, -x(kPosition + 2), counts);
   add_tilt(x(kAttitude), x(kAttitude + 1), counts);
+  if (reference.phase == FlightPhase::take_off || reference.phase == FlightPhase::flying)
+    add_peak(-x(kPosition + 2), reference, both(counts, negated(motors_off)));
   keep_greater(counts, squared(x(kVelocity), x(kVelocity + 1), x(kVelocity + 2)), speed_squared_);
   const Vector3<T> off = x.template segment<3>(kPosition) - reference.position;
   final_squared_ = select(counts, squared(off(0), off(1), off(2)), final_squared_);
@@ -254,7 +265,10 @@ void FlightMetrics<T>::add_hold(double t, double dt, const StateVector<T>& x,
   const Mask goes_on = both(counts, holds_);
   const T end = T(t + dt);
   hold_end_ = select(goes_on, end, hold_end_);
-  outside_ = select(goes_on, either(distance > band, magnitude(yaw_off) > yaw_band), outside_);
+  const T settled = T(std::max(rule_.band, rule_.settled_band));
+  const T yaw_settled = T(std::max(rule_.yaw_band, rule_.settled_yaw_band));
+  outside_ =
+      select(goes_on, either(distance > settled, magnitude(yaw_off) > yaw_settled), outside_);
   outside_until_ = select(both(goes_on, outside_), end, outside_until_);
   const T along = off(0) * direction_(0) + off(1) * direction_(1) + off(2) * direction_(2);
   keep_greater(goes_on, along, passed_);
@@ -329,6 +343,17 @@ void FlightMetrics<T>::add_tilt(const T& roll, const T& pitch, const Mask& count
 }
 
 template <class T>
+void FlightMetrics<T>::add_peak(const T& height, const Reference<T>& reference,
+                                const Mask& counts) {
+  const T asked = -reference.position(2);
+  const Mask begins = both(counts, negated(rises_));
+  highest_reference_ = select(begins, asked, highest_reference_);
+  keep_greater(counts, asked, highest_reference_);
+  keep_greater(counts, T(height - highest_reference_), peak_);
+  rises_ = either(rises_, counts);
+}
+
+template <class T>
 MetricValues FlightMetrics<T>::values(int which) const {
   const int i = which;
   MetricValues figures;
@@ -354,6 +379,7 @@ MetricValues FlightMetrics<T>::values(int which) const {
   figures[Metric::position_drift] = std::sqrt(lane(drift_squared_, i));
   figures[Metric::final_distance] = std::sqrt(lane(final_squared_, i));
   if (lane(touched_, i)) figures[Metric::touchdown_speed] = lane(touchdown_, i);
+  if (lane(rises_, i)) figures[Metric::height_peak] = lane(peak_, i);
   return figures;
 }
 

@@ -33,8 +33,9 @@ enum class Metric {
   position_drift,   ///< how far that error went horizontally from first to last [m]
   final_distance,   ///< distance from the reference at the end [m]
   touchdown_speed,  ///< downward speed at which the ground was met, the worst [m/s]
+  height_peak,      ///< greatest height above the highest reference so far [m]
 };
-inline constexpr std::size_t kMetrics = static_cast<std::size_t>(Metric::touchdown_speed) + 1;
+inline constexpr std::size_t kMetrics = static_cast<std::size_t>(Metric::height_peak) + 1;
 
 /// "settling_time" and "s"; the unit of a share is "1".
 [[nodiscard]] const std::string& name_of(Metric metric);
@@ -74,6 +75,11 @@ struct SettlingRule {
   /// How long after a step tracking is not yet judged, and how long a reference must stand still
   /// for settling to be judged [s], ≥ 0.
   double window = 5;
+  /// Bands within which the vehicle counts as settled where the sensors cannot know better than
+  /// `band` and `yaw_band` [m, rad]; those apply where these are smaller. Steps are found, and
+  /// overshoot is measured, by `band` and `yaw_band`.
+  double settled_band = 0;
+  double settled_yaw_band = 0;
 
   friend bool operator==(const SettlingRule&, const SettlingRule&) = default;
 };

@@ -11,10 +11,17 @@
 #include <variant>
 #include <vector>
 
+#include "quadtune/simulation/flight_event.hpp"
 #include "quadtune/simulation/metric.hpp"
 #include "quadtune/simulation/smooth_path.hpp"
 
 namespace quadtune {
+
+/// How a flight leaves the ground.
+enum class TakeOff {
+  climb,   ///< the law follows a reference that climbs to the mission's first height: climb_at()
+  thrust,  ///< constant thrust (1 + takeoff_gain) m g, attitude held, as the Mambo's program
+};
 
 /// Where and how a flight begins.
 struct MissionStart {
@@ -22,7 +29,9 @@ struct MissionStart {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< world north-east-down [m]
   double yaw = 0;                                      ///< [rad]
   double start_up = 0.5;  ///< on the ground: the motors run up to their least speed [s], ≥ 0
-  double take_off = 1;    ///< then constant thrust, attitude held [s], ≥ 0
+  TakeOff take_off_by = TakeOff::climb;  ///< what follows
+  double climb_rate = 1;                 ///< of TakeOff::climb, greatest speed [m/s], > 0
+  double take_off = 1;                   ///< of TakeOff::thrust, how long [s], ≥ 0
 
   friend bool operator==(const MissionStart&, const MissionStart&) = default;
 };
@@ -119,7 +128,7 @@ using MissionKind = std::variant<Hover, Script, Waypoints, SmoothPath, Keys, Mot
 struct Landing {
   double begin = 0;          ///< [s]
   double rate = 0.3;         ///< downward [m/s], > 0
-  double off_height = 0.05;  ///< believed height at or below which the motors stop [m], > 0
+  double off_height = 0.05;  ///< believed height at or below which a stop is the ground [m], > 0
 
   friend bool operator==(const Landing&, const Landing&) = default;
 };
@@ -132,6 +141,7 @@ struct Mission {
   MissionStart start;   ///< of no account where the vehicle is carried
   MissionKind kind;
   std::optional<Landing> landing;
+  std::vector<FlightEvent> events;  ///< times do not decrease; none where the vehicle is carried
   SettlingRule settling;
   std::vector<Limit> limits;   ///< each metric at most once
   std::filesystem::path file;  ///< it was read from; empty when made in memory or built in
@@ -139,6 +149,15 @@ struct Mission {
 
   friend bool operator==(const Mission&, const Mission&) = default;
 };
+
+/// The height above the ground of the mission's first reference [m].
+[[nodiscard]] double first_height(const Mission& mission);
+
+/// When the take-off has ended [s]; 0 for a flight that starts in the air or is carried.
+[[nodiscard]] double end_of_take_off(const Mission& mission);
+
+/// The mission as the Mambo's model project begins it: a second of constant thrust, open loop.
+[[nodiscard]] Mission with_thrust_take_off(Mission mission);
 
 /// Checks everything that a mission must satisfy: times in order and within the duration, places
 /// not below the ground, waypoints that differ, known keys, limits that are not negative.

@@ -16,7 +16,7 @@ namespace quadtune {
 enum class MissionEvent {
   none,
   start_up,    ///< the motors run up
-  take_off,    ///< constant thrust
+  take_off,    ///< the climb of the reference begins, or the time of constant thrust
   flying,      ///< the law takes over
   waypoint,    ///< a waypoint was reached
   landing,     ///< the way down begins
@@ -28,13 +28,15 @@ enum class MissionEvent {
 
 /// Flies a mission: at() is asked once per control period, with times that do not decrease.
 ///
-/// On the ground the phases are start_up, take_off, flying, as long as MissionStart says; in the
-/// air flying from the beginning. A motor test is FlightPhase::motors throughout, a carried vehicle
-/// FlightPhase::off with the reference where it truly is. In a landing the height sinks at its rate
-/// to half a metre below the ground, so that a vehicle that flies above its reference comes down
-/// too, over the place that the reference had when it began (where the pilot flew by attitude: over
-/// the believed place); once the believed height is at or below `off_height` the motors are off for
-/// good.
+/// On the ground the phases are start_up, then take_off (TakeOff::thrust only), then flying; in the
+/// air flying from the beginning. In a climb (TakeOff::climb) the reference is that of the mission,
+/// but no higher than climb_at(); the event is take_off when it begins and flying when it ends. A
+/// motor test is FlightPhase::motors throughout, a carried vehicle FlightPhase::off with the
+/// reference where it truly is. In a landing the height sinks at its rate to half a metre below the
+/// ground, so that a vehicle that flies above its reference comes down too, over the place that the
+/// reference had when it began (where the pilot flew by attitude: over the believed place). Once
+/// the vehicle is believed to have stopped sinking for 0.4 s, at or below `off_height`, or 0.15 m
+/// above its reference when that is in the ground, the motors are off for good.
 ///
 /// Lines, circles, lemniscates and ramps of a script supply their velocity; waypoints and keys have
 /// none. With the nose ahead the first yaw is the one nearest the start's, and later ones have no
@@ -75,15 +77,21 @@ class MissionRunner {
 
   [[nodiscard]] FlightPhase phase_at(double t) const;
   void follow(const StateVector<double>& believed);
+  void climb(double t, Reference<double>& reference);
   void land(double t, const StateVector<double>& believed, Reference<double>& reference);
+  [[nodiscard]] bool touches(double t, const StateVector<double>& believed,
+                             const Reference<double>& reference);
   void note(MissionEvent event);
 
   std::shared_ptr<const Plan> plan_;  ///< does not change, so copies share it
   MissionEvent event_ = MissionEvent::none;
   bool begun_ = false;  ///< whether at() was called
   FlightPhase phase_ = FlightPhase::off;
+  bool climbs_ = false;
   bool landing_ = false;
   bool landed_ = false;
+  bool sank_ = false;      ///< since the landing began
+  double slow_since_ = 0;  ///< last time at which it sank [s]
   bool aborted_ = false;
   Eigen::Vector3d landing_from_ = Eigen::Vector3d::Zero();
   double landing_yaw_ = 0;

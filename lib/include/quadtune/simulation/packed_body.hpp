@@ -21,6 +21,8 @@ template <int N>
   for (const RigidBody& b : bodies) {
     body.has_drag = body.has_drag || b.has_drag;
     body.principal_axes = body.principal_axes && b.principal_axes;
+    body.has_airflow = body.has_airflow || b.has_airflow;
+    body.has_ground_effect = body.has_ground_effect || b.has_ground_effect;
   }
   const auto gather = [&](P& target, auto&& number) {
     for (int l = 0; l < N; ++l) set_lane(target, l, number(bodies[static_cast<std::size_t>(l)]));
@@ -49,6 +51,11 @@ template <int N>
     gather(rotor.torque_d1, [&](const RigidBody& b) { return b.rotors[i].torque_d1; });
     gather(rotor.inertia, [&](const RigidBody& b) { return b.rotors[i].inertia; });
     gather(rotor.lag, [&](const RigidBody& b) { return b.rotors[i].lag; });
+    gather(rotor.lag_down, [&](const RigidBody& b) { return b.rotors[i].lag_down; });
+    gather(rotor.drag, [&](const RigidBody& b) { return b.rotors[i].drag; });
+    gather(rotor.inflow, [&](const RigidBody& b) { return b.rotors[i].inflow; });
+    gather(rotor.flapping, [&](const RigidBody& b) { return b.rotors[i].flapping; });
+    gather(rotor.ground_radius, [&](const RigidBody& b) { return b.rotors[i].ground_radius; });
   }
   return body;
 }

@@ -80,21 +80,46 @@ class Plant {
       numbers.torque_d1 = rotor.spin * rotor.torque_d1 * ratio;
       numbers.momentum = rotor.spin * rotor.inertia;
       numbers.lag_rate = select(rotor.lag > T(0), T(1) / rotor.lag, T(0));
+      numbers.lag_rate_down = select(rotor.lag_down > T(0), T(1) / rotor.lag_down, T(0));
+      uneven_lag_ =
+          uneven_lag_ || any(rotor.lag < rotor.lag_down) || any(rotor.lag > rotor.lag_down);
     }
   }
   [[nodiscard]] const BasicRigidBody<T>& body() const { return body_; }
 
   /// Speeds asked of the rotors until the next call [rad/s]; those without lag have them at once.
   void command(const RotorSpeeds<T>& asked, State& x) {
-    speeds = asked;
-    if constexpr (N == 0) {
-      held_ = rotor_loads(body_, speeds);
-    } else {
+    hold(asked);
+    if constexpr (N != 0)
       for (int i = 0; i < body_.rotor_count; ++i) {
-        const T lag = body_.rotors[static_cast<std::size_t>(i)].lag;
-        x(kRotorSpeeds + i) = select(lag > T(0), x(kRotorSpeeds + i), asked(i));
+        const BasicRotor<T>& rotor = body_.rotors[static_cast<std::size_t>(i)];
+        T& w = x(kRotorSpeeds + i);
+        const T lag = select(asked(i) < w, rotor.lag_down, rotor.lag);
+        w = select(lag > T(0), w, asked(i));
       }
-    }
+  }
+
+  /// The same for a state whose rotors are known to have followed the command.
+  void hold(const RotorSpeeds<T>& asked) {
+    speeds = asked;
+    if constexpr (N == 0) held_ = rotor_loads(body_, speeds);
+  }
+
+  /// From now on the vehicle has this mass [kg]; its inertia stays.
+  void set_mass(const T& mass) {
+    body_.mass = mass;
+    body_.inverse_mass = T(1) / mass;
+  }
+
+  /// From now on a rotor gives this share of its thrust and drag torque.
+  /// @param i  the first is 0;  @param share  0 … 1
+  void weaken(int i, const T& share) {
+    BasicRotor<T>& rotor = body_.rotors[static_cast<std::size_t>(i)];
+    for (T* number : {&rotor.thrust_a2, &rotor.thrust_a1, &rotor.torque_d2, &rotor.torque_d1,
+                      &rotor.drag, &rotor.inflow, &rotor.flapping})
+      *number = *number * share;
+    set_air(body_.air_density, body_.density_ratio, body_.gravity);
+    hold(speeds);
   }
 
   /// Speeds at which the rotors turn.
@@ -117,11 +142,15 @@ class Plant {
       // w' = (asked - w) / lag; the torque that speeds a rotor up turns the body back.
       each_rotor([&](int i) __attribute__((always_inline)) {
         const RotorNumbers& rotor = rotors_[static_cast<std::size_t>(i)];
-        const T rise = (speeds(i) - x(kRotorSpeeds + i)) * rotor.lag_rate;
+        const T missing = speeds(i) - x(kRotorSpeeds + i);
+        const T rise =
+            missing * (uneven_lag_ ? T(select(missing < T(0), rotor.lag_rate_down, rotor.lag_rate))
+                                   : rotor.lag_rate);
         result(kRotorSpeeds + i) = rise;
         loads.torque(2) -= rotor.momentum * rise;
       });
     }
+    if (body_.has_airflow || body_.has_ground_effect) add_air_loads(x, loads);
     add_contact(x, loads);
     rigid_motion(body_, x, loads, windy ? &wind : nullptr, result);
     return result;
@@ -130,6 +159,7 @@ class Plant {
   /// What an accelerometer at the centre of mass feels: v' + w × v - g, body axes [m/s²].
   [[nodiscard]] Vector3<T> specific_force(const State& x) const {
     RotorLoads<T> loads = rotors(x);
+    if (body_.has_airflow || body_.has_ground_effect) add_air_loads(x, loads);
     add_contact(x, loads);
     const Matrix3<T> R_WB = attitude(x).toRotationMatrix();
     const Vector3<T> airspeed = x.template segment<3>(kBodyVelocity) - R_WB.transpose() * wind;
@@ -201,6 +231,36 @@ class Plant {
     }
   }
 
+  void add_air_loads(const State& x, RotorLoads<T>& loads) const {
+    const RotorLoads<T> of_air = air_loads(x);
+    loads.force += of_air.force;
+    loads.torque += of_air.torque;
+  }
+
+  /// What the rotors' motion through the air and the ground below change of their loads.
+  [[nodiscard, gnu::noinline]] RotorLoads<T> air_loads(State x) const {
+    RotorLoads<T> loads;
+    const Matrix3<T> R = rotation_of_quaternion(x(3), x(4), x(5), x(6));
+    const RotorSpeeds<T> turning = rotor_speeds(x);
+    if (body_.has_airflow) {
+      Vector3<T> airspeed = x.template segment<3>(kBodyVelocity);
+      if (windy) airspeed -= R.transpose() * wind;
+      add_airflow(body_, turning, airspeed, Vector3<T>(x.template segment<3>(kBodyRates)), loads);
+    }
+    if (body_.has_ground_effect && ground.present)
+      for (int i = 0; i < body_.rotor_count; ++i) {
+        const BasicRotor<T>& rotor = body_.rotors[static_cast<std::size_t>(i)];
+        const Vector3<T>& hub = rotor.position;
+        const T height = -(x(2) + (R(2, 0) * hub.x() + R(2, 1) * hub.y() + R(2, 2) * hub.z()));
+        const T lift = (ground_effect(rotor.ground_radius, height) - T(1)) *
+                       rotor_thrust(rotor, turning(i), body_.density_ratio);
+        loads.force.z() -= lift;
+        loads.torque.x() -= hub.y() * lift;
+        loads.torque.y() += hub.x() * lift;
+      }
+    return loads;
+  }
+
   void add_contact(const State& x, RotorLoads<T>& loads) const {
     if (!ground.present || !any(x(2) + reach() > T(0))) return;
     const RotorLoads<T> of_ground = contact(x);
@@ -239,12 +299,14 @@ class Plant {
     T thrust_a2 = T(0), thrust_a1 = T(0);
     T torque_d2 = T(0), torque_d1 = T(0);  ///< with the sign of the spin
     T momentum = T(0);                     ///< of a speed of 1 rad/s, along z [kg m²]
-    T lag_rate = T(0);                     ///< [1/s]; 0: no lag
+    T lag_rate = T(0);                     ///< while the speed rises [1/s]; 0: no lag
+    T lag_rate_down = T(0);                ///< while it falls
   };
 
   BasicRigidBody<T> body_;
   std::array<RotorNumbers, kMaxRotors> rotors_{};
   RotorLoads<T> held_;
+  bool uneven_lag_ = false;  ///< whether a rotor's lag differs up and down
 };
 
 }  // namespace quadtune

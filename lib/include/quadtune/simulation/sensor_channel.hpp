@@ -13,6 +13,7 @@
 #include "quadtune/estimation/on_board.hpp"
 #include "quadtune/model/sensors.hpp"
 #include "quadtune/simulation/random.hpp"
+#include "quadtune/simulation/sensor_drift.hpp"
 
 namespace quadtune {
 
@@ -62,8 +63,11 @@ class SensorChannel {
   [[nodiscard]] double next() const { return clock_.next(); }
 
   /// Takes the sample that is due of what is true at its instant.
-  /// @param lost  lanes in which there is nothing to measure
-  void take(const Values& truth, const RandomSource<N>& source, const Mask<N>& lost = {});
+  /// @param lost        lanes in which there is nothing to measure
+  /// @param added       to what the response lets through; nullptr: nothing
+  /// @param more_noise  standard deviation of further noise, in quadrature; nullptr: none
+  void take(const Values& truth, const RandomSource<N>& source, const Mask<N>& lost = {},
+            const Values* added = nullptr, const P* more_noise = nullptr);
 
   /// Hands over what has arrived by `now`, the newest last; call once a control period.
   /// @param dt  the control period [s]
@@ -103,6 +107,7 @@ class SensorChannel {
   P limit_, quantum_, dropout_;
   std::array<P, 8> response_;  ///< A by rows, b0, b1
   Values before_, y_, rate_;   ///< last truth, and the response's state; NaN: none yet
+  SensorDrift<N, Axes> drift_;
   std::vector<Pending> queue_;
   std::size_t first_ = 0, waiting_ = 0;
 };
@@ -113,6 +118,7 @@ SensorChannel<N, Axes>::SensorChannel(const std::array<SensorFaults, N>& faults,
     : clock_(faults[0].rate),
       delay_(faults[0].delay),
       stream_(stream),
+      drift_(faults, stream),
       queue_(static_cast<std::size_t>(faults[0].delay * faults[0].rate) + 2) {
   for (int l = 0; l < N; ++l) {
     const SensorFaults& f = faults[static_cast<std::size_t>(l)];
@@ -139,7 +145,7 @@ SensorChannel<N, Axes>::SensorChannel(const std::array<SensorFaults, N>& faults,
 
 template <int N, int Axes>
 void SensorChannel<N, Axes>::take(const Values& truth, const RandomSource<N>& source,
-                                  const Mask<N>& lost) {
+                                  const Mask<N>& lost, const Values* added, const P* more_noise) {
   Values y = truth;
   if (responds_) {
     // At rest on the first truth, and on the first after there was none: a NaN that once entered
@@ -157,14 +163,24 @@ void SensorChannel<N, Axes>::take(const Values& truth, const RandomSource<N>& so
     before_ = truth;
   }
   const std::uint64_t index = clock_.index();
+  if (added != nullptr) y += *added;
   for (int i = 0; i < Axes; ++i) y(i) = y(i) * scale_(i) + bias_(i);
-  if (noisy_)
+  if (drift_.present()) drift_.add_to(y, index, source);
+  if (noisy_ || more_noise != nullptr) {
+    Values deviation = noise_;
+    if (more_noise != nullptr)
+      for (int i = 0; i < Axes; ++i) {
+        using std::sqrt;
+        const P both2 = noise_(i) * noise_(i) + *more_noise * *more_noise;
+        deviation(i) = select(*more_noise > P(0), P(sqrt(both2)), noise_(i));
+      }
     for (int i = 0; i < Axes; i += 2) {
       const RandomPair<N> n =
           random_normal(source, stream_ + static_cast<std::uint32_t>(i / 2), index);
-      y(i) += noise_(i) * n.first;
-      if (i + 1 < Axes) y(i + 1) += noise_(i + 1) * n.second;
+      y(i) += deviation(i) * n.first;
+      if (i + 1 < Axes) y(i + 1) += deviation(i + 1) * n.second;
     }
+  }
   if (limited_)
     for (int i = 0; i < Axes; ++i)  // a NaN stays one: no echo is not the lower limit
       y(i) = select(y(i) == y(i), clamped(y(i), P(-limit_), limit_), y(i));

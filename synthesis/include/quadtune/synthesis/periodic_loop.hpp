@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Loops whose sensors have clocks of their own: linear systems that change from one control period
-/// to the next and repeat after N of them. Theory: docs/theory.md, "The flown loop".
+/// Linear systems whose matrices repeat after N control periods, as loops whose sensors sample at
+/// other rates than the law. Theory: docs/theory.md, "The flown loop".
 #pragma once
 
 #include <Eigen/Core>
@@ -30,52 +30,57 @@ struct PeriodicLti {
 /// @throws InvalidInput  naming the matrix, its shape and what was expected.
 void validate(const PeriodicLti& plant, const std::string& where);
 
-/// The same plant at every step, as one of period 1.
+/// A time-invariant plant as a periodic one with N = 1.
 /// @throws InvalidInput  for a plant with feed-through.
 [[nodiscard]] PeriodicLti periodic(const DiscreteLti& plant);
 
-/// Only the states that some input can move and that some output can tell of, judged by which
-/// entries of the matrices are 0. What is left out is no part of any loop: the true position of a
-/// vehicle that no sensor sees, a bias that nothing changes.
-/// @param kept  where not null, which states were kept, in order
+/// The plant without the states that no input affects or that affect no output, determined from the
+/// zero pattern of the matrices. Such states are part of no loop: the true position of a vehicle
+/// without a position sensor, or a constant bias.
+/// @param kept  if not null, receives the indices of the states that were kept, in order
 [[nodiscard]] PeriodicLti loop_part(const PeriodicLti& plant,
                                     std::vector<Eigen::Index>* kept = nullptr);
 
-/// The loop cut at the plant's inputs: L with L under negative feedback the loop as it flies.
+/// The loop transfer L cut at the plant's inputs: L under negative feedback is the closed loop.
 /// @param law  inputs are the plant's outputs, outputs its inputs
 /// @return     states of the plant, then of the law; inputs and outputs are the plant's inputs
 /// @throws InvalidInput  for other sizes or another period
 [[nodiscard]] PeriodicLti cut_at_inputs(const PeriodicLti& plant, const DiscreteLti& law);
 
-/// The loop of one channel with all others closed.
+/// The loop transfer cut at the plant's outputs, where the law reads them, likewise.
+/// @return  states of the plant, then of the law; inputs and outputs are the plant's outputs
+/// @throws InvalidInput  for other sizes or another period
+[[nodiscard]] PeriodicLti cut_at_outputs(const PeriodicLti& plant, const DiscreteLti& law);
+
+/// The loop transfer of one channel with all other channels closed.
 /// @param loop  under negative feedback, as many inputs as outputs
 [[nodiscard]] PeriodicLti channel(const PeriodicLti& loop, Eigen::Index index);
 
-/// The matrices of the loop when closed: A[k] - B[k] C.
+/// The matrices of the closed loop, A[k] - B[k] C.
 [[nodiscard]] std::vector<Eigen::MatrixXd> closed(const PeriodicLti& loop);
 
-/// Eigenvalues of the product A[N-1] … A[0], the Floquet multipliers, each as the pole z of one
-/// control period that it amounts to: z^N is the multiplier. Of the N roots the one nearest to an
-/// eigenvalue of the mean of the matrices is taken; |z| does not depend on that choice.
-/// @return  by falling |z|
+/// The poles z of one control period: z^N is an eigenvalue of the product A[N-1] … A[0] (a Floquet
+/// multiplier). Of the N roots the result is the one nearest to an eigenvalue of the mean of the
+/// matrices; |z| does not depend on that choice.
+/// @return  in order of decreasing |z|
 [[nodiscard]] Eigen::VectorXcd periodic_poles(const std::vector<Eigen::MatrixXd>& A);
 
-/// A pole with the states in which its motion shows most.
+/// A pole and the states that dominate its mode.
 struct NamedMode {
   std::complex<double> z;           ///< of one control period
-  std::vector<std::string> states;  ///< most first, at most three
+  std::vector<std::string> states;  ///< largest first, at most three
 };
 
 /// The mode of the largest |z|.
 /// @param states  names of the states, one each
-/// @param scale   size of each state that counts as 1, > 0
+/// @param scale   a typical size of each state, > 0
 [[nodiscard]] NamedMode largest_mode(const std::vector<Eigen::MatrixXd>& A,
                                      const std::vector<Signal>& states,
                                      const Eigen::VectorXd& scale);
 
-/// What comes back at the frequency that goes in, on average over the N steps: for u[k] = e^(jw k
-/// dt) the output is e^(jw k dt) times something that repeats after N steps, whose mean this is. It
-/// is the frequency response where N = 1.
+/// The mean frequency response of a periodic plant: for u[k] = e^(jw k dt) the output is e^(jw k
+/// dt) times a sequence that repeats after N steps, and the mean response is the mean of that
+/// sequence. For N = 1 it is the frequency response.
 class MeanResponse {
  public:
   /// @throws InvalidInput  as validate()
@@ -93,8 +98,8 @@ class MeanResponse {
   std::unique_ptr<Reduced> reduced_;
 };
 
-/// Margins of a loop of one channel by the mean response S of the closed loop, L = 1/S - 1;
-/// `stable` is exact. For N = 1 those of OpenLoop.
+/// Margins of a loop with one channel, computed from the mean response S of the closed loop with
+/// L = 1/S - 1. `stable` is exact. For N = 1 they are those of OpenLoop.
 /// @param loop  one input, one output, under negative feedback
 /// @param skew  as loop_margins()
 /// @throws InvalidInput  for a loop of several channels

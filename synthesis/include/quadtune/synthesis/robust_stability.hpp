@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <functional>
 #include <limits>
 #include <string>
@@ -26,8 +27,12 @@ enum class StabilityProofStatus {
 
 /// How hard it tries.
 struct StabilityProofOptions {
-  int most_boxes = 20000;             ///< that are looked at, ≥ 1; not proved beyond
-  std::function<bool()> interrupted;  ///< asked now and then; empty: never
+  int most_boxes = 20000;  ///< that are looked at, ≥ 1; not proved beyond
+  /// A proof is given up before its budget is spent where, by the share of a part's box that is
+  /// proved, the part would take more than this many times the budget. Infinite: never.
+  double give_up = std::numeric_limits<double>::infinity();
+  std::size_t threads = 0;            ///< at most so many at once; 0: one for each processor
+  std::function<bool()> interrupted;  ///< asked now and then, by any thread; empty: never
 };
 
 /// The answer with its evidence.
@@ -55,7 +60,7 @@ struct StabilityProof {
 /// corners, the matrix exponential's truncation and every rounding bounded.
 ///
 /// A box that is stable with some distance is proved after enough splitting; how far the splitting
-/// gets is the budget's question. Deterministic.
+/// gets is the budget's question. The answer does not depend on the number of threads.
 ///
 /// @param loop  at most ten numbers of some width in a part
 /// @throws InvalidInput  for a loop or a box that is none

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "quadtune/delay_limit.hpp"
 #include "quadtune/lti.hpp"
 
 namespace quadtune {
@@ -37,10 +38,6 @@ struct LoopBox {
   double delay_low = 0;   ///< [s], ≥ 0
   double delay_high = 0;  ///< [s], ≥ delay_low
 };
-
-/// The longest delay of a loop, of its commands or of a sensor [control periods]: each period adds
-/// one state to every delayed signal.
-inline constexpr int kMostDelayPeriods = 40;
 
 /// Checks shapes and finiteness.
 /// @throws InvalidInput  naming the matrix, its shape and what was expected.

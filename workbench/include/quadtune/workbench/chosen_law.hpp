@@ -6,6 +6,7 @@
 #include <string>
 
 #include "quadtune/design.hpp"
+#include "quadtune/exports/stored_estimator.hpp"
 #include "quadtune/gains.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/simulation/flight.hpp"
@@ -26,12 +27,16 @@ inline constexpr double kUsualPeriod = 0.005;
 /// 0.001 unwinds nothing.
 inline constexpr double kDesignedBackCalculation = 2;
 
+/// Limit of the pitch and roll references of designed cascades [rad].
+inline constexpr double kDesignedAttitudeLimit = 0.5;
+
 /// What steers, and what is known of it.
 struct ChosenLaw {
   Controller controller;
   std::string words;  ///< e.g. "cascaded PID, designed as by `quadtune pid mambo`"
   std::optional<MarginsReport> margins = {};  ///< of its loops, where its design computed them
   double position_bandwidth = 0;  ///< of the slower loop of x and y [rad/s]; 0: not known
+  std::optional<StoredEstimator> estimator = {};  ///< that its file names
 };
 
 /// "cascaded-pid" or "state-feedback", also for "pid" and "lqr"; "" stays.
@@ -43,6 +48,10 @@ struct ChosenLaw {
 /// @throws OptionError, InvalidInput, FileError, NoSolution
 [[nodiscard]] ChosenLaw choose_law(FlightOptions options, const Vehicle& vehicle,
                                    const std::string& who);
+
+/// Whether the cascade is designed on the flown plant unless asked otherwise. Position fixes below
+/// 5 Hz dominate the cost of that design, so that it becomes slower than the loop-by-loop rules.
+[[nodiscard]] bool usually_on_flown_plant(const Vehicle& vehicle);
 
 /// What is asked of a cascade where nobody says: a design within the published gains or the usual
 /// bounds, at the published period or kUsualPeriod.

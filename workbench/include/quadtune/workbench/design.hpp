@@ -22,9 +22,21 @@
 #include "quadtune/workbench/cascade_report.hpp"
 #include "quadtune/workbench/chosen_law.hpp"
 #include "quadtune/workbench/fly.hpp"
+#include "quadtune/workbench/lqi_report.hpp"
 #include "quadtune/workbench/margins_report.hpp"
 
 namespace quadtune {
+
+/// Flights of each mission of a design, all of which must pass.
+inline constexpr std::uint32_t kDesignSeeds = 5;
+
+/// The disturbed flights of a design: a gust of this speed [m/s] and length [s], and a load of this
+/// share of the mass that the law does not know. Their limits on position, height and heading are
+/// those of the mission times kDisturbedSlack; settling, overshoot and the rms are not judged.
+inline constexpr double kGustSpeed = 3;
+inline constexpr double kGustLength = 2;
+inline constexpr double kLoadShare = 0.1;
+inline constexpr double kDisturbedSlack = 3;
 
 /// How far a gain is from the published one.
 struct PublishedDifference {
@@ -45,7 +57,8 @@ struct DesignedFilter {
 struct DesignOutcome {
   Design design;
   Linearization model;
-  std::optional<StateFeedback> feedback;
+  std::optional<StateFeedback> feedback;  ///< of Design::lqr
+  std::optional<LqiReport> lqi;           ///< of Design::lqi
   std::optional<Gains> gains;
   std::optional<DiscreteLti> sampled;    ///< the plant as the flight computer sees it; if dt > 0
   Eigen::VectorXcd poles;                ///< of the loop as it flies, integrals included
@@ -53,21 +66,26 @@ struct DesignOutcome {
   std::optional<CascadeReport> cascade;
   std::vector<DesignedFilter> filters;
   std::optional<PublishedDifference> published;
-  std::vector<FlownFlight> flights;  ///< of the missions that the design asks for
+  /// Of the missions that the design asks for, worst_of() its seeds each.
+  std::vector<FlownFlight> flights;
+  /// The same missions with a gust and with a load, see fly_disturbed().
+  std::vector<FlownFlight> disturbed = {};
 };
 
-/// What is asked of a design that is in no file. As it stands: an LQR with standard weights that
-/// flies the built-in mission "hover" with the vehicle's own sensors.
+/// What is asked of a design that is in no file. As it stands: the usual cascade, which has to
+/// fly the built-in mission "hover" with the vehicle's own sensors.
 struct DesignRequirements {
   std::string name;                      ///< of the design; empty: the vehicle's
   FlightCondition condition;             ///< steady flight that the state feedback holds
-  std::optional<LqrDesign> lqr;          ///< none, and no cascade: usual_lqr()
-  std::optional<CascadeDesign> cascade;  ///< e.g. usual_cascade()
+  std::optional<LqrDesign> lqr;          ///< e.g. usual_lqr()
+  std::optional<LqiDesign> lqi;          ///< for the plant that flies; not beside lqr
+  std::optional<CascadeDesign> cascade;  ///< none, and no state feedback: usual_cascade()
   std::vector<KalmanDesign> kalman;
   /// That the gains must fly. Without a `controller`, by the cascade where there is one.
   std::vector<MissionRequest> missions = {MissionRequest{.mission = "hover"}};
-  std::uint64_t seed = 1;  ///< of everything random in the flights
-  bool keep_logs = false;  ///< FlightResult::log of each flight
+  std::uint64_t seed = 1;              ///< of everything random in the first flight of each mission
+  std::uint32_t seeds = kDesignSeeds;  ///< flights of each mission, ≥ 1
+  bool keep_logs = false;              ///< FlightResult::log of each flight
 };
 
 /// All twelve states of ned_convention() to the wrench, weights by Bryson's rule from what the
@@ -110,17 +128,32 @@ struct DesignRequirements {
 /// gains from them are not to be believed as they are.
 [[nodiscard]] std::vector<std::string> doubtful_covariances(const Design& design);
 
+/// The estimator of the program that the design is exported to, or that its covariances are meant
+/// for, as FlightOptions::estimator; empty: what the vehicle's sensors can feed.
+[[nodiscard]] std::string program_estimator(const Design& design);
+
 /// Flies every mission that the design asks for with the gains of the outcome.
+/// @param seed       of the first flight of each mission
 /// @param keep_logs  for reports
 /// @param stop       as design()
+/// @param seeds      flights of each mission, with seeds in a row, ≥ 1
+/// @return           worst_of() the flights of each mission
 /// @throws InvalidInput  "file:line: …" for a mission that cannot be flown; of a design in no file
 ///                       OptionError for a word
 /// @throws FileError     for a mission file that cannot be read
 [[nodiscard]] std::vector<FlownFlight> fly_missions(const DesignOutcome& outcome,
                                                     std::uint64_t seed, bool keep_logs,
-                                                    const std::function<bool()>& stop = {});
+                                                    const std::function<bool()>& stop = {},
+                                                    std::uint32_t seeds = kDesignSeeds);
 
-/// Whether every mission passed.
+/// Flies every mission of the outcome with a gust, then with a load: a vehicle whose mass and
+/// inertia exceed the believed ones by kLoadShare. No motor test and nothing that is carried.
+/// @throws  as fly_missions()
+[[nodiscard]] std::vector<FlownFlight> fly_disturbed(const DesignOutcome& outcome,
+                                                     std::uint64_t seed,
+                                                     const std::function<bool()>& stop = {});
+
+/// Whether every mission passed, disturbed ones included.
 [[nodiscard]] bool missions_passed(const DesignOutcome& outcome);
 
 }  // namespace quadtune

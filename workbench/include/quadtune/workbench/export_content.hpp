@@ -18,7 +18,11 @@ namespace quadtune {
 /// A vehicle's file by its name, as a manifest has it; also of a built-in one.
 [[nodiscard]] std::string vehicle_file_name(const Vehicle& vehicle);
 
-/// What the exporters need.
+/// ExportEvidence::method of gains by flown_lqi().
+inline constexpr char kFlownLqiMethod[] = "sampled LQI on the flown plant";
+
+/// What the exporters need. Weights on changes of the commands have no place in a manifest: gains
+/// with such weights come without weights and evidence.
 [[nodiscard]] ExportContent export_content(const DesignOutcome& outcome);
 
 }  // namespace quadtune

@@ -24,6 +24,8 @@ struct FlightOptions {
   std::optional<double> duration;  ///< [s]; none: the mission's
   std::string solver = "bogacki-shampine-3";
   std::optional<double> step;  ///< [s]; none: that of FlightSetup
+  std::string allocation;      ///< "prioritized" or "clipped"; empty: prioritized
+  std::string take_off;        ///< "climb" or "thrust"; empty: the mission's
   bool dynamic_environment = false;
   std::uint64_t seed = 1;
 };

@@ -12,22 +12,28 @@
 #include "quadtune/workbench/chosen_law.hpp"
 #include "quadtune/workbench/flight_options.hpp"
 #include "quadtune/workbench/margins_report.hpp"
+#include "quadtune/workbench/widened_limits.hpp"
 
 namespace quadtune {
 
 /// A setup, and in words what was chosen for it.
 struct PlannedFlight {
   FlightSetup setup;
+  FlightOptions options = {};            ///< that it was planned from
   std::string law;                       ///< ChosenLaw::words
   std::optional<MarginsReport> margins;  ///< ChosenLaw::margins
   std::string estimator;                 ///< e.g. "mambo"
   std::string sensors;                   ///< "real" or "ideal"
   std::string wind;                      ///< as it was asked for
   std::vector<std::string> notes;        ///< what the user should know of a choice
+  /// What the sensors can know along the mission; none where nothing limits the knowledge.
+  std::optional<MissionBound> bound = {};
+  std::vector<WidenedLimit> widened = {};  ///< limits of setup.mission that the bound has widened
 };
 
-/// Where nothing is said: published gains of a vehicle that has them, and ideal sensors, as the
-/// model project flew its experiments.
+/// Where nothing is said: published gains of a vehicle that has them, ideal sensors, a take-off by
+/// constant thrust and commands that are clipped at the motors' limits, as the model project flew
+/// its experiments.
 /// @throws OptionError  for a word that is no controller
 [[nodiscard]] FlightOptions as_the_model_project(FlightOptions options);
 
@@ -48,6 +54,13 @@ void require_flight_words(const FlightOptions& options);
 /// @throws OptionError, InvalidInput
 [[nodiscard]] PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
                                         const Mission& mission, const ChosenLaw& law);
+
+/// The estimator of a flight of the vehicle with its own sensors, with its numbers.
+/// @param name  as FlightOptions::estimator; empty: by the sensors
+/// @param dt    control period [s]
+/// @return      none for true states
+[[nodiscard]] std::optional<StoredEstimator> stored_estimator(const Vehicle& vehicle,
+                                                              const std::string& name, double dt);
 
 /// Has every control period of the flight kept.
 /// @throws OptionError  for a flight whose record would not fit into memory

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The loop of a planned flight as it flies near a hover: whether it holds, by how much, and which
-/// motion is the first to grow.
+/// The flown loop of a planned flight about a hover: whether it is stable, its margins, and its
+/// slowest or unstable mode.
 #pragma once
 
 #include <cmath>
@@ -15,17 +15,19 @@
 
 namespace quadtune {
 
-/// Where the loop is looked at, beside what the plan says.
+/// The operating point of the analysis, in addition to the plan.
 struct FlownLoopOptions {
-  double height = 1.1;       ///< of the hover above the ground [m], > 0
-  double command_delay = 0;  ///< from the law's output to the rotors [s], 0 … kMostDelayPeriods control periods
-  MarginsEvidence evidence = MarginsEvidence::essential;  ///< all at once is never computed
+  double height = 1.1;  ///< of the hover above the ground [m], > 0
+  /// From the law's output to the rotors [s], 0 to kMostDelayPeriods control periods.
+  double command_delay = 0;
+  /// Simultaneous margins of several channels are never computed.
+  MarginsEvidence evidence = MarginsEvidence::essential;
 };
 
 struct FlownLoop {
   FlownLoopOptions at;
   double dt = 0;                   ///< control period [s]
-  std::size_t period = 1;          ///< after how many of these the sensors' clocks repeat
+  std::size_t period = 1;          ///< N: the sample clocks repeat after N control periods
   std::string estimator;           ///< PlannedFlight::estimator
   std::string sensors;             ///< PlannedFlight::sensors
   NamedMode mode;                  ///< of the largest |z|
@@ -33,29 +35,33 @@ struct FlownLoop {
   std::vector<Signal> drifts;      ///< FlownPlant::drifts
   std::vector<std::string> notes;  ///< FlownPlant::notes
 
-  /// Whether every motion about the hover decays.
+  /// Whether every mode about the hover decays.
   [[nodiscard]] bool stable() const { return std::abs(mode.z) < 1; }
-  /// Whether some motion grows: by more than a thousandth in ten seconds, so that what merely
-  /// stands (a belief that no sensor corrects, |z| = 1) does not count.
+  /// Whether a mode grows by more than a thousandth in ten seconds. A neutral mode does not count:
+  /// an estimate that no sensor corrects has |z| = 1.
   [[nodiscard]] bool grows() const { return decay() < -1e-4; }
-  /// How fast the mode of the largest |z| decays, > 0, or grows [1/s].
+  /// Decay rate of the mode with the largest |z| [1/s]; negative if it grows.
   [[nodiscard]] double decay() const;
-  /// Its frequency [rad/s].
+  /// Frequency of that mode [rad/s].
   [[nodiscard]] double frequency() const;
 };
+
+/// The plant that a setup flies, at the operating point of an analysis.
+[[nodiscard]] FlownPlantOptions plant_options(const FlightSetup& setup,
+                                              const FlownLoopOptions& options);
 
 /// @throws InvalidInput  as flown_plant()
 [[nodiscard]] FlownLoop flown_loop(const PlannedFlight& plan, const FlownLoopOptions& options = {});
 
-/// "py, believed v and roll: grows by half in 1.3 s, 1.76 rad/s": the mode of the largest |z|.
+/// Describes the mode of the largest |z|: "py, v and roll: doubles in 1.3 s, at 1.76 rad/s".
 [[nodiscard]] std::string in_words(const FlownLoop& loop);
 
-/// Why a loop grows, by what makes it stable: true states, ideal sensors, rotors without lag, half
-/// the gains. One sentence; where none of these does, it says so.
+/// States which of these changes would stabilize an unstable loop: true states, sensors without
+/// delay, rotors without lag, half the gains. One clause; if none does, it states that.
 /// @throws InvalidInput  as flown_loop()
 [[nodiscard]] std::string what_helps(const PlannedFlight& plan, const FlownLoop& loop);
 
-/// What a reader must be told: motion that no sensor sees, and the notes.
+/// The notes of a report: states that no sensor observes, and the notes of the loop.
 [[nodiscard]] std::vector<std::string> flown_notes(const FlownLoop& loop);
 
 }  // namespace quadtune

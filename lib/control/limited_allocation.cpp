@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/control/limited_allocation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/model/mixer.hpp"
+
+namespace quadtune {
+
+std::string to_string(AllocationRule rule) {
+  return rule == AllocationRule::prioritized ? "prioritized" : "clipped";
+}
+
+AllocationRule allocation_rule(const std::string& name, const std::string& where) {
+  if (name == "prioritized") return AllocationRule::prioritized;
+  if (name == "clipped") return AllocationRule::clipped;
+  throw InvalidInput(where, fmt::format("no allocation '{}', expected prioritized or clipped{}",
+                                        internal::printable(name),
+                                        internal::did_you_mean(name, {"prioritized", "clipped"})));
+}
+
+ThrustLimits<double> thrust_limits(const Vehicle& vehicle) {
+  const Allocation<double> hover = allocation(vehicle);
+  ThrustLimits<double> limits;
+  double least = 0;
+  for (int i = 0; i < hover.rotors; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    limits.least[k] = rotor_thrust(vehicle.rotors[k], least_speed(vehicle));
+    limits.greatest[k] = rotor_thrust(vehicle.rotors[k], greatest_speed(vehicle));
+    least += limits.least[k];
+  }
+  // A vehicle whose motors idle above the floor cannot go below its idle.
+  limits.floor = std::max(kLeastCollective * vehicle.mass * vehicle.gravity, least);
+  return limits;
+}
+
+}  // namespace quadtune

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+/// An error-state extended Kalman filter for every suite of sensors: gyroscope and accelerometer
+/// drive it; optical flow, range, barometer, magnetometer, GPS and vision correct it, each at the
+/// time at which it was measured. Theory: "The general filter".
+#pragma once
+
+#include "quadtune/estimation/general_filter_sensors.hpp"
+
+namespace quadtune {
+
+/// Standard deviations of an estimate's errors.
+template <class T>
+struct Deviations {
+  Vector3<T> position = Vector3<T>::Zero();  ///< world [m]
+  Vector3<T> velocity = Vector3<T>::Zero();  ///< world [m/s]
+  Vector3<T> attitude = Vector3<T>::Zero();  ///< roll, pitch, yaw [rad]
+};
+
+namespace general_filter_internal {
+
+/// The motion now: from the horizon through the readings that have come since, the last part with
+/// the newest readings held.
+template <class T>
+[[nodiscard]] Motion9<T> motion_now(const GeneralFilterSettings& settings,
+                                    const GeneralFilterState<T>& state, int horizon) {
+  if (horizon == 0) return state.motion;
+  // The integral of the interpolated readings, as a mean over the time.
+  const auto mean = [&](double lag, auto member) {
+    const double time = horizon * settings.dt;
+    const double held = std::min(lag, time) / time;
+    Vector3<T> sum = state.readings[0].*member * T(held);
+    for (double left = time - lag, end = 0; left > 1e-12; ++end) {
+      const double h = std::min(left, settings.dt), part = h / settings.dt;
+      const auto j = static_cast<int>(end);
+      sum += state.readings[j].*member * T((h - 0.5 * h * part) / time) +
+             state.readings[j + 1].*member * T(0.5 * h * part / time);
+      left -= h;
+    }
+    return sum;
+  };
+  const T time = T(horizon * settings.dt);
+  const Vector3<T> rates =
+      mean(settings.gyroscope.lag, &InertialReading<T>::rates) - state.gyro_bias;
+  const Vector3<T> force =
+      mean(settings.accelerometer.lag, &InertialReading<T>::force) - state.force_bias;
+  Motion9<T> motion = state.motion;
+  move<T>(motion, rates * time, force, T(settings.gravity), time);
+  return motion;
+}
+
+/// Writes the 12 states of a motion.
+template <class T>
+void write_states(const Motion9<T>& motion, const Vector3<T>& rates, T& yaw, StateVector<T>& x) {
+  using on_board_math::nearest;
+  using std::atan2, std::sqrt;
+  const Matrix3<T> R = rotation(motion.attitude);
+  x.template segment<3>(kPosition) = motion.position;
+  x(kAttitude) = atan2(R(2, 1), R(2, 2));
+  x(kAttitude + 1) = atan2(T(-R(2, 0)), T(sqrt(R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0))));
+  const T turned = atan2(R(1, 0), R(0, 0));
+  // In the turn nearest to the yaw before.
+  yaw =
+      turned + T(2 * std::numbers::pi) * nearest(T((yaw - turned) * T(0.5 * std::numbers::inv_pi)));
+  x(kAttitude + 2) = yaw;
+  x.template segment<3>(kVelocity) = R.transpose() * motion.velocity;
+  x.template segment<3>(kRates) = rates;
+}
+
+}  // namespace general_filter_internal
+
+/// One control period: the prediction of the horizon by one period, the correction by every sample
+/// that the horizon has reached or passed, and from there the estimate of the present.
+///
+/// Samples that are not finite count as not fresh.
+/// @param standing  where true the vehicle stands on the ground: it does not move, and its biases
+///                  and its level are found
+template <class T>
+Estimate<T> step(const GeneralFilterSettings& settings, GeneralFilterState<T>& state,
+                 const SensorFrame<T>& frame, const MaskOf<T>& standing) {
+  namespace internal = general_filter_internal;
+  Estimate<T> estimate;
+  const int horizon = horizon_periods(settings);
+  const T dt = T(settings.dt);
+  const internal::Period<T> period = {
+      settings,
+      state,
+      internal::reading_place(settings.gyroscope.lag, settings.dt, horizon),
+      internal::reading_place(settings.accelerometer.lag, settings.dt, horizon),
+      horizon,
+      estimate};
+
+  // Readings; one that does not come is held.
+  const MaskOf<T> rates_fresh = both(frame.rates.fresh, entries_are_finite<T>(frame.rates.value));
+  const MaskOf<T> force_fresh =
+      both(frame.specific_force.fresh, entries_are_finite<T>(frame.specific_force.value));
+  const InertialReading<T> before = state.readings[0];
+  InertialReading<T>& newest = state.readings.advance();
+  for (int i = 0; i < 3; ++i) {
+    newest.rates(i) = select(
+        rates_fresh, T(frame.rates.value(i) * T(1 / settings.gyroscope.scale(i))), before.rates(i));
+    newest.force(i) = select(
+        force_fresh, T(frame.specific_force.value(i) * T(1 / settings.accelerometer.scale(i))),
+        before.force(i));
+  }
+  const Vector3<T> rates_now = newest.rates, force_now = newest.force;
+
+  // Prediction.
+  if (!all(standing)) {
+    const internal::Inputs<T> in = internal::inputs_at(state, period.gyro, period.force, 0);
+    Motion9<T> motion = state.motion;
+    const Eigen::Matrix<T, 4, 1> middle =
+        internal::product(motion.attitude, internal::small_rotation<T>(in.rates * (T(0.5) * dt)));
+    const Matrix3<T> R = internal::rotation(middle);
+    internal::move<T>(motion, in.rates * dt, in.force, T(settings.gravity), dt);
+    internal::restore_norm(motion.attitude);
+    const Vector3<T> gained = R * in.force * dt;
+    if (!any(standing)) {
+      state.motion = motion;
+      internal::spread(state.P, R, gained, dt);
+      internal::add_noise(settings, state.P, R, settings.dt);
+    } else {
+      SymmetricMatrix<T, kErrorStates> P = state.P;
+      internal::spread(P, R, gained, dt);
+      internal::add_noise(settings, P, R, settings.dt);
+      for (std::size_t i = 0; i < P.entries.size(); ++i)
+        state.P.entries[i] = select(standing, state.P.entries[i], P.entries[i]);
+      state.motion.position = select_entries<T>(standing, state.motion.position, motion.position);
+      state.motion.velocity = select_entries<T>(standing, state.motion.velocity, motion.velocity);
+      state.motion.attitude = select_entries<T>(standing, state.motion.attitude, motion.attitude);
+    }
+  }
+  internal::add_walks(settings, state.P, settings.dt);
+  for (Rejections<T>& rejections : state.rejections) rejections.time += dt;
+
+  // Correction.
+  if (any(standing))
+    internal::use_standing(period, rates_now, rates_fresh, force_now, force_fresh, standing);
+  const auto vector = [&](auto& queue, const auto& sample, double lag) {
+    using Value = std::decay_t<decltype(sample.value)>;
+    return internal::pass<Value, T>(queue, sample,
+                                    both(sample.fresh, entries_are_finite<T>(sample.value)), lag,
+                                    settings.dt, horizon);
+  };
+  const auto scalar = [&](auto& queue, const Sample<T, T>& sample, double lag) {
+    return internal::pass<T, T>(queue, sample, both(sample.fresh, is_finite(sample.value)), lag,
+                                settings.dt, horizon);
+  };
+  if (settings.gps_position)
+    internal::use_vector<internal::kP>(
+        period, *settings.gps_position,
+        vector(state.gps_position, frame.gps_position, settings.gps_position->lag),
+        Scalar::gps_position);
+  if (settings.gps_velocity)
+    internal::use_vector<internal::kV>(
+        period, *settings.gps_velocity,
+        vector(state.gps_velocity, frame.gps_velocity, settings.gps_velocity->lag),
+        Scalar::gps_velocity);
+  if (settings.vision)
+    internal::use_vector<internal::kP>(period, *settings.vision,
+                                       vector(state.vision, frame.vision, settings.vision->lag),
+                                       Scalar::vision);
+  if (settings.flow) internal::use_flow(period, vector(state.flow, frame.flow, settings.flow->lag));
+  if (settings.range)
+    internal::use_range(period, scalar(state.range, frame.sonar, settings.range->aid.lag));
+  if (settings.pressure)
+    internal::use_pressure(period,
+                           scalar(state.pressure, frame.pressure, settings.pressure->aid.lag));
+  if (settings.heading)
+    internal::use_heading(period,
+                          vector(state.field, frame.magnetic_field, settings.heading->aid.lag));
+
+  // The present.
+  Motion9<T> now = internal::motion_now(settings, state, horizon);
+  Vector3<T> rates = rates_now - state.gyro_bias;
+  if (any(standing)) {
+    now.position = select_entries<T>(standing, state.motion.position, now.position);
+    now.velocity = select_entries<T>(standing, state.motion.velocity, now.velocity);
+    now.attitude = select_entries<T>(standing, state.motion.attitude, now.attitude);
+    rates = select_entries<T>(standing, Vector3<T>(Vector3<T>::Zero()), rates);
+  }
+  internal::write_states(now, rates, state.yaw, estimate.x);
+  estimate.finite = entries_are_finite<T>(estimate.x);
+  return estimate;
+}
+
+/// Standard deviations of the newest estimate's position, velocity and attitude: those of the
+/// horizon's, grown by what is unknown since.
+template <class T>
+[[nodiscard]] Deviations<T> deviations(const GeneralFilterSettings& settings,
+                                       const GeneralFilterState<T>& state) {
+  namespace internal = general_filter_internal;
+  using std::sqrt;
+  const int horizon = horizon_periods(settings);
+  const double time = horizon * settings.dt;
+  const Motion9<T> motion = internal::motion_now(settings, state, horizon);
+  const Matrix3<T> R = internal::rotation(motion.attitude);
+  SymmetricMatrix<T, kErrorStates> P = state.P;
+  if (horizon > 0) {
+    Vector3<T> gained = motion.velocity - state.motion.velocity;
+    gained.z() -= T(settings.gravity * time);
+    internal::spread(P, R, gained, T(time));
+    internal::add_noise(settings, P, R, time);
+    const double turn = 0.5 * settings.angular_acceleration * time * time;
+    const double speed = 0.5 * settings.jerk * time * time;
+    for (int i = 0; i < 3; ++i) {
+      P(kErrorTurn + i, kErrorTurn + i) += T(turn * turn);
+      P(kErrorVelocity + i, kErrorVelocity + i) += T(speed * speed);
+    }
+  }
+  Deviations<T> result;
+  const auto root = [](const T& variance) { return T(sqrt(greater(variance, T(0)))); };
+  for (int i = 0; i < 3; ++i) {
+    result.position(i) = root(P(kErrorPosition + i, kErrorPosition + i));
+    result.velocity(i) = root(P(kErrorVelocity + i, kErrorVelocity + i));
+  }
+  // Of roll, pitch and yaw by a small turn about the world's axes.
+  const T cp2 = greater(T(R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0)), T(kLeastCosPitch));
+  Matrix3<T> J = Matrix3<T>::Zero();
+  J(0, 0) = R(0, 0) / cp2;
+  J(0, 1) = R(1, 0) / cp2;
+  const T cp = sqrt(cp2);
+  J(1, 0) = -R(1, 0) / cp;
+  J(1, 1) = R(0, 0) / cp;
+  J(2, 0) = -R(2, 0) * J(0, 0);
+  J(2, 1) = -R(2, 0) * J(0, 1);
+  J(2, 2) = T(1);
+  for (int i = 0; i < 3; ++i) {
+    T variance = T(0);
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) variance += J(i, j) * P(kErrorTurn + j, kErrorTurn + k) * J(i, k);
+    result.attitude(i) = root(variance);
+  }
+  return result;
+}
+
+}  // namespace quadtune

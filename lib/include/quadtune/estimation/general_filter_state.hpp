@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What the general filter keeps from one period to the next.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "quadtune/estimation/general_filter_settings.hpp"
+#include "quadtune/estimation/on_board.hpp"
+
+namespace quadtune {
+
+/// The errors of the filter: position and velocity in the world, a small turn about the world's
+/// axes, the biases of gyroscope and accelerometer in the body, the offset of the barometer's
+/// height.
+inline constexpr int kErrorPosition = 0;
+inline constexpr int kErrorVelocity = 3;
+inline constexpr int kErrorTurn = 6;
+inline constexpr int kErrorGyroBias = 9;
+inline constexpr int kErrorForceBias = 12;
+inline constexpr int kErrorPressureHeight = 15;
+inline constexpr int kErrorStates = 16;
+
+/// A symmetric matrix of which the lower triangle is stored, row by row.
+template <class T, int n>
+struct SymmetricMatrix {
+  std::array<T, static_cast<std::size_t>(n*(n + 1) / 2)> entries{};
+
+  [[nodiscard]] static constexpr std::size_t place(int i, int j) {
+    return static_cast<std::size_t>(i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i);
+  }
+  T& operator()(int i, int j) { return entries[place(i, j)]; }
+  const T& operator()(int i, int j) const { return entries[place(i, j)]; }
+};
+
+/// The newest values, newest first, in a ring that is not moved in memory.
+template <class Value, int n>
+struct History {
+  std::array<Value, static_cast<std::size_t>(n)> values{};
+  int newest = 0;
+
+  /// @param age  in control periods, 0 ≤ age < n
+  [[nodiscard]] const Value& operator[](int age) const { return values[place(age)]; }
+  Value& operator[](int age) { return values[place(age)]; }
+  /// The place of the newest value, whose oldest content is to be replaced.
+  Value& advance() {
+    newest = newest == 0 ? n - 1 : newest - 1;
+    return values[static_cast<std::size_t>(newest)];
+  }
+  void fill(const Value& value) { values.fill(value); }
+
+ private:
+  [[nodiscard]] std::size_t place(int age) const {
+    const int i = newest + age;
+    return static_cast<std::size_t>(i < n ? i : i - n);
+  }
+};
+
+/// Readings of gyroscope and accelerometer in one control period, scale factors undone.
+template <class T>
+struct InertialReading {
+  Vector3<T> rates = Vector3<T>::Zero();  ///< with the bias [rad/s]
+  Vector3<T> force = Vector3<T>::Zero();  ///< with the bias [m/s²]
+};
+
+/// A sample that waits until the state has come to its time.
+template <class Value, class T>
+struct Waiting {
+  Value value{};
+  T age = T(0);      ///< when it arrived [s]
+  MaskOf<T> came{};  ///< whether one arrived in that period
+};
+
+/// The scalar measurements in the order in which their rejections are counted.
+enum class Scalar {
+  flow = 0,
+  range = 2,
+  pressure = 3,
+  heading = 4,
+  gps_position = 5,
+  gps_velocity = 8,
+  vision = 11,
+};
+inline constexpr std::size_t kScalars = 14;
+
+/// How long a scalar measurement has not been believed.
+template <class T>
+struct Rejections {
+  T time = T(0);   ///< since one was believed [s]
+  T count = T(0);  ///< rejected in a row
+};
+
+/// Position, velocity and attitude at one time.
+template <class T>
+struct Motion9 {
+  Vector3<T> position = Vector3<T>::Zero();                           ///< world [m]
+  Vector3<T> velocity = Vector3<T>::Zero();                           ///< world [m/s]
+  Eigen::Matrix<T, 4, 1> attitude = Eigen::Matrix<T, 4, 1>::UnitX();  ///< (w, x, y, z) of R_WB
+};
+
+/// What is kept from one period to the next. A copy of it resumes identically.
+///
+/// The motion and its covariance are of the horizon, horizon_periods() before the newest period.
+template <class T>
+struct GeneralFilterState {
+  Motion9<T> motion;
+  Vector3<T> gyro_bias = Vector3<T>::Zero();   ///< [rad/s]
+  Vector3<T> force_bias = Vector3<T>::Zero();  ///< of the accelerometer [m/s²]
+  T pressure_height = T(0);                    ///< offset of the barometer's height [m]
+  SymmetricMatrix<T, kErrorStates> P;          ///< of the errors, in their order
+  T yaw = T(0);                                ///< last estimate, unwrapped [rad]
+
+  History<InertialReading<T>, kMostHistoryPeriods + kMostHorizonPeriods + 4> readings;
+  template <class Value>
+  using Queue = History<Waiting<Value, T>, kMostHorizonPeriods + 2>;
+  Queue<Eigen::Matrix<T, 2, 1>> flow;
+  Queue<T> range;
+  Queue<T> pressure;
+  Queue<Vector3<T>> field;
+  Queue<Vector3<T>> gps_position;
+  Queue<Vector3<T>> gps_velocity;
+  Queue<Vector3<T>> vision;
+  std::array<Rejections<T>, kScalars> rejections{};
+};
+
+/// The state of a filter that is told where it is, with the deviations settings.start.
+/// @param x  the 12 states of ned_convention()
+template <class T>
+[[nodiscard]] GeneralFilterState<T> general_filter_start(const GeneralFilterSettings& settings,
+                                                         const StateVector<T>& x) {
+  GeneralFilterState<T> state;
+  const Eigen::Quaternion<T> q = quaternion_of_euler(x(3), x(4), x(5));
+  const Matrix3<T> R_WB = rotation_of_euler(x(3), x(4), x(5));
+  state.motion.position = x.template segment<3>(kPosition);
+  state.motion.velocity = R_WB * x.template segment<3>(kVelocity);
+  state.motion.attitude << q.w(), q.x(), q.y(), q.z();
+  state.yaw = x(kAttitude + 2);
+  InertialReading<T> rest;
+  rest.rates = x.template segment<3>(kRates);
+  rest.force = R_WB.row(2).transpose() * T(-settings.gravity);
+  state.readings.fill(rest);
+
+  for (T& entry : state.P.entries) entry = T(0);
+  const StartDeviations& s = settings.start;
+  const auto set = [&](int first, double deviation) {
+    for (int i = first; i < first + 3; ++i) state.P(i, i) = T(deviation * deviation);
+  };
+  set(kErrorPosition, s.position);
+  set(kErrorVelocity, s.velocity);
+  set(kErrorTurn, s.tilt);
+  state.P(kErrorTurn + 2, kErrorTurn + 2) = T(s.yaw * s.yaw);
+  set(kErrorGyroBias, s.gyro_bias);
+  set(kErrorForceBias, s.force_bias);
+  if (settings.pressure)
+    state.P(kErrorPressureHeight, kErrorPressureHeight) = T(s.pressure_height * s.pressure_height);
+  return state;
+}
+
+/// Offsets that were found before the flight: the filter subtracts them from its first period on.
+template <class T>
+void set_biases(GeneralFilterState<T>& state, const Vector3<T>& gyro_bias,
+                const Vector3<T>& force_bias) {
+  for (auto& reading : state.readings.values) {
+    reading.rates += gyro_bias - state.gyro_bias;
+    reading.force += force_bias - state.force_bias;
+  }
+  state.gyro_bias = gyro_bias;
+  state.force_bias = force_bias;
+}
+
+}  // namespace quadtune

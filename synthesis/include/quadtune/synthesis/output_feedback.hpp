@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Static output feedback u = -F y of periodic plants: its quadratic cost, the slope of the cost,
+/// and a penalty on small stability margins. Theory: docs/theory.md, "Gains of a given structure".
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <vector>
+
+#include "quadtune/synthesis/periodic_loop.hpp"
+
+namespace quadtune {
+
+/// The sum over all steps of xᵀQx + uᵀRu, added up over the initial states.
+struct OutputFeedbackProblem {
+  PeriodicLti plant;      ///< nx states, nu inputs, ny outputs
+  Eigen::MatrixXd Q;      ///< (nx × nx) symmetric, ≥ 0
+  Eigen::MatrixXd R;      ///< (nu × nu) symmetric, ≥ 0
+  Eigen::MatrixXd start;  ///< (nx × ns) initial states at the first control period of a round
+};
+
+struct OutputFeedbackCost {
+  bool stable = false;  ///< whether all poles of the closed loop lie inside the unit circle
+  double cost = std::numeric_limits<double>::infinity();  ///< infinite unless stable
+  Eigen::MatrixXd slope;  ///< (nu × ny) ∂cost/∂F; NaN unless stable
+};
+
+/// Evaluates u = -F y. The cost and its slope follow from two periodic Lyapunov equations.
+/// @param F  (nu × ny)
+/// @throws InvalidInput  for shapes that disagree or entries that are not finite
+/// Source: Levine and Athans 1970, for periodic plants as in docs/theory.md.
+[[nodiscard]] OutputFeedbackCost output_feedback_cost(const OutputFeedbackProblem& problem,
+                                                      const Eigen::MatrixXd& F);
+
+/// Appends the integrals of outputs: i[k+1] = i[k] + dt y[k], seen by the law as i[k] + now dt
+/// y[k].
+/// @param outputs  indices of the integrated outputs; their integrals become the last outputs
+/// @param now      1: the law advances its integral before it acts; 0: after; ½: trapezoidal rule
+/// @throws InvalidInput  for an index out of range
+[[nodiscard]] PeriodicLti with_integrals(const PeriodicLti& plant,
+                                         const std::vector<Eigen::Index>& outputs, double now);
+
+/// Bounds on a loop with one channel, at given frequencies.
+struct MarginBounds {
+  double Ms = 2;      ///< maximum of |S|, > 1
+  double disk = 0.5;  ///< minimum of the symmetric disk margin, in (0, 2)
+};
+
+/// Sum of squares of the violations 1 - Ms |1 + L| and disk |1 - L| / 2 - |1 + L|, where L = F G.
+struct MarginPenalty {
+  double penalty = 0;
+  Eigen::RowVectorXd slope;  ///< (ny) ∂penalty/∂F
+};
+
+/// @param response  (ny × nw) G, the mean response of the plant at each frequency
+/// @param F         (ny)
+/// @throws InvalidInput  if the sizes disagree
+[[nodiscard]] MarginPenalty margin_penalty(const Eigen::MatrixXcd& response,
+                                           const Eigen::RowVectorXd& F, const MarginBounds& bounds);
+
+}  // namespace quadtune

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/synthesis/output_feedback.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <utility>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/matrix_checks.hpp"
+
+namespace quadtune {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using std::size_t;
+
+constexpr const char* kWhere = "output feedback";
+
+/// X with X = ΦᵀXΦ + V, as the limit of X ← X + ΦᵀXΦ, Φ ← Φ² (Smith 1968). Converges if and only if
+/// all eigenvalues of Φ lie inside the unit circle.
+/// @return  whether it converged
+bool smith(MatrixXd Phi, MatrixXd& X) {
+  constexpr int kMostDoublings = 40;  // 2^40 rounds
+  constexpr double kConverged = 1e-15;
+  MatrixXd half(Phi.rows(), Phi.cols()), added(Phi.rows(), Phi.cols());
+  for (int i = 0; i < kMostDoublings; ++i) {
+    half.noalias() = X * Phi;
+    added.noalias() = Phi.transpose() * half;
+    const double size = X.diagonal().cwiseAbs().sum();
+    const double change = added.cwiseAbs().maxCoeff();
+    if (!std::isfinite(change) || !std::isfinite(size)) return false;
+    X += added;
+    half.noalias() = Phi * Phi;
+    Phi.swap(half);
+    // Of a marginally stable Φ that the cost does not see, the powers do not vanish either.
+    if (change <= kConverged * size && Phi.cwiseAbs().maxCoeff() < 1e-3) return true;
+  }
+  return false;
+}
+
+void require(const OutputFeedbackProblem& problem, const MatrixXd& F) {
+  validate(problem.plant, kWhere);
+  const Index nx = problem.plant.A.front().rows(), nu = problem.plant.B.front().cols();
+  require_shape(problem.Q, nx, nx, kWhere, "Q", "one row and column per state");
+  require_shape(problem.R, nu, nu, kWhere, "R", "one row and column per input");
+  require_shape(problem.start, nx, problem.start.cols(), kWhere, "start", "one row per state");
+  require_shape(F, nu, problem.plant.C.rows(), kWhere, "F", "inputs by outputs of the plant");
+  require_finite(problem.Q, kWhere, "Q");
+  require_finite(problem.R, kWhere, "R");
+  require_finite(problem.start, kWhere, "start");
+  require_finite(F, kWhere, "F");
+}
+
+}  // namespace
+
+OutputFeedbackCost output_feedback_cost(const OutputFeedbackProblem& problem, const MatrixXd& F) {
+  require(problem, F);
+  const PeriodicLti& plant = problem.plant;
+  const size_t N = plant.period();
+  const Index nx = plant.A.front().rows(), nu = plant.B.front().cols();
+  OutputFeedbackCost result;
+  result.slope = MatrixXd::Constant(nu, plant.C.rows(), std::nan(""));
+  const MatrixXd K = F * plant.C;
+  std::vector<MatrixXd> A = plant.A;
+  for (size_t k = 0; k < N; ++k) A[k].noalias() -= plant.B[k] * K;
+  const MatrixXd RK = problem.R * K;
+  const MatrixXd Q = problem.Q + K.transpose() * RK;
+  // Over one round: Φ = A[N-1] … A[0], X = Q + A[0]ᵀ(Q + A[1]ᵀ(… Q …)A[1])A[0].
+  MatrixXd Phi = A[0], X = Q, half(nx, nx), next(nx, nx);
+  for (size_t k = 1; k < N; ++k) {
+    next.noalias() = A[k] * Phi;
+    Phi.swap(next);
+  }
+  for (size_t k = N - 1; k-- > 0;) {
+    half.noalias() = X * A[k];
+    X = Q;
+    X.noalias() += A[k].transpose() * half;
+  }
+  if (!smith(Phi, X)) return result;
+  MatrixXd S = problem.start * problem.start.transpose();
+  if (!smith(Phi.transpose(), S)) return result;
+  result.stable = true;
+  result.cost = problem.start.cwiseProduct(X * problem.start).sum();
+  // P[k] = Q + Aᵀ[k] P[k+1] A[k], Σ[k+1] = A[k] Σ[k] Aᵀ[k].
+  std::vector<MatrixXd> P(N);
+  P[0] = std::move(X);
+  for (size_t k = N - 1; k > 0; --k) {
+    half.noalias() = P[(k + 1) % N] * A[k];
+    P[k] = Q;
+    P[k].noalias() += A[k].transpose() * half;
+  }
+  MatrixXd slope = MatrixXd::Zero(nu, nx);
+  for (size_t k = 0; k < N; ++k) {
+    half.noalias() = P[(k + 1) % N] * A[k];
+    const MatrixXd row = RK - plant.B[k].transpose() * half;
+    slope.noalias() += row * S;
+    half.noalias() = A[k] * S;
+    S.noalias() = half * A[k].transpose();
+  }
+  result.slope = 2 * slope * plant.C.transpose();
+  return result;
+}
+
+PeriodicLti with_integrals(const PeriodicLti& plant, const std::vector<Index>& outputs,
+                           double now) {
+  validate(plant, kWhere);
+  const Index nx = plant.A.front().rows(), nu = plant.B.front().cols(), ny = plant.C.rows();
+  const Index ni = std::ssize(outputs);
+  PeriodicLti result = plant;
+  MatrixXd integrated(ni, nx);
+  for (Index j = 0; j < ni; ++j) {
+    const Index output = outputs[static_cast<size_t>(j)];
+    if (output < 0 || output >= ny)
+      throw InvalidInput(kWhere,
+                         fmt::format("output {} to integrate, expected 0 to {}", output, ny - 1));
+    integrated.row(j) = plant.C.row(output);
+    const auto name = [&](const std::vector<Signal>& of) {
+      return of.empty() ? Signal{} : of[static_cast<size_t>(output)];
+    };
+    const Signal of = name(plant.outputs);
+    if (!plant.states.empty()) result.states.push_back({"integral of " + of.name, of.unit + " s"});
+    if (!plant.outputs.empty()) result.outputs.push_back({"int_" + of.name, of.unit + " s"});
+  }
+  for (size_t k = 0; k < plant.period(); ++k) {
+    result.A[k] = MatrixXd::Identity(nx + ni, nx + ni);
+    result.A[k].topLeftCorner(nx, nx) = plant.A[k];
+    result.A[k].bottomLeftCorner(ni, nx) = plant.dt * integrated;
+    result.B[k] = MatrixXd::Zero(nx + ni, nu);
+    result.B[k].topRows(nx) = plant.B[k];
+  }
+  result.C = MatrixXd::Zero(ny + ni, nx + ni);
+  result.C.topLeftCorner(ny, nx) = plant.C;
+  result.C.bottomLeftCorner(ni, nx) = now * plant.dt * integrated;
+  result.C.bottomRightCorner(ni, ni).setIdentity();
+  return result;
+}
+
+MarginPenalty margin_penalty(const Eigen::MatrixXcd& response, const Eigen::RowVectorXd& F,
+                             const MarginBounds& bounds) {
+  if (response.rows() != F.size())
+    throw InvalidInput(kWhere, fmt::format("the response has {} outputs, expected {}, one for each "
+                                           "gain",
+                                           response.rows(), F.size()));
+  MarginPenalty result;
+  result.slope = Eigen::RowVectorXd::Zero(F.size());
+  for (Index i = 0; i < response.cols(); ++i) {
+    const Eigen::VectorXcd G = response.col(i);
+    const std::complex<double> L = (F * G)(0);
+    const std::complex<double> plus = 1.0 + L, minus = 1.0 - L;
+    const double p = std::abs(plus), m = std::abs(minus);
+    if (!std::isfinite(p) || !(p > 0)) continue;
+    // ∂|1 ± L|/∂F = ±Re(conj(1 ± L) G)/|1 ± L|
+    const Eigen::RowVectorXd dp = (std::conj(plus) * G).real().transpose() / p;
+    if (const double c = 1 - bounds.Ms * p; c > 0) {
+      result.penalty += c * c;
+      result.slope -= 2 * c * bounds.Ms * dp;
+    }
+    if (const double c = bounds.disk * m / 2 - p; c > 0 && m > 0) {
+      result.penalty += c * c;
+      const Eigen::RowVectorXd dm = -(std::conj(minus) * G).real().transpose() / m;
+      result.slope += 2 * c * (bounds.disk / 2 * dm - dp);
+    }
+  }
+  return result;
+}
+
+}  // namespace quadtune

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/flown_check.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <complex>
+#include <exception>
+#include <string>
+
+#include "quadtune/workbench/chosen_law.hpp"
+#include "quadtune/workbench/flight_plan.hpp"
+#include "quadtune/workbench/flown_loop.hpp"
+#include "quadtune/workbench/flying_loop.hpp"
+
+namespace quadtune {
+namespace {
+
+/// The estimator of the flight program that takes gains of a convention; empty: any.
+std::string estimator_of(const Vehicle& vehicle, const std::string& convention) {
+  const Sensors& sensors = vehicle.sensors;
+  if (convention == "mambo" && sensors.sonar) return "mambo";
+  if (convention == "uquad" && sensors.barometer && sensors.magnetometer) return "uquad";
+  return "";
+}
+
+VerifyCheck check_law(const Vehicle& vehicle, const Controller& controller,
+                      const std::optional<StoredEstimator>& stored, const std::string& convention,
+                      const char* name) {
+  VerifyCheck check{fmt::format("the flown loop of the {} is stable", name), false, ""};
+  try {
+    const PlannedFlight plan = hover_under(vehicle, controller, stored, convention);
+    FlownLoopOptions at;
+    at.evidence = MarginsEvidence::none;
+    const FlownLoop loop = flown_loop(plan, at);
+    check.ok = !loop.grows();
+    check.detail =
+        fmt::format("hover at {} m, estimator {}, {} sensors: largest |z| {:.6f}, {}", at.height,
+                    loop.estimator, loop.sensors, std::abs(loop.mode.z), in_words(loop));
+    if (!check.ok) check.detail += "; " + what_helps(plan, loop);
+  } catch (const std::exception& error) {
+    check.detail = error.what();
+  }
+  return check;
+}
+
+}  // namespace
+
+PlannedFlight hover_under(const Vehicle& vehicle, const Controller& controller,
+                          const std::optional<StoredEstimator>& stored,
+                          const std::string& convention) {
+  FlightOptions options;
+  ChosenLaw law{controller, "the exported law"};
+  law.estimator = stored;
+  if (!stored) options.estimator = estimator_of(vehicle, convention);
+  return plan_flight(options, vehicle, load_mission("hover"), law);
+}
+
+bool has_flown_loop(const TrimResult& trim) {
+  constexpr double kStill = 1e-9;  // [m/s], [rad/s], [rad]
+  return trim.solved() && trim.x.segment<3>(kVelocity).isZero(kStill) &&
+         trim.x.segment<3>(kRates).isZero(kStill) && std::abs(trim.x(kAttitude + 2)) <= kStill;
+}
+
+std::vector<VerifyCheck> check_flown_loops(const Vehicle& vehicle,
+                                           const std::optional<Gains>& gains,
+                                           const std::optional<CascadeDesign>& cascade,
+                                           const std::optional<StoredEstimator>& estimator) {
+  std::vector<VerifyCheck> checks;
+  if (gains && gains->dt > 0 && has_flown_loop(linearization_of(vehicle, *gains).trim))
+    checks.push_back(check_law(vehicle, feedback_controller(*gains, gains->dt), estimator,
+                               gains->convention, "state feedback"));
+  if (cascade)
+    checks.push_back(check_law(vehicle, cascade_controller(*cascade, cascade->gains), estimator, "",
+                               "PID cascade"));
+  return checks;
+}
+
+}  // namespace quadtune

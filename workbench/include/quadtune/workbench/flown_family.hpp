@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The flown plants of one vehicle that a law has to control: at several heights, and lighter,
+/// heavier, with quicker and slower rotors than its file states.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "quadtune/model/vehicle.hpp"
+#include "quadtune/synthesis/flown_plant.hpp"
+
+namespace quadtune {
+
+struct FlownFamilyMember {
+  std::string name;     ///< e.g. "at 3 m", "20 % lighter, lag 40 % longer"
+  double height = 1.1;  ///< of the hover [m]
+  double mass = 1;      ///< factors of what the vehicle file states
+  double lag = 1;
+  bool nominal = true;  ///< both factors are 1
+  FlownPlant plant;
+};
+
+/// The members, with the vehicle's usual estimator and its own sensors. Heights differ only if the
+/// estimator uses a sensor that depends on the height.
+/// @param dt  control period of the law [s]
+/// @throws InvalidInput  as flown_plant()
+[[nodiscard]] std::vector<FlownFamilyMember> flown_family(const Vehicle& vehicle, InputKind inputs,
+                                                          double dt);
+
+}  // namespace quadtune
