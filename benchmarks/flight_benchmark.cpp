@@ -233,6 +233,13 @@ FlightSetup everything() {
   return setup;
 }
 
+/// By the filter that takes every suite of sensors.
+FlightSetup general_hover() {
+  FlightSetup setup = mambo_hover();
+  setup.estimator = EstimatorKind::general;
+  return setup;
+}
+
 bool same_bytes(const FlightResult& a, const FlightResult& b) {
   const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
   bool same = a.end == b.end && a.steps == b.steps && a.events.size() == b.events.size();
@@ -302,6 +309,7 @@ void fly_everything() {
       "[ms] | times real time | pack over alone | a pack's flights and those alone |\n"
       "|---|---|---:|---:|---:|---:|---:|---|\n");
   fly_whole("mambo hovers, its sensors and estimator", mambo_hover(), 3000);
+  fly_whole("mambo hovers, its sensors and the general filter", general_hover(), 0);
   fly_whole("every sensor, turbulence, filter of 15 states", everything(), 0);
   fly_threads();
 }

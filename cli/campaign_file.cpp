@@ -94,8 +94,9 @@ CampaignKeep read_keep(const TomlTable& table) {
 CampaignMission read_campaign_mission(const TomlTable& table, const std::filesystem::path& folder,
                                       const std::vector<internal::TomlKey>& more) {
   std::vector<internal::TomlKey> keys = {
-      {"mission"}, {"estimator"},     {"sensors"}, {"flow"},      {"flow_rate", "Hz"},
-      {"wind"},    {"duration", "s"}, {"solver"},  {"step", "s"}, {"dynamic_environment"}};
+      {"mission"},    {"estimator"},     {"sensors"}, {"flow"},      {"flow_rate", "Hz"},
+      {"wind"},       {"duration", "s"}, {"solver"},  {"step", "s"}, {"dynamic_environment"},
+      {"allocation"}, {"take_off"}};
   keys.insert(keys.end(), more.begin(), more.end());
   table.allow(keys);
   CampaignMission read;
@@ -111,6 +112,8 @@ CampaignMission read_campaign_mission(const TomlTable& table, const std::filesys
   arguments.sensors = table.text_or("sensors", "");
   arguments.flow = table.text_or("flow", "");
   arguments.wind = table.text_or("wind", arguments.wind);
+  arguments.allocation = table.text_or("allocation", "");
+  arguments.take_off = table.text_or("take_off", "");
   arguments.solver = table.text_or("solver", arguments.solver);
   if (table.has("flow_rate_Hz"))
     arguments.flow_rate = table.number("flow_rate_Hz", Range::positive());

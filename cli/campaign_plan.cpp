@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "campaign_file.hpp"
 #include "flight_arguments.hpp"
@@ -13,14 +14,13 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/read_gains.hpp"
-#include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
 #include "quadtune/version.hpp"
-#include "quadtune/workbench/cascade_report.hpp"
 #include "quadtune/workbench/chosen_law.hpp"
-#include "quadtune/workbench/flying_loop.hpp"
+#include "quadtune/workbench/flown_loop.hpp"
+#include "quadtune/workbench/fly.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -30,7 +30,7 @@ using internal::Json;
 using internal::member;
 
 constexpr char kFormat[] = "quadtune campaign plan";
-constexpr int kFormatVersion = 1;
+constexpr int kFormatVersion = 2;
 constexpr char kPlanHashName[] = "plan.sha256";
 constexpr std::size_t kLimit = std::size_t{64} << 20;
 /// Simulated time of a shard where the file does not say how many there are [s]: some minutes of
@@ -88,6 +88,8 @@ Json to_json(const CascadeController& cascade) {
           {"attitude_limit", finite_or_null(cascade.attitude_limit)},
           {"integrator_limit", finite_or_null(cascade.integrator_limit)},
           {"back_calculation", cascade.back_calculation},
+          {"velocity_feed_forward", cascade.velocity_feed_forward},
+          {"conditional_integration", cascade.conditional_integration},
           {"loops", loops}};
 }
 
@@ -99,6 +101,8 @@ CascadeController cascade_of(const Json& json, const std::string& where) {
   cascade.attitude_limit = number_or(member(json, "attitude_limit", where), kInfinity);
   cascade.integrator_limit = number_or(member(json, "integrator_limit", where), kInfinity);
   cascade.back_calculation = member(json, "back_calculation", where).get<double>();
+  cascade.velocity_feed_forward = member(json, "velocity_feed_forward", where).get<bool>();
+  cascade.conditional_integration = member(json, "conditional_integration", where).get<bool>();
   for (const Json& entry : member(json, "loops", where)) {
     PidLoop loop =
         cascade_loop(cascade_axis(member(entry, "name", where).get<std::string>(), where));
@@ -127,10 +131,14 @@ void take(const Json& json, const std::string& where, MamboEstimatorSettings<dou
 }
 
 Json to_json(const FlightOptions& arguments) {
-  Json json = {
-      {"estimator", arguments.estimator}, {"sensors", arguments.sensors},
-      {"flow", arguments.flow},           {"wind", arguments.wind},
-      {"solver", arguments.solver},       {"dynamic_environment", arguments.dynamic_environment}};
+  Json json = {{"estimator", arguments.estimator},
+               {"sensors", arguments.sensors},
+               {"flow", arguments.flow},
+               {"wind", arguments.wind},
+               {"allocation", arguments.allocation},
+               {"take_off", arguments.take_off},
+               {"solver", arguments.solver},
+               {"dynamic_environment", arguments.dynamic_environment}};
   if (arguments.flow_rate) json["flow_rate_Hz"] = *arguments.flow_rate;
   if (arguments.duration) json["duration_s"] = *arguments.duration;
   if (arguments.step) json["step_s"] = *arguments.step;
@@ -142,6 +150,8 @@ FlightOptions arguments_of(const Json& json, const std::string& where) {
   arguments.sensors = member(json, "sensors", where).get<std::string>();
   arguments.flow = member(json, "flow", where).get<std::string>();
   arguments.wind = member(json, "wind", where).get<std::string>();
+  arguments.allocation = member(json, "allocation", where).get<std::string>();
+  arguments.take_off = member(json, "take_off", where).get<std::string>();
   arguments.solver = member(json, "solver", where).get<std::string>();
   arguments.dynamic_environment = member(json, "dynamic_environment", where).get<bool>();
   if (json.contains("flow_rate_Hz")) arguments.flow_rate = json["flow_rate_Hz"].get<double>();
@@ -162,28 +172,16 @@ Vehicle vehicle_of(const CampaignRequest& request) {
   }
 }
 
-/// Of the loop near its trim, sampled as it flies.
-double largest_pole(const Vehicle& vehicle, const Controller& controller,
-                    const std::string& where) {
-  if (const auto* cascade = std::get_if<CascadeController>(&controller))
-    return assess_written_cascade(vehicle, cascade->gains, cascade->method, where)
-        .cascade.poles.cwiseAbs()
-        .maxCoeff();
-  const auto& feedback = std::get<StateFeedbackController>(controller);
-  Gains gains = feedback.gains;
-  gains.dt = feedback.dt;
-  return closed_loop_poles(model_of(vehicle, gains).plant, gains).cwiseAbs().maxCoeff();
-}
-
 /// Thousands of flights that fall are not flown.
-void require_stable(const Vehicle& vehicle, const CampaignDesign& design,
-                    const Controller& controller) {
-  const double largest = largest_pole(vehicle, controller, design.where);
-  if (!(largest < 1))
-    throw NoSolution(fmt::format("{}: the design '{}' does not stabilize the vehicle '{}': the "
-                                 "largest |z| of its loop is {:.6g}, expected less than 1",
-                                 design.where, design.name, vehicle.name, largest),
-                     design.where);
+void require_stable(const PlannedFlight& plan, const CampaignDesign& design) {
+  const std::optional<FlownLoop> loop = hover_loop(plan);
+  if (!loop || !loop->grows()) return;
+  throw NoSolution(
+      fmt::format("{}: the design '{}' does not stabilize the vehicle '{}' as it flies, with the "
+                  "estimator {}: {}; {}",
+                  design.where, design.name, plan.setup.vehicle.name, plan.estimator,
+                  in_words(*loop), what_helps(plan, *loop)),
+      design.where);
 }
 
 class PlanMaker {
@@ -269,14 +267,22 @@ class PlanMaker {
     const ChosenLaw law =
         told_of_file(design.where, [&] { return choose_law(arguments, vehicle, "campaign"); });
     entry["law"] = law.words;
-    require_stable(vehicle, design, law.controller);
     Controller controller = law.controller;
+    if (law.estimator) {
+      ExportContent content;
+      content.vehicle = vehicle;
+      content.estimator = law.estimator;
+      const std::string name = fmt::format("estimator-{}.json", design.name);
+      entry["estimator"] = name;
+      files_.push_back({name, gains_json_text(content)});
+    }
     entry["estimators"] = Json::array();
     for (const CampaignMission& m : request_.missions) {
       FlightOptions flown = m.arguments;
       flown.integrator = design.integrator;
       const PlannedFlight plan =
           told_of_file(m.where, [&] { return plan_flight(flown, vehicle, m.mission, law); });
+      require_stable(plan, design);
       controller = plan.setup.controller;  // with the integrator that was asked for
       entry["estimators"].push_back(to_json(plan.setup.mambo_estimator));
     }
@@ -375,6 +381,8 @@ CampaignPlan plan_of(const Json& json, const std::filesystem::path& folder,
       law.controller = feedback_controller(
           read_gains(folder / member(design, "gains", where).get<std::string>()),
           member(design, "dt_s", where).get<double>());
+    if (design.contains("estimator"))
+      law.estimator = read_laws(folder / design["estimator"].get<std::string>()).estimator;
     for (std::size_t m = 0; m < missions.size(); ++m) {
       CampaignCase of;
       of.design = member(design, "name", where).get<std::string>();

@@ -5,12 +5,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <ostream>
 
 #include "certify_report.hpp"
 #include "flight_arguments.hpp"
+#include "flown_or_ideal.hpp"
 #include "number_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
@@ -19,6 +21,10 @@
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/tuning/uncertain_vehicle.hpp"
+#include "quadtune/workbench/chosen_law.hpp"
+#include "quadtune/workbench/flown_box.hpp"
+#include "quadtune/workbench/flown_check.hpp"
+#include "quadtune/workbench/flying_loop.hpp"
 #include "refusal.hpp"
 #include "verify_report.hpp"
 
@@ -33,6 +39,7 @@ struct Options {
   std::string delay;       // empty: up to one period
   std::string lag;         // empty: the vehicle's
   std::string integrator;  // empty: the export's
+  std::string plant = "flown";
   std::uint64_t budget = 20000;
 };
 
@@ -89,14 +96,16 @@ VehicleUncertainty uncertainty_of(const Options& options, const Vehicle& vehicle
   u.mass = read_ratios(options.mass, "--mass");
   u.inertia = read_ratios(options.inertia, "--inertia");
   u.thrust = read_ratios(options.thrust, "--thrust");
-  u.delay =
-      options.delay.empty() ? UncertainRange{0, dt} : read_seconds(options.delay, "--delay", true);
+  const double late = vehicle.motor.delay;  // then up to the jitter and one period of computing
+  u.delay = options.delay.empty() ? UncertainRange{late, late + vehicle.motor.delay_jitter + dt}
+                                  : read_seconds(options.delay, "--delay", true);
   require_short(u.delay, dt);
-  const double own = vehicle.rotors.front().lag;
+  const double own = slower_lag(vehicle.rotors.front());
   u.lag =
       options.lag.empty() ? UncertainRange{own, own} : read_seconds(options.lag, "--lag", false);
-  if (options.lag.empty() && std::any_of(vehicle.rotors.begin(), vehicle.rotors.end(),
-                                         [&](const Rotor& rotor) { return rotor.lag != own; }))
+  if (options.lag.empty() &&
+      std::any_of(vehicle.rotors.begin(), vehicle.rotors.end(),
+                  [&](const Rotor& rotor) { return slower_lag(rotor) != own; }))
     throw InvalidInput(vehicle.name,
                        "the rotors have different lags, expected --lag LOW:HIGH for all");
   return u;
@@ -127,32 +136,64 @@ bool asked_for(const Options& options, const std::string& controller) {
   return options.controller.empty() || options.controller == controller;
 }
 
-/// The laws of the export that are asked for, not yet looked at.
-std::vector<CertifiedLaw> laws_of(const Options& options, const Vehicle& vehicle) {
+/// A law of the export that is asked for, not yet looked at, and how it flies.
+struct AskedLaw {
+  CertifiedLaw law;
+  std::function<PlannedFlight()> hover;  ///< none if the gains are of another flight
+};
+
+std::vector<AskedLaw> laws_of(const Options& options, const Vehicle& vehicle) {
   const StoredLaws stored = read_laws(options.directory);
-  std::vector<CertifiedLaw> laws;
-  if (stored.gains && asked_for(options, "state-feedback"))
-    laws.push_back({"state feedback",
-                    stored.gains->dt,
-                    uncertain_hover(vehicle, *stored.gains,
-                                    uncertainty_of(options, vehicle, stored.gains->dt)),
-                    {}});
+  std::vector<AskedLaw> laws;
+  if (stored.gains && asked_for(options, "state-feedback")) {
+    const Gains& gains = *stored.gains;
+    AskedLaw& asked = laws.emplace_back();
+    asked.law.name = "state feedback";
+    asked.law.dt = gains.dt;
+    asked.law.family = uncertain_hover(vehicle, gains, uncertainty_of(options, vehicle, gains.dt));
+    if (has_flown_loop(linearization_of(vehicle, gains).trim))
+      asked.hover = [vehicle, gains, estimator = stored.estimator] {
+        return hover_under(vehicle, feedback_controller(gains, gains.dt), estimator,
+                           gains.convention);
+      };
+  }
   if (stored.cascade && asked_for(options, "cascaded-pid")) {
-    const CascadeDesign& cascade = *stored.cascade;
-    const PidMethod method = options.integrator.empty()
-                                 ? cascade.method
-                                 : pid_method(options.integrator, "--integrator");
-    laws.push_back({"cascade",
-                    cascade.gains.dt,
-                    uncertain_hover(vehicle, cascade.gains, method,
-                                    uncertainty_of(options, vehicle, cascade.gains.dt)),
-                    {}});
+    CascadeDesign cascade = *stored.cascade;
+    if (!options.integrator.empty())
+      cascade.method = pid_method(options.integrator, "--integrator");
+    AskedLaw& asked = laws.emplace_back();
+    asked.law.name = "cascade";
+    asked.law.dt = cascade.gains.dt;
+    asked.law.family = uncertain_hover(vehicle, cascade.gains, cascade.method,
+                                       uncertainty_of(options, vehicle, cascade.gains.dt));
+    asked.hover = [vehicle, cascade, estimator = stored.estimator] {
+      return hover_under(vehicle, cascade_controller(cascade, cascade.gains), estimator, "");
+    };
   }
   if (laws.empty())
     throw InvalidInput(options.directory,
                        fmt::format("the export has no {}, expected a law whose loop can be closed",
                                    options.controller.empty() ? "gains" : options.controller));
   return laws;
+}
+
+/// The flown loops of the box, where the gains are for a hover.
+FlownBox flown_of(const AskedLaw& asked, const Context& context) {
+  FlownBox none;
+  if (!asked.hover) {
+    none.why = "the gains are not for a level hover with the heading north";
+    return none;
+  }
+  FlownBoxOptions options;
+  options.also = asked.law.robustness.worst.parameters;
+  options.threads = context.threads;
+  options.interrupted = interrupted;
+  try {
+    return flown_box(asked.hover(), asked.law.family, options);
+  } catch (const InvalidInput& error) {
+    none.why = error.what();
+    return none;
+  }
 }
 
 /// Before anything is read: a wrong range is told without an export.
@@ -163,6 +204,7 @@ void require_ranges(const Options& options) {
   if (!options.delay.empty()) (void)read_seconds(options.delay, "--delay", true);
   if (!options.lag.empty()) (void)read_seconds(options.lag, "--lag", false);
   if (!options.integrator.empty()) (void)pid_method(options.integrator, "--integrator");
+  (void)asks_for_flown_plant(options.plant, "certify");
 }
 
 void run(const Options& options, Context& context) {
@@ -172,14 +214,17 @@ void run(const Options& options, Context& context) {
   require_verified(options);
   const Manifest manifest = read_manifest(options.directory);
   const Vehicle vehicle = vehicle_of(options, manifest);
-  CertifyReport report{options.directory, vehicle.name, laws_of(options, vehicle)};
+  CertifyReport report{options.directory, vehicle.name, {}};
   RobustnessOptions robustness;
   robustness.seed = context.seed;
   robustness.proof.most_boxes = static_cast<int>(options.budget);
+  robustness.proof.threads = context.threads;
   robustness.proof.interrupted = interrupted;
-  for (CertifiedLaw& law : report.laws) {
-    law.robustness = assess_robustness(law.family, robustness);
-    if (law.robustness.proof.status == StabilityProofStatus::interrupted) throw Interrupted();
+  for (AskedLaw& asked : laws_of(options, vehicle)) {
+    asked.law.robustness = assess_robustness(asked.law.family, robustness);
+    if (asked.law.robustness.proof.status == StabilityProofStatus::interrupted) throw Interrupted();
+    if (asks_for_flown_plant(options.plant, "certify")) asked.law.flown = flown_of(asked, context);
+    report.laws.push_back(std::move(asked.law));
   }
   if (context.json)
     context.out << internal::readable(to_json(report)) << "\n";
@@ -223,6 +268,10 @@ Verb certify_verb() {
             app.add_option("--vehicle", options->vehicle,
                            "the vehicle, where the manifest's is not built in")
                 ->type_name("V");
+            app.add_option("--plant", options->plant,
+                           "flown (default) also looks at vehicles of the box with their sensors "
+                           "and estimator; ideal does not")
+                ->type_name("NAME");
             add_count(app, "--budget", options->budget, 1,
                       "boxes that a proof may look at (default 20000)")
                 ->type_name("N");

@@ -94,6 +94,29 @@ std::string scale_text(const CertifiedLaw& law) {
                             law.family.greatest_scale, law.family.greatest_scale_reason);
 }
 
+std::string flown_text(const CertifiedLaw& law) {
+  const FlownBox& flown = *law.flown;
+  if (!flown.worst) return "not looked at: " + flown.why;
+  return fmt::format(
+      "{} vehicles of the box with their sensors and the estimator {}: {}\n"
+      "worst: {}; {}",
+      flown.vehicles, flown.worst->estimator, law.flown_unstable() ? "UNSTABLE" : "stable",
+      in_words(*flown.worst), point_text(law.family, flown.parameters));
+}
+
+Json flown_json(const CertifiedLaw& law) {
+  if (!law.flown) return nullptr;
+  const FlownBox& flown = *law.flown;
+  if (!flown.worst) return {{"why", flown.why}};
+  return {{"vehicles", flown.vehicles},
+          {"estimator", flown.worst->estimator},
+          {"sensors", flown.worst->sensors},
+          {"stable", !law.flown_unstable()},
+          {"radius", finite_or_null(std::abs(flown.worst->mode.z))},
+          {"mode", in_words(*flown.worst)},
+          {"parameters", point_json(law.family, flown.parameters)}};
+}
+
 std::string law_text(const CertifiedLaw& law) {
   const Robustness& r = law.robustness;
   return section("law", fmt::format("{}, every {} s", law.name, number(law.dt))) +
@@ -102,7 +125,7 @@ std::string law_text(const CertifiedLaw& law) {
          section("worst found", fmt::format("largest |z| {:.9f}{}: {}", r.worst.radius,
                                             r.worst.unstable() ? ", UNSTABLE" : "",
                                             point_text(law.family, r.worst.parameters))) +
-         section("bracket", scale_text(law));
+         section("bracket", scale_text(law)) + (law.flown ? section("flown", flown_text(law)) : "");
 }
 
 Json proof_json(const StabilityProof& proof) {
@@ -142,6 +165,7 @@ Json law_json(const CertifiedLaw& law) {
             {"found_at", found ? point_json(law.family, r.found.parameters) : Json(nullptr)},
             {"greatest", law.family.greatest_scale},
             {"greatest_reason", law.family.greatest_scale_reason}}},
+          {"flown", flown_json(law)},
           {"proved", law.proved()},
           {"reason", law.reason()}};
 }
@@ -157,6 +181,10 @@ std::string CertifiedLaw::reason() const {
   if (robustness.worst.unstable())
     return fmt::format("{} is unstable, largest |z| {:.6f}, at {}", name, robustness.worst.radius,
                        point_text(family, robustness.worst.parameters));
+  if (flown_unstable())
+    return fmt::format(
+        "{}: the flown loop, with sensors and the estimator {}, is unstable: {}; at {}", name,
+        flown->worst->estimator, in_words(*flown->worst), point_text(family, flown->parameters));
   if (robustness.proof.proved()) return "";
   return fmt::format(
       "{} is not proved, nor was an unstable loop found: {}; the worst found has "
@@ -173,7 +201,7 @@ bool CertifyReport::proved() const {
 std::string CertifyReport::verdict() const {
   if (proved()) return "proved";
   const bool unstable = std::any_of(laws.begin(), laws.end(), [](const CertifiedLaw& law) {
-    return law.robustness.worst.unstable();
+    return law.robustness.worst.unstable() || law.flown_unstable();
   });
   return unstable ? "unstable" : "not proved";
 }

@@ -2,11 +2,13 @@
 /// What `certify` proved and found, as text and JSON.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "quadtune/internal/json.hpp"
 #include "quadtune/synthesis/robustness.hpp"
+#include "quadtune/workbench/flown_box.hpp"
 
 namespace quadtune::cli {
 
@@ -16,7 +18,12 @@ struct CertifiedLaw {
   double dt = 0;     ///< [s]
   LoopFamily family;
   Robustness robustness;
+  std::optional<FlownBox> flown = {};  ///< none with --plant ideal
 
+  /// Whether a vehicle of the box was found whose flown loop grows.
+  [[nodiscard]] bool flown_unstable() const {
+    return flown && flown->worst && flown->worst->grows();
+  }
   /// Whether the whole box is proved, and means something.
   [[nodiscard]] bool proved() const;
   /// Why not, in words; empty if it is.

@@ -45,8 +45,8 @@ std::array<FlightOptions, 2> both_flights(Options options) {
                                    "expected a vehicle with one",
                                    flight.vehicle),
                        "V");
-    flight = as_the_model_project(flight);
     if (flight.estimator.empty()) flight.estimator = "mambo-original";
+    flight = as_the_model_project(flight);
     std::array<FlightOptions, 2> two = {flight, flight};
     two[0].flow = "simplified";
     two[1].flow = "full";

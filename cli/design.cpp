@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune design: the whole way from a design file to files that the flight code reads.
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -8,9 +11,11 @@
 
 #include "design_report.hpp"
 #include "flight_story.hpp"
+#include "number_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/export_content.hpp"
 #include "trusted_covariances.hpp"
 #include "verify_report.hpp"
@@ -60,12 +65,15 @@ void write_reports(const DesignOutcome& outcome, const std::string& directory,
   }
 }
 
+constexpr std::uint64_t kMostSeeds = 1000;
+
 }  // namespace
 
 Verb design_verb() {
   struct Options {
     std::string file, directory;
     bool force = false;
+    std::uint64_t seeds = kDesignSeeds;
   };
   return {
       "design", "FILE [-o DIR]",
@@ -76,15 +84,28 @@ Verb design_verb() {
         app.add_option("-o", options->directory, "directory to write; without it, only print")
             ->type_name("DIR");
         app.add_flag("--force", options->force,
-                     "write although a mission of the design was not flown well, and take tuned "
+                     "write although a mission of the design failed, and take tuned "
                      "covariances whatever their verdict");
-        return [options](Context& context) {
+        add_count(app, "--seeds", options->seeds, 1,
+                  fmt::format("flights of each mission, all of which must pass; {}", kDesignSeeds))
+            ->type_name("N");
+        return [options, &app](Context& context) {
           if (options->file.empty())
             throw UsageError("quadtune design: expected a design file", "FILE");
+          if (options->seeds > kMostSeeds)
+            throw UsageError(fmt::format("quadtune design: --seeds is {}, expected at most {}",
+                                         options->seeds, kMostSeeds),
+                             "--seeds");
           DesignOutcome outcome = run_design(options->file);
+          if (app.get_option("--seeds")->count() > 0 && outcome.design.missions.empty())
+            throw UsageError(fmt::format("quadtune design: --seeds came, but {} has no [[mission]] "
+                                         "to fly",
+                                         internal::printable(options->file)),
+                             "--seeds");
           require_tuned(outcome, options->force, context);
-          outcome.flights =
-              fly_missions(outcome, context.seed, !options->directory.empty(), interrupted);
+          outcome.flights = fly_missions(outcome, context.seed, !options->directory.empty(),
+                                         interrupted, static_cast<std::uint32_t>(options->seeds));
+          outcome.disturbed = fly_disturbed(outcome, context.seed, interrupted);
           for (const std::string& note : outcome.model.notes) context.note("design: note: " + note);
           if (outcome.design.condition.yaw != 0 && outcome.gains)
             context.note("design: note: position is in world axes, so K holds at this yaw only");
@@ -102,9 +123,9 @@ Verb design_verb() {
             throw AnswerIsNo(outcome.cascade && unstable(*outcome.cascade)
                                  ? "design: the cascade does not hold the vehicle"
                              : !flies && !options->directory.empty() && !options->force
-                                 ? "design: a mission was not flown well, so nothing is written; "
+                                 ? "design: a mission failed, so nothing is written; "
                                    "--force writes all the same"
-                             : !flies ? "design: a mission was not flown well"
+                             : !flies ? "design: a mission failed"
                                       : "design: what was written does not verify");
         };
       }};

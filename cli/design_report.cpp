@@ -9,6 +9,7 @@
 #include "cascade_report.hpp"
 #include "design_flights.hpp"
 #include "export_report.hpp"
+#include "lqr_flown.hpp"
 #include "margins_report.hpp"
 #include "print.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -27,6 +28,7 @@ double thrust_to_weight(const Vehicle& vehicle) {
 // --- JSON ----------------------------------------------------------------------------------------
 
 Json lqr_json(const DesignOutcome& outcome) {
+  if (outcome.lqi) return to_json(*outcome.lqi, outcome.design.vehicle);
   const RiccatiResult& riccati = outcome.feedback->riccati;
   const Gains& gains = *outcome.gains;
   return {{"status", to_string(riccati.status)},
@@ -149,6 +151,7 @@ std::string estimator_text(const EstimatorDesign& estimator) {
 }
 
 std::string feedback_text(const DesignOutcome& outcome) {
+  if (outcome.lqi) return to_text(*outcome.lqi);
   const Gains& gains = *outcome.gains;
   const std::vector<std::string> inputs = signal_names(gains.inputs);
   std::string text = section("problem", problem_text(outcome));
@@ -171,6 +174,8 @@ std::vector<std::string> design_warnings(const DesignOutcome& outcome) {
   std::vector<std::string> warnings;
   if (outcome.feedback && !outcome.feedback->riccati.warning.empty())
     warnings.push_back("lqr: " + outcome.feedback->riccati.warning);
+  if (outcome.lqi)
+    for (const std::string& note : outcome.lqi->design.notes) warnings.push_back("lqr: " + note);
   if (outcome.margins)
     for (const std::string& warning : margin_warnings(*outcome.margins))
       warnings.push_back(warning);

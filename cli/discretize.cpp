@@ -11,6 +11,7 @@
 #include <optional>
 #include <ostream>
 
+#include "flown_or_ideal.hpp"
 #include "matrix_arguments.hpp"
 #include "method_comparison.hpp"
 #include "number_arguments.hpp"
@@ -29,6 +30,7 @@ struct Options {
   std::string vehicle;
   PlotArgument plot;
   std::string A, B, C, D, num, den, method = "zoh", input_delay, output_delay;
+  std::string compared_plant = "flown";
   double dt = 0;
   double prewarp = 0;
   double delay = 0;
@@ -260,7 +262,8 @@ void refuse_options_of_a_system(const CLI::App& app) {
 void run_comparison(const Options& options, Context& context) {
   if (options.vehicle.empty())
     refuse("--compare", "came without a vehicle, expected one: quadtune discretize V --compare");
-  compare_methods(options.vehicle, options.dt, options.plot, context);
+  const bool flown = asks_for_flown_plant(options.compared_plant, "discretize");
+  compare_methods(options.vehicle, options.dt, flown, options.plot, context);
 }
 
 void run_discretize(const Options& options, const CLI::App& app, Context& context) {
@@ -275,6 +278,9 @@ void run_discretize(const Options& options, const CLI::App& app, Context& contex
     refuse("V",
            "came without --compare, expected it, or --A and --B or --num and --den for one "
            "system");
+  if (app.get_option("--plant")->count() > 0)
+    refuse("--plant",
+           "came without --compare, expected it because a system of one's own is the plant");
   if (!options.plot.file.empty())
     refuse("--plot", "came without --compare, expected it because only the comparison is drawn");
   refuse_mixtures(options);
@@ -305,6 +311,10 @@ Verb discretize_verb() {
             app.add_option("V", options->vehicle, "with --compare: a built-in vehicle or a file");
             app.add_flag("--compare", options->compare,
                          "every method at T/2, T and 2 T on the vehicle's LQR and PID loops");
+            app.add_option("--plant", options->compared_plant,
+                           "with --compare: flown (default) judges the laws as they run on the "
+                           "plant with the sensors and the estimator as well; ideal does not")
+                ->type_name("NAME");
             add_plot_option(app, options->plot);
             app.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
             app.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");

@@ -44,6 +44,7 @@ ExportContent read_content(const Options& options) {
   GivenLaws given = read_given_laws(options.source);
   content.gains = std::move(given.laws.gains);
   content.cascade = std::move(given.laws.cascade);
+  content.estimator = std::move(given.laws.estimator);
   if (content.gains && !(content.gains->dt > 0))
     throw InvalidInput(options.source,
                        "the gains are continuous, expected those of a sample period, e.g. by "

@@ -41,8 +41,8 @@ const FileKind kGains = {"a file of gains", kLawTakers};
 const FileKind kDesign = {"a design file", with({"design", "verify --design"}, kLawTakers)};
 const FileKind kVehicle = {
     "a vehicle file",
-    {"vehicle", "linearize", "lqr", "pid", "margins", "discretize", "fly", "compare", "tune pid",
-     "tune lqr", "export --vehicle", "verify --vehicle", "certify --vehicle"}};
+    {"vehicle", "linearize", "lqr", "lqg", "pid", "margins", "discretize", "fly", "compare",
+     "tune pid", "tune lqr", "export --vehicle", "verify --vehicle", "certify --vehicle"}};
 const FileKind kMission = {
     "a mission file",
     {"fly --mission", "compare --mission", "tune pid --mission", "tune lqr --mission"}};

@@ -24,7 +24,8 @@ void add_flight_options(CLI::App& app, FlightOptions& options) {
                  "of the PID: euler (default), backward-euler or tustin")
       ->type_name("NAME");
   app.add_option("--estimator", options.estimator,
-                 "mambo, mambo-original, mambo-raw, uquad or truth; what the sensors can feed")
+                 "mambo, mambo-original, mambo-raw, uquad, general or truth; default: that of the "
+                 "gains file, else what the sensors allow")
       ->type_name("NAME");
   app.add_option("--flow", options.flow, "optical flow: full (default), simplified or off")
       ->type_name("MODEL");
@@ -35,6 +36,13 @@ void add_flight_options(CLI::App& app, FlightOptions& options) {
   app.add_option("--wind", options.wind,
                  "calm (default), light, moderate, severe, or a list: north=3,gust_east=2")
       ->type_name("WIND");
+  app.add_option("--allocation", options.allocation,
+                 "of commands beyond the motors' limits: prioritized (default) or clipped")
+      ->type_name("RULE");
+  app.add_option("--take-off", options.take_off,
+                 "climb: under the control law; thrust: a second of constant thrust; default: the "
+                 "mission's")
+      ->type_name("HOW");
   add_positive(app, "--duration", options.duration, "[s]; the mission's")->type_name("S");
   app.add_option("--solver", options.solver, "euler, bogacki-shampine-3 (default) or runge-kutta-4")
       ->type_name("NAME");

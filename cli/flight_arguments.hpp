@@ -31,6 +31,17 @@ auto told_of_command(const std::string& verb, Function&& function) {
   }
 }
 
+/// The same where the control period came from --dt, which may be too short for the estimator.
+template <class Function>
+auto told_of_period(const std::string& verb, Function&& function) {
+  try {
+    return told_of_command(verb, function);
+  } catch (const InvalidInput& error) {
+    if (error.where() != "estimator general") throw;
+    throw UsageError(fmt::format("quadtune {}: --dt: {}", verb, error.what()), "--dt");
+  }
+}
+
 /// The same for options that came from a file.
 /// @param where  "file:line"
 /// @throws InvalidInput  in place of OptionError

@@ -140,6 +140,81 @@ std::vector<MarginRow> margin_rows(const MarginsReport& margins) {
   return rows;
 }
 
+const WidenedLimit* widened_of(const PlannedFlight& plan, Metric metric) {
+  for (const WidenedLimit& widened : plan.widened)
+    if (widened.what == name_of(metric)) return &widened;
+  return nullptr;
+}
+
+Json bound_json(const PlannedFlight& plan) {
+  const MissionBound& bound = *plan.bound;
+  const auto size = [](const ErrorSize& error) {
+    return Json{{"rms", finite_or_null(error.rms)},
+                {"rms_rarely", finite_or_null(error.rms_rarely)},
+                {"most_rarely", finite_or_null(error.most_rarely)}};
+  };
+  Json json = {{"sensors", bound.bound.used},
+               {"height_m", bound.options.height},
+               {"tracking_m", size(bound.tracking)},
+               {"horizontal_rms_m", finite_or_null(bound.horizontal_rms)},
+               {"vertical_m", size(bound.height)},
+               {"yaw_rad", size(bound.heading)},
+               {"estimate_m", size(bound.estimate)},
+               {"at_the_end", Json{{"horizontal_rms_m", finite_or_null(bound.horizontal_end)},
+                                   {"vertical_rms_m", finite_or_null(bound.height_end)},
+                                   {"yaw_rms_rad", finite_or_null(bound.heading_end)}}}};
+  json["widened"] = Json::array();
+  for (const WidenedLimit& widened : plan.widened)
+    json["widened"].push_back({{"what", widened.what},
+                               {"unit", widened.unit},
+                               {"asked", widened.asked},
+                               {"sensors_rms", finite_or_null(widened.bound)},
+                               {"judged_by", widened.judged}});
+  return json;
+}
+
+/// What the sensors can know, and the limits that follow from it.
+std::string bound_text(const PlannedFlight& plan) {
+  if (!plan.bound) return "";
+  const MissionBound& bound = *plan.bound;
+  std::string text = "\nbound of the sensors, rms (best filter, whatever is flown)\n";
+  text += fmt::format("  position {:.3g} m, height {:.3g} m, yaw {:.3g} rad; ", bound.tracking.rms,
+                      bound.height.rms, bound.heading.rms);
+  text += fmt::format("at the end {:.3g} m\n", std::hypot(bound.horizontal_end, bound.height_end));
+  for (const WidenedLimit& widened : plan.widened) {
+    const std::string unit = widened.unit == "1" ? "" : " " + widened.unit;
+    text += fmt::format("  {:<34} judged by {:.4g}{} instead of {:.4g}{}\n", widened.label,
+                        widened.judged, unit, widened.asked, unit);
+  }
+  return text;
+}
+
+Json to_json(const Diagnosis& diagnosis) {
+  const FlightEvidence& evidence = diagnosis.evidence;
+  return {{"cause", to_string(diagnosis.cause)},
+          {"why", diagnosis.why},
+          {"next", diagnosis.next},
+          {"passes_with_true_states", evidence.passes_with_true_states},
+          {"passes_with_ideal_sensors", evidence.passes_with_ideal_sensors},
+          {"saturation", finite_or_null(evidence.saturation)},
+          {"saturation_with_true_states", finite_or_null(evidence.saturation_with_true_states)},
+          {"estimate_rms_m", finite_or_null(evidence.estimate_rms)},
+          {"bound_rms_m", finite_or_null(evidence.bound_rms)},
+          {"largest_pole", finite_or_null(evidence.largest_pole)}};
+}
+
+Json seeds_json(const std::vector<SeedVerdict>& seeds) {
+  Json json = Json::array();
+  for (const SeedVerdict& seed : seeds) {
+    Json entry = {{"seed", seed.seed},
+                  {"verdict", seed.passed ? "pass" : "fail"},
+                  {"end", to_string(seed.end)}};
+    if (!seed.reason.empty()) entry["reason"] = seed.reason;
+    json.push_back(entry);
+  }
+  return json;
+}
+
 }  // namespace
 
 std::string circumstances(const PlannedFlight& plan) {
@@ -147,7 +222,7 @@ std::string circumstances(const PlannedFlight& plan) {
                      plan.sensors, plan.wind, plan.setup.seed);
 }
 
-Json to_json(const FlownFlight& flight) {
+Json to_json(const FlownFlight& flight, const std::optional<Diagnosis>& diagnosis) {
   const FlightResult& result = flight.result;
   const FlightSetup& setup = flight.plan.setup;
   Json json = {{"vehicle", setup.vehicle.name},
@@ -170,13 +245,22 @@ Json to_json(const FlownFlight& flight) {
     json["metrics"][key] = finite_or_null(result.metrics[metric]);
   }
   json["limits"] = Json::array();
-  for (const LimitCheck& check : flight.verdict.checks)
+  for (const LimitCheck& check : flight.verdict.checks) {
     json["limits"].push_back({{"metric", name_of(check.metric)},
                               {"value", finite_or_null(check.value)},
                               {check.at_least ? "at_least" : "at_most", check.bound},
                               {"ok", check.ok}});
+    if (const WidenedLimit* widened = widened_of(flight.plan, check.metric)) {
+      json["limits"].back()["asked"] = widened->asked;
+      json["limits"].back()["sensors_rms"] = widened->bound;
+    }
+  }
+  if (flight.plan.bound) json["sensor_bound"] = bound_json(flight.plan);
   if (flight.loop) json["flown_loop"] = to_json(*flight.loop);
   json["reasons"] = reasons(flight);
+  if (diagnosis && diagnosis->cause != FlightCause::none) json["diagnosis"] = to_json(*diagnosis);
+  if (!flight.variant.empty()) json["disturbance"] = flight.variant;
+  if (!flight.seeds.empty()) json["seeds"] = seeds_json(flight.seeds);
   json["events"] = Json::array();
   for (const LogEvent& event : result.events)
     json["events"].push_back({{"t", event.time}, {"name", event.name}, {"detail", event.detail}});
@@ -192,7 +276,29 @@ Json to_json(const FlownFlight& flight) {
   return json;
 }
 
-std::string to_text(const FlownFlight& flight) {
+std::string seeds_table(const std::vector<SeedVerdict>& seeds) {
+  std::string text =
+      fmt::format("{:>6} {:<8}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>11}\n", "seed", "verdict", "rms",
+                  "greatest", "end", "settled", "yaw", "tilt", "limited");
+  text += fmt::format("{:>6} {:<8}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>11}\n", "", "", "[m]", "[m]",
+                      "[m]", "[s]", "[rad]", "[rad]", "motor [s]");
+  for (const SeedVerdict& seed : seeds) {
+    text += fmt::format("{:>6} {:<8}", seed.seed, seed.passed ? "pass" : "FAIL");
+    for (const Metric metric :
+         {Metric::tracking_rms, Metric::tracking_max, Metric::final_distance, Metric::settling_time,
+          Metric::yaw_max, Metric::tilt_max, Metric::saturation_time}) {
+      const double value = seed.metrics[metric];
+      const int width = metric == Metric::saturation_time ? 11 : 9;
+      text += std::isnan(value)   ? fmt::format("{:>{}}", "-", width)
+              : std::isinf(value) ? fmt::format("{:>{}}", "never", width)
+                                  : fmt::format("{:>{}.3g}", value, width);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string to_text(const FlownFlight& flight, const std::optional<Diagnosis>& diagnosis) {
   const FlightResult& result = flight.result;
   const FlightSetup& setup = flight.plan.setup;
   std::string text =
@@ -201,6 +307,8 @@ std::string to_text(const FlownFlight& flight) {
   const std::vector<std::string> why = reasons(flight);
   text += fmt::format("verdict: {}\n", flight.passed ? "pass" : "fail");
   for (const std::string& reason : why) text += "  " + reason + "\n";
+  if (diagnosis && diagnosis->cause != FlightCause::none)
+    text += fmt::format("why: {}\nnext: {}\n", diagnosis->why, diagnosis->next);
   text += "\n";
   const auto limit_of = [&](Metric metric) -> const LimitCheck* {
     for (const LimitCheck& check : flight.verdict.checks)
@@ -214,12 +322,15 @@ std::string to_text(const FlownFlight& flight) {
     if (std::isnan(value) && check == nullptr) continue;
     std::string limit;
     if (check != nullptr)
-      limit = fmt::format("{} {}{}", check->at_least ? "at least" : "at most",
-                          in_words(metric, check->bound), check->ok ? "" : "  NOT KEPT");
+      limit = fmt::format("{} {}{}{}", check->at_least ? "at least" : "at most",
+                          in_words(metric, check->bound),
+                          widened_of(flight.plan, metric) != nullptr ? " (widened)" : "",
+                          check->ok ? "" : "  NOT KEPT");
     const std::string line =
         fmt::format("  {:<34} {:<14} {}", label_of(metric), in_words(metric, value), limit);
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
+  text += bound_text(flight.plan);
   if (!result.events.empty()) text += "\nevents\n";
   for (const LogEvent& event : result.events)
     text += fmt::format("  {:>8.3f} s  {}{}\n", event.time, event.name,
@@ -229,13 +340,18 @@ std::string to_text(const FlownFlight& flight) {
   return text;
 }
 
-FlightReport report_of(const FlownFlight& flight, const std::string& command) {
+FlightReport report_of(const FlownFlight& flight, const std::string& command,
+                       const std::optional<Diagnosis>& diagnosis) {
   const FlightSetup& setup = flight.plan.setup;
   FlightReport report;
   report.title = fmt::format("{} flies {}", setup.vehicle.name, setup.mission.name);
   report.verdict = flight.passed ? ReportVerdict::pass : ReportVerdict::fail;
   report.reasons = reasons(flight);
   if (flight.passed) report.reasons.push_back("flown to the end");
+  if (diagnosis && diagnosis->cause != FlightCause::none) {
+    report.reasons.push_back("why: " + diagnosis->why);
+    report.reasons.push_back("next: " + diagnosis->next);
+  }
   for (std::size_t i = 0; i < kMetrics; ++i) {
     const auto metric = static_cast<Metric>(i);
     ReportMetric row;
@@ -256,6 +372,8 @@ FlightReport report_of(const FlownFlight& flight, const std::string& command) {
   about.insert(about.begin() + 2, {"law", flight.plan.law});
   about.insert(about.begin() + 2, {"description", setup.mission.description});
   about.push_back({"wind", flight.plan.wind});
+  for (const WidenedLimit& widened : flight.plan.widened)
+    about.push_back({widened.label, in_words(widened)});
   report.plots = plots_of(flight);
   report.replay = replay_of(setup.vehicle);
   report.gains = gains_of(setup.controller);

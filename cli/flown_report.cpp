@@ -35,8 +35,9 @@ std::string to_text(const FlownLoop& loop) {
       fmt::format("hover at {} m, estimator {}", number(loop.at.height), loop.estimator);
   if (loop.estimator != "truth") text += fmt::format(", {} sensors", loop.sensors);
   if (loop.at.command_delay > 0)
-    text += fmt::format(", commands {} s late", number(loop.at.command_delay));
-  if (loop.period > 1) text += fmt::format("; the clocks repeat every {} periods", loop.period);
+    text += fmt::format(", commands delayed by {} s", number(loop.at.command_delay));
+  if (loop.period > 1)
+    text += fmt::format("; the sample clocks repeat every {} periods", loop.period);
   return text + fmt::format("\n{}, largest |z| {:.6f}: {}",
                             loop.stable()  ? "stable"
                             : loop.grows() ? "UNSTABLE"

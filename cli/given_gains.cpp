@@ -45,7 +45,7 @@ Eigen::MatrixXd ordered(const Eigen::MatrixXd& M, const std::vector<Signal>& fro
 
 void add_laws(internal::Json& json, const ExportContent& content) {
   const internal::Json stored = internal::Json::parse(gains_json_text(content));
-  for (const char* key : {"format", "format_version", "gains", "cascade"})
+  for (const char* key : {"format", "format_version", "gains", "cascade", "estimator"})
     if (stored.contains(key)) json[key] = stored[key];
 }
 

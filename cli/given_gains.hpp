@@ -17,7 +17,7 @@
 namespace quadtune::cli {
 
 /// The keys by which read_laws() knows the laws again, for what a verb prints as JSON:
-/// "format", "format_version", and "gains" or "cascade" of what `content` has.
+/// "format", "format_version", and "gains", "cascade" and "estimator" of what `content` has.
 void add_laws(internal::Json& json, const ExportContent& content);
 
 /// @param words  the model's convention

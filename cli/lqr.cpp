@@ -11,8 +11,11 @@
 #include <optional>
 #include <ostream>
 
+#include "flown_or_ideal.hpp"
+#include "flown_report.hpp"
 #include "given_gains.hpp"
 #include "lqr_arguments.hpp"
+#include "lqr_flown.hpp"
 #include "lqr_schedule.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
@@ -22,6 +25,7 @@
 #include "program.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/synthesis/state_feedback.hpp"
 #include "quadtune/workbench/flying_loop.hpp"
 
@@ -38,6 +42,8 @@ struct Options {
   double sampled = 0;
   std::string schedule;
   std::string evidence;
+  std::string plant;  // "flown", "ideal"; empty: by the other options
+  FlownLqrArguments flown;
 };
 
 /// Ends with status 4 and the culprit unless the equation was solved; passes on its warning.
@@ -171,8 +177,15 @@ void run_vehicle(const LqrArguments& arguments, const std::string& asked, Contex
   const MarginsReport margins = flying_margins(plant.model, gains, feedback.riccati,
                                                evidence.value_or(MarginsEvidence::full));
   write_notes(margins, context);
+  const std::optional<FlownLoop> flown =
+      flown_loop_of_ideal(plant.vehicle, plant.model, gains, context);
+  if (flown && flown->grows())
+    context.note(
+        "lqr: warning: with the rotors' lag, the sensors and the estimator the loop is "
+        "unstable; without --plant ideal the design includes them");
   if (context.json) {
     Json json = {{"status", to_string(feedback.riccati.status)},
+                 {"plant", "ideal"},
                  {"K", internal::matrix_to_json(feedback.K, "K")},
                  {"K_int", internal::matrix_to_json(feedback.K_int, "K_int")},
                  {"S", internal::matrix_to_json(feedback.riccati.X, "S")}};
@@ -181,6 +194,11 @@ void run_vehicle(const LqrArguments& arguments, const std::string& asked, Contex
     json["inputs"] = internal::signals_to_json(plant.model.plant.inputs);
     json["integrals"] = design.integrals;
     json["margins"] = to_json(margins);
+    json["flown"] = Json();
+    if (flown) {
+      json["flown"] = to_json(*flown);
+      json["flown"]["margins"] = to_json(flown->margins);
+    }
     ExportContent content;
     content.vehicle = plant.vehicle;
     content.gains = gains;
@@ -193,8 +211,41 @@ void run_vehicle(const LqrArguments& arguments, const std::string& asked, Contex
     context.out << section("integral K", table(feedback.K_int, design.inputs, design.integrals));
   context.out << section("poles",
                          pole_table(flying_poles(plant.model, gains, feedback.riccati), design.dt))
-              << section("margins", to_text(margins))
-              << section("evidence", evidence_text(feedback.riccati));
+              << section("margins", to_text(margins));
+  if (flown)
+    context.out << section("flown loop", to_text(*flown))
+                << section("margins of the flown loop", to_text(flown->margins));
+  context.out << section("evidence", evidence_text(feedback.riccati));
+}
+
+/// Options of the ideal plant alone: another flight than hover, other words, another cost.
+constexpr const char* kIdealOptions[] = {"--at",       "--speed",  "--climb",      "--radius",
+                                         "--yaw-rate", "--yaw",    "--convention", "--inputs",
+                                         "--states",   "--method", "--schedule",   "--evidence"};
+
+/// Whether the design is on the plant that flies, as --plant says, or where it is silent the other
+/// options.
+/// @param implied_by  becomes the option of the ideal plant that decided, where --plant is silent
+bool on_flown_plant(const Options& options, const CLI::App& app, std::string& implied_by) {
+  std::string of_ideal;
+  for (const char* name : kIdealOptions)
+    if (of_ideal.empty() && app.get_option(name)->count() > 0) of_ideal = name;
+  const std::string of_flown =
+      options.flown.given.empty() ? std::string() : *options.flown.given.begin();
+  const bool flown =
+      options.plant.empty() ? of_ideal.empty() : asks_for_flown_plant(options.plant, "lqr");
+  if (flown && !of_ideal.empty())
+    throw UsageError(fmt::format("quadtune lqr: {} belongs to --plant ideal, expected a hover in "
+                                 "the words of ned with the wrench on the flown plant",
+                                 of_ideal),
+                     of_ideal);
+  if (!flown && !of_flown.empty())
+    throw UsageError(
+        fmt::format("quadtune lqr: {} belongs to the flown plant, expected none with {}", of_flown,
+                    options.plant.empty() ? of_ideal : "--plant ideal"),
+        of_flown);
+  if (options.plant.empty()) implied_by = of_ideal;
+  return flown;
 }
 
 /// Refuses options of the other mode: taken in silence they would give another gain than was asked.
@@ -221,8 +272,8 @@ Verb lqr_verb() {
         app.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
         app.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");
         app.add_option("--Q", options->vehicle.Q,
-                       "state weights: a matrix file, or with V a list, integrals last; "
-                       "one number stands for all, 1 if absent")
+                       "state weights: a matrix file, or with V a list, integrals last; one number "
+                       "stands for all; default with V: Bryson's rule, on the ideal plant 1")
             ->type_name("FILE|LIST");
         app.add_option("--R", options->vehicle.R,
                        "input weights, likewise; > 0, or with --discrete >= 0 where R + B'SB is "
@@ -235,13 +286,23 @@ Verb lqr_verb() {
             add_number(app, "--sampled", options->sampled,
                        "continuous A, B, Q, R with the input held for DT seconds")
                 ->type_name("DT");
-        app.add_option("--integral", options->vehicle.integral, "with V: states to integrate")
+        app.add_option("--integral", options->vehicle.integral,
+                       "with V: states to integrate, or none; default px,py,pz,yaw, on the ideal "
+                       "plant none")
             ->type_name("LIST");
         app.add_option("--method", options->vehicle.method,
                        "with V: continuous (default), discrete (weights per step) or sampled "
                        "(exact cost)")
             ->type_name("NAME");
-        add_number(app, "--dt", options->vehicle.dt, "with V: sample period [s]")->type_name("T");
+        add_number(app, "--dt", options->vehicle.dt,
+                   "with V: sample period [s], 0.005 on the flown plant")
+            ->type_name("T");
+        app.add_option("--plant", options->plant,
+                       "with V: flown (default) includes the rotors' lag, the sensors' delays and "
+                       "the estimator; ideal is the textbook plant with 12 states, which options "
+                       "from --at to --states, --method, --schedule and --evidence imply")
+            ->type_name("NAME");
+        add_flown_lqr_options(app, options->flown);
         app.add_option("--schedule", options->schedule,
                        "with V: gains over a grid, e.g. \"speed=0:0.5:10, yaw_rate=-2:1:2\" "
                        "(first:step:last); also climb, and mass and density as ratios")
@@ -263,6 +324,12 @@ Verb lqr_verb() {
           if (has_vehicle) {
             refuse_options(*owner, {"--N", "--continuous", "--discrete", "--sampled"},
                            "belongs to matrices, expected --method and --dt with a vehicle");
+            options->flown.given = given_flown_options(*owner);
+            std::string implied_by;
+            if (on_flown_plant(*options, *owner, implied_by)) {
+              run_flown_lqr(options->vehicle, options->flown, context);
+              return;
+            }
             if (options->schedule.empty()) {
               run_vehicle(options->vehicle, options->evidence, context);
             } else {
@@ -274,11 +341,18 @@ Verb lqr_verb() {
                              "e.g. --schedule \"speed=2\"");
               run_schedule(options->vehicle, options->schedule, context);
             }
+            if (!implied_by.empty())
+              context.note(
+                  fmt::format("lqr: note: {} implies --plant ideal, the textbook plant "
+                              "without the rotors' lag, the sensors' delays and the "
+                              "estimator",
+                              implied_by));
           } else {
             refuse_options(
                 *owner,
                 {"--at", "--speed", "--climb", "--radius", "--yaw-rate", "--yaw", "--convention",
-                 "--inputs", "--states", "--integral", "--method", "--dt", "--schedule"},
+                 "--inputs", "--states", "--integral", "--method", "--dt", "--schedule", "--plant",
+                 "--change", "--past", "--estimator", "--sensors", "--height"},
                 "belongs to a vehicle, expected --discrete or --sampled DT with "
                 "matrices");
             run_matrices(*options, sampled->count() > 0, context);

@@ -27,10 +27,12 @@ void read_weights(const LqrArguments& arguments, LqrDesign& design) {
                               arguments.verb, "--R");
 }
 
-/// Names of states to integrate, each a state of the model and named once.
+}  // namespace
+
 std::vector<std::string> read_integrals(const LqrArguments& arguments,
                                         const std::vector<std::string>& states) {
   const std::string& verb = arguments.verb;
+  if (arguments.integral == "none") return {};
   std::vector<std::string> names = word_list(arguments.integral);
   for (const std::string& name : names) {
     if (std::find(states.begin(), states.end(), name) == states.end())
@@ -46,8 +48,6 @@ std::vector<std::string> read_integrals(const LqrArguments& arguments,
   }
   return names;
 }
-
-}  // namespace
 
 LqrDesign make_design(const LqrArguments& arguments, const std::vector<Signal>& states,
                       const std::vector<Signal>& inputs) {

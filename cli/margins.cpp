@@ -13,8 +13,10 @@
 
 #include "cascade_report.hpp"
 #include "flight_arguments.hpp"
+#include "flown_or_ideal.hpp"
 #include "flown_report.hpp"
 #include "given_gains.hpp"
+#include "looks_sampled.hpp"
 #include "loop_figure.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
@@ -159,6 +161,11 @@ std::string taken_as(const ContinuousLti& plant, const Eigen::MatrixXd& K, bool 
                          "they are discrete: --discrete --dt T takes them so"
                        : "";
   const std::string taken = "A and B are taken as discrete because of --dt";
+  if (const std::string why = why_not_sampled(plant.A); !looks_wrong && !why.empty())
+    return fmt::format(
+        "warning: {}, but A {}, which no plant that is sampled without delays has: --sampled DT "
+        "takes them as continuous, --discrete says that they are discrete",
+        taken, why);
   return looks_wrong
              ? "warning: " + taken +
                    ", but A - B K is stable only if they are continuous: --sampled DT takes "
@@ -213,14 +220,14 @@ NamedLoop vehicle_loop(const Options& options) {
   const Gains& gains = *given.laws.gains;
   if (!(gains.dt > 0))
     throw InvalidInput(options.gains,
-                       "the gains have no sample period, expected one because the "
-                       "loop is looked at as it flies");
+                       "the gains have no sample period; expected one because the "
+                       "flown loop is sampled");
   const VerifyModel model = model_of(vehicle, gains);
   return {OpenLoop(delayed(open_loop(model.plant, gains), options.delay)),
           names_or_numbers(gains.inputs, std::ssize(gains.inputs)), "", "state-feedback"};
 }
 
-/// The same as it flies: with the rotors' lag, the sensors and the estimator.
+/// The flown loop of a vehicle: with the rotors' lag, the sensors and the estimator.
 FlownLoop flown_vehicle_loop(const Options& options, const std::string& controller) {
   FlightOptions flight;
   flight.vehicle = options.vehicle;
@@ -235,7 +242,7 @@ FlownLoop flown_vehicle_loop(const Options& options, const std::string& controll
   const double most = kMostDelayPeriods * control_period(plan.setup);
   if (options.delay > most * (1 + 1e-9))
     throw UsageError(fmt::format("quadtune margins: --delay is {} s, expected at most {} s, {} "
-                                 "samples, because the flown loop keeps what is on its way",
+                                 "samples, because each delayed sample is a state of the loop",
                                  number(options.delay), number(most), kMostDelayPeriods),
                      "--delay");
   return flown_loop(plan, at);
@@ -252,15 +259,16 @@ void require_one_loop(const Options& options) {
         "vehicle with --gains",
         "V");
   if (!options.gains.empty() && !vehicle)
-    throw UsageError("quadtune margins: --gains belongs to a vehicle, expected one", "--gains");
+    throw UsageError(
+        "quadtune margins: --gains requires a vehicle; expected `margins V --gains FILE`",
+        "--gains");
 }
 
 /// What the picture is of, as it was asked for.
 std::string figure_title(const Options& options) {
   const std::string what =
       !options.vehicle.empty()
-          ? fmt::format("{} with the gains {}, without lag, sensors and estimator", options.vehicle,
-                        options.gains)
+          ? fmt::format("{} with the gains {}, ideal plant", options.vehicle, options.gains)
       : !options.num.empty() ? fmt::format("num {}, den {}", options.num, options.den)
                              : fmt::format("A {}, B {}, K {}", options.A, options.B, options.K);
   return "Loop of " + what +
@@ -270,21 +278,19 @@ std::string figure_title(const Options& options) {
          (options.delay > 0 ? fmt::format(", delay {} s", number(options.delay)) : "");
 }
 
-/// @param flown_option  the first that came of those that belong to the flown loop; or empty
+/// @param flown_option  the first option given of those for the flown loop; or empty
 void require_flown(const Options& options, const std::string& flown_option) {
-  if (options.plant != "flown" && options.plant != "ideal")
-    throw UsageError(fmt::format("quadtune margins: --plant is '{}', expected flown or ideal",
-                                 internal::printable(options.plant)),
-                     "--plant");
-  require_positive(options.height, "margins", "--height");
+  (void)asks_for_flown_plant(options.plant, "margins");
+  require_positive(options.height, "margins", "--height", "metres");
   if (flown_option.empty()) return;
   if (options.vehicle.empty())
     throw UsageError(
-        fmt::format("quadtune margins: {} belongs to a vehicle, expected one", flown_option),
+        fmt::format("quadtune margins: {} requires a vehicle; expected `margins V --gains FILE`",
+                    flown_option),
         flown_option);
   if (options.plant == "ideal" && flown_option != "--plant")
-    throw UsageError(fmt::format("quadtune margins: {} belongs to the flown loop, expected none "
-                                 "with --plant ideal",
+    throw UsageError(fmt::format("quadtune margins: {} applies to the flown loop and cannot be "
+                                 "combined with --plant ideal",
                                  flown_option),
                      flown_option);
 }
@@ -335,8 +341,8 @@ void run(const Options& options, bool has_dt, bool has_sampled, Context& context
         "loop", named.loop.discrete() ? fmt::format("discrete, every {} s", number(named.loop.dt()))
                                       : "continuous");
     if (flown) context.out << section("flown loop", to_text(*flown));
-    context.out << section("margins", to_text(report));
-    if (flown) context.out << section("ideal", to_text(ideal));
+    context.out << section(flown ? "margins of the flown loop" : "margins", to_text(report));
+    if (flown) context.out << section("margins of the ideal plant", to_text(ideal));
   }
   if (!named.taken_as.empty()) context.note("margins: " + named.taken_as);
   if (flown)
@@ -382,15 +388,15 @@ Verb margins_verb() {
             ->type_name("S");
         app.add_option(
                "--plant", options->plant,
-               "with V: flown (default) has the rotors' lag, the sensors' clocks and delays "
-               "and the estimator in it; ideal is the textbook's")
+               "with V: flown (default) includes the rotors' lag, the sensors' clocks and delays "
+               "and the estimator; ideal is the textbook plant with 12 states")
             ->type_name("NAME");
         app.add_option("--estimator", options->estimator,
-                       "with V: as of `quadtune fly`; by the sensors")
+                       "with V: as for `quadtune fly`; default: what the sensors allow")
             ->type_name("NAME");
         app.add_option("--sensors", options->sensors, "with V: real (default) or ideal")
             ->type_name("NAME");
-        add_number(app, "--height", options->height, "with V: of the hover [m]; 1.1")
+        add_number(app, "--height", options->height, "with V: height of the hover [m], default 1.1")
             ->type_name("M");
         std::vector<CLI::Option*> of_flown;
         for (const char* name : {"--estimator", "--sensors", "--height", "--plant"})

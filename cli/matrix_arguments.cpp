@@ -126,10 +126,11 @@ Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count,
       .asDiagonal();
 }
 
-void require_positive(double value, const std::string& verb, const std::string& option) {
+void require_positive(double value, const std::string& verb, const std::string& option,
+                      const std::string& unit) {
   if (!(value > 0) || !std::isfinite(value))
-    throw UsageError(fmt::format("quadtune {}: {} is {}, expected a positive number of seconds",
-                                 verb, option, value),
+    throw UsageError(fmt::format("quadtune {}: {} is {}, expected a positive number of {}", verb,
+                                 option, value, unit),
                      option);
 }
 

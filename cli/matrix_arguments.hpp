@@ -40,6 +40,7 @@ namespace quadtune::cli {
 [[nodiscard]] std::vector<std::string> word_list(const std::string& text);
 
 /// @throws UsageError  unless 0 < value < ∞.
-void require_positive(double value, const std::string& verb, const std::string& option);
+void require_positive(double value, const std::string& verb, const std::string& option,
+                      const std::string& unit = "seconds");
 
 }  // namespace quadtune::cli

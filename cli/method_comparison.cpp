@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <ostream>
@@ -24,6 +26,8 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/workbench/cascade_report.hpp"
+#include "quadtune/workbench/chosen_law.hpp"
+#include "quadtune/workbench/flown_periods.hpp"
 #include "quadtune/workbench/standard_lqr.hpp"
 
 namespace quadtune::cli {
@@ -51,6 +55,7 @@ struct Law {
   ContinuousLti plant;
   ContinuousLti law;                                      ///< set points and states to the wrench
   std::function<DiscreteLti(double, PidMethod)> sampled;  ///< the law as it runs
+  std::function<Controller(PidMethod)> on_board;          ///< the same as a flight's controller
   bool integrates = false;
 };
 
@@ -62,7 +67,7 @@ struct Row {
   double searched = 0;  ///< up to which it was looked for; 0 where a formula gives it
 };
 
-Law lqr_law(const CascadeVehicle& vehicle) {
+Law lqr_law(const CascadeVehicle& vehicle, const Vehicle& file) {
   const RiccatiResult riccati = standard_lqr(vehicle, "discretize");
   Law law;
   law.name = "lqr";
@@ -78,14 +83,18 @@ Law lqr_law(const CascadeVehicle& vehicle) {
   law.sampled = [held](double dt, PidMethod) {
     return DiscreteLti{held.A, held.B, held.C, held.D, dt, {}, {}, {}};
   };
+  const Gains gains = standard_gains(file, "discretize");
+  law.on_board = [gains](PidMethod) { return feedback_controller(gains, kUsualPeriod); };
   return law;
 }
 
 Law cascade_law_of(const CascadeVehicle& vehicle, const CascadeReport& report) {
   Law law;
   law.name = "cascade";
-  law.about = fmt::format("PID cascade of `quadtune pid {} --dt {}`, its integrals continuous",
-                          report.vehicle, number(report.specification.dt));
+  law.about = fmt::format(
+      "PID cascade of `quadtune pid {} --method loops --dt {}`, its integrals "
+      "continuous",
+      report.vehicle, number(report.specification.dt));
   law.plant = with_actuator_lag(vehicle.hover, vehicle.lag);
   const CascadeGains gains = report.cascade.gains;
   law.law = cascade_law(gains);
@@ -94,6 +103,11 @@ Law cascade_law_of(const CascadeVehicle& vehicle, const CascadeReport& report) {
     CascadeGains other = gains;
     other.dt = dt;
     return cascade_law(other, method);
+  };
+  law.on_board = [gains](PidMethod method) {
+    CascadeController controller{gains};
+    controller.method = method;
+    return controller;
   };
   return law;
 }
@@ -106,7 +120,7 @@ Lti followed(Lti loop) {
   return loop;
 }
 
-DiscreteLti flown(const Law& law, double dt, PidMethod method) {
+DiscreteLti run_every(const Law& law, double dt, PidMethod method) {
   return followed(closed_loop(discretize_zoh(law.plant, dt), law.sampled(dt, method)));
 }
 
@@ -133,11 +147,11 @@ Row method_row(const ContinuousLti& loop, DiscretizationMethod method,
 Row flown_row(const Law& law, const ContinuousLti& loop, PidMethod method,
               const std::array<double, 3>& periods) {
   Row row;
-  row.name = law.integrates ? "flown, " + to_string(method) : "flown";
+  row.name = law.integrates ? "run, " + to_string(method) : "run";
   for (std::size_t i = 0; i < periods.size(); ++i)
-    row.errors[i] = sampling_error(loop, flown(law, periods[i], method));
+    row.errors[i] = sampling_error(loop, run_every(law, periods[i], method));
   row.searched = longest_period(loop);
-  row.limit = stability_limit([&](double dt) { return flown(law, dt, method).A; }, periods[1],
+  row.limit = stability_limit([&](double dt) { return run_every(law, dt, method).A; }, periods[1],
                               row.searched);
   return row;
 }
@@ -153,6 +167,43 @@ std::vector<Row> rows_of(const Law& law, const ContinuousLti& loop,
     if (!law.integrates) break;
   }
   return rows;
+}
+
+// --- the plant that flies ------------------------------------------------------------------------
+
+/// A law as it runs, on the flown plant at all periods.
+struct FlownRow {
+  std::string name;
+  std::vector<FlownPeriod> periods;
+};
+
+std::vector<FlownRow> flown_rows(const Vehicle& vehicle, const Law& law,
+                                 const std::array<double, 3>& periods) {
+  std::vector<FlownRow> rows;
+  for (const PidMethod method : kIntegrators) {
+    rows.push_back(
+        {law.integrates ? "run, " + to_string(method) : "run",
+         flown_at_periods(vehicle, law.on_board(method), {periods.begin(), periods.end()})});
+    if (!law.integrates) break;
+  }
+  return rows;
+}
+
+/// The smallest margins of all loops at one period.
+struct LeastMargins {
+  double phase = std::numeric_limits<double>::infinity();  ///< [rad]
+  double Ms = 0;
+  double disk = 2;
+};
+
+LeastMargins least_of(const FlownLoop& loop) {
+  LeastMargins least;
+  for (const LoopMargins& one : loop.margins.loops) {
+    least.phase = std::min(least.phase, one.phase_margin);
+    least.Ms = std::max(least.Ms, one.Ms);
+    least.disk = std::min(least.disk, one.disk.alpha);
+  }
+  return least;
 }
 
 // --- text ----------------------------------------------------------------------------------------
@@ -191,6 +242,41 @@ std::string law_text(const Law& law, const std::vector<Row>& rows,
   return text;
 }
 
+std::string flown_text(const std::vector<FlownRow>& rows, const std::array<double, 3>& periods) {
+  std::string estimator;
+  for (const FlownRow& row : rows)
+    for (const FlownPeriod& at : row.periods)
+      if (at.loop) estimator = ", estimator " + at.loop->estimator;
+  std::string text = fmt::format("\non the flown plant: rotor lag, sensors{}\n", estimator);
+  text += fmt::format("{:<22}{:^24}{:^24}{:^24}\n", "", "phase margin [deg]", "Ms", "disk margin");
+  text += fmt::format("{:<22}", "law");
+  for (int part = 0; part < 3; ++part)
+    for (const double dt : periods) text += fmt::format("{:>8}", number(dt));
+  std::vector<std::string> reasons;
+  for (const FlownRow& row : rows) {
+    std::array<std::string, 3> columns;
+    for (const FlownPeriod& at : row.periods) {
+      if (!at.loop || at.loop->grows()) {
+        const std::string reason = fmt::format(
+            "{} s: {}", number(at.dt), at.loop ? "unstable; " + in_words(*at.loop) : at.why);
+        for (std::string& column : columns) column += fmt::format("{:>8}", at.loop ? "lost" : "-");
+        if (std::find(reasons.begin(), reasons.end(), reason) == reasons.end())
+          reasons.push_back(reason);
+        continue;
+      }
+      const LeastMargins least = least_of(*at.loop);
+      columns[0] += std::isfinite(least.phase)
+                        ? fmt::format("{:>8.1f}", least.phase * 180 / std::numbers::pi)
+                        : fmt::format("{:>8}", "any");
+      columns[1] += fmt::format("{:>8.2f}", least.Ms);
+      columns[2] += fmt::format("{:>8.2f}", least.disk);
+    }
+    text += fmt::format("\n{:<22}{}{}{}", row.name, columns[0], columns[1], columns[2]);
+  }
+  for (const std::string& reason : reasons) text += "\n" + reason;
+  return text;
+}
+
 // --- JSON ----------------------------------------------------------------------------------------
 
 void add_rows(Json& methods, const Law& law, const std::vector<Row>& rows,
@@ -207,6 +293,28 @@ void add_rows(Json& methods, const Law& law, const std::vector<Row>& rows,
                          {"frequency_error", finite_or_null(error.frequency)},
                          {"stable", error.stable},
                          {"stable_up_to_s", finite_or_null(row.limit)}});
+    }
+}
+
+void add_flown(Json& flown, const Law& law, const std::vector<FlownRow>& rows) {
+  for (const FlownRow& row : rows)
+    for (const FlownPeriod& at : row.periods) {
+      Json entry = {{"law", law.name}, {"name", row.name}, {"dt", at.dt}};
+      if (!at.loop) {
+        entry["why"] = at.why;
+        flown.push_back(entry);
+        continue;
+      }
+      const bool lost = at.loop->grows();
+      entry["estimator"] = at.loop->estimator;
+      entry["stable"] = !lost;
+      entry["slowest_mode"] = in_words(*at.loop);
+      const LeastMargins least = least_of(*at.loop);
+      entry["phase_margin_deg"] =
+          lost ? Json(nullptr) : Json(finite_or_null(least.phase * 180 / std::numbers::pi));
+      entry["Ms"] = lost ? Json(nullptr) : Json(finite_or_null(least.Ms));
+      entry["disk"] = lost ? Json(nullptr) : Json(finite_or_null(least.disk));
+      flown.push_back(entry);
     }
 }
 
@@ -263,24 +371,25 @@ Figure figure_of(const std::string& vehicle, const Law& law, const ContinuousLti
     comparison.methods.push_back(
         picture_of(to_string(method), discretize_channels(loop, dt, method), loop, comparison));
   comparison.methods.push_back(
-      picture_of("flown, euler", flown(law, dt, PidMethod::forward_euler), loop, comparison));
+      picture_of("run, euler", run_every(law, dt, PidMethod::forward_euler), loop, comparison));
   return comparison_figure(comparison);
 }
 
 }  // namespace
 
-void compare_methods(const std::string& vehicle_name, double dt, const PlotArgument& plot,
-                     Context& context) {
+void compare_methods(const std::string& vehicle_name, double dt, bool flown,
+                     const PlotArgument& plot, Context& context) {
   const Vehicle vehicle = load_vehicle(vehicle_name);
   const CascadeVehicle hover = cascade_vehicle(vehicle, vehicle_name);
   CascadeSpecification specification;
   specification.dt = dt;
   const CascadeReport report = design_cascade(vehicle, specification, vehicle_name);
-  const std::array<Law, 2> laws = {lqr_law(hover), cascade_law_of(hover, report)};
+  const std::array<Law, 2> laws = {lqr_law(hover, vehicle), cascade_law_of(hover, report)};
   const std::array<double, 3> periods = {dt / 2, dt, 2 * dt};
   Json json = {{"vehicle", vehicle.name}, {"dt", dt}};
   json["methods"] = Json::array();
   json["not_compared"] = Json::array();
+  if (flown) json["flown"] = Json::array();
   std::string text = section("vehicle", vehicle.name +
                                             " at hover: errors of x, y, z and yaw after "
                                             "their set points, the worst of the four");
@@ -294,7 +403,13 @@ void compare_methods(const std::string& vehicle_name, double dt, const PlotArgum
     }
     const std::vector<Row> rows = rows_of(law, loop, periods);
     add_rows(json["methods"], law, rows, periods);
-    text += section(law.name, law_text(law, rows, periods));
+    std::string about = law_text(law, rows, periods);
+    if (flown) {
+      const std::vector<FlownRow> on_plant = flown_rows(vehicle, law, periods);
+      add_flown(json["flown"], law, on_plant);
+      about += flown_text(on_plant, periods);
+    }
+    text += section(law.name, about);
   }
   draw(
       plot,

@@ -14,8 +14,9 @@ struct Context;
 /// and prints.
 /// @param vehicle  name or file
 /// @param dt       [s], > 0
+/// @param flown    whether the same laws are judged on the plant that flies as well
 /// @throws NoSolution  when the vehicle cannot hover or a law cannot be had
-void compare_methods(const std::string& vehicle, double dt, const PlotArgument& plot,
+void compare_methods(const std::string& vehicle, double dt, bool flown, const PlotArgument& plot,
                      Context& context);
 
 }  // namespace quadtune::cli

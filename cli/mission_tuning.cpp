@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <ostream>
 
+#include "flown_evidence.hpp"
 #include "mission_tuning_report.hpp"
 #include "number_arguments.hpp"
 #include "program.hpp"
@@ -33,10 +34,18 @@ constexpr std::uint64_t kMostDraws = 100000;
   throw UsageError(fmt::format("quadtune {}: {}", verb, why), option);
 }
 
-TrialRequest request_of(const MissionTuning& tuning, const MissionRequirements& requirements,
+/// What is flown for the cost, and what of the plans the report tells.
+struct PlannedTrial {
+  TrialRequest request;
+  PlannedFlight first;              ///< of the first mission
+  std::vector<TunedLimit> widened;  ///< limits tighter than the sensors can keep
+};
+
+PlannedTrial plan_trial(const MissionTuning& tuning, const MissionRequirements& requirements,
                         const Controller& start, const MissionTuningArguments& arguments,
                         const Context& context) {
-  TrialRequest request;
+  PlannedTrial trial;
+  TrialRequest& request = trial.request;
   request.cost = requirements.cost;
   request.measure = requirements.measure;
   request.share = requirements.share;
@@ -46,15 +55,19 @@ TrialRequest request_of(const MissionTuning& tuning, const MissionRequirements& 
   request.seed = context.seed;
   const ChosenLaw law{start, tuning.law, {}, tuning.position_bandwidth};
   for (std::size_t i = 0; i < requirements.missions.size(); ++i) {
-    const CampaignMission& mission = requirements.missions[i];
+    CampaignMission mission = requirements.missions[i];
+    mission.mission.limits = requirements.limits[i];
     PlannedFlight plan = told_of_command(tuning.verb, [&] {
       return plan_flight(mission.arguments, tuning.vehicle, mission.mission, law);
     });
     for (const std::string& note : plan.notes) context.note(tuning.verb + ": note: " + note);
-    request.missions.push_back(
-        {mission.mission.name, std::move(plan.setup), requirements.limits[i]});
+    if (i == 0) trial.first = plan;
+    for (const WidenedLimit& widened : plan.widened)
+      trial.widened.push_back({mission.mission.name, widened});
+    std::vector<Limit> limits = plan.setup.mission.limits;
+    request.missions.push_back({mission.mission.name, std::move(plan.setup), std::move(limits)});
   }
-  return request;
+  return trial;
 }
 
 std::uint32_t proof_draws(const TrialRequest& request, const std::string& verb,
@@ -195,8 +208,9 @@ void run_mission_tuning(const MissionTuning& tuning, const MissionRequirements& 
     return margin_limits(requirements, design.margins, start.margins);
   };
   (void)limits(start);  // refuses loops that are not there before anything flies
-  const TrialRequest request =
-      request_of(tuning, requirements, *start.point.controller, arguments, context);
+  const PlannedTrial planned =
+      plan_trial(tuning, requirements, *start.point.controller, arguments, context);
+  const TrialRequest& request = planned.request;
   const KeepsTheBest keeps_the_best;
   const MissionTrial trial(request, *start.point.controller, context.threads, interrupted);
   DesignSpace space;
@@ -219,7 +233,7 @@ void run_mission_tuning(const MissionTuning& tuning, const MissionRequirements& 
                                  tuning.verb, best, evaluations, std::ceil(left))
                   << std::flush;
     };
-  const MissionSearchResult result = search_missions(space, trial, options);
+  MissionSearchResult result = search_missions(space, trial, options);
   if (shown) context.err << "\r\033[K" << std::flush;
   // After an interrupt what was found is still told and written: that is little work.
   const MissionTrial::Stop stop =
@@ -231,6 +245,11 @@ void run_mission_tuning(const MissionTuning& tuning, const MissionRequirements& 
   if (tuning.rival)
     report.rival = fresh > 0 ? trial.fly(tuning.rival->controller, request.draws, fresh, stop)
                              : trial.fly(tuning.rival->controller, stop);
+  report.widened = planned.widened;
+  report.flown =
+      flown_evidence(planned.first, start.point.controller, best.point.controller,
+                     tuning.rival ? std::optional(tuning.rival->controller) : std::nullopt);
+  reject_unstable(report.flown, tuning.start, result);
   // First, so that a file that cannot be written does not take a long search with it.
   context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report))
               << std::flush;

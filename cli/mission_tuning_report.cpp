@@ -106,25 +106,62 @@ std::string missions_text(const Report& report) {
   return text;
 }
 
-std::string margins_text(const Report& report) {
-  const std::vector<NamedMargins>* rival =
-      report.tuning.rival ? &report.tuning.rival->margins : nullptr;
-  std::string text = fmt::format(
-      "{:<10}{:>10}{:>11}{}{:>14}{:>12}{:>12}\n", "loop", "Ms: start", found_word(report),
-      rival ? fmt::format("{:>11}", "published") : "", "phase [deg]", "gain [dB]", "delay [ms]");
+std::string loops_text(const std::vector<NamedMargins>& before,
+                       const std::vector<NamedMargins>& after,
+                       const std::vector<NamedMargins>* rival, const std::string& found) {
+  std::string text = fmt::format("{:<10}{:>10}{:>11}{}{:>14}{:>12}{:>12}\n", "loop", "Ms: start",
+                                 found, rival ? fmt::format("{:>11}", "published") : "",
+                                 "phase [deg]", "gain [dB]", "delay [ms]");
   const auto cell = [](double x) {
     return std::isfinite(x) ? fmt::format("{:.4g}", x) : std::string("-");
   };
-  for (std::size_t i = 0; i < report.after.size(); ++i) {
-    const LoopMargins& m = report.after[i].margins;
-    text += fmt::format("{:<10}{:>10.4g}{:>11.4g}{}{:>14}{:>12}{:>12}\n", report.after[i].name,
-                        report.before[i].margins.Ms, m.Ms,
-                        rival ? fmt::format("{:>11.4g}", (*rival)[i].margins.Ms) : "",
-                        cell(m.phase_margin * 180 / std::numbers::pi),
-                        cell(20 * std::log10(m.gain_margin)), cell(1000 * m.delay_margin));
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const LoopMargins& m = after[i].margins;
+    text +=
+        fmt::format("{:<10}{:>10}{:>11}{}{:>14}{:>12}{:>12}\n", after[i].name,
+                    i < before.size() ? cell(before[i].margins.Ms) : "-", cell(m.Ms),
+                    rival ? fmt::format("{:>11}", i < rival->size() ? cell((*rival)[i].margins.Ms)
+                                                                    : std::string("-"))
+                          : "",
+                    cell(m.phase_margin * 180 / std::numbers::pi),
+                    cell(20 * std::log10(m.gain_margin)), cell(1000 * m.delay_margin));
   }
   text.pop_back();
   return text;
+}
+
+std::string margins_text(const Report& report) {
+  return loops_text(report.before, report.after,
+                    report.tuning.rival ? &report.tuning.rival->margins : nullptr,
+                    found_word(report));
+}
+
+/// None of a loop that is unstable, or that there is not.
+std::vector<NamedMargins> named(const std::optional<FlownLoop>& loop) {
+  std::vector<NamedMargins> all;
+  if (!loop || loop->grows()) return all;
+  for (std::size_t i = 0; i < loop->margins.loops.size(); ++i)
+    all.push_back({loop->margins.names[i], loop->margins.loops[i]});
+  return all;
+}
+
+std::string flown_text(const Report& report) {
+  const FlownEvidence& flown = report.flown;
+  if (!flown.after) return "no flown plant: " + flown.why;
+  std::string text;
+  const auto unstable = [&](const std::optional<FlownLoop>& loop, const std::string& what) {
+    if (loop && loop->grows()) text += fmt::format("{}: unstable, {}\n", what, in_words(*loop));
+  };
+  unstable(flown.before, "start");
+  unstable(flown.after, found_word(report));
+  unstable(flown.rival, "published");
+  const std::vector<NamedMargins> after = named(flown.after), rival = named(flown.rival);
+  if (after.empty()) {
+    text.pop_back();
+    return text;
+  }
+  return text +
+         loops_text(named(flown.before), after, flown.rival ? &rival : nullptr, found_word(report));
 }
 
 // --- JSON ---
@@ -139,6 +176,15 @@ Json margins_json(const std::vector<NamedMargins>& loops) {
          {"gain_margin_db", finite_or_null(20 * std::log10(loop.margins.gain_margin))},
          {"delay_margin_s", finite_or_null(loop.margins.delay_margin)}});
   return json;
+}
+
+/// The estimator and the stability of a flown loop, and its margins if it is stable.
+Json flown_json(const std::optional<FlownLoop>& loop) {
+  if (!loop) return nullptr;
+  return {{"estimator", loop->estimator},
+          {"stable", !loop->grows()},
+          {"slowest_mode", in_words(*loop)},
+          {"margins", margins_json(named(loop))}};
 }
 
 Json outcome_json(const Report& report, const TrialOutcome& outcome) {
@@ -225,28 +271,52 @@ PageComparedTable missions_table(const Report& report) {
   return table;
 }
 
+/// A margin as the page shows it.
+struct MarginKind {
+  const char* name;
+  const char* label;
+  const char* unit;
+  double (*value)(const LoopMargins&);
+  double (*shown)(double);
+};
+constexpr MarginKind kMarginKinds[] = {
+    {"Ms", "Ms", "", [](const LoopMargins& m) { return m.Ms; }, [](double x) { return x; }},
+    {"phase margin", "phase", "deg", [](const LoopMargins& m) { return m.phase_margin; },
+     [](double x) { return x * 180 / std::numbers::pi; }},
+    {"gain margin", "gain", "dB", [](const LoopMargins& m) { return m.gain_margin; },
+     [](double x) { return 20 * std::log10(x); }},
+    {"delay margin", "delay", "ms", [](const LoopMargins& m) { return m.delay_margin; },
+     [](double x) { return 1000 * x; }}};
+
+PageComparedTable flown_table(const Report& report) {
+  PageComparedTable table;
+  table.id = "flown";
+  table.title = "Margins of the flown loop";
+  table.hint = fmt::format(
+      "Rotor lag, delays, sensors and estimator included ({}); cut at the law\u2019s outputs.",
+      report.flown.after->estimator);
+  std::vector<std::vector<NamedMargins>> columns = {named(report.flown.before),
+                                                    named(report.flown.after)};
+  if (report.tuning.rival) columns.push_back(named(report.flown.rival));
+  const std::vector<std::string>& names = report.flown.after->margins.names;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    for (const MarginKind& kind : kMarginKinds) {
+      std::vector<double> values;
+      values.reserve(columns.size());
+      for (const std::vector<NamedMargins>& column : columns)
+        values.push_back(i < column.size() ? kind.shown(kind.value(column[i].margins)) : kNaN);
+      table.rows.push_back(row(names[i], kind.label, kind.unit, std::move(values)));
+    }
+  return table;
+}
+
 PageComparedTable margins_table(const Report& report) {
   PageComparedTable table;
   table.id = "margins";
   table.title = "Margins of the loops";
-  table.hint = "Of the vehicle as its file has it.";
-  struct Kind {
-    const char* name;
-    const char* label;
-    const char* unit;
-    double (*value)(const LoopMargins&);
-    double (*shown)(double);
-  };
-  constexpr Kind kinds[] = {
-      {"Ms", "Ms", "", [](const LoopMargins& m) { return m.Ms; }, [](double x) { return x; }},
-      {"phase margin", "phase", "deg", [](const LoopMargins& m) { return m.phase_margin; },
-       [](double x) { return x * 180 / std::numbers::pi; }},
-      {"gain margin", "gain", "dB", [](const LoopMargins& m) { return m.gain_margin; },
-       [](double x) { return 20 * std::log10(x); }},
-      {"delay margin", "delay", "ms", [](const LoopMargins& m) { return m.delay_margin; },
-       [](double x) { return 1000 * x; }}};
+  table.hint = "Of the vehicle as its file has it, with true states.";
   for (std::size_t i = 0; i < report.after.size(); ++i)
-    for (const Kind& kind : kinds) {
+    for (const MarginKind& kind : kMarginKinds) {
       std::vector<double> plain;
       for (const std::vector<NamedMargins>* of :
            {&report.before, &report.after,
@@ -389,7 +459,14 @@ std::string to_text(const Report& report) {
     gains = "start and what was not taken\n" + gains;
   std::string text = section("gains", gains);
   text += section("missions", missions_text(report));
+  if (!report.widened.empty()) {
+    std::vector<std::string> lines;
+    for (const TunedLimit& one : report.widened)
+      lines.push_back(fmt::format("{}: {}, {}", one.mission, one.limit.label, in_words(one.limit)));
+    text += section("widened", fmt::format("{}", fmt::join(lines, "\n")));
+  }
   text += section("margins", margins_text(report));
+  text += section("flown", flown_text(report));
   if (!r.binding.empty()) text += section("binding", fmt::format("{}", fmt::join(r.binding, "\n")));
   if (!r.broken.empty()) text += section("broken", fmt::format("{}", fmt::join(r.broken, "\n")));
   return text + section("verdict",
@@ -415,6 +492,8 @@ Json to_json(const Report& report) {
         {"low", finite_or_null(r.difference.low)},
         {"high", finite_or_null(r.difference.high)}}},
       {"margins", {{"before", margins_json(report.before)}, {"after", margins_json(report.after)}}},
+      {"flown",
+       {{"before", flown_json(report.flown.before)}, {"after", flown_json(report.flown.after)}}},
       {"binding", r.binding},
       {"broken", r.broken},
       {"evaluations", r.evaluations},
@@ -425,7 +504,17 @@ Json to_json(const Report& report) {
   if (report.rival) {
     json["published"] = outcome_json(report, *report.rival);
     json["margins"]["published"] = margins_json(report.tuning.rival->margins);
+    json["flown"]["published"] = flown_json(report.flown.rival);
   }
+  json["widened"] = Json::array();
+  for (const TunedLimit& one : report.widened)
+    json["widened"].push_back({{"mission", one.mission},
+                               {"what", one.limit.what},
+                               {"unit", one.limit.unit},
+                               {"asked", one.limit.asked},
+                               {"sensors_rms", finite_or_null(one.limit.bound)},
+                               {"judged_by", one.limit.judged}});
+  if (!report.flown.why.empty()) json["flown"]["why"] = report.flown.why;
   return json;
 }
 
@@ -452,7 +541,9 @@ GainsPage page_of(const Report& report, const MissionTrial& trial, const Mission
     page.reasons.push_back(fmt::format("Broken all the same: {}.", fmt::join(r.broken, ", ")));
   page.columns = {"start", found_word(report)};
   if (report.tuning.rival) page.columns.push_back(report.tuning.rival->name);
-  page.tables = {missions_table(report), margins_table(report), gains_table(report)};
+  page.tables = {missions_table(report), margins_table(report)};
+  if (report.flown.after) page.tables.push_back(flown_table(report));
+  page.tables.push_back(gains_table(report));
   page.search = search_of(r);
   page.flown = flown(report, page.columns, trial, stop);
   std::vector<std::string> cost;

@@ -6,10 +6,17 @@
 #include <string>
 #include <vector>
 
+#include "flown_evidence.hpp"
 #include "mission_tuning.hpp"
 #include "report/gains_page.hpp"
 
 namespace quadtune::cli {
+
+/// A limit of a mission that is tighter than the sensors can keep.
+struct TunedLimit {
+  std::string mission;
+  WidenedLimit limit;
+};
 
 /// A search with its design, and with what its start and its rival are.
 struct MissionTuningReport {
@@ -19,6 +26,8 @@ struct MissionTuningReport {
   std::vector<NamedMargins> before, after;  ///< of the loops: start, the best point
   std::vector<DesignLimit> limits;          ///< of the margins, as the best point has them
   std::optional<TrialOutcome> rival;        ///< on the draws of the proof
+  FlownEvidence flown = {};
+  std::vector<TunedLimit> widened = {};
 };
 
 [[nodiscard]] std::string to_text(const MissionTuningReport& report);

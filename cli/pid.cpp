@@ -8,10 +8,12 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <ostream>
 
 #include "cascade_arguments.hpp"
 #include "cascade_report.hpp"
+#include "flight_arguments.hpp"
 #include "given_gains.hpp"
 #include "loop_figure.hpp"
 #include "margins_report.hpp"
@@ -22,10 +24,12 @@
 #include "program.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/synthesis/pid_loop.hpp"
 #include "quadtune/synthesis/pid_optimum.hpp"
 #include "quadtune/synthesis/pid_rules.hpp"
 #include "quadtune/workbench/chosen_law.hpp"
+#include "quadtune/workbench/flown_gains.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -34,6 +38,7 @@ using internal::Json;
 
 struct Options {
   std::string vehicle;
+  std::string method;  ///< "flown", "loops"; empty: by the other options
   CascadeArguments cascade;
   std::string num, den, type = "PID", rule;
   double delay = 0;         // [s]
@@ -83,7 +88,7 @@ ContinuousTransferFunction read_plant(const Options& options) {
 
 Found by_requirement(const ContinuousTransferFunction& plant, PidType type,
                      const Options& options) {
-  require_positive(options.crossover, "pid", "--crossover");
+  require_positive(options.crossover, "pid", "--crossover", "rad/s");
   if (!(options.phase_margin > 0 && options.phase_margin < 180))
     throw UsageError(fmt::format("quadtune pid: --phase-margin is {} deg, expected more than 0 and "
                                  "less than 180",
@@ -271,6 +276,64 @@ void refuse_options(const CLI::App& app, const std::vector<std::string>& names, 
       throw UsageError(fmt::format("quadtune pid: {} {}", name, why), name);
 }
 
+/// Options that only the rules of the loops take.
+std::vector<std::string> loop_option_names() {
+  std::vector<std::string> names = {"--Ms-max"};
+  for (const std::string& name : cascade_option_names())
+    if (name != "--dt") names.push_back(name);
+  return names;
+}
+
+/// Whether all gains are designed at once on the flown plant, which is the default, or loop by
+/// loop.
+bool designs_on_flown_plant(const CLI::App& app, const Options& options, const Vehicle& vehicle) {
+  static const std::vector<std::string> kMethods = {"flown", "loops"};
+  if (options.method.empty()) {
+    const std::vector<std::string> names = loop_option_names();
+    return usually_on_flown_plant(vehicle) &&
+           std::none_of(names.begin(), names.end(),
+                        [&](const std::string& name) { return app.get_option(name)->count() > 0; });
+  }
+  if (options.method == "loops") return false;
+  if (options.method != "flown")
+    throw UsageError(fmt::format("quadtune pid: --method is '{}', expected flown or loops{}",
+                                 internal::printable(options.method),
+                                 internal::did_you_mean(options.method, kMethods)),
+                     "--method");
+  refuse_options(app, loop_option_names(), "belongs to --method loops, expected it");
+  return true;
+}
+
+/// The margins of each group of axes on the plants that the gains are designed for.
+std::string flown_text(const FlownGains& flown) {
+  std::string text;
+  for (const FlownAxisGains& axis : flown.axes)
+    for (std::size_t i = 0; i < flown.family.size(); ++i) {
+      const LoopMargins& margins = axis.margins[i];
+      text += fmt::format("{:9}{:31} {} {:5.1f} deg, {:4.1f} dB up, Ms {:.2f}, disk {:.2f}\n",
+                          to_string(axis.axis), flown.family[i].name,
+                          margins.stable ? "stable  " : "UNSTABLE",
+                          margins.phase_margin * 180 / std::numbers::pi,
+                          20 * std::log10(margins.gain_margin), margins.Ms, margins.disk.alpha);
+    }
+  return text;
+}
+
+Json flown_json(const FlownGains& flown) {
+  Json axes = Json::array();
+  for (const FlownAxisGains& axis : flown.axes)
+    for (std::size_t i = 0; i < flown.family.size(); ++i) {
+      const LoopMargins& margins = axis.margins[i];
+      axes.push_back({{"axis", to_string(axis.axis)},
+                      {"plant", flown.family[i].name},
+                      {"stable", margins.stable},
+                      {"phase_margin_deg", margins.phase_margin * 180 / std::numbers::pi},
+                      {"Ms", margins.Ms},
+                      {"disk", margins.disk.alpha}});
+    }
+  return axes;
+}
+
 void run_vehicle(const CLI::App& app, const Options& options, Context& context) {
   require_picture(options.plot, "pid");
   refuse_options(app,
@@ -281,7 +344,16 @@ void run_vehicle(const CLI::App& app, const Options& options, Context& context) 
   const Vehicle vehicle = load_vehicle(options.vehicle);
   const CascadeSpecification specification =
       cascade_specification(app, options.cascade, options.Ms_max, vehicle);
-  const CascadeReport report = design_cascade(vehicle, specification, options.vehicle);
+  std::optional<FlownGains> flown;
+  if (designs_on_flown_plant(app, options, vehicle)) {
+    FlownGainsOptions of_flown;
+    of_flown.dt = specification.dt;
+    flown = told_of_period("pid", [&] { return flown_gains(vehicle, of_flown); });
+  }
+  const CascadeReport report =
+      flown ? assess_written_cascade(vehicle, as_cascade(*flown, specification.dt),
+                                     specification.method, options.vehicle)
+            : design_cascade(vehicle, specification, options.vehicle);
   draw(
       options.plot,
       [&] {
@@ -292,16 +364,27 @@ void run_vehicle(const CLI::App& app, const Options& options, Context& context) 
       context);
   if (context.json) {
     Json json = to_json(report);
+    json["method"] = flown ? "flown" : "loops";
+    if (flown) json["flown"] = flown_json(*flown);
     ExportContent content;
     content.vehicle = vehicle;
     content.cascade = CascadeDesign{report.cascade.gains, {}, report.specification.method};
     content.cascade->back_calculation = kDesignedBackCalculation;
+    content.cascade->velocity_feed_forward = true;
+    content.cascade->conditional_integration = true;
+    content.cascade->integrator_limit = CascadeController{}.integrator_limit;
+    content.cascade->attitude_limit =
+        flown ? kDesignedAttitudeLimit : CascadeController{}.attitude_limit;
+    content.estimator = stored_estimator(vehicle, "", report.cascade.gains.dt);
     add_laws(json, content);
     context.out << internal::readable(json) << "\n";
   } else {
     context.out << to_text(report);
+    if (flown) context.out << section("flown", flown_text(*flown));
   }
   for (const std::string& note : report.cascade.notes) context.note("pid: note: " + note);
+  if (flown)
+    for (const std::string& note : flown->notes) context.note("pid: note: " + note);
   for (const std::string& warning : cascade_warnings(report))
     context.note("pid: warning: " + warning);
 }
@@ -318,6 +401,12 @@ Verb pid_verb() {
       [](CLI::App& app) -> Action {
         auto options = std::make_shared<Options>();
         app.add_option("V", options->vehicle, "a built-in vehicle's name or a vehicle file");
+        app.add_option(
+               "--method", options->method,
+               "flown (default but for a satellite receiver below 5 Hz without optical flow): all "
+               "gains at once on the flown plant; loops: loop by loop, implied by --bandwidth, "
+               "--Ms-max and the like")
+            ->type_name("M");
         add_cascade_options(app, options->cascade);
         app.add_option("--num", options->num, "numerator of the plant, descending powers")
             ->type_name("LIST");
@@ -350,6 +439,7 @@ Verb pid_verb() {
         add_plot_option(app, options->plot);
         return [=, owner = &app](Context& context) {
           if (!options->vehicle.empty()) return run_vehicle(*owner, *options, context);
+          refuse_options(*owner, {"--method"}, "belongs to a vehicle, expected one");
           refuse_options(*owner, cascade_option_names(), "belongs to a vehicle, expected one");
           run(*options,
               {crossover->count() > 0, phase->count() > 0, Tf->count() > 0, tau_c->count() > 0,

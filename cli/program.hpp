@@ -119,6 +119,7 @@ void write_file(const std::string& file, const std::string& bytes,
 Verb design_verb();
 Verb vehicle_verb();
 Verb linearize_verb();
+Verb lqg_verb();
 Verb lqr_verb();
 Verb kalman_verb();
 Verb discretize_verb();

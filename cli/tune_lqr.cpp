@@ -61,7 +61,8 @@ void complete(const CLI::App& app, const GivenGains& given, LqrArguments& proble
     problem.has_dt = true;
   }
   if (!given.design) return;
-  if (absent("--method")) problem.method = to_string(given.design->lqr->method);
+  if (absent("--method") && given.design->lqr)
+    problem.method = to_string(given.design->lqr->method);
   const FlightCondition& flight = given.design->condition;
   if (absent("--yaw")) plant.yaw = flight.yaw;
   for (const char* option : {"--at", "--speed", "--climb", "--radius", "--yaw-rate"})
@@ -118,6 +119,10 @@ void run(const CLI::App& app, Options options, Context& context) {
            fmt::format("--tolerance is {}, expected a positive number", options.tolerance));
   require_design_name(options.missions.file, kVerb);
   const GivenGains given = read_given_gains(options.gains);
+  if (given.gains.memory)
+    throw InvalidInput(options.gains,
+                       "the law feeds back its past commands, expected a matrix on the states and "
+                       "their integrals, because weights are sought on the textbook plant");
   options.problem.verb = kVerb;
   complete(app, given, options.problem);
   const Plant plant = make_plant(options.problem.plant);

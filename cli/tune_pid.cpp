@@ -202,13 +202,13 @@ Verb tune_pid_verb() {
   };
   return {"tune pid", "V --mission NAME [options]",
           "search PID gains over missions, and prove them on fresh draws",
-          "quadtune tune pid mambo --mission hover --duration 15 --evaluations 100",
+          "quadtune tune pid mambo --mission step-north --evaluations 100",
           [](CLI::App& app) -> Action {
             auto options = std::make_shared<Options>();
             app.add_option("V", options->tuning.vehicle, "a built-in vehicle or a vehicle file");
             add_mission_tuning_options(app, options->tuning);
             app.add_option("--gains", options->gains,
-                           "where it begins: designed (default), published or a design file")
+                           "where it begins: designed (default), published or a file of gains")
                 ->type_name("WHICH");
             app.add_flag("--separate", options->separate,
                          "tune x and y, pitch and roll each for itself");

@@ -81,6 +81,12 @@ std::string of_rotors(const Vehicle& vehicle, double Rotor::*member, const char*
   return (same ? number(vehicle.rotors.front().*member) + " " : all) + unit;
 }
 
+/// With the lag of slowing down written out where it is that of both.
+Vehicle slowing(Vehicle vehicle) {
+  for (Rotor& rotor : vehicle.rotors) rotor.lag_down = lag_down(rotor);
+  return vehicle;
+}
+
 /// What of a rotor is in no column of the table.
 std::string propeller_text(const Vehicle& vehicle) {
   const Rotor& rotor = vehicle.rotors.front();
@@ -89,6 +95,18 @@ std::string propeller_text(const Vehicle& vehicle) {
   if (!std::isnan(rotor.radius)) text += "; radius " + of_rotors(vehicle, &Rotor::radius, "m");
   if (!std::isnan(rotor.chord)) text += "; chord " + of_rotors(vehicle, &Rotor::chord, "m");
   if (rotor.blades > 0) text += fmt::format("; {} blades", rotor.blades);
+  const auto any = [&](auto&& has) {
+    return std::any_of(vehicle.rotors.begin(), vehicle.rotors.end(), has);
+  };
+  if (any([](const Rotor& r) { return lag_down(r) != r.lag; }))
+    text += "; slowing down with lag " + of_rotors(slowing(vehicle), &Rotor::lag_down, "s");
+  if (any([](const Rotor& r) { return r.drag > 0; }))
+    text += "; drag " + of_rotors(vehicle, &Rotor::drag, "N s2/(rad m)");
+  if (any([](const Rotor& r) { return r.inflow > 0; }))
+    text += "; inflow " + of_rotors(vehicle, &Rotor::inflow, "N s2/(rad m)");
+  if (any([](const Rotor& r) { return r.flapping > 0; }))
+    text += "; flapping " + of_rotors(vehicle, &Rotor::flapping, "N s2/rad");
+  if (any([](const Rotor& r) { return r.ground_effect; })) text += "; ground effect";
   return text;
 }
 
@@ -98,6 +116,9 @@ std::string motors_text(const MotorCommand& motor) {
                                  number(motor.min), number(motor.max), motor.unit);
   if (motor.quantum > 0)
     text += fmt::format(", in steps of {} {}", number(motor.quantum), motor.unit);
+  if (motor.delay > 0) text += fmt::format(", {} s late", number(motor.delay));
+  if (motor.delay_jitter > 0)
+    text += fmt::format(", up to {} s of jitter", number(motor.delay_jitter));
   const bool turned = std::any_of(motor.direction.begin(), motor.direction.end(),
                                   [](int sign) { return sign < 0; });
   if (turned) text += fmt::format("; signs {}", fmt::join(motor.direction, " "));
@@ -133,10 +154,24 @@ std::string sensors_text(const Vehicle& vehicle) {
     if (std::isfinite(f.limit)) text += fmt::format(", limit {} {}", number(f.limit), unit);
     if (f.quantum > 0) text += fmt::format(", steps of {} {}", number(f.quantum), unit);
     if (f.dropout > 0) text += fmt::format(", {} lost", number(f.dropout));
+    if (!f.turn_on_bias.isZero(0))
+      text += fmt::format(", bias at turn-on {} {}", values(f.turn_on_bias), unit);
+    if (!f.bias_walk.isZero(0))
+      text += fmt::format(", bias walk {} {}/sqrt(s)", values(f.bias_walk), unit);
+    if (!f.correlated_noise.isZero(0))
+      text += fmt::format(", correlated over {} s {} {}", number(f.correlation),
+                          values(f.correlated_noise), unit);
+    if (!f.vibration.isZero(0))
+      text += fmt::format(", vibration {} {} s2/rad2", values(f.vibration), unit);
   };
   const Sensors& s = vehicle.sensors;
   if (s.accelerometer) add("accelerometer", *s.accelerometer, 3, "m/s2");
-  if (s.gyroscope) add("gyroscope", *s.gyroscope, 3, "rad/s");
+  if (s.gyroscope) {
+    add("gyroscope", *s.gyroscope, 3, "rad/s");
+    if (!s.g_sensitivity.isZero(0))
+      text += fmt::format(", {} {} {} rad/s per m/s2", number(s.g_sensitivity.x()),
+                          number(s.g_sensitivity.y()), number(s.g_sensitivity.z()));
+  }
   if (s.magnetometer) add("magnetometer", *s.magnetometer, 3, "uT");
   if (s.barometer) {
     add("barometer", s.barometer->faults, 1, "Pa");
@@ -152,6 +187,10 @@ std::string sensors_text(const Vehicle& vehicle) {
     add("flow", s.flow->faults, 2, "rad/s");
     text += fmt::format(", half field {} {} rad, above {} m", number(s.flow->half_field_x),
                         number(s.flow->half_field_y), number(s.flow->least_height));
+    if (std::isfinite(s.flow->greatest_height))
+      text += fmt::format(" and below {} m", number(s.flow->greatest_height));
+    if (s.flow->noise_per_height > 0)
+      text += fmt::format(", noise {} rad/s/m more with height", number(s.flow->noise_per_height));
   }
   if (s.gps) {
     add("gps", s.gps->position, 3, "m");

@@ -22,6 +22,7 @@
 #include "quadtune/version.hpp"
 #include "quadtune/workbench/cascade_report.hpp"
 #include "quadtune/workbench/export_content.hpp"
+#include "quadtune/workbench/flown_check.hpp"
 #include "quadtune/workbench/flying_loop.hpp"
 #include "verify_evidence.hpp"
 #include "verify_report.hpp"
@@ -140,6 +141,15 @@ void require_export(const std::string& directory) {
 
 }  // namespace
 
+/// The estimator that an export names. A file that cannot be read is reported by verify_export().
+std::optional<StoredEstimator> estimator_of(const std::string& directory) {
+  try {
+    return read_laws(directory).estimator;
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
 VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
                          const std::vector<InputAtHand>& inputs) {
   const Manifest manifest = read_manifest(directory);
@@ -151,6 +161,9 @@ VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
       facts.cascade_plant = cascade_plant(vehicle, *cascade, directory);
     VerifyReport report = verify_export(directory, model, facts);
     for (VerifyCheck& check : check_evidence(vehicle, manifest))
+      report.checks.push_back(std::move(check));
+    for (VerifyCheck& check :
+         check_flown_loops(vehicle, report.gains, report.cascade, estimator_of(directory)))
       report.checks.push_back(std::move(check));
     return report;
   } catch (const NoSolution& error) {

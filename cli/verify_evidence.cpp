@@ -9,7 +9,9 @@
 
 #include "quadtune/errors.hpp"
 #include "quadtune/matrix_checks.hpp"
+#include "quadtune/synthesis/actuator_lqi.hpp"
 #include "quadtune/synthesis/state_feedback.hpp"
+#include "quadtune/workbench/export_content.hpp"
 #include "quadtune/workbench/flying_loop.hpp"
 
 namespace quadtune::cli {
@@ -18,11 +20,10 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// The problem that a manifest's weights stand for, in the order of the plant's states.
-LqrDesign problem_of(const Manifest& manifest, const ContinuousLti& plant) {
+/// Q of the states and of the integrals, in blocks.
+void require_weights(const Manifest& manifest) {
   const Gains& gains = *manifest.gains;
-  const Index nx = std::ssize(gains.states);
-  const Index ni = std::ssize(gains.integrals);
+  const Index nx = std::ssize(gains.states), ni = std::ssize(gains.integrals);
   const Index nu = std::ssize(gains.inputs);
   const std::string where = kManifestName;
   require_shape(manifest.Q, nx + ni, nx + ni, where, "weights.Q", "states, then integrals");
@@ -30,6 +31,15 @@ LqrDesign problem_of(const Manifest& manifest, const ContinuousLti& plant) {
   if (!manifest.Q.topRightCorner(nx, ni).isZero(0) ||
       !manifest.Q.bottomLeftCorner(ni, nx).isZero(0))
     throw InvalidInput(where, "weights.Q weighs states with integrals, expected blocks of each");
+}
+
+/// The problem that a manifest's weights stand for, in the order of the plant's states.
+LqrDesign problem_of(const Manifest& manifest, const ContinuousLti& plant) {
+  const Gains& gains = *manifest.gains;
+  const Index nx = std::ssize(gains.states);
+  const Index ni = std::ssize(gains.integrals);
+  require_weights(manifest);
+  const std::string where = kManifestName;
   LqrDesign design;
   design.convention = gains.convention;
   design.input_kind = gains.input_kind;
@@ -94,6 +104,57 @@ VerifyCheck check_told(const ExportEvidence& told, const RiccatiResult& solved) 
   return check;
 }
 
+/// The same for gains of flown_lqi(), which are in the 12 states of ned and the wrench.
+std::vector<VerifyCheck> check_lqi(const Vehicle& vehicle, const Manifest& manifest,
+                                   VerifyCheck check) {
+  const Gains& gains = *manifest.gains;
+  if (gains.states != ned_convention().states || gains.inputs != ned_convention().wrench)
+    throw InvalidInput(kManifestName,
+                       "the gains of an LQI have other states or inputs, expected "
+                       "the 12 states of ned and the wrench");
+  require_weights(manifest);
+  const Index ni = std::ssize(gains.integrals);
+  ActuatorLqiWeights weights;
+  weights.Q = manifest.Q.topLeftCorner(12, 12);
+  weights.Q_integral = manifest.Q.bottomRightCorner(ni, ni);
+  weights.R = manifest.R;
+  ActuatorLqiOptions options;
+  options.dt = gains.dt;
+  options.past = gains.memory ? gains.memory->past : 0;
+  for (const Signal& integral : gains.integrals) options.integrals.push_back(integral.name);
+  const ActuatorLqi found = actuator_lqi(vehicle, weights, options);
+  if (!found.solved()) {
+    check.detail = "solved anew: " + found.riccati.culprit;
+    return {check};
+  }
+  const auto all = [](const Gains& of) {
+    const Index memory = of.memory ? of.memory->K_lag.cols() + of.memory->K_past.cols() : 0;
+    MatrixXd K(of.K.rows(), of.K.cols() + of.K_int.cols() + memory);
+    if (of.memory)
+      K << of.K, of.K_int, of.memory->K_lag, of.memory->K_past;
+    else
+      K << of.K, of.K_int;
+    return K;
+  };
+  const MatrixXd given = all(gains), solved = all(found.gains);
+  if (given.cols() != solved.cols()) {
+    check.detail = fmt::format("the law has {} gains for each command, solved anew {}",
+                               given.cols(), solved.cols());
+    return {check};
+  }
+  // Couplings of rounding size between axes are left out of the law.
+  constexpr double kRounding = 1e-7;
+  double worst = 0;
+  for (Index i = 0; i < given.rows(); ++i)
+    worst = std::max(worst, (given.row(i) - solved.row(i)).cwiseAbs().maxCoeff() /
+                                solved.row(i).cwiseAbs().maxCoeff());
+  check.ok = worst <= kRounding;
+  check.detail = fmt::format(
+      "solved anew; largest difference {:.3g} of its row's largest entry, at most {:.2g}", worst,
+      kRounding);
+  return {check, check_told(manifest.evidence, found.riccati)};
+}
+
 }  // namespace
 
 std::vector<VerifyCheck> check_evidence(const Vehicle& vehicle, const Manifest& manifest) {
@@ -106,6 +167,7 @@ std::vector<VerifyCheck> check_evidence(const Vehicle& vehicle, const Manifest& 
   }
   VerifyCheck check{"weights give the gains", false, ""};
   try {
+    if (manifest.evidence.method == kFlownLqiMethod) return check_lqi(vehicle, manifest, check);
     const Linearization model = linearization_of(vehicle, *manifest.gains);
     const StateFeedback found = state_feedback(model.plant, problem_of(manifest, model.plant));
     if (!found.solved()) {

@@ -36,11 +36,12 @@ int main(int count, char** words) {
   try {
     const quadtune::Vehicle vehicle = quadtune::load_vehicle(count > 1 ? words[1] : "crazyflie");
     quadtune::DesignRequirements requirements;
-    requirements.lqr = quadtune::usual_lqr(vehicle);
+    requirements.cascade = quadtune::usual_cascade(vehicle);
     requirements.missions = {{.mission = "hover", .sensors = "real"}};
     const quadtune::DesignOutcome outcome = quadtune::design(vehicle, requirements);
-    std::cout << vehicle.name << ": largest |z| " << outcome.poles.cwiseAbs().maxCoeff() << '\n';
-    print_margins(*outcome.margins);
+    std::cout << vehicle.name << ": largest |z| "
+              << outcome.cascade->cascade.poles.cwiseAbs().maxCoeff() << '\n';
+    print_margins(outcome.cascade->margins);
     for (const quadtune::FlownFlight& flight : outcome.flights) print_flight(flight);
     return quadtune::missions_passed(outcome) ? 0 : 1;
   } catch (const std::exception& error) {

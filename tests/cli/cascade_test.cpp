@@ -16,6 +16,7 @@ namespace quadtune {
 namespace {
 
 using internal::Json;
+using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -35,9 +36,22 @@ std::vector<std::string> loop_names(const Json& loops) {
   return names;
 }
 
-// What flights in other tests and benchmarks call designed is what the command designs.
+// The JSON of `pid V` is the cascade that `fly V` flies, limits included.
+TEST(PidOfAVehicle, JsonIsTheLawThatFlies) {
+  const Json loops = json_of({"pid", "mambo", "--method", "loops"})["cascade"];
+  EXPECT_EQ(loops["attitude_limit_rad"], 3);
+  EXPECT_EQ(loops["integrator_limit"], 2);
+  EXPECT_EQ(loops["back_calculation_per_s"], 2);
+  EXPECT_EQ(loops["velocity_feed_forward"], true);
+  EXPECT_EQ(loops["conditional_integration"], true);
+  const Json flown = json_of({"pid", "mambo"})["cascade"];
+  EXPECT_EQ(flown["attitude_limit_rad"], 0.5);
+  EXPECT_EQ(flown["integrator_limit"], 2);
+}
+
+// What flights in other tests and benchmarks call designed is what the rules design loop by loop.
 TEST(PidOfAVehicle, IsTheMamboThatOthersFly) {
-  const Json json = json_of({"pid", "mambo"});
+  const Json json = json_of({"pid", "mambo", "--method", "loops"});
   for (const testing::DesignedLoop& flown : testing::kDesignedMambo)
     for (const Json& loop : json["loops"]) {
       if (loop["name"] != flown.name) continue;
@@ -48,7 +62,7 @@ TEST(PidOfAVehicle, IsTheMamboThatOthersFly) {
 }
 
 TEST(PidOfAVehicle, IsBetterThanWhatIsPublished) {
-  const Json json = json_of({"pid", "mambo"});
+  const Json json = json_of({"pid", "mambo", "--method", "loops"});
   EXPECT_EQ(json["published"], "table 3.3 of the Mambo thesis");
   EXPECT_EQ(json["dt"], 0.005);
   EXPECT_EQ(json["integrator"], "euler");
@@ -64,7 +78,7 @@ TEST(PidOfAVehicle, IsBetterThanWhatIsPublished) {
     EXPECT_LE(double(loop["value_noise"]), double(there["value_noise"]) * (1 + 1e-6));
     EXPECT_LE(double(loop["rate_noise"]), double(there["rate_noise"]) * (1 + 1e-6));
   }
-  const ProgramResult text = run_program({"pid", "mambo"});
+  const ProgramResult text = run_program({"pid", "mambo", "--method", "loops"});
   EXPECT_EQ(text.status, 0);
   EXPECT_THAT(text.out, HasSubstr("no figure is worse"));
   EXPECT_THAT(text.out, HasSubstr("closed      stable"));
@@ -143,6 +157,14 @@ TEST(Comparison, HasEveryMethodAtThreePeriods) {
       EXPECT_LT(double(row["step_error"]), 1e-9);
     }
   }
+  // The run laws on the flown plant, with the estimator: the Mambo keeps 30 degrees with each.
+  ASSERT_EQ(json["flown"].size(), 12U);
+  for (const Json& row : json["flown"]) {
+    EXPECT_TRUE(row["stable"]) << row.dump();
+    EXPECT_EQ(row["estimator"], "general");
+    EXPECT_GT(double(row["phase_margin_deg"]), 30) << row.dump();
+    EXPECT_LT(double(row["Ms"]), 2.5) << row.dump();
+  }
   ASSERT_EQ(poles.size(), 2U);
   EXPECT_EQ(poles["lqr"].size(), 8U);
   EXPECT_EQ(poles["cascade"].size(), 10U);
@@ -157,7 +179,9 @@ TEST(Comparison, HasEveryMethodAtThreePeriods) {
 
 TEST(Comparison, LosesStabilityAtThePeriodThatItSays) {
   if (testing::kSanitized) GTEST_SKIP() << "a sanitizer learns no more from the second comparison";
-  const Json json = json_of({"discretize", "mambo", "--compare", "--dt", "0.005"});
+  const Json json =
+      json_of({"discretize", "mambo", "--compare", "--dt", "0.005", "--plant", "ideal"});
+  EXPECT_FALSE(json.contains("flown"));
   for (const Json& row : json["methods"]) {
     if (row["law"] != "lqr" || row["dt"] != 0.005) continue;
     if (row["name"] == "tustin") {
@@ -168,7 +192,8 @@ TEST(Comparison, LosesStabilityAtThePeriodThatItSays) {
       const std::string beyond = std::to_string(1.01 * limit);
       const std::string within = std::to_string(0.99 * limit);
       for (const auto& [dt, stable] : {std::pair(beyond, false), std::pair(within, true)}) {
-        const Json there = json_of({"discretize", "mambo", "--compare", "--dt", dt});
+        const Json there =
+            json_of({"discretize", "mambo", "--compare", "--dt", dt, "--plant", "ideal"});
         for (const Json& other : there["methods"])
           if (other["law"] == "lqr" && other["name"] == "euler" &&
               std::abs(double(other["dt"]) - std::stod(dt)) < 1e-9) {
@@ -177,6 +202,16 @@ TEST(Comparison, LosesStabilityAtThePeriodThatItSays) {
       }
     }
   }
+}
+
+TEST(Comparison, SaysWhatIsLostOnTheFlownPlant) {
+  if (testing::kSanitized) GTEST_SKIP() << "a sanitizer learns no more from the second comparison";
+  const ProgramResult crazyflie =
+      run_program({"discretize", "crazyflie", "--compare", "--dt", "0.005"});
+  EXPECT_EQ(crazyflie.status, 0) << crazyflie.err;
+  EXPECT_THAT(crazyflie.out,
+              HasSubstr("on the flown plant: rotor lag, sensors, estimator general"));
+  EXPECT_THAT(crazyflie.out, ContainsRegex("0.01 s: unstable; .*doubles in"));
 }
 
 }  // namespace

@@ -68,6 +68,11 @@ TEST_F(CertifyTest, ProvesTheUquadInItsDefaultBox) {
   EXPECT_GE(law["scale"]["proved"], 1);
   EXPECT_EQ(law["box"]["delay"]["high"], 0.01);
   EXPECT_EQ(law["box"]["lag"]["high"], 0);
+  // Nominal, corners of mass, inertia, thrust and delay, and the worst that the search found.
+  EXPECT_GE(law["flown"]["vehicles"], 17);
+  EXPECT_EQ(law["flown"]["estimator"], "uquad");
+  EXPECT_TRUE(law["flown"]["stable"]);
+  EXPECT_LT(law["flown"]["radius"], 1);
 }
 
 // 45 ms of delay are too much for this box, 40 ms are not: search and proof agree to 2 %.
@@ -135,6 +140,30 @@ TEST_F(CertifyTest, ListsTheLagThatItUsed) {
   EXPECT_THAT(run_program(text).out, HasSubstr("lag         0.072 s"));
 }
 
+// The loop with true states is proved with a delay of 30 ms. With the delays of the sensors and the
+// estimator it has 21 ms of margin at nominal.
+TEST_F(CertifyTest, FindsTheFlownLoopThatIsUnstable) {
+  const TemporaryDirectory folder;
+  const std::string gains = (folder.path() / "pid.json").string();
+  const std::string out = (folder.path() / "out").string();
+  ASSERT_EQ(run_program({"pid", "mambo", "--quiet", "-o", gains}).status, 0);
+  ASSERT_EQ(run_program({"export", gains, "--to", "json", "-o", out, "--quiet"}).status, 0);
+  std::vector<std::string> args = {out,        "--mass", "1:1",     "--inertia", "1:1",
+                                   "--thrust", "1:1",    "--delay", "0.03"};
+  const nlohmann::json report = certified(args, 1);
+  EXPECT_EQ(report["verdict"], "unstable");
+  const nlohmann::json& law = report["laws"][0];
+  EXPECT_EQ(law["proof"]["status"], "proved");
+  EXPECT_FALSE(law["proved"].get<bool>());
+  EXPECT_FALSE(law["flown"]["stable"].get<bool>());
+  EXPECT_GT(law["flown"]["radius"], 1);
+  EXPECT_EQ(law["flown"]["parameters"]["delay"], 0.03);
+  EXPECT_THAT(refused(args, 1),
+              HasSubstr("the flown loop, with sensors and the estimator general, is unstable: "));
+  args.insert(args.end(), {"--plant", "ideal"});
+  EXPECT_TRUE(certified(args, 0)["laws"][0]["flown"].is_null());
+}
+
 TEST_F(CertifyTest, SaysWhereTheVehicleCannotHover) {
   EXPECT_THAT(refused({exported("uquad-hover"), "--mass", "0.9:1.7"}, 1),
               HasSubstr("cannot hover everywhere in the box: "));
@@ -159,6 +188,7 @@ TEST_F(CertifyTest, RefusesBadBoxes) {
   EXPECT_THAT(refused({out, "--lag", "0:0.1"}, 2), HasSubstr("--lag is '0:0.1'"));
   EXPECT_THAT(refused({out, "--controller", "pdi"}, 2), HasSubstr("--controller is 'pdi'"));
   EXPECT_THAT(refused({out, "--budget", "0"}, 2), HasSubstr("--budget"));
+  EXPECT_THAT(refused({out, "--plant", "real"}, 2), HasSubstr("--plant is 'real'"));
   EXPECT_THAT(refused({out, "--weight", "1"}, 2), StartsWith("quadtune certify: no option"));
   EXPECT_THAT(refused({}, 2), HasSubstr("expected an export's directory"));
 }

@@ -65,6 +65,7 @@ class Examples : public ::testing::Test {
 };
 
 TEST_F(Examples, OfTheHelpPagesWorkAsPrinted) {
+  if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
   for (const cli::Verb& verb : cli::verbs()) {  // design comes first and writes what others read
     const ProgramResult result = run_program(arguments(verb.example));
     EXPECT_EQ(result.status, 0) << verb.example << "\n" << result.err;

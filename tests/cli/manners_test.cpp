@@ -91,7 +91,7 @@ TEST(Synonyms, OfControllers) {
     const ProgramResult result = run_program(
         {"fly", "mambo", "--duration", "0.2", "--sensors", "ideal", "--controller", word});
     EXPECT_LE(result.status, 1) << result.err;
-    EXPECT_THAT(result.out, HasSubstr("state feedback, LQR"));
+    EXPECT_THAT(result.out, HasSubstr("state feedback, LQI"));
   }
 }
 

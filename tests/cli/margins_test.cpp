@@ -101,7 +101,7 @@ TEST(MarginsVerb, OfAVehiclesGains) {
   EXPECT_TRUE(
       json_of({"margins", "uquad", "--gains", out, "--delay", "0.01"})["loops"][0]["stable"]);
   // The flown loop beside it: more delay, less margin, and the same textbook's.
-  const Json flown = json_of({"margins", "uquad", "--gains", out});
+  const Json flown = json_of({"margins", "uquad", "--gains", out, "--estimator", "uquad"});
   EXPECT_EQ(flown["plant"], "flown");
   EXPECT_EQ(flown["ideal"]["loops"], read["loops"]);
   EXPECT_TRUE(flown["flown"]["stable"]);
@@ -126,11 +126,12 @@ TEST(MarginsVerb, OfTheFlownLoopKnowTheEstimator) {
   for (const Json& loop : original["ideal"]["loops"]) EXPECT_TRUE(loop["stable"]);
   const ProgramResult text = run_program({"margins", "mambo", "--gains", design});
   EXPECT_EQ(text.status, 0);
-  for (const char* part : {"hover at 1.1 m, estimator mambo, real sensors; the clocks repeat every "
-                           "10 periods",
-                           "stable, largest |z| 0.99", "\nideal "})
+  for (const char* part :
+       {"hover at 1.1 m, estimator general, real sensors; the sample clocks repeat "
+        "every 10 periods",
+        "stable, largest |z| 0.99", "\nmargins of the ideal plant "})
     EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text.out;
-  EXPECT_NE(text.err.find("tells of px, py and yaw"), std::string::npos) << text.err;
+  EXPECT_NE(text.err.find("do not observe px, py and yaw"), std::string::npos) << text.err;
 }
 
 TEST(MarginsVerb, OfLqrAreTheGuaranteed) {
@@ -193,6 +194,27 @@ TEST(MarginsVerb, SaysWhatMatricesAreTakenFor) {
                         "only if they are discrete: --discrete --dt T"));
   const ProgramResult noted = run_program(discrete.arguments({"--dt", "0.1"}));
   EXPECT_THAT(noted.err, HasSubstr("margins: note: A and B are taken as discrete because of --dt"));
+}
+
+// Stable as either kind, but no sampled plant has an eigenvalue 0, or a single negative one, unless
+// it has delays, which come with the slow motion near 1.
+TEST(MarginsVerb, WarnsOfMatricesThatNoSampledPlantHas) {
+  const auto told = [](const std::string& A, const std::string& B, const std::string& K,
+                       std::vector<std::string> more = {"--dt", "0.01"}) {
+    const ProgramResult result = run_program(Matrices(A, B, K).arguments(more));
+    EXPECT_EQ(result.status, 0) << result.err;
+    return result.err;
+  };
+  EXPECT_THAT(
+      told("0 1\n0 0\n", "0\n1\n", "0.3 0.2\n"),
+      HasSubstr("margins: warning: A and B are taken as discrete because of --dt, but A has "
+                "the eigenvalue 0, which no plant that is sampled without delays has: "
+                "--sampled DT takes them as continuous"));
+  EXPECT_THAT(told("-0.5\n", "1\n", "0.1\n"), HasSubstr("A has the eigenvalue -0.5"));
+  EXPECT_THAT(told("0 1\n0 0\n", "0\n1\n", "0.3 0.2\n", {"--discrete", "--dt", "0.01"}),
+              ::testing::Not(HasSubstr("eigenvalue")));
+  for (const char* A : {"1 0.1\n0 0.9\n", "1 0.1\n0 0\n", "-0.5 0\n0 -0.5\n", "0 -0.5\n0.5 0\n"})
+    EXPECT_THAT(told(A, "0\n1\n", "0.1 0.1\n"), ::testing::Not(HasSubstr("eigenvalue"))) << A;
 }
 
 TEST(MarginsVerb, RefusesContradictoryKinds) {

@@ -190,7 +190,7 @@ TEST_F(MatchGainsVerb, NamesWhatTheGainOfAWrenchDoesNotTell) {
                            "name = \"wrench\"\nvehicle = \"mambo\"\n[lqr]\n"
                            "inputs = \"wrench\"\n"
                            "Q = [4, 4, 9, 25, 25, 10, 1, 1, 1, 0.2, 0.2, 0.1]\n"
-                           "R = [1, 1e3, 1e3, 2e3]\nmethod = \"sampled\"\ndt_s = 0.005\n"
+                           "R = [1, 1e5, 1e5, 2e5]\nmethod = \"sampled\"\ndt_s = 0.005\n"
                            "[[export]]\nto = \"json\"\n")
                     .string());
   const ProgramResult result = run_program(
@@ -200,7 +200,7 @@ TEST_F(MatchGainsVerb, NamesWhatTheGainOfAWrenchDoesNotTell) {
   EXPECT_EQ(json["unseen"].size(), 3u);
   EXPECT_EQ(weight(json, "Q(yaw)")["verdict"], "in combination");
   EXPECT_NEAR(number(weight(json, "Q(yaw)")["value"]) / number(weight(json, "R(tau_z)")["value"]),
-              10 / 2e3, 1e-8);
+              10 / 2e5, 1e-10);
 }
 
 TEST_F(MatchGainsVerb, SameSeedSameBytes) {
@@ -228,6 +228,11 @@ TEST_F(MatchGainsVerb, RefusesInOneLine) {
   refused({"tune", "lqr", "uquad", "--match-gains", "no.json"}, 5, "no.json: No such file");
   refused({"tune", "lqr", "mambo", "--match-gains", kDesign}, 3,
           "the gains are for the vehicle 'uquad', expected 'mambo'");
+  const TemporaryDirectory folder;
+  const std::string remembering = (folder.path() / "g.json").string();
+  ASSERT_EQ(run_program({"lqr", "crazyflie", "-o", remembering}).status, 0);
+  refused({"tune", "lqr", "crazyflie", "--match-gains", remembering}, 3,
+          "g.json: the law feeds back its past commands, expected a matrix on the states");
   refused(with({"--inputs", "wrench"}), 3, "the gains command rotor-speed, expected wrench");
   refused(with({"--states", "x,y,z"}), 3, "the gains have the states 'x y z psi");
   refused(with({"--integral", "x"}), 3, "the gains have the integrals 'x y z theta', expected 'x'");

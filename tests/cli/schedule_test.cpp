@@ -63,7 +63,7 @@ TEST(Schedule, BytesAreThoseOfAnyNumberOfThreads) {
 /// The gain of the point that `quadtune lqr` alone would give.
 void expect_single(const GainSchedule& schedule, const Eigen::VectorXd& at,
                    std::vector<std::string> args) {
-  args.insert(args.begin(), {"lqr", "uquad", "--json", "--integral", "pz"});
+  args.insert(args.begin(), {"lqr", "uquad", "--json", "--plant", "ideal", "--integral", "pz"});
   const ProgramResult single = run_program(args);
   ASSERT_EQ(single.status, 0) << single.err;
   const nlohmann::json K = nlohmann::json::parse(single.out).at("K");

@@ -13,6 +13,7 @@
 #include "program.hpp"
 #include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
+#include "sanitized.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -74,14 +75,27 @@ TEST(TuneMissions, PidTellsStartFoundAndPublished) {
   EXPECT_LE(json["cost"]["after"], json["cost"]["before"]);
   EXPECT_LE(json["evaluations"], 60);
   EXPECT_EQ(json["gains"].size(), 6);
-  for (const Json& limit : json["margins"]["after"]) EXPECT_LT(limit["Ms"], 1.6);
+  // No loop has less margin than it started with, but for what 60 evaluations leave.
+  for (std::size_t i = 0; i < json["margins"]["after"].size(); ++i)
+    EXPECT_LE(double(json["margins"]["after"][i]["Ms"]),
+              std::max(1.6, 1.01 * double(json["margins"]["before"][i]["Ms"])));
   // What flies today is beaten in tracking, and in the margins of every loop.
   EXPECT_LT(json["after"]["missions"][0]["mean"]["tracking_rms"],
             json["published"]["missions"][0]["mean"]["tracking_rms"]);
   for (std::size_t i = 0; i < 6; ++i)
     EXPECT_LE(json["margins"]["after"][i]["Ms"], json["margins"]["published"][i]["Ms"]);
+  // On the flown plant, too, what flies today is beaten where its loops are worst.
+  for (const char* which : {"before", "after"}) {
+    EXPECT_EQ(json["flown"][which]["estimator"], "general");
+    EXPECT_TRUE(json["flown"][which]["stable"]);
+    ASSERT_EQ(json["flown"][which]["margins"].size(), 4U);
+    EXPECT_LT(json["flown"][which]["margins"][1]["Ms"],
+              json["flown"]["published"]["margins"][1]["Ms"]);
+  }
   const bool taken = json["accepted"];
-  const double Kp = json[taken ? "gains" : "not_taken"][0]["Kp"];
+  // A start that no point betters is kept.
+  const bool bettered = json.contains("not_taken") && !json["not_taken"].is_null();
+  const double Kp = json[taken || !bettered ? "gains" : "not_taken"][0]["Kp"];
   EXPECT_THAT(directory.read("tuned.toml"), HasSubstr(fmt::format("x = {{ Kp = {}, ", Kp)));
   EXPECT_EQ(directory.read("tuned.toml").starts_with("# NOT TAKEN. By quadtune"), !taken);
   const ProgramResult design =
@@ -90,6 +104,22 @@ TEST(TuneMissions, PidTellsStartFoundAndPublished) {
   const ProgramResult flown = run_program({"fly", "mambo", "--mission", "hover", "--gains", file,
                                            "--sensors", "ideal", "--duration", "20"});
   EXPECT_EQ(flown.status, 0) << flown.err;
+}
+
+// 0.05 m is less than GPS can know. The start, which `fly` passes, keeps the widened limits here.
+TEST(TuneMissions, LimitsAreWidenedToWhatTheSensorsKnow) {
+  if (testing::kSanitized) GTEST_SKIP() << "minutes for the uquad's period of 200 samples";
+  const ProgramResult run = run_program(
+      {"tune", "pid", "uquad", "--mission", "step-north", "--evaluations", "2", "--json"});
+  const Json json = Json::parse(run.out);
+  EXPECT_TRUE(json["broken"].empty()) << json["broken"].dump();
+  bool distance = false;
+  for (const Json& one : json["widened"]) {
+    EXPECT_EQ(one["mission"], "step-north");
+    EXPECT_GT(one["judged_by"], one["asked"]);
+    if (one["what"] == "final_distance") distance = true;
+  }
+  EXPECT_TRUE(distance) << json["widened"].dump();
 }
 
 // How many threads worked, and what was printed, is not in the file.
@@ -171,7 +201,8 @@ TEST(TuneMissions, ColumnsAreOfTheSameDraws) {
   const Json json = Json::parse(result.out);
   EXPECT_EQ(json["before"]["flights"], 3);
   EXPECT_EQ(json["before"], json["published"]);
-  EXPECT_THAT(json["broken"].dump(), HasSubstr("tracking_rms of hover"));
+  // After the climb less than the window of the mission is left.
+  EXPECT_THAT(json["broken"].dump(), HasSubstr("settling_time of hover"));
 }
 
 TEST(TuneMissions, WritesTheStatesOfItsProblem) {

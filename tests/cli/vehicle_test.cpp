@@ -53,6 +53,53 @@ TEST(VehicleCheck, SaysWhyItMayNotHover) {
   EXPECT_THAT(result.err, HasSubstr("mass_kg may be in g"));
 }
 
+// Rotors one of which speeds up faster: the lag of slowing down is that of both for the others.
+TEST(VehicleShow, TellsBothLags) {
+  const TemporaryDirectory folder;
+  const Vehicle vehicle = load_vehicle("crazyflie");
+  std::string text = vehicle.text;
+  const std::size_t first = text.find("[[rotors]]");
+  ASSERT_NE(first, std::string::npos);
+  text.insert(first + std::string("[[rotors]]").size(), "\nlag_up_s = 0.01");
+  const ProgramResult shown =
+      run_program({"vehicle", "show", folder.write("v.toml", text).string()});
+  ASSERT_EQ(shown.status, 0) << shown.err;
+  EXPECT_THAT(shown.out, HasSubstr("slowing down with lag "));
+  EXPECT_THAT(shown.out, ::testing::Not(HasSubstr("nan")));
+}
+
+// What is in the file is in the JSON, by the same keys.
+TEST(VehicleShow, JsonHasEveryKeyOfASensor) {
+  const TemporaryDirectory folder;
+  const std::string file = folder
+                               .write("v.toml", load_vehicle("uquad").text + R"(
+[sensors.vision]
+rate_Hz = 30
+bias_turn_on_m = 0.01
+bias_walk_m_per_sqrt_s = [0.001, 0.002, 0.003]
+correlated_noise_m = 0.05
+correlation_s = 60
+
+[sensors.flow]
+rate_Hz = 60
+half_field_x_rad = 0.3
+half_field_y_rad = 0.4
+greatest_height_m = 4
+noise_per_height_rad_per_s_per_m = 0.02
+)")
+                               .string();
+  const ProgramResult shown = run_program({"vehicle", "show", file, "--json"});
+  ASSERT_EQ(shown.status, 0) << shown.err;
+  const Json sensors = Json::parse(shown.out)["sensors"];
+  EXPECT_EQ(sensors["vision"]["bias_turn_on_m"], Json({0.01, 0.01, 0.01}));
+  EXPECT_EQ(sensors["vision"]["bias_walk_m_per_sqrt_s"], Json({0.001, 0.002, 0.003}));
+  EXPECT_EQ(sensors["vision"]["correlated_noise_m"], Json({0.05, 0.05, 0.05}));
+  EXPECT_EQ(sensors["vision"]["correlation_s"], 60);
+  EXPECT_EQ(sensors["flow"]["greatest_height_m"], 4);
+  EXPECT_EQ(sensors["flow"]["noise_per_height_rad_per_s_per_m"], 0.02);
+  EXPECT_THAT(run_program({"vehicle", "show", file}).out, HasSubstr("and below 4 m"));
+}
+
 TEST(VehicleCheck, FindsNothingOddInTheBuiltInVehicles) {
   for (const std::string& name : built_in_vehicles()) {
     const Json json = Json::parse(run_program({"vehicle", "check", name, "--json"}).out);

@@ -47,6 +47,32 @@ TEST(InConvention, TurnsAWrenchAndComesBack) {
   EXPECT_THAT(back.x0, MatrixNear(mambo.x0, 0));
 }
 
+// The same past in other axes: the command is the same one.
+TEST(InConvention, TurnsTheMemoryOfCommands) {
+  Gains mambo = hover_gains(sampled_mambo(), "mambo", InputKind::wrench, 1, {"pz", "psi"});
+  CommandMemory memory{Eigen::Vector4d(0.05, 0.06, 0.07, 0.08), Eigen::MatrixXd(4, 4), 2,
+                       Eigen::MatrixXd(4, 8)};
+  for (Eigen::Index i = 0; i < 16; ++i) memory.K_lag(i / 4, i % 4) = static_cast<double>(i + 1);
+  for (Eigen::Index i = 0; i < 32; ++i) memory.K_past(i / 8, i % 8) = static_cast<double>(50 + i);
+  mambo.memory = memory;
+  const Convention& source = convention("mambo", "test");
+  const Convention& target = convention("uquad", "test");
+  const Eigen::MatrixXd W = target.wrench_from_ned * source.wrench_from_ned.transpose();
+  const Gains uquad = in_convention(mambo, target);
+  ASSERT_TRUE(uquad.memory);
+  const Eigen::Vector4d m(0.6, 0.01, -0.02, 0.03), newest(0.5, 0.3, 0.2, 0.1),
+      older(0.4, -0.1, 0.7, -0.3);
+  Eigen::VectorXd past(8), past_there(8);
+  past << newest, older;
+  past_there << W * newest, W * older;
+  EXPECT_THAT(uquad.memory->K_lag * (W * m), MatrixNear(W * (memory.K_lag * m), 1e-12));
+  EXPECT_THAT(uquad.memory->K_past * past_there, MatrixNear(W * (memory.K_past * past), 1e-12));
+  EXPECT_THAT(uquad.memory->lag, MatrixNear(W.cwiseAbs() * memory.lag, 0));
+  const Gains back = in_convention(uquad, source);
+  EXPECT_THAT(back.memory->K_lag, MatrixNear(memory.K_lag, 0));
+  EXPECT_THAT(back.memory->K_past, MatrixNear(memory.K_past, 0));
+}
+
 TEST(InConvention, NegatesTheGainForTheOtherSignLaw) {
   const Gains gains = uquad_gains();
   const Gains other =

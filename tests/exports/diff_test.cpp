@@ -79,6 +79,33 @@ TEST(Diff, MatchesRowsByTheNamesOfInputs) {
               ThrowsMessage<InvalidInput>(HasSubstr("the inputs are ")));
 }
 
+// Two laws with the same matrices fly differently by what else they have.
+TEST(Diff, ComparesMemoryAxesAndLimits) {
+  Gains a =
+      testing::hover_gains(testing::sampled_mambo(), "mambo", InputKind::wrench, 1, {"pz", "psi"});
+  a.memory = CommandMemory{Eigen::Vector4d::Constant(0.05), Eigen::MatrixXd::Identity(4, 4), 1,
+                           Eigen::MatrixXd::Ones(4, 4)};
+  EXPECT_TRUE(diff(a, a).entries.empty());
+  EXPECT_TRUE(diff(a, in_convention(a, ned_convention())).entries.empty());
+  const auto only = [&](auto&& change) {
+    Gains b = a;
+    change(b);
+    const GainsDiff difference = diff(a, b);
+    return difference.entries.size() == 1 ? name_of(difference.entries[0]) : "several";
+  };
+  EXPECT_EQ(only([](Gains& b) { b.axes = PositionAxes::heading; }), "heading_axes");
+  EXPECT_EQ(only([](Gains& b) { b.limits.position_error = 1; }), "position_error_m");
+  EXPECT_EQ(only([](Gains& b) { b.limits.conditional_integration = true; }),
+            "conditional_integration");
+  EXPECT_EQ(only([](Gains& b) { b.memory->lag(1) = 0.06; }), "lag_s(tau_x)");
+  EXPECT_EQ(only([](Gains& b) { b.memory->K_lag(0, 2) = 0.1; }), "K_lag(T, tau_y)");
+  EXPECT_EQ(only([](Gains& b) { b.memory->K_past(3, 1) = 2; }), "K_past(tau_z, tau_x[-1])");
+  Gains without = a;
+  without.memory.reset();
+  EXPECT_GT(diff(a, without).entries.size(), 20U);
+  EXPECT_GT(diff(without, a).entries.size(), 20U);
+}
+
 TEST(Diff, ComparesCascades) {
   CascadeDesign a;
   a.gains.dt = 0.005;
@@ -99,6 +126,12 @@ TEST(Diff, ComparesCascades) {
   EXPECT_EQ(name_of(difference.entries[1]), "attitude_limit_rad");
   EXPECT_EQ(name_of(difference.entries[2]), "Kp(roll)");
   EXPECT_DOUBLE_EQ(difference.entries[2].relative, 0.2);
+  b = a;
+  b.velocity_feed_forward = true;
+  EXPECT_EQ(name_of(diff(a, b).entries.at(0)), "velocity_feed_forward");
+  b = a;
+  b.conditional_integration = true;
+  EXPECT_EQ(name_of(diff(a, b).entries.at(0)), "conditional_integration");
 }
 
 TEST(Diff, RefusesWhatCannotBeCompared) {

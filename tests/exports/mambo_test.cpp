@@ -58,6 +58,24 @@ TEST(Mambo, StateFeedbackReadsBack) {
   EXPECT_EQ(read.sign_law, SignLaw::set_point_minus_state);
 }
 
+TEST(Mambo, CascadeReadsBackWithItsFlags) {
+  for (const bool flag : {false, true}) {
+    ExportContent content = mambo_content();
+    content.cascade->velocity_feed_forward = flag;
+    content.cascade->conditional_integration = !flag;
+    const auto read = parse_cascade_vars(text_of(content, "controllerVars.m"), "controllerVars.m");
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->velocity_feed_forward, flag);
+    EXPECT_EQ(read->conditional_integration, !flag);
+  }
+}
+
+TEST(Mambo, RefusesALawWithLimits) {
+  ExportContent content = mambo_content();
+  content.gains->limits.conditional_integration = true;
+  expect_refusal(content, "mambo: the law limits its position error or its integrals");
+}
+
 // What a name says must not become code that the model project runs.
 TEST(Mambo, KeepsNamesInsideTheirComment) {
   ExportContent content = mambo_content();

@@ -162,7 +162,7 @@ TEST(Campaign, RecordsLieAsTheFormatSays) {
   folder.plan = "0123456789abcdefghijklmn" + std::string(40, '-');
   (void)fly_shard(campaign, folder, 1, 1);
   const std::string bytes = directory.read("00001.flights");
-  ASSERT_EQ(bytes.size(), 64 + 6 * 224);
+  ASSERT_EQ(bytes.size(), 64 + 6 * 232);
   const auto at = [&]<class T>(std::size_t place, T value) {
     std::memcpy(&value, bytes.data() + place, sizeof value);
     return value;
@@ -171,7 +171,7 @@ TEST(Campaign, RecordsLieAsTheFormatSays) {
   constexpr std::uint32_t u32 = 0;
   constexpr std::uint64_t u64 = 0;
   EXPECT_EQ(at(0, u32), crc_32(bytes.substr(4, 60)));
-  EXPECT_EQ(at(4, u32), 1);
+  EXPECT_EQ(at(4, u32), 2);
   EXPECT_EQ(bytes.substr(8, 8), "qtflight");
   EXPECT_EQ(at(16, u32), 1);
   EXPECT_EQ(at(20, u32), 2);
@@ -180,16 +180,16 @@ TEST(Campaign, RecordsLieAsTheFormatSays) {
   EXPECT_EQ(bytes.substr(40, 24), "0123456789abcdefghijklmn");
   const std::vector<CampaignRecord> records = read_shard(folder, 1);
   for (std::size_t k = 0; k < records.size(); ++k) {
-    const std::size_t begin = 64 + 224 * k;
-    EXPECT_EQ(at(begin, u32), crc_32(bytes.substr(begin + 4, 220)));
+    const std::size_t begin = 64 + 232 * k;
+    EXPECT_EQ(at(begin, u32), crc_32(bytes.substr(begin + 4, 228)));
     EXPECT_EQ(at(begin + 4, u16), static_cast<std::uint16_t>(records[k].end));
     EXPECT_EQ(at(begin + 6, u16), records[k].passed ? 1 : 0);
     EXPECT_EQ(at(begin + 8, u64), 6 + k);
     EXPECT_TRUE(same_bits(at(begin + 16, 0.0), records[k].end_time));
-    ASSERT_EQ(kMetrics, 19);
+    ASSERT_EQ(kMetrics, 20);
     for (std::size_t m = 0; m < kMetrics; ++m)
       EXPECT_TRUE(same_bits(at(begin + 24 + 8 * m, 0.0), records[k].metrics.value[m]));
-    EXPECT_EQ(bytes.substr(begin + 176, 48),
+    EXPECT_EQ(bytes.substr(begin + 184, 48),
               records[k].reason + std::string(48 - records[k].reason.size(), '\0'));
   }
 }
@@ -301,11 +301,11 @@ TEST(Campaign, ABeginningOfAPartIsNoDamage) {
   (void)fly_shard(campaign, folder, 0, 1);
   const std::string right = directory.read("00000.flights");
   fs::remove(directory.path() / "00000.flights");
-  for (const std::size_t size : {0U, 10U, 64U, 70U, 64U + 2 * 224U, 64U + 2 * 224U + 223U}) {
+  for (const std::size_t size : {0U, 10U, 64U, 70U, 64U + 2 * 232U, 64U + 2 * 232U + 231U}) {
     directory.write("00000.host-1-0.part", right.substr(0, size));
     const ShardState state = shard_state(folder, 0);
     EXPECT_THAT(state.damage, IsEmpty()) << size;
-    EXPECT_EQ(state.records, size < 64 ? 0 : (size - 64) / 224) << size;
+    EXPECT_EQ(state.records, size < 64 ? 0 : (size - 64) / 232) << size;
     EXPECT_EQ(state.workers, 1) << size;
     EXPECT_FALSE(state.complete) << size;
   }

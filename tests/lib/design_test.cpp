@@ -129,6 +129,16 @@ TEST(Design, ReadsACascadeAsWritten) {
   EXPECT_EQ(pitch.Kd, -0.002);
 }
 
+// What is not said is as `quadtune pid V` has it: there is nothing to specify.
+TEST(Design, ReadsACascadeOfWhichNothingIsAsked) {
+  const CascadeDesign cascade = *parse(kCascadeHead + "[cascade.design]\n").cascade;
+  EXPECT_FALSE(cascade.specification.has_value());
+  EXPECT_TRUE(cascade.gains.loops.empty());
+  EXPECT_EQ(cascade.gains.dt, 0.01);
+  EXPECT_TRUE(cascade.velocity_feed_forward);
+  EXPECT_TRUE(cascade.conditional_integration);
+}
+
 TEST(Design, ReadsWhatIsAskedOfACascade) {
   const Design design =
       parse(kCascadeHead +
@@ -177,6 +187,48 @@ TEST(Design, RefusesACascadeThatIsAskedWrongly) {
   EXPECT_THAT(said("[cascade.design]\nbandwidth_rad_per_s = { roll = 315 }\n"),
               HasSubstr("314.159"));
   EXPECT_THAT(said("[cascade.design]\nbandwidth = 4\n"), HasSubstr("bandwidth_rad_per_s"));
+}
+
+TEST(Design, ReadsAStateFeedbackForTheFlownPlant) {
+  const std::string head = "name = 'f'\nvehicle = 'mambo'\n[lqr]\nplant = 'flown'\n";
+  const Design usual = parse(head);
+  EXPECT_FALSE(usual.lqr);
+  ASSERT_TRUE(usual.lqi);
+  EXPECT_TRUE(has_feedback(usual));
+  EXPECT_EQ(usual.lqi->dt, 0.005);
+  EXPECT_THAT(usual.lqi->integrals, ElementsAre("px", "py", "pz", "yaw"));
+  EXPECT_FALSE(usual.lqi->Q || usual.lqi->Q_integral || usual.lqi->R || usual.lqi->R_change ||
+               usual.lqi->past);
+
+  const LqiDesign all = *parse(head +
+                               "Q = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]\n"
+                               "R = [1, 2, 3, 4]\nchange = [0, 1, 2, 3]\nintegral = ['pz', 'yaw']\n"
+                               "Q_integral = [5, 6]\npast = 3\ndt_s = 0.01\n")
+                             .lqi;
+  EXPECT_EQ((*all.Q)(11), 12);
+  EXPECT_EQ((*all.R)(3), 4);
+  EXPECT_EQ((*all.R_change)(1), 1);
+  EXPECT_EQ((*all.Q_integral)(1), 6);
+  EXPECT_THAT(all.integrals, ElementsAre("pz", "yaw"));
+  EXPECT_EQ(all.past, 3);
+  EXPECT_EQ(all.dt, 0.01);
+
+  const auto refused = [&](const std::string& text, const char* message) {
+    EXPECT_THAT([&] { (void)parse(text); }, ThrowsMessage<InvalidInput>(HasSubstr(message)));
+  };
+  refused("name = 'f'\nvehicle = 'mambo'\n[lqr]\nplant = 'real'\n",
+          "d.toml:4: lqr.plant is 'real', expected 'flown' or 'ideal'");
+  refused(head + "method = 'sampled'\n", "d.toml:5: key 'method' in [lqr] is not known");
+  refused(head + "R = [1, 2, 3]\n",
+          "lqr.R has 3 entries, expected 4 (inputs: T tau_x tau_y tau_z)");
+  refused(head + "past = 41\n", "past");
+  refused(head + "past = 0\nchange = [1, 1, 1, 1]\n", "expected a whole number from 1 to 40");
+  refused(head + "[[export]]\nto = 'mambo'\n",
+          "d.toml:6: export to 'mambo' has no place for the past commands");
+  refused(head + "[trim]\nat = 'line'\nspeed_m_per_s = 1\n",
+          "lqr.plant is 'flown' in a design whose trim is a line, expected a hover");
+  refused(head + "[published]\nsource = 'x'\nK = [[1]]\n",
+          "[published] has nothing to be compared");
 }
 
 TEST(Design, ReadsASpin) {

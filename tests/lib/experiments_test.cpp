@@ -29,7 +29,7 @@ enum class Estimator { original, calibrated, raw };
 FlightSetup mambo(const char* mission, Estimator estimator) {
   FlightSetup setup;
   setup.vehicle = load_vehicle("mambo");
-  setup.mission = load_mission(mission);
+  setup.mission = with_thrust_take_off(load_mission(mission));
   setup.controller = CascadeController{setup.vehicle.published_cascade->gains};
   setup.real_sensors = false;
   setup.log = true;
@@ -364,7 +364,7 @@ std::string methods_chapter() {
   std::string text = R"(## Integrals by Euler or by the trapezoid
 
     quadtune compare integrators mambo --mission hover --estimator truth
-    quadtune compare integrators mambo --mission hover --gains designed --sensors real
+    quadtune compare integrators mambo --mission hover --gains gains.json --sensors real
 
 Two integrals of one error e, one by forward Euler and one by the trapezoid, differ by Ts e/2 at every sample, and by
 nothing else: what the trapezoid adds at one sample Euler adds at the next. P and D do not differ. So the commands
@@ -420,7 +420,7 @@ std::string hover_chapter() {
   std::string text = R"(## Optical flow in hover
 
     quadtune compare flow mambo --mission hover
-    quadtune compare flow mambo --mission hover --gains designed --sensors real --estimator mambo
+    quadtune compare flow mambo --mission hover --gains gains.json --sensors real --estimator mambo
 
 The thesis: with the model package's simplified flow the believed position is off by about 20 cm and the torque about y
 oscillates up to 4e-5 N m after 80 s; with the full motion field the torque stays below 1.5e-5 N m and the position near
@@ -465,7 +465,7 @@ the origin.
   and by 1.15 and leaves the body's own turning in it. Turning nose up at q shows as motion of the ground: the
   believed velocity is u + h q, and as u' = -g theta this puts a zero at sqrt(g/h) = 3.0 rad/s into the right half plane.
   The simplified sensor turns the other way, -0.8 h² q, which leaves the zeros on the imaginary axis. The published y loop
-  stands at Ms = 7.1 as it is (`quadtune pid mambo`) and has nothing to spare.
+  stands at Ms = 7.1 as it is (`quadtune pid mambo --method loops`) and has nothing to spare.
 - With the turning taken out by the gyroscope and without the 1.15 the full field is right, and the designed gains fly
   it; the simplified sensor, for which that calibration is wrong, drives the estimate away until the flight program notices.
 - The simplified sensor is wrong in its scale, by the height, which a vehicle that stands still hardly notices. The 20 cm
@@ -545,7 +545,9 @@ TEST(Experiments, DocumentSaysWhatIsComputed) {
       "it.\n\nChapter 6 of [the thesis](bibliography.md) changes one thing at a time in the "
       "simulated Mambo and reports what follows. Here are the\nsame experiments as commands, with "
       "what theory predicts, what comes out, and why it differs where it does. Designed gains are "
-      "those of\n`quadtune pid mambo`; the original estimator is that of the thesis, the "
+      "those of\n`quadtune pid mambo --method loops --json -o gains.json`; the original estimator "
+      "is that of the "
+      "thesis, the "
       "calibrated one has no factor 1.15 and takes the body's turning out of\nthe flow.\n\n" +
           methods_chapter() + hover_chapter() + carried_chapter()));
 }

@@ -162,7 +162,8 @@ const std::vector<std::vector<std::string>>& complete_files() {
                                                 "estimate_max_m = 1",
                                                 "position_drift_max_m = 1",
                                                 "final_distance_max_m = 1",
-                                                "touchdown_speed_max_m_per_s = 1"};
+                                                "touchdown_speed_max_m_per_s = 1",
+                                                "height_peak_max_m = 1"};
   const auto joined = [](std::initializer_list<std::vector<std::string>> parts) {
     std::vector<std::string> all;
     for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
@@ -375,10 +376,11 @@ INSTANTIATE_TEST_SUITE_P(
                 "waypoints, line, circle, lemniscate, keys, motors"},
         Refusal{"TwoThings", kHover + "[keys]\nheight_m = 1\n",
                 "m.toml:8: the file has both 'hover' and 'keys', expected one thing to do"},
-        Refusal{"MisspeltTable", kHead + kAir + "[hovr]\nheight_m = 1\n",
-                "m.toml:6: key 'hovr' is not known, expected one of name, description, duration_s, "
-                "start, carried, landing, settling, limits, hover, references, csv, waypoints, "
-                "line, circle, lemniscate, keys, motors; did you mean 'hover'?"},
+        Refusal{
+            "MisspeltTable", kHead + kAir + "[hovr]\nheight_m = 1\n",
+            "m.toml:6: key 'hovr' is not known, expected one of name, description, duration_s, "
+            "start, carried, landing, settling, limits, event, hover, references, csv, waypoints, "
+            "line, circle, lemniscate, keys, motors; did you mean 'hover'?"},
         Refusal{"NotATable", "hover = 1\n" + kHead, "m.toml:1: hover is 1, expected a table"},
         Refusal{"NotAListOfTables", kHead + "[references]\nat_s = 0\n",
                 "m.toml:3: references is a table, expected a list of tables: [[references]]"},
@@ -396,7 +398,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"HeightOnTheGround",
                 kHead + "[start]\nat = 'ground'\nheight_m = 1\n[hover]\nheight_m = 1\n",
                 "m.toml:5: key 'height_m' in [start] is not known, expected one of at, north_m, "
-                "east_m, yaw_rad, start_up_s, take_off_s"},
+                "east_m, yaw_rad, start_up_s, take_off_s, climb_rate_m_per_s"},
         Refusal{"TakeOffInTheAir", kHead + kAir + "take_off_s = 1\n[hover]\nheight_m = 1\n",
                 "m.toml:6: key 'take_off_s' in [start] is not known, expected one of at, north_m, "
                 "east_m, yaw_rad, height_m"},
@@ -404,7 +406,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "m.toml:3: start-up and take-off last 20 s, expected less than the mission's "
                 "duration_s of 20"},
         Refusal{"ShortFlight", "name = 'm'\nduration_s = 1\n[hover]\nheight_m = 1\n",
-                "m.toml:1: start-up and take-off last 1.5 s, expected less than the mission's "
+                "m.toml:1: start-up and take-off last 2.5 s, expected less than the mission's "
                 "duration_s of 1"},
         Refusal{"BelowTheGround", kHead + kAir + "[hover]\nheight_m = -1\n",
                 "m.toml:7: height_m in [hover] is -1, expected 0 or more and 100000 or less"},
@@ -533,25 +535,26 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"CarriedWord", "carried = 'yes'\n" + kHead + "[hover]\nheight_m = 1\n",
                 "m.toml:1: carried is the string 'yes', expected true or false"},
         Refusal{"LandsBeforeItFlies", kHead + "[hover]\nheight_m = 1\n[landing]\nat_s = 1\n",
-                "m.toml:6: at_s in [landing] is 1, expected 1.5 or more, when the take-off has "
+                "m.toml:6: at_s in [landing] is 1, expected 2.5 or more, when the take-off has "
                 "ended"},
         Refusal{"NegativeLimit", kHover + "[limits]\ntilt_max_rad = -0.1\n",
                 "m.toml:9: tilt_max_rad in [limits] is -0.1, expected 0 or more and "
                 "1000000000000 or less"},
-        Refusal{"LimitWithoutMax", kHover + "[limits]\nsettling_time_s = 3\n",
-                "m.toml:9: key 'settling_time_s' in [limits] is not known, expected one of "
-                "settling_time_max_s, overshoot_max, yaw_overshoot_max, tracking_rms_max_m, "
-                "tracking_max_m, height_rms_max_m, height_max_m, yaw_rms_max_rad, yaw_max_rad, "
-                "tilt_max_rad, speed_max_m_per_s, saturation_time_max_s, energy_max_J, "
-                "estimate_rms_max_m, estimate_max_m, position_drift_max_m, final_distance_max_m, "
-                "touchdown_speed_max_m_per_s; did you mean 'settling_time_max_s'?"},
+        Refusal{
+            "LimitWithoutMax", kHover + "[limits]\nsettling_time_s = 3\n",
+            "m.toml:9: key 'settling_time_s' in [limits] is not known, expected one of "
+            "settling_time_max_s, overshoot_max, yaw_overshoot_max, tracking_rms_max_m, "
+            "tracking_max_m, height_rms_max_m, height_max_m, yaw_rms_max_rad, yaw_max_rad, "
+            "tilt_max_rad, speed_max_m_per_s, saturation_time_max_s, energy_max_J, "
+            "estimate_rms_max_m, estimate_max_m, position_drift_max_m, final_distance_max_m, "
+            "touchdown_speed_max_m_per_s, height_peak_max_m; did you mean 'settling_time_max_s'?"},
         Refusal{"LimitOfTheDuration", kHover + "[limits]\nduration_max_s = 3\n",
                 "m.toml:9: key 'duration_max_s' in [limits] is not known, expected one of "
                 "settling_time_max_s, overshoot_max, yaw_overshoot_max, tracking_rms_max_m, "
                 "tracking_max_m, height_rms_max_m, height_max_m, yaw_rms_max_rad, yaw_max_rad, "
                 "tilt_max_rad, speed_max_m_per_s, saturation_time_max_s, energy_max_J, "
                 "estimate_rms_max_m, estimate_max_m, position_drift_max_m, final_distance_max_m, "
-                "touchdown_speed_max_m_per_s"},
+                "touchdown_speed_max_m_per_s, height_peak_max_m"},
         Refusal{"Band", kHover + "[settling]\nband_m = 0\n",
                 "m.toml:9: band_m in [settling] is 0, expected more than 0 and 100000 or less"}),
     [](const auto& test) { return std::string(test.param.name); });

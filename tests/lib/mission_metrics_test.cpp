@@ -48,11 +48,12 @@ struct Flight {
 };
 
 TEST(Metrics, HaveNamesUnitsAndKeys) {
-  EXPECT_THAT(metric_names(),
-              ElementsAre("duration", "settling_time", "overshoot", "yaw_overshoot", "tracking_rms",
-                          "tracking_max", "height_rms", "height_max", "yaw_rms", "yaw_max",
-                          "tilt_max", "speed_max", "saturation_time", "energy", "estimate_rms",
-                          "estimate_max", "position_drift", "final_distance", "touchdown_speed"));
+  EXPECT_THAT(
+      metric_names(),
+      ElementsAre("duration", "settling_time", "overshoot", "yaw_overshoot", "tracking_rms",
+                  "tracking_max", "height_rms", "height_max", "yaw_rms", "yaw_max", "tilt_max",
+                  "speed_max", "saturation_time", "energy", "estimate_rms", "estimate_max",
+                  "position_drift", "final_distance", "touchdown_speed", "height_peak"));
   for (const std::string& name : metric_names()) EXPECT_EQ(name_of(*metric_of(name)), name);
   EXPECT_FALSE(metric_of("nonsense"));
   EXPECT_EQ(unit_of(Metric::touchdown_speed), "m/s");
@@ -60,6 +61,7 @@ TEST(Metrics, HaveNamesUnitsAndKeys) {
   EXPECT_EQ(limit_key(Metric::tilt_max), "tilt_max_rad");
   EXPECT_EQ(limit_key(Metric::overshoot), "overshoot_max");
   EXPECT_EQ(limit_key(Metric::touchdown_speed), "touchdown_speed_max_m_per_s");
+  EXPECT_EQ(limit_key(Metric::height_peak), "height_peak_max_m");
 }
 
 TEST(Metrics, NothingFlownHasNoFigures) {
@@ -325,6 +327,51 @@ TEST(Metrics, TouchdownSpeedIsThatJustBeforeTheGround) {
   EXPECT_NEAR(flight[Metric::touchdown_speed], 0.5, 1e-9);
   heights({0.2, 0.04, 0.03, 0});
   EXPECT_NEAR(flight[Metric::touchdown_speed], 1, 1e-9);
+}
+
+// 0.3 m above the reference during the take-off; a step down leaves the vehicle above its
+// reference, but not above the highest one.
+TEST(Metrics, HeightPeakIsAboveTheHighestReferenceSoFar) {
+  Flight flight;
+  flight.reference.phase = FlightPhase::start_up;
+  flight.x(2) = -5;  // not flown: it does not count
+  flight.period();
+  EXPECT_TRUE(std::isnan(flight[Metric::height_peak]));
+  const auto fly = [&](FlightPhase phase, double asked, double height) {
+    flight.reference.phase = phase;
+    flight.reference.position.z() = -asked;
+    flight.x(2) = -height;
+    flight.period();
+    return flight[Metric::height_peak];
+  };
+  EXPECT_EQ(fly(FlightPhase::take_off, 1, 0.5), 0);
+  EXPECT_NEAR(fly(FlightPhase::take_off, 1, 1.3), 0.3, 1e-12);
+  EXPECT_NEAR(fly(FlightPhase::flying, 1, 1.1), 0.3, 1e-12);
+  EXPECT_NEAR(fly(FlightPhase::flying, 2, 2.2), 0.3, 1e-12);
+  EXPECT_NEAR(fly(FlightPhase::flying, 1, 2.1), 0.3, 1e-12);  // a step down by 1 m
+  EXPECT_NEAR(fly(FlightPhase::flying, 1, 2.5), 0.5, 1e-12);
+  EXPECT_NEAR(fly(FlightPhase::off, 1, 9), 0.5, 1e-12);
+}
+
+// An error of 0.2 m: settled within 0.3 m, not within 0.1 m; steps are found by 0.1 m still.
+TEST(Metrics, SettledBandsWidenSettlingAlone) {
+  for (const double settled : {0.0, 0.3}) {
+    SettlingRule rule{0.1, 0.05, 1};
+    rule.settled_band = settled;
+    rule.settled_yaw_band = settled;
+    Flight flight(rule);
+    for (int k = 0; k < 400; ++k) {
+      flight.reference.position.x() = k < 200 ? 0 : 0.25;
+      flight.x(0) = k < 200 ? 0 : k < 300 ? -0.1 : 0.45;
+      flight.x(5) = k < 200 ? 0 : 0.1;
+      flight.period();
+    }
+    if (settled > 0)
+      EXPECT_NEAR(flight[Metric::settling_time], 1.0, 1e-9);
+    else
+      EXPECT_EQ(flight[Metric::settling_time], INFINITY);
+    EXPECT_NEAR(flight[Metric::overshoot], 0.2 / 0.35, 1e-9);
+  }
 }
 
 TEST(Metrics, WhatIsNotFiniteSpoilsEverythingButTheDuration) {

@@ -175,7 +175,8 @@ TEST(WaypointFollower, EndsAtTheLastWaypointWhateverTheWay) {
 
 TEST(MissionRunner, TakesOffInPhases) {
   Mission mission = flown(Hover{{1, 2, -1.1}, 0.4});
-  mission.start = {false, Vector3d::Zero(), 0, 0.5, 1};
+  mission.start = {};
+  mission = with_thrust_take_off(mission);
   MissionRunner runner(mission);
   EXPECT_FALSE(runner.depends_on_estimate());
   const auto phase = [&](double t) { return runner.at(t, kAnywhere).phase; };
@@ -272,7 +273,9 @@ TEST(MissionRunner, FollowsWaypointsOnlyOnceItFlies) {
   Waypoints way = corner();
   way.nose = Nose::ahead;
   Mission mission = flown(way);
-  mission.start = {false, Vector3d::Zero(), 3, 0.5, 1};
+  mission.start = {};
+  mission = with_thrust_take_off(mission);
+  mission.start.yaw = 3;
   MissionRunner runner(mission);
   EXPECT_TRUE(runner.depends_on_estimate());
   // Reached on the ground does not count.
@@ -350,7 +353,8 @@ TEST(MissionRunner, KeysDoNotGoBelowTheGround) {
 
 TEST(MissionRunner, AbortsOnTheGroundToo) {
   Mission mission = flown(Keys{{0, 0, -1}, 0, {{0.2, 'e'}}});
-  mission.start = {false, Vector3d::Zero(), 0, 0.5, 1};
+  mission.start = {};
+  mission = with_thrust_take_off(mission);
   MissionRunner runner(mission);
   EXPECT_EQ(runner.at(0, kAnywhere).phase, FlightPhase::start_up);
   EXPECT_EQ(runner.at(0.3, kAnywhere).phase, FlightPhase::off);
@@ -382,29 +386,63 @@ TEST(MissionRunner, SaysWhereACarriedVehicleIs) {
   EXPECT_GT(reference.velocity.norm(), 0.01);
 }
 
-TEST(MissionRunner, LandsAndSwitchesTheMotorsOff) {
+/// Believed at a height, sinking at a speed.
+StateVector<double> coming_down(double height, double speed) {
+  StateVector<double> x = at_place({1, 2, -height});
+  x(kVelocity + 2) = speed;
+  return x;
+}
+
+Mission landing_from_a_metre() {
   Mission mission = flown(Hover{{1, 2, -1}, 0.3});
   mission.landing = Landing{10, 0.5, 0.05};
-  MissionRunner runner(mission);
+  return mission;
+}
+
+TEST(MissionRunner, LandsAndSwitchesTheMotorsOff) {
+  MissionRunner runner(landing_from_a_metre());
   EXPECT_TRUE(runner.depends_on_estimate());
   EXPECT_EQ(runner.at(9.99, at_place({1, 2, 0})).phase, FlightPhase::flying);  // low, but not yet
-  Reference<double> reference = runner.at(11, at_place({1, 2, -0.6}));
+  Reference<double> reference = runner.at(11, coming_down(0.6, 0.5));
   EXPECT_EQ(runner.event(), MissionEvent::landing);
   EXPECT_THAT(reference.position, MatrixNear(Vector3d(1, 2, -0.5), 1e-15));
   EXPECT_EQ(reference.velocity, Vector3d(0, 0, 0.5));
   EXPECT_EQ(reference.yaw, 0.3);
   EXPECT_EQ(reference.phase, FlightPhase::flying);
-  // A vehicle that hangs above its reference is pulled further down, to half a metre below.
-  reference = runner.at(20, at_place({1, 2, -0.06}));
+  // It is believed to be on the ground, but it sinks.
+  reference = runner.at(20, coming_down(0.04, 0.5));
   EXPECT_EQ(reference.position.z(), 0.5);
   EXPECT_EQ(reference.velocity.z(), 0);
   EXPECT_EQ(reference.phase, FlightPhase::flying);
-  reference = runner.at(21, at_place({1, 2, -0.05}));
+  EXPECT_EQ(runner.at(20.39, coming_down(0.04, 0.1)).phase, FlightPhase::flying);
+  reference = runner.at(20.41, coming_down(0.04, 0.1));
   EXPECT_EQ(reference.phase, FlightPhase::off);
   EXPECT_EQ(runner.event(), MissionEvent::motors_off);
   EXPECT_EQ(reference.position, Vector3d(1, 2, 0));
   EXPECT_EQ(runner.at(22, at_place({1, 2, -5})).phase, FlightPhase::off);  // for good
   EXPECT_EQ(runner.event(), MissionEvent::none);
+}
+
+// The ground is where it no longer sinks, however high that is believed to be.
+TEST(MissionRunner, LandsByContact) {
+  const auto rests_at = [](double height, double until) {
+    MissionRunner runner(landing_from_a_metre());
+    for (double t = 10; t < 11; t += 0.01) (void)runner.at(t, coming_down(1.3, 0.5));
+    FlightPhase phase = FlightPhase::flying;
+    for (double t = 11; t < until; t += 0.01) phase = runner.at(t, coming_down(height, 0)).phase;
+    return phase;
+  };
+  EXPECT_EQ(rests_at(0.4, 11.9), FlightPhase::flying);  // the reference is above the ground
+  EXPECT_EQ(rests_at(0.4, 12.1), FlightPhase::off);
+  EXPECT_EQ(rests_at(-0.3, 11.5), FlightPhase::off);
+  EXPECT_EQ(rests_at(0.1, 12.05), FlightPhase::flying);  // near its reference
+  EXPECT_EQ(rests_at(0.1, 12.2), FlightPhase::off);
+}
+
+TEST(MissionRunner, NeverLandsInTheAirAVehicleThatDoesNotSink) {
+  MissionRunner runner(landing_from_a_metre());
+  for (double t = 10; t < 30; t += 0.01)
+    ASSERT_EQ(runner.at(t, coming_down(1, 0.05)).phase, FlightPhase::flying) << t;
 }
 
 TEST(MissionRunner, NeverLandsOnAnEstimateThatIsNotFinite) {
@@ -473,7 +511,9 @@ TEST(MissionRunner, BuiltInMissionsEndWhereTheyShould) {
     for (const double t : times(0, mission.duration, 0.005)) {
       reference = runner.at(t, x);
       const Vector3d off = reference.position - x.head<3>();
-      if (reference.phase == FlightPhase::flying) x.head<3>() += 0.01 * off;
+      if (reference.phase != FlightPhase::flying) continue;
+      x.head<3>() += 0.01 * off;
+      x(2) = std::min(x(2), 0.0);
     }
     return std::pair(x.head<3>().eval(), reference.phase);
   };

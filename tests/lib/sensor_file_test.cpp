@@ -361,7 +361,8 @@ TEST(BatteryFile, RefusesWhatIsNoBattery) {
                  "'capacity_A_h' (the unit is part of the key)");
   expect_refusal("battery = 3\n",
                  "v.toml:19: key 'battery' in [motor] is not known, expected one "
-                 "of command, min_rad_s, max_rad_s, quantum_rad_s, direction");
+                 "of command, min_rad_s, max_rad_s, quantum_rad_s, direction, command_delay_s, "
+                 "command_jitter_s");
 }
 
 TEST(MotorFile, ReadsTheQuantum) {

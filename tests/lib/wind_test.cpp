@@ -34,6 +34,7 @@ TEST(Wind, DrydensNumbersAreThoseOfTheirSource) {
   EXPECT_THAT(numbers.sigma, MatrixNear(Vector3d(1 / std::pow(0.193200787, 0.4),
                                                  1 / std::pow(0.193200787, 0.4), 1),
                                         1e-7));
+  EXPECT_THAT(numbers.length, MatrixNear(Vector3d(across, across, 6), 1e-5));
   EXPECT_THAT(numbers.tau, MatrixNear(Vector3d(across / 5, across / 5, 1.2), 1e-6));
   wind.mean.setZero();  // a vehicle that hovers in still air lets the turbulence pass at 1 m/s
   EXPECT_THAT(dryden_numbers(wind).tau, MatrixNear(Vector3d(across, across, 6), 1e-5));
@@ -125,20 +126,63 @@ TEST(Wind, TurbulenceHasTheSpectrumOfDryden) {
 
 // Two samples of one stage are one sample over twice the time.
 TEST(Wind, TwoSamplesMakeOne) {
+  struct Matrices {
+    Eigen::Matrix2d A, Q;
+    explicit Matrices(const DrydenStage<double>& stage) {
+      A << stage.decay, 0, stage.coupling, stage.decay;
+      Eigen::Matrix2d L;
+      L << stage.noise_11, 0, stage.noise_21, stage.noise_22;
+      Q = L * L.transpose();
+    }
+  };
+  const Eigen::Matrix2d P = (Eigen::Matrix2d() << 1, 0.5, 0.5, 0.5).finished();
   for (const double x : {1e-4, 0.01, 0.3, 5.0}) {
-    const DrydenStage one = dryden_stage(2, 2 * x), two = dryden_stage(2, 4 * x);
-    Eigen::Matrix2d A;
-    A << one.decay, 0, one.coupling, one.decay;
-    const Eigen::Matrix2d Q = one.noise * one.noise.transpose();
-    Eigen::Matrix2d A2;
-    A2 << two.decay, 0, two.coupling, two.decay;
-    EXPECT_THAT(Eigen::Matrix2d(A * A), MatrixNear(A2, 1e-14));
-    EXPECT_THAT(Eigen::Matrix2d(A * Q * A.transpose() + Q),
-                MatrixNear(Eigen::Matrix2d(two.noise * two.noise.transpose()), 1e-14));
-    const Eigen::Matrix2d P = one.stationary * one.stationary.transpose();
-    EXPECT_THAT(P, MatrixNear((Eigen::Matrix2d() << 1, 0.5, 0.5, 0.5).finished(), 1e-14));
-    EXPECT_THAT(Eigen::Matrix2d(A * P * A.transpose() + Q), MatrixNear(P, 1e-14));
+    const Matrices one(dryden_stage(x)), two(dryden_stage(2 * x));
+    EXPECT_THAT(Eigen::Matrix2d(one.A * one.A), MatrixNear(two.A, 1e-14));
+    EXPECT_THAT(Eigen::Matrix2d(one.A * one.Q * one.A.transpose() + one.Q),
+                MatrixNear(two.Q, 1e-14));
+    EXPECT_THAT(Eigen::Matrix2d(one.A * P * one.A.transpose() + one.Q), MatrixNear(P, 1e-14));
   }
+}
+
+// A vehicle that flies with the mean wind meets what one that hovers in still air meets; one that
+// flies against it meets the scales of twice the wind.
+TEST(Wind, TurbulencePassesWithTheAirspeed) {
+  const auto gusts = [](double mean, double velocity, double dt) {
+    Wind wind;
+    wind.turbulence = 10;
+    wind.mean = {mean, 0, 0};
+    WindModel<1> model({wind}, dt, 3);
+    std::vector<double> all;
+    for (std::uint64_t k = 0; k < 200; ++k) {
+      const Vector3d now = lane_of(
+          model.at(k, static_cast<double>(k) * dt, {5, {}}, Vector3<Pack<1>>(velocity, 0.0, 3.0)),
+          0);
+      for (int i = 0; i < 3; ++i) all.push_back(now(i) - wind.mean(i));
+    }
+    return all;
+  };
+  const auto expect_near = [](const std::vector<double>& a, const std::vector<double>& b) {
+    for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-9) << i;
+  };
+  expect_near(gusts(8, 8, 0.1), gusts(0, 0, 0.1));
+  expect_near(gusts(8, -8, 0.1), gusts(16, 0, 0.1));
+  expect_near(gusts(8, -8, 0.1), gusts(8, 0, 0.2));  // L/V halves as the sample time doubles
+}
+
+// The wind at 6 m that makes the turbulence is the mean wind.
+TEST(Wind, WordsHaveTheMeanWindOfTheirTurbulence) {
+  for (const auto& [word, speed] : std::vector<std::pair<const char*, double>>{
+           {"light", 7.7}, {"moderate", 15.4}, {"severe", 23.2}}) {
+    const Wind wind = wind_of_words(word, "--wind");
+    EXPECT_EQ(wind.turbulence, speed);
+    EXPECT_EQ(wind.mean, Vector3d(speed, 0, 0));
+    // L across is 19.685/0.1932^1.2 ft = 43.2 m, L up 6 m.
+    EXPECT_THAT(dryden_numbers(wind).tau,
+                MatrixNear(Vector3d(43.15 / speed, 43.15 / speed, 6 / speed), 1e-2));
+  }
+  EXPECT_EQ(wind_of_words("calm", "--wind").mean, Vector3d(0, 0, 0));
+  EXPECT_EQ(wind_of_words("turbulence=5", "--wind").mean, Vector3d(0, 0, 0));
 }
 
 TEST(Wind, EachLaneHasItsOwn) {

@@ -160,6 +160,104 @@ TEST(FlownPlant, IsWhatFliesWithTrueStates) {
     expect_that_it_flies_as_predicted(flight(quiet(name), EstimatorKind::truth, 0.005), 0.005);
 }
 
+/// A vehicle whose commands come late and whose rotors feel the air.
+Vehicle late_and_windy(const std::string& name, double delay) {
+  Vehicle vehicle = quiet(name);
+  vehicle.motor.delay = delay;
+  const double hover =
+      std::sqrt(vehicle.mass * vehicle.gravity / (4 * vehicle.rotors[0].thrust_a2));
+  for (Rotor& rotor : vehicle.rotors) {
+    rotor.drag = 0.3 * vehicle.mass / (4 * hover);    // 0.3 /s
+    rotor.inflow = 0.2 * vehicle.mass / (4 * hover);  // 0.2 /s
+    rotor.flapping = 0.05 * vehicle.inertia(0, 0) / (4 * hover);
+    rotor.position.z() = -0.02;
+  }
+  return vehicle;
+}
+
+TEST(FlownPlant, IsWhatFliesWithLateCommandsAndRotorsThatFeelTheAir) {
+  expect_that_it_flies_as_predicted(
+      flight(late_and_windy("mambo", 0.0037), EstimatorKind::truth, 0.005), 0.005);
+  expect_that_it_flies_as_predicted(
+      flight(late_and_windy("crazyflie", 0.0125), EstimatorKind::mambo, 0.005), 0.005);
+  expect_that_it_flies_as_predicted(
+      flight(late_and_windy("mambo", 0.006), EstimatorKind::mambo, 0.005), 0.005);
+}
+
+/// The vehicle's own delay and that of the options are one after the other; of jitter the mean.
+TEST(FlownPlant, AddsTheVehiclesDelayToTheOptions) {
+  const auto plant = [](double own, double jitter, double more) {
+    FlightSetup setup = flight(quiet("mambo"), EstimatorKind::truth, 0.005);
+    setup.vehicle.motor.delay = own;
+    setup.vehicle.motor.delay_jitter = jitter;
+    FlownPlantOptions options;
+    options.command_delay = more;
+    return flown_plant(setup, options);
+  };
+  const FlownPlant all = plant(0, 0, 0.0085);
+  for (const FlownPlant& same :
+       {plant(0.0085, 0, 0), plant(0.006, 0, 0.0025), plant(0.006, 0.005, 0)})
+    EXPECT_LT((same.plant.A[0] - all.plant.A[0]).norm() + (same.plant.B[0] - all.plant.B[0]).norm(),
+              1e-9);
+  EXPECT_EQ(plant(0.006, 0.005, 0).notes,
+            std::vector<std::string>{"the commands' jitter of up to 0.005 s is in the model as its "
+                                     "mean, 0.0025 s"});
+}
+
+TEST(FlownPlant, HasTheSlowerOfTwoLagsAndSaysSo) {
+  const auto plant = [](double up, double down) {
+    FlightSetup setup = flight(quiet("crazyflie"), EstimatorKind::truth, 0.005);
+    for (Rotor& rotor : setup.vehicle.rotors) {
+      rotor.lag = up;
+      rotor.lag_down = down;
+    }
+    return flown_plant(setup, {});
+  };
+  const double both = std::nan("");
+  EXPECT_EQ(plant(0.02, 0.05).plant.A[0], plant(0.05, both).plant.A[0]);
+  EXPECT_EQ(plant(0.05, 0.02).plant.A[0], plant(0.05, both).plant.A[0]);
+  EXPECT_TRUE(plant(0.05, 0.05).notes.empty());
+  EXPECT_EQ(plant(0.02, 0.05).notes,
+            std::vector<std::string>{"the rotors' speeds rise and fall with different lags; the "
+                                     "model has the slower one for both directions"});
+}
+
+// Satellite fixes of 1 Hz are left out beside optical flow that is enough, not where the height
+// would come from them alone, or where the flow sensor does not see the ground.
+TEST(FlownPlant, KeepsSlowFixesThatAreNeeded) {
+  Vehicle vehicle = quiet("mambo");
+  vehicle.sensors.gps = GpsSensor();
+  vehicle.sensors.gps->position.rate = 1;
+  vehicle.sensors.gps->position.noise.setConstant(1);
+  vehicle.sensors.gps->velocity_noise.setConstant(0.1);
+  const auto period = [](const Vehicle& of, double height) {
+    FlownPlantOptions options;
+    options.height = height;
+    return flown_plant(flight(of, EstimatorKind::general, 0.005), options).plant.period();
+  };
+  const std::size_t by_flow = period(vehicle, 1.1);
+  EXPECT_LT(by_flow, 200U);
+  Vehicle low = vehicle;
+  low.sensors.flow->greatest_height = 2;
+  EXPECT_EQ(period(low, 1.1), by_flow);
+  EXPECT_EQ(period(low, 3) % 200, 0U);
+  Vehicle bare = vehicle;
+  bare.sensors.sonar.reset();
+  bare.sensors.barometer.reset();
+  EXPECT_EQ(period(bare, 1.1) % 200, 0U);
+}
+
+TEST(FlownPlant, SaysWhatGroundEffectItLeavesOut) {
+  FlightSetup setup = flight(quiet("mambo"), EstimatorKind::truth, 0.005);
+  for (Rotor& rotor : setup.vehicle.rotors) rotor.ground_effect = true;
+  FlownPlantOptions options;
+  EXPECT_TRUE(flown_plant(setup, options).notes.empty());
+  options.height = 0.033;  // a radius: 1/(1 - 1/16) = 1.067
+  EXPECT_EQ(flown_plant(setup, options).notes,
+            std::vector<std::string>{"the model leaves the ground effect out; at a height of 0.033 "
+                                     "m it adds 6.7 % of thrust"});
+}
+
 TEST(FlownPlant, IsWhatFliesWithTheMambosEstimator) {
   expect_that_it_flies_as_predicted(flight(quiet("mambo"), EstimatorKind::mambo, 0.005), 0.005);
   expect_that_it_flies_as_predicted(flight(quiet("crazyflie"), EstimatorKind::mambo, 0.004), 0.004);
@@ -230,6 +328,7 @@ TEST(FlownPlant, PredictsTheGrowthThatAFlightShows) {
 /// motors' lag of 72 ms.
 TEST(FlownPlant, TellsThatAnLqrWithoutTheLagIsUnstable) {
   FlightSetup setup = flight(quiet("crazyflie"), EstimatorKind::truth, 0.005);
+  for (Rotor& rotor : setup.vehicle.rotors) rotor.drag = rotor.inflow = 0;  // they damp it
   const LinearizeOptions words{"ned", InputKind::wrench, {}};
   const Linearization model = linearize(setup.vehicle, FlightCondition{}, words);
   VectorXd q(12), r(4);

@@ -51,6 +51,48 @@ StabilityProofStatus status(const UncertainLoop& loop, const LoopBox& box) {
   return prove_stability(loop, box).status;
 }
 
+// A box of many boxes, so that threads share the work.
+TEST(ProveStability, DoesNotDependOnTheThreads) {
+  const MatrixXd A = (MatrixXd(3, 3) << 0, 1, 0, 0, 0, 1, 0, 0, -8).finished();
+  const MatrixXd B = (MatrixXd(3, 1) << 0, 0, 8).finished();
+  UncertainLoop loop = static_loop(A, B, (MatrixXd(1, 3) << 4, 4, 0.4).finished(), 0.05);
+  loop.terms.push_back({"lag", (MatrixXd(3, 3) << 0, 0, 0, 0, 0, 0, 0, 0, -1).finished(), B / 8});
+  LoopBox box{Eigen::Vector2d(0.6, -3), Eigen::Vector2d(1.6, 4), 0, 0.06};
+  StabilityProofOptions options;
+  options.threads = 1;
+  const StabilityProof alone = prove_stability(loop, box, options);
+  EXPECT_EQ(alone.status, StabilityProofStatus::proved) << alone.culprit;
+  EXPECT_GT(alone.boxes, 30);
+  for (const std::size_t threads : {2, 5}) {
+    options.threads = threads;
+    const StabilityProof shared = prove_stability(loop, box, options);
+    EXPECT_EQ(shared.status, alone.status);
+    EXPECT_EQ(shared.boxes, alone.boxes);
+    EXPECT_EQ(shared.proved_boxes, alone.proved_boxes);
+    EXPECT_EQ(shared.gap, alone.gap);
+  }
+  // The budget is counted alike, and what is not proved is the same box.
+  options.most_boxes = 21;
+  options.threads = 1;
+  const StabilityProof few = prove_stability(loop, box, options);
+  options.threads = 3;
+  const StabilityProof few_shared = prove_stability(loop, box, options);
+  EXPECT_EQ(few.status, StabilityProofStatus::not_proved);
+  EXPECT_EQ(few.boxes, 21);
+  EXPECT_EQ(few_shared.boxes, 21);
+  EXPECT_EQ(few_shared.where.low, few.where.low);
+  EXPECT_EQ(few_shared.culprit, few.culprit);
+  // A proof that would take far more than allowed is given up early, and no other one is.
+  options.most_boxes = 2000;
+  options.give_up = 1;
+  EXPECT_EQ(prove_stability(loop, box, options).boxes, alone.boxes);
+  options.give_up = 0.01;
+  const StabilityProof given_up = prove_stability(loop, box, options);
+  EXPECT_EQ(given_up.status, StabilityProofStatus::not_proved);
+  EXPECT_LT(given_up.boxes, 150);
+  EXPECT_THAT(given_up.culprit, HasSubstr("of the box is proved"));
+}
+
 // z = 1 - θ.
 TEST(ProveStability, ReachesTheGainThatAnIntegratorBears) {
   EXPECT_EQ(status(integrator(), gains(1e-6, 2 - 1e-6)), StabilityProofStatus::proved);

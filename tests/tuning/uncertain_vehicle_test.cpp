@@ -13,6 +13,7 @@
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/linearize/linearize.hpp"
+#include "quadtune/synthesis/actuator_lqi.hpp"
 #include "quadtune/synthesis/state_feedback.hpp"
 
 namespace quadtune {
@@ -208,6 +209,43 @@ std::string refusal(const Call& call) {
     return error.what();
   }
   return "nothing was refused";
+}
+
+// At the nominal numbers and with its commands late by as much as it believes, a law for rotors
+// with lag has the poles of its Riccati equation.
+TEST(UncertainHover, HasThePolesOfALawWithMemory) {
+  Vehicle vehicle = load_vehicle("crazyflie");
+  for (Rotor& rotor : vehicle.rotors) rotor.inertia = rotor.drag = rotor.inflow = 0;
+  ActuatorLqiOptions options;
+  options.dt = 0.005;
+  options.past = 2;
+  options.integrals = {"px", "py", "pz", "yaw"};
+  VectorXd deviation(12);
+  deviation << 0.5, 0.5, 0.5, 0.2, 0.2, 0.35, 0.5, 0.5, 0.5, 2, 2, 2;
+  const Eigen::Vector4d command(0.03, 3e-4, 3e-4, 1e-4);  // [N], [N m]
+  ActuatorLqiWeights weights;
+  weights.Q = deviation.cwiseAbs2().cwiseInverse().asDiagonal();
+  weights.Q_integral = MatrixXd::Identity(4, 4);
+  weights.R = command.cwiseAbs2().cwiseInverse().asDiagonal();
+  const ActuatorLqi lqi = actuator_lqi(vehicle, weights, options);
+  ASSERT_TRUE(lqi.solved()) << lqi.riccati.culprit;
+  VehicleUncertainty u;
+  const double lag = vehicle.rotors[0].lag;
+  u.lag = {lag, lag};
+  u.delay = {2 * options.dt, 2 * options.dt};
+  const LoopFamily family = uncertain_hover(vehicle, lqi.gains, u);
+  VectorXd nominal(static_cast<Eigen::Index>(family.parameters.size()));
+  for (std::size_t i = 0; i < family.parameters.size(); ++i)
+    nominal(static_cast<Eigen::Index>(i)) = family.parameters[i].nominal;
+  const LoopPoint point = family.at(nominal);
+  const Eigen::VectorXcd poles =
+      closed_loop_matrix(family.loop, point.numbers, point.delay).eigenvalues();
+  for (const std::complex<double>& z : lqi.riccati.poles) {
+    if (std::abs(z) > 0.1) {
+      EXPECT_LT((poles.array() - z).abs().minCoeff(), 1e-7) << z;
+    }
+  }
+  EXPECT_LT(poles.cwiseAbs().maxCoeff(), 1);
 }
 
 TEST(UncertainHover, RefusesWhatItsModelDoesNotHold) {

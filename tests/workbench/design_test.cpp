@@ -2,6 +2,7 @@
 /// A design in memory is that of a file, to the last bit.
 #include "quadtune/workbench/design.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <string>
@@ -11,6 +12,7 @@
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/workbench/export_content.hpp"
 #include "same_bits.hpp"
+#include "sanitized.hpp"
 #include "source_folder.hpp"
 
 namespace quadtune {
@@ -42,11 +44,16 @@ bool same(const Matrix& a, const Matrix& b) {
 }
 
 TEST(Design, InMemoryIsThatOfTheFile) {
+  if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
   for (const std::string name : {"uquad-hover", "mambo-hover"}) {
-    const std::string path = kSource + "/designs/" + name + ".toml";
+    const std::string path = fmt::format("{}/designs/{}.toml", kSource, name);
     DesignOutcome file = run_design(std::filesystem::path(path));
     file.flights = fly_missions(file, 1, false);
-    const DesignOutcome memory = design(file.design.vehicle, requirements_of(file.design));
+    // What is in memory is exported to no program, whose estimator it would fly with.
+    DesignRequirements requirements = requirements_of(file.design);
+    for (MissionRequest& mission : requirements.missions)
+      mission.estimator = name == "uquad-hover" ? "uquad" : "mambo";
+    const DesignOutcome memory = design(file.design.vehicle, requirements);
     ASSERT_TRUE(file.gains && memory.gains);
     EXPECT_TRUE(same(file.gains->K, memory.gains->K)) << name;
     EXPECT_TRUE(same(file.gains->K_int, memory.gains->K_int)) << name;
@@ -75,9 +82,58 @@ TEST(Design, InMemoryIsThatOfTheFile) {
   }
 }
 
-TEST(Design, HasStandardWeightsWhereNothingIsAsked) {
+TEST(Design, IsTheUsualCascadeWhereNothingIsAsked) {
+  for (const std::string& name : built_in_vehicles()) {
+    if (testing::kSanitized && name != "mambo") continue;
+    const DesignOutcome outcome = design(load_vehicle(name));
+    ASSERT_TRUE(outcome.cascade) << name;
+    EXPECT_FALSE(outcome.gains);
+    EXPECT_TRUE(missions_passed(outcome)) << name;
+    ASSERT_EQ(outcome.flights.size(), 1U);
+    EXPECT_EQ(outcome.flights[0].plan.law, "cascaded PID of " + name);
+    EXPECT_EQ(outcome.flights[0].plan.sensors, "real");
+  }
+}
+
+// The same cascade, asked for in a file that says nothing else of it.
+TEST(Design, FilesOfFlightsHaveTheUsualCascadeAndPass) {
+  if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
+  for (const std::string name : {"uquad", "rolling-spider", "crazyflie"}) {
+    DesignOutcome file =
+        run_design(std::filesystem::path(fmt::format("{}/designs/{}-flight.toml", kSource, name)));
+    const DesignOutcome usual = design(load_vehicle(name));
+    const CascadeGains &a = file.cascade->cascade.gains, &b = usual.cascade->cascade.gains;
+    ASSERT_EQ(a.loops.size(), 6U);
+    EXPECT_EQ(a.dt, b.dt);
+    for (std::size_t i = 0; i < a.loops.size(); ++i)
+      EXPECT_TRUE(same_bits(a.loops[i].Kp, b.loops[i].Kp) &&
+                  same_bits(a.loops[i].Ki, b.loops[i].Ki) &&
+                  same_bits(a.loops[i].Kd, b.loops[i].Kd))
+          << name << i;
+    EXPECT_EQ(file.design.cascade->attitude_limit, usual.design.cascade->attitude_limit);
+    EXPECT_EQ(file.design.cascade->back_calculation, usual.design.cascade->back_calculation);
+    file.flights = fly_missions(file, 1, false);
+    ASSERT_EQ(file.flights.size(), 3U);
+    EXPECT_TRUE(missions_passed(file)) << name;
+  }
+}
+
+// The position loops of a cascade, cut where they command the tilt.
+TEST(Design, PositionLoopsKeepTheirPhase) {
+  if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
+  for (const std::string& name : built_in_vehicles()) {
+    const DesignOutcome outcome = design(load_vehicle(name));
+    for (const CascadeAxisDesign& loop : outcome.cascade->cascade.loops) {
+      if (loop.axis != CascadeAxis::x && loop.axis != CascadeAxis::y) continue;
+      EXPECT_GT(loop.design.evidence.margins.phase_margin, 0.52) << name;  // 30 deg
+    }
+  }
+}
+
+TEST(Design, HasTheStandardWeightsOfAnLqr) {
   for (const std::string& name : built_in_vehicles()) {
     DesignRequirements requirements;
+    requirements.lqr = usual_lqr(load_vehicle(name));
     requirements.missions = {{.mission = "hover", .sensors = "ideal"}};
     const DesignOutcome outcome = design(load_vehicle(name), requirements);
     ASSERT_TRUE(outcome.gains) << name;
@@ -89,6 +145,29 @@ TEST(Design, HasStandardWeightsWhereNothingIsAsked) {
     EXPECT_EQ(outcome.flights[0].plan.law, "state feedback of " + name);
     EXPECT_FALSE(outcome.cascade);
   }
+}
+
+// Five seeds, a gust, and a tenth more mass than the law knows; all have to pass.
+TEST(Design, FliesSeedsAGustAndALoad) {
+  const Vehicle vehicle = load_vehicle("mambo");
+  DesignRequirements requirements;
+  requirements.cascade = usual_cascade(vehicle);
+  requirements.seed = 3;
+  DesignOutcome outcome = design(vehicle, requirements);
+  ASSERT_EQ(outcome.flights.size(), 1U);
+  ASSERT_EQ(outcome.flights[0].seeds.size(), 5U);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(outcome.flights[0].seeds[i].seed, 3 + i);
+  ASSERT_EQ(outcome.disturbed.size(), 2U);
+  const FlownFlight &gust = outcome.disturbed[0], &load = outcome.disturbed[1];
+  EXPECT_EQ(gust.variant, "gust");
+  EXPECT_NEAR(gust.plan.setup.environment.wind.gust.velocity.norm(), kGustSpeed, 1e-12);
+  EXPECT_EQ(load.variant, "load");
+  ASSERT_TRUE(load.plan.setup.flown);
+  EXPECT_NEAR(load.plan.setup.flown->mass, 1.1 * vehicle.mass, 1e-12);
+  EXPECT_EQ(load.plan.setup.vehicle.mass, vehicle.mass);
+  EXPECT_TRUE(missions_passed(outcome));
+  outcome.disturbed[1].passed = false;
+  EXPECT_FALSE(missions_passed(outcome));
 }
 
 TEST(Design, TakesACascadeAndFliesIt) {
@@ -110,6 +189,28 @@ TEST(Design, TakesACascadeAndFliesIt) {
   EXPECT_EQ(content.cascade->gains.loops.size(), 6U);
   ASSERT_EQ(content.inputs.size(), 1U);
   EXPECT_EQ(content.inputs[0].name, "mambo.toml");
+}
+
+/// Its law is the one of `fly V --controller state-feedback`, and passes with its own sensors.
+TEST(Design, TakesAStateFeedbackForTheFlownPlant) {
+  const Vehicle vehicle = load_vehicle("crazyflie");
+  DesignRequirements requirements;
+  requirements.lqi = LqiDesign();
+  requirements.seeds = 1;
+  const DesignOutcome outcome = design(vehicle, requirements);
+  EXPECT_TRUE(missions_passed(outcome));
+  ASSERT_TRUE(outcome.lqi && outcome.gains && outcome.gains->memory);
+  EXPECT_FALSE(outcome.cascade);
+  FlightOptions flight;
+  flight.controller = kStateFeedback;
+  const ChosenLaw usual = choose_law(flight, vehicle, "test");
+  const Gains& flown = std::get<StateFeedbackController>(usual.controller).gains;
+  EXPECT_EQ(outcome.gains->K, flown.K);
+  EXPECT_EQ(outcome.gains->memory->K_past, flown.memory->K_past);
+  EXPECT_EQ(outcome.gains->limits, flown.limits);
+  const ExportContent content = export_content(outcome);
+  ASSERT_TRUE(content.estimator && content.estimator->general);
+  EXPECT_EQ(content.estimator->name, "general");
 }
 
 TEST(Design, NamesItselfWhereThereIsNoFile) {

@@ -8,6 +8,7 @@
 
 #include "quadtune/errors.hpp"
 #include "quadtune/model/vehicle.hpp"
+#include "quadtune/workbench/chosen_law.hpp"
 #include "quadtune/workbench/design.hpp"
 #include "quadtune/workbench/fly.hpp"
 
@@ -79,13 +80,34 @@ TEST(OptionError, ComesFromAMissionOfADesignWithoutAFile) {
   const auto wind = refused([&] { (void)design(load_vehicle("mambo"), requirements); });
   ASSERT_TRUE(wind);
   EXPECT_EQ(wind->option(), "wind");
-  requirements.missions = {{.mission = "hover", .controller = "pid"}};
+  requirements.missions = {{.mission = "hover", .controller = "lqr"}};
   const auto law = refused([&] { (void)design(load_vehicle("mambo"), requirements); });
   ASSERT_TRUE(law);
   EXPECT_EQ(law->option(), "controller");
   EXPECT_STREQ(law->what(),
-               "controller of the mission 'hover' is cascaded-pid, expected the law "
+               "controller of the mission 'hover' is state-feedback, expected the law "
                "that is designed");
+}
+
+// As a design file is refused that asks for both.
+TEST(DesignRequirements, HaveOneStateFeedbackOfHover) {
+  const auto refusal = [](const DesignRequirements& requirements) -> std::string {
+    try {
+      (void)design(load_vehicle("mambo"), requirements);
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "";
+  };
+  DesignRequirements both;
+  both.lqr = usual_lqr(load_vehicle("mambo"), 0.005);
+  both.lqi = LqiDesign{};
+  EXPECT_THAT(refusal(both), ::testing::HasSubstr("weights of the ideal and of the flown plant"));
+  DesignRequirements moving;
+  moving.lqi = LqiDesign{};
+  moving.condition.kind = FlightKind::line;
+  moving.condition.speed = 2;
+  EXPECT_THAT(refusal(moving), ::testing::HasSubstr("the trim is 'line', expected hover"));
 }
 
 TEST(OptionError, IsAnInvalidInput) {

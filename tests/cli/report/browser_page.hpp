@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "browser.hpp"
+#include "sanitized.hpp"
 #include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
@@ -41,6 +42,9 @@ class Browser : public ::testing::Test {
  protected:
   void SetUp() override {
     if (find_browser().empty()) GTEST_SKIP() << "no chromium here, so no page is opened";
+    if (kSanitized)
+      GTEST_SKIP()
+          << "Chromium is not instrumented; the tests of the page's text run under sanitizers";
   }
 
   std::string write(const std::string& html, const std::string& name = "report.html") const {

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `lqr V` on the plant that flies: rotors' lag, sensors' delays, estimator.
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+
+#include "lqr_arguments.hpp"
+#include "program.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/workbench/flown_loop.hpp"
+#include "quadtune/workbench/lqi_report.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace quadtune::cli {
+
+struct FlownLqrArguments {
+  std::string change;  // list: weights of a command's change
+  double past = 0;     // control periods
+  std::string estimator, sensors;
+  double height = FlownLoopOptions().height;
+  std::set<std::string> given = {};  // names of the options of the flown plant that came
+};
+
+/// Adds --change, --past, --estimator, --sensors and --height.
+void add_flown_lqr_options(CLI::App& app, FlownLqrArguments& arguments);
+
+/// Which of those came.
+/// @param app  that parsed them
+[[nodiscard]] std::set<std::string> given_flown_options(const CLI::App& app);
+
+/// Runs a design for the flown plant whose options came from the command line.
+/// @throws UsageError  in place of OptionError; NoSolution of weights that are given names --Q
+template <class Function>
+auto told_of_weights(const LqrArguments& common, Function&& function) {
+  try {
+    return told_of_period(common.verb, function);
+  } catch (const NoSolution& error) {
+    // Weights that are given leave a state unseen.
+    if (common.Q.empty()) throw;
+    throw NoSolution(error.what(), "--Q");
+  }
+}
+
+/// The design that --Q, --R, --change, --integral, --past and --dt ask for.
+/// @throws UsageError  naming the option, what came and what was expected
+[[nodiscard]] LqiDesign lqi_design(const LqrArguments& common, const FlownLqrArguments& arguments);
+
+/// Designs and judges.
+/// @param verb  for messages
+[[nodiscard]] LqiReport lqi_of_command(const Vehicle& vehicle, const LqrArguments& common,
+                                       const FlownLqrArguments& arguments);
+
+/// The gains with their evidence.
+[[nodiscard]] internal::Json to_json(const LqiReport& report, const Vehicle& vehicle);
+[[nodiscard]] std::string to_text(const LqiReport& report);
+
+/// Notes of the design, warnings of margins.
+void write_notes(const LqiReport& report, const std::string& verb, const Context& context);
+
+/// Runs the verb.
+void run_flown_lqr(const LqrArguments& common, const FlownLqrArguments& arguments,
+                   Context& context);
+
+/// The flown loop of gains that were designed on the ideal plant.
+/// @param model  of the design
+/// @return       none unless has_flown_loop(), for gains of some states only, and with a note for a
+///               loop that cannot be analysed, e.g. because of its sample period
+[[nodiscard]] std::optional<FlownLoop> flown_loop_of_ideal(const Vehicle& vehicle,
+                                                           const Linearization& model,
+                                                           const Gains& gains,
+                                                           const Context& context);
+
+}  // namespace quadtune::cli

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// Version 2 of gains.json: laws with a memory, limits and axes of their own.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <limits>
+
+#include "export_models.hpp"
+#include "matrix_near.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/estimation/general_filter_settings.hpp"
+#include "quadtune/exports/export.hpp"
+#include "quadtune/exports/read_gains.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/model/sensors.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+using internal::Json;
+using ::testing::HasSubstr;
+using testing::MatrixNear;
+using testing::TemporaryDirectory;
+using ::testing::ThrowsMessage;
+
+ExportContent dynamic_content() {
+  ExportContent content = testing::mambo_content();
+  Gains& gains = *content.gains;
+  gains.axes = PositionAxes::heading;
+  gains.limits.position_error = 0.7;
+  gains.limits.conditional_integration = true;
+  CommandMemory memory;
+  memory.lag = Eigen::Vector4d(0.05, 0.06, 0.07, 0.08);
+  memory.K_lag = Eigen::Matrix4d::Identity() / 3;
+  memory.past = 2;
+  memory.K_past = Eigen::MatrixXd::Constant(4, 8, 1.0 / 7);
+  gains.memory = memory;
+  return content;
+}
+
+Json json_of(const ExportContent& content) { return Json::parse(gains_json_text(content)); }
+
+TEST(DynamicGains, ReadBackAsWritten) {
+  const TemporaryDirectory directory;
+  const ExportContent content = dynamic_content();
+  const Gains& written = *content.gains;
+  EXPECT_EQ(json_of(content)["format_version"], 2);
+  (void)write_export(directory.path() / "out", ExportKind::json, content);
+  for (const char* file : {"out", "out/gains.json", "out/manifest.json"}) {
+    const Gains read = read_gains(directory.path() / file);
+    EXPECT_EQ(read.axes, written.axes) << file;
+    EXPECT_EQ(read.limits, written.limits) << file;
+    ASSERT_TRUE(read.memory) << file;
+    EXPECT_THAT(read.memory->lag, MatrixNear(written.memory->lag, 0));
+    EXPECT_THAT(read.memory->K_lag, MatrixNear(written.memory->K_lag, 0));
+    EXPECT_EQ(read.memory->past, written.memory->past);
+    EXPECT_THAT(read.memory->K_past, MatrixNear(written.memory->K_past, 0));
+    EXPECT_THAT(read.K, MatrixNear(written.K, 0));
+  }
+}
+
+TEST(DynamicGains, StayInVersionOneWhereItCanHoldThem) {
+  EXPECT_EQ(json_of(testing::mambo_content())["format_version"], 1);
+  ExportContent turned = testing::mambo_content();
+  turned.gains->axes = PositionAxes::heading;
+  EXPECT_EQ(json_of(turned)["format_version"], 2);
+  EXPECT_TRUE(json_of(turned)["gains"]["memory"].is_null());
+}
+
+TEST(DynamicGains, AreRefusedWithAPartMissing) {
+  const TemporaryDirectory directory;
+  const auto refusal = [&](auto&& change, const std::string& message) {
+    Json json = json_of(dynamic_content());
+    change(json["gains"]);
+    const std::filesystem::path path = directory.write("gains.json", json.dump());
+    EXPECT_THAT([&] { (void)read_gains(path); }, ThrowsMessage<InvalidInput>(HasSubstr(message)))
+        << message;
+  };
+  for (const char* part : {"axes", "limits", "memory"})
+    refusal([&](Json& gains) { gains.erase(part); },
+            "gains.json: gains: has no \"" + std::string(part));
+  for (const char* part : {"lag_s", "K_lag", "past", "K_past"})
+    refusal([&](Json& gains) { gains["memory"].erase(part); },
+            "gains.json: gains.memory: has no \"" + std::string(part));
+  refusal([](Json& gains) { gains["axes"] = "north"; },
+          "gains.axes: axes is 'north', expected world or heading");
+  refusal([](Json& gains) { gains["memory"]["past"] = 1.5; },
+          "gains.memory.past: is 1.5, expected a whole number from 0 to 40");
+  refusal([](Json& gains) { gains["memory"]["past"] = 3; }, "K_past");
+  refusal([](Json& gains) { gains["memory"]["lag_s"][2] = -1; },
+          "lag is -1 s, expected more than 0");
+  refusal([](Json& gains) { gains["limits"]["conditional_integration"] = 1; },
+          "limits.conditional_integration: is number, expected true or false");
+  refusal([](Json& gains) { gains["limits"]["position_error_m"] = -1; },
+          "the limit of the position error is -1 m, expected more than 0");
+}
+
+// A program that holds a matrix on the states flies another law.
+TEST(DynamicGains, AreRefusedByProgramsThatHoldAMatrixOnly) {
+  EXPECT_THAT([] { (void)export_files(ExportKind::mambo, dynamic_content()); },
+              ThrowsMessage<InvalidInput>(
+                  HasSubstr("mambo: the law feeds back its past commands, expected a matrix")));
+  ExportContent uquad = testing::uquad_content();
+  uquad.gains->axes = PositionAxes::heading;
+  EXPECT_THAT(
+      [&] { (void)export_files(ExportKind::uquad, uquad); },
+      ThrowsMessage<InvalidInput>(HasSubstr("the law sees the position error in heading axes")));
+}
+
+// Only the word "law" told of a memory in a file that claims to be of version 1.
+TEST(DynamicGains, AreRefusedInAFileOfVersionOne) {
+  const TemporaryDirectory directory;
+  for (const char* part : {"axes", "limits", "memory"}) {
+    Json json = json_of(testing::mambo_content());
+    ASSERT_EQ(json["format_version"], 1);
+    json["gains"][part] = json_of(dynamic_content())["gains"][part];
+    const std::filesystem::path path = directory.write("gains.json", json.dump());
+    EXPECT_THAT([&] { (void)read_gains(path); },
+                ThrowsMessage<InvalidInput>(HasSubstr(
+                    fmt::format("gains.{}: is there, expected version 2 of the file", part))));
+  }
+}
+
+/// Every sensor of the general filter, each number another one.
+StoredEstimator every_number() {
+  Sensors sensors = typical_sensors();
+  sensors.gps = GpsSensor();
+  sensors.gps->position.rate = 5;
+  sensors.gps->position.noise.setConstant(0.7);
+  sensors.gps->velocity_noise.setConstant(0.09);
+  sensors.vision = SensorFaults();
+  sensors.vision->rate = 30;
+  sensors.vision->noise.setConstant(0.011);
+  StoredEstimator estimator{"general",
+                            general_filter_settings(sensors, 0.004, 9.79, {17.0, 2.0, 44.0})};
+  GeneralFilterSettings& settings = *estimator.general;
+  settings.gyroscope.lag = 0.0031;
+  settings.gyroscope.scale = {1.01, 1.02, 1.03};
+  settings.accelerometer.walk = 1.0 / 3000;
+  settings.start.tilt = 0.0123;
+  settings.gate = 21;
+  settings.recovery_time = 1.7;
+  settings.lift_off_velocity = 0.061;
+  settings.jerk = 11;
+  return estimator;
+}
+
+TEST(StoredEstimator, ReadsBackAsWritten) {
+  const TemporaryDirectory directory;
+  ExportContent content = testing::mambo_content();
+  content.estimator = every_number();
+  ASSERT_TRUE(content.estimator->general->flow && content.estimator->general->range &&
+              content.estimator->general->pressure && content.estimator->general->heading &&
+              content.estimator->general->gps_position && content.estimator->general->vision);
+  EXPECT_EQ(json_of(content)["format_version"], 2);
+  (void)write_export(directory.path() / "out", ExportKind::json, content);
+  const StoredLaws laws = read_laws(directory.path() / "out");
+  ASSERT_TRUE(laws.estimator);
+  EXPECT_EQ(*laws.estimator, *content.estimator);
+  EXPECT_EQ(read_laws(directory.path() / "out/manifest.json").estimator, content.estimator);
+  EXPECT_THAT(laws.gains->K, MatrixNear(content.gains->K, 0));
+
+  // A sensor that is not there is not read; one whose range has no end keeps it.
+  GeneralFilterSettings& settings = *content.estimator->general;
+  settings.vision.reset();
+  settings.range->greatest = std::numeric_limits<double>::infinity();
+  content.estimator->name = "general";
+  const std::filesystem::path again = directory.write("again.json", gains_json_text(content));
+  EXPECT_EQ(*read_laws(again).estimator, *content.estimator);
+
+  content.estimator = StoredEstimator{"mambo"};
+  const std::filesystem::path named = directory.write("named.json", gains_json_text(content));
+  EXPECT_EQ(*read_laws(named).estimator, *content.estimator);
+}
+
+TEST(StoredEstimator, IsRefusedWithAMistake) {
+  const TemporaryDirectory directory;
+  const auto refusal = [&](auto&& change, const std::string& message) {
+    ExportContent content = testing::mambo_content();
+    content.estimator = every_number();
+    Json json = json_of(content);
+    change(json["estimator"]);
+    const std::filesystem::path path = directory.write("gains.json", json.dump());
+    EXPECT_THAT([&] { (void)read_laws(path); }, ThrowsMessage<InvalidInput>(HasSubstr(message)));
+  };
+  refusal([](Json& json) { json["name"] = "kalman9"; },
+          "estimator.name: is 'kalman9', expected one of general, mambo, uquad");
+  refusal([](Json& json) { json["name"] = "generall"; }, "did you mean 'general'?");
+  refusal([](Json& json) { json.erase("name"); }, "estimator: has no \"name\"");
+  refusal([](Json& json) { json.erase("gyroscope"); }, "estimator: has no \"gyroscope\"");
+  refusal([](Json& json) { json["flow"].erase("lag_s"); }, "estimator.flow: has no \"lag_s\"");
+  refusal(
+      [](Json& json) {
+        json["gyroscope"]["scale"] = {1, 1};
+      },
+      "estimator.gyroscope.scale: has 2 numbers, expected 3");
+  refusal([](Json& json) { json["gate"] = 0; }, "gate is 0, expected");
+  refusal([](Json& json) { json["gate"] = "25"; }, "estimator.gate");
+  refusal([](Json& json) { json["vision"]["variance_m2"] = -1; }, "vision");
+}
+
+}  // namespace
+}  // namespace quadtune

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/synthesis/flown_axis.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <vector>
+
+#include "matrix_near.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/model/vehicle.hpp"
+
+namespace quadtune {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using ::testing::HasSubstr;
+using testing::MatrixNear;
+using ::testing::ThrowsMessage;
+
+FlownPlant plant_of(const std::string& name, EstimatorKind estimator, double dt = 0.005) {
+  FlightSetup setup;
+  setup.vehicle = load_vehicle(name);
+  setup.estimator = estimator;
+  if (estimator == EstimatorKind::uquad) setup.uquad_filter = uquad_filter_in_si<double>();
+  CascadeController law;
+  law.gains.dt = dt;
+  setup.controller = law;
+  calibrate_flow(setup);
+  FlownPlantOptions options;
+  options.dt = dt;
+  return flown_plant(setup, options);
+}
+
+/// Moderate gains of each state on its group's component of the wrench.
+MatrixXd gains_of(const Vehicle& vehicle) {
+  const Eigen::Vector3d J = vehicle.inertia.diagonal();
+  MatrixXd F = MatrixXd::Zero(4, 12);
+  const auto set = [&](FlownAxis axis, const std::vector<double>& gains) {
+    for (std::size_t j = 0; j < gains.size(); ++j)
+      F(wrench_of(axis), states_of(axis)[j]) = gains[j];
+  };
+  set(FlownAxis::north, {-J.y(), -2 * J.y(), 16 * J.y(), 6 * J.y()});
+  set(FlownAxis::east, {J.x(), 2 * J.x(), 16 * J.x(), 6 * J.x()});
+  set(FlownAxis::altitude, {-4 * vehicle.mass, -4 * vehicle.mass});
+  set(FlownAxis::yaw, {4 * J.z(), 4 * J.z()});
+  return F;
+}
+
+std::vector<double> sizes(const PeriodicLti& plant, const MatrixXd& F) {
+  PeriodicLti loop = plant;
+  loop.C = F * plant.C;
+  std::vector<double> result;
+  for (const std::complex<double>& z : periodic_poles(closed(loop))) result.push_back(std::abs(z));
+  return result;
+}
+
+/// The groups are independent: their poles are those of the whole loop.
+TEST(FlownAxis, GroupsTogetherHaveThePolesOfTheWholeLoop) {
+  struct Case {
+    const char* vehicle;
+    EstimatorKind estimator;
+    double dt;
+  };
+  for (const Case& one :
+       {Case{"mambo", EstimatorKind::mambo, 0.005}, Case{"crazyflie", EstimatorKind::mambo, 0.005},
+        Case{"crazyflie", EstimatorKind::truth, 0.005},
+        Case{"uquad", EstimatorKind::uquad, 0.01}}) {
+    const FlownPlant plant = plant_of(one.vehicle, one.estimator, one.dt);
+    const MatrixXd F = gains_of(load_vehicle(one.vehicle));
+    std::vector<double> parts;
+    Index states = 0;
+    for (const FlownAxis axis : kFlownAxes) {
+      const PeriodicLti part = axis_part(plant, axis);
+      states += part.A.front().rows();
+      const MatrixXd row = F(std::vector<Index>{wrench_of(axis)}, states_of(axis));
+      for (const double size : sizes(part, row)) parts.push_back(size);
+    }
+    std::vector<double> whole = sizes(plant.plant, F);
+    std::sort(parts.begin(), parts.end(), std::greater<>());
+    // The largest count; poles at 0 are multiple and move with rounding. A state that two groups
+    // share, as the speed of a rotor, counts once in the whole: each of its poles is elsewhere too.
+    for (std::size_t i = 0; i < 12; ++i) {
+      double nearest = 1;
+      for (const double size : parts) nearest = std::min(nearest, std::abs(size - whole[i]));
+      EXPECT_LT(nearest, 1e-6) << one.vehicle << " " << i << ": " << whole[i];
+    }
+    EXPECT_NEAR(parts.front(), whole.front(), 1e-6) << one.vehicle;
+    EXPECT_LT(parts.size(), 2 * whole.size());
+  }
+}
+
+/// A magnetometer observes the heading: the plant can rest at any.
+/// A state that repeats with the sample clocks, and outputs that stand still in every period: also
+/// where samples are on their way in some periods only.
+TEST(FlownAxis, APlantRestsWhereItsSetPointIs) {
+  for (const FlownPlant& plant :
+       {plant_of("uquad", EstimatorKind::uquad, 0.01), plant_of("uquad", EstimatorKind::general),
+        plant_of("mambo", EstimatorKind::general)})
+    for (const FlownAxis axis : {FlownAxis::altitude, FlownAxis::yaw}) {
+      const PeriodicLti part = axis_part(plant, axis);
+      const VectorXd start = rest_at(part, 0);
+      VectorXd expected = VectorXd::Zero(part.C.rows());
+      expected(0) = -1;
+      VectorXd x = start;
+      for (const MatrixXd& A : part.A) {
+        EXPECT_THAT(part.C * x, MatrixNear(expected, 1e-9)) << to_string(axis);
+        x = (A * x).eval();
+      }
+      EXPECT_LT((x - start).cwiseAbs().maxCoeff(), 1e-9) << to_string(axis);
+    }
+}
+
+/// Cost of u = -F y from a step of the set point: the sum over a flight in which it moves.
+TEST(FlownAxis, CostIsThatOfAStepOfTheSetPoint) {
+  const FlownPlant plant = plant_of("crazyflie", EstimatorKind::truth);
+  const PeriodicLti part = axis_part(plant, FlownAxis::altitude);
+  AxisWeights weights;
+  weights.q = Eigen::Vector2d(16, 4);
+  weights.q_integral = 2;
+  weights.r = 100;
+  weights.step = 0.5;
+  const OutputFeedbackProblem problem = axis_problem(part, FlownAxis::altitude, weights, 1);
+  const Eigen::RowVector3d F(-0.15, -0.13, -0.05);
+  const OutputFeedbackCost cost = output_feedback_cost(problem, F);
+  ASSERT_TRUE(cost.stable);
+  VectorXd x = VectorXd::Zero(part.A[0].rows());
+  double integral = 0, sum = 0;
+  for (int k = 0; k < 20000; ++k) {
+    const VectorXd y = part.C * x;
+    const double error = y(0) - 0.5, before = integral;
+    integral += part.dt * error;
+    const double u = -(F(0) * error + F(1) * y(1) + F(2) * integral);
+    sum += part.dt * (16 * error * error + 4 * y(1) * y(1) + 2 * before * before + 100 * u * u);
+    x = (part.A[0] * x + part.B[0] * u).eval();
+  }
+  EXPECT_NEAR(cost.cost, sum, 1e-8 * sum);
+}
+
+TEST(FlownAxis, RefusesWhatDoesNotFit) {
+  FlownPlant plant = plant_of("crazyflie", EstimatorKind::truth);
+  const PeriodicLti part = axis_part(plant, FlownAxis::yaw);
+  AxisWeights weights;
+  weights.q = Eigen::Vector3d::Ones();
+  EXPECT_THAT([&] { (void)axis_problem(part, FlownAxis::yaw, weights, 0); },
+              ThrowsMessage<InvalidInput>(HasSubstr("flown axis: 3 weights came for 2 outputs")));
+  plant.plant.inputs[0].name = "w1";
+  EXPECT_THAT([&] { (void)axis_part(plant, FlownAxis::yaw); },
+              ThrowsMessage<InvalidInput>(HasSubstr("flown axis: the plant has other inputs")));
+}
+
+}  // namespace
+}  // namespace quadtune

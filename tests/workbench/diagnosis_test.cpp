@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Each cause of a failed flight, made on purpose.
+#include "quadtune/workbench/diagnosis.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <string>
+
+#include "quadtune/model/vehicle.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::HasSubstr;
+
+PlannedFlight planned(const std::string& vehicle, const std::string& mission = "hover",
+                      double duration = 20) {
+  FlightOptions options;
+  options.vehicle = vehicle;
+  options.mission = mission;
+  options.duration = duration;
+  return plan_flight(options, "test");
+}
+
+Diagnosis diagnosis_of(const PlannedFlight& plan) { return diagnose(plan, fly_planned(plan)); }
+
+TEST(Diagnosis, IsNoneOfAFlightThatPassed) {
+  const Diagnosis diagnosis = diagnosis_of(planned("mambo"));
+  EXPECT_EQ(diagnosis.cause, FlightCause::none);
+  EXPECT_EQ(diagnosis.why, "");
+}
+
+// A rate loop of the wrong sign grows with true states, too.
+TEST(Diagnosis, FindsAnUnstableLoop) {
+  PlannedFlight plan = planned("mambo");
+  for (PidLoop& loop : std::get<CascadeController>(plan.setup.controller).gains.loops)
+    if (loop.name == "roll") loop.Kd = -loop.Kd;
+  const Diagnosis diagnosis = diagnosis_of(plan);
+  EXPECT_EQ(diagnosis.cause, FlightCause::unstable_loop) << diagnosis.why;
+  EXPECT_GT(diagnosis.evidence.largest_pole, 1);
+  EXPECT_THAT(diagnosis.why, HasSubstr("the flown loop is unstable"));
+  EXPECT_THAT(diagnosis.next, HasSubstr("quadtune margins mambo --gains gains.json"));
+}
+
+// The flow compensated by a gyroscope that is late: stable with true states only.
+TEST(Diagnosis, FindsALoopThatItsEstimatorDestabilizes) {
+  FlightOptions options;
+  options.vehicle = "mambo";
+  options.controller = "state-feedback";
+  options.estimator = "mambo";
+  options.mission = "step-height";
+  PlannedFlight plan = plan_flight(options, "test");
+  plan.setup.mambo_estimator.aligned_periods = 0;
+  const Diagnosis diagnosis = diagnosis_of(plan);
+  EXPECT_EQ(diagnosis.cause, FlightCause::estimator_loop) << diagnosis.why;
+  EXPECT_TRUE(diagnosis.evidence.passes_with_true_states);
+  EXPECT_THAT(diagnosis.why, HasSubstr("stable with true states"));
+}
+
+// A position loop with a hundredth of its gain does not arrive.
+TEST(Diagnosis, FindsALawThatIsTooSlow) {
+  PlannedFlight plan = planned("mambo", "step-north", 10);
+  for (PidLoop& loop : std::get<CascadeController>(plan.setup.controller).gains.loops)
+    if (loop.name == "x" || loop.name == "y") {
+      loop.Kp *= 0.02;
+      loop.Ki = 0;
+    }
+  const Diagnosis diagnosis = diagnosis_of(plan);
+  EXPECT_EQ(diagnosis.cause, FlightCause::law) << diagnosis.why;
+  EXPECT_THAT(diagnosis.why, HasSubstr("the law alone fails"));
+}
+
+// A tilt limit a little below what the law takes.
+TEST(Diagnosis, FindsLimitsThatAreTight) {
+  PlannedFlight plan = planned("mambo", "step-north", 15);
+  PlannedFlight truth = plan;
+  truth.setup.estimator = EstimatorKind::truth;
+  const double tilt = fly_planned(truth).result.metrics[Metric::tilt_max];
+  plan.setup.mission.limits = {{Metric::tilt_max, 0.9 * tilt}};
+  const Diagnosis diagnosis = diagnosis_of(plan);
+  EXPECT_EQ(diagnosis.cause, FlightCause::mission_limits) << diagnosis.why;
+  EXPECT_THAT(diagnosis.next, HasSubstr("wider [limits]"));
+}
+
+/// Limits that no sensors of this kind can keep, as if nothing had widened them.
+PlannedFlight with_limit(PlannedFlight plan, Metric metric, double most) {
+  plan.setup.mission.limits = {{metric, most}};
+  plan.widened.clear();
+  return plan;
+}
+
+// The Mambo's flow has no noise in its file: what its position lacks is its filter's.
+TEST(Diagnosis, FindsAnEstimatorWorseThanItsSensors) {
+  const Diagnosis diagnosis =
+      diagnosis_of(with_limit(planned("mambo", "hover", 60), Metric::tracking_rms, 1e-3));
+  EXPECT_EQ(diagnosis.cause, FlightCause::estimator) << diagnosis.why;
+  EXPECT_GT(diagnosis.evidence.estimate_rms, diagnosis.evidence.estimate_limit);
+  EXPECT_THAT(diagnosis.why, HasSubstr("the best filter of these sensors"));
+}
+
+TEST(Diagnosis, FindsDriftOfDeadReckoning) {
+  Vehicle vehicle = load_vehicle("mambo");
+  vehicle.sensors.flow->faults.noise.setConstant(0.3);
+  FlightOptions options;
+  options.duration = 60;
+  const PlannedFlight noisy = plan_flight(options, vehicle, "test");
+  const Diagnosis drift = diagnosis_of(with_limit(noisy, Metric::tracking_rms, 0.01));
+  EXPECT_EQ(drift.cause, FlightCause::drift) << drift.why;
+  EXPECT_THAT(drift.next, HasSubstr("[sensors.gps]"));
+}
+
+TEST(Diagnosis, FindsTheSensorsThemselves) {
+  const Diagnosis diagnosis =
+      diagnosis_of(with_limit(planned("uquad", "hover", 60), Metric::tracking_rms, 0.05));
+  EXPECT_EQ(diagnosis.cause, FlightCause::sensors) << diagnosis.why;
+  EXPECT_NEAR(diagnosis.evidence.bound_rms, 0.32, 0.02);
+  EXPECT_THAT(diagnosis.why, HasSubstr("the best filter of these sensors"));
+}
+
+// A tilt that no error of the position explains.
+TEST(Diagnosis, FindsALawThatFollowsItsNoise) {
+  PlannedFlight plan = planned("uquad", "hover", 60);
+  PlannedFlight truth = plan;
+  truth.setup.estimator = EstimatorKind::truth;
+  const double quiet = fly_planned(truth).result.metrics[Metric::tilt_max];
+  const Diagnosis diagnosis =
+      diagnosis_of(with_limit(plan, Metric::tilt_max, std::max(1.2 * quiet, 0.02)));
+  EXPECT_EQ(diagnosis.cause, FlightCause::noise) << diagnosis.why;
+}
+
+}  // namespace
+}  // namespace quadtune
