@@ -14,6 +14,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/read_gains.hpp"
+#include "quadtune/exports/schedule_table.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
@@ -297,6 +298,11 @@ class PlanMaker {
       entry["gains"] = name;
       entry["dt_s"] = feedback.dt;
       files_.push_back({name, gains_json_text(content)});
+      if (feedback.schedule) {
+        const std::string table = fmt::format("schedule-{}.json", design.name);
+        entry["schedule"] = table;
+        files_.push_back({table, schedule_text(*feedback.schedule, TableFormat::json)});
+      }
     }
     json["designs"].push_back(std::move(entry));
   }
@@ -377,6 +383,10 @@ CampaignPlan plan_of(const Json& json, const std::filesystem::path& folder,
     law.words = member(design, "law", where).get<std::string>();
     if (design.contains("cascade"))
       law.controller = cascade_of(design["cascade"], where);
+    else if (design.contains("schedule"))
+      law.controller = scheduled_controller(
+          vehicle, read_schedule(folder / design["schedule"].get<std::string>()),
+          member(design, "dt_s", where).get<double>());
     else
       law.controller = feedback_controller(
           read_gains(folder / member(design, "gains", where).get<std::string>()),

@@ -89,8 +89,10 @@ std::vector<GainTable> gains_of(const Controller& controller) {
   if (const auto* feedback = std::get_if<StateFeedbackController>(&controller)) {
     const Gains& gains = feedback->gains;
     const auto rows = names_or_numbers(gains.inputs, gains.K.rows());
-    std::vector<GainTable> tables = {{"K, on the states of convention " + gains.convention, rows,
-                                      names_or_numbers(gains.states, gains.K.cols()), gains.K}};
+    const std::string where = feedback->schedule ? " at hover, by a schedule elsewhere" : "";
+    std::vector<GainTable> tables = {
+        {"K" + where + ", on the states of convention " + gains.convention, rows,
+         names_or_numbers(gains.states, gains.K.cols()), gains.K}};
     if (gains.K_int.cols() > 0)
       tables.push_back({"K_int, on their integrals", rows,
                         names_or_numbers(gains.integrals, gains.K_int.cols()), gains.K_int});

@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
+#include <string>
+#include <system_error>
+
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/matrix_checks.hpp"
@@ -96,6 +100,18 @@ GainSchedule parse_schedule(const std::string& text, const std::string& origin,
                             TableFormat format) {
   return format == TableFormat::toml ? exports::parse_schedule_toml(text, origin)
                                      : exports::parse_schedule_json(text, origin);
+}
+
+bool is_schedule(const std::filesystem::path& path) {
+  constexpr std::streamsize kHead = 4096;  // the format is the first key that is written
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(path, unknown)) return false;  // a pipe is read once
+  std::string head(static_cast<std::size_t>(kHead), '\0');
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return false;
+  file.read(head.data(), kHead);
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  return head.find(fmt::format("\"{}\"", exports::kScheduleFormat)) != std::string::npos;
 }
 
 GainSchedule read_schedule(const std::filesystem::path& path) {

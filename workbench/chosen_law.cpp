@@ -5,8 +5,12 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
+#include <utility>
 
+#include "quadtune/control/scheduled_feedback.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/exports/schedule_table.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/flown_gains.hpp"
@@ -120,7 +124,24 @@ bool flies_cascade(const GivenLaws& given, const FlightOptions& options) {
   return cascade;
 }
 
+ChosenLaw law_of_schedule(const FlightOptions& options, const Vehicle& vehicle) {
+  if (options.controller == kCascadedPid)
+    throw InvalidInput(options.gains,
+                       "is a gain schedule of a state feedback and no PID cascade, expected one");
+  GainSchedule schedule = read_schedule(options.gains);
+  require_vehicle({schedule.vehicle, {}, {}}, vehicle, options.gains);
+  const Eigen::Index points = schedule.size();
+  try {
+    return {scheduled_controller(vehicle, std::move(schedule), kUsualPeriod),
+            fmt::format("gain schedule of {}, {} points", options.gains, points),
+            {}};
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(options.gains, error.what());
+  }
+}
+
 ChosenLaw law_of_file(const FlightOptions& options, const Vehicle& vehicle) {
+  if (is_schedule(options.gains)) return law_of_schedule(options, vehicle);
   const GivenLaws given = read_given_laws(options.gains);
   require_vehicle(given.laws, vehicle, options.gains);
   if (!flies_cascade(given, options))
@@ -199,6 +220,15 @@ StateFeedbackController feedback_controller(const Gains& gains, double dt) {
   if (gains.convention == "ned")
     for (const Signal& integral : gains.integrals)
       controller.guards.push_back({integral.name, kInfinity, kNear * controller.dt, kInfinity});
+  return controller;
+}
+
+StateFeedbackController scheduled_controller(const Vehicle& vehicle, GainSchedule schedule,
+                                             double dt) {
+  Gains gains = hover_gains(schedule);
+  keep_near_hover(vehicle, gains);
+  StateFeedbackController controller = feedback_controller(gains, dt);
+  controller.schedule = std::make_shared<const GainSchedule>(std::move(schedule));
   return controller;
 }
 

@@ -7,6 +7,7 @@
 #include "quadtune/convention.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/read_gains.hpp"
+#include "quadtune/exports/schedule_table.hpp"
 
 namespace quadtune {
 namespace {
@@ -36,9 +37,18 @@ Gains published_gains(const Design& design, const std::string& path) {
   return gains;
 }
 
+/// A schedule is flown as it is; every other use is of one law.
+void refuse_schedule(const std::string& path) {
+  if (is_schedule(path))
+    throw InvalidInput(path,
+                       "is a gain schedule, expected the gains of one law; `quadtune fly --gains` "
+                       "and campaigns fly it");
+}
+
 }  // namespace
 
 GivenLaws read_given_laws(const std::string& path) {
+  refuse_schedule(path);
   GivenLaws given;
   if (!path.ends_with(".toml")) {
     given.laws = read_laws(path);
@@ -60,6 +70,7 @@ void require_vehicle(const StoredLaws& laws, const Vehicle& vehicle, const std::
 }
 
 GivenGains read_given_gains(const std::string& path) {
+  refuse_schedule(path);
   if (!path.ends_with(".toml")) return {read_gains(path), {}};
   const Design design = load_design(path);
   if (design.published) return {published_gains(design, path), design};

@@ -55,9 +55,21 @@ const std::vector<IntegralGuard>& uquad_integral_guards() {
   return guards;
 }
 
-StateFeedbackSettings<double> state_feedback_settings(const Vehicle& vehicle, const Gains& gains,
-                                                      double dt,
-                                                      const std::vector<IntegralGuard>& guards) {
+void FeedbackWords::set_gain(const Eigen::MatrixXd& K, const Eigen::MatrixXd& K_int,
+                             StateFeedbackSettings<double>& settings) const {
+  const Eigen::Index nu = inputs.rows();
+  settings.K.topLeftCorner(nu, 12) = law * inputs * K * states;
+  settings.K_int.topLeftCorner(nu, integrals.size()) =
+      law * inputs * K_int * integrals.asDiagonal();
+}
+
+void FeedbackWords::set_trim(const Eigen::VectorXd& x0, const Eigen::VectorXd& u0,
+                             StateFeedbackSettings<double>& settings) const {
+  settings.x0 = states.transpose() * x0;
+  settings.u0.head(inputs.rows()) = inputs * u0;
+}
+
+FeedbackWords feedback_words(const Vehicle& vehicle, const Gains& gains) {
   validate(gains, "gains");
   const Convention& words = convention(gains.convention, "gains");
   const int rotors = static_cast<int>(vehicle.rotors.size());
@@ -72,41 +84,48 @@ StateFeedbackSettings<double> state_feedback_settings(const Vehicle& vehicle, co
     throw InvalidInput("gains", fmt::format("K has {} rows, expected {}, one for each input of "
                                             "'{}'",
                                             gains.K.rows(), inputs, vehicle.name));
+  FeedbackWords result;
+  // A signed permutation, so its inverse is its transpose.
+  result.inputs = input_from_ned(words, gains.input_kind, rotors).transpose();
+  result.law = gains.sign_law == SignLaw::set_point_minus_state ? 1 : -1;
+  result.states.resize(std::ssize(gains.states), 12);
+  for (std::size_t j = 0; j < gains.states.size(); ++j)
+    result.states.row(static_cast<Eigen::Index>(j)) =
+        words.from_ned.row(index_in(words.states, gains.states[j].name));
+  result.integrals.resize(std::ssize(gains.integrals));
+  for (std::size_t j = 0; j < gains.integrals.size(); ++j) {
+    const Eigen::Index row = index_in(words.states, gains.integrals[j].name);
+    result.integrals(static_cast<Eigen::Index>(j)) = words.from_ned.row(row).sum();
+  }
+  return result;
+}
+
+StateFeedbackSettings<double> state_feedback_settings(const Vehicle& vehicle, const Gains& gains,
+                                                      double dt,
+                                                      const std::vector<IntegralGuard>& guards) {
+  const FeedbackWords words = feedback_words(vehicle, gains);
   if (gains.dt > 0 && std::abs(gains.dt - dt) > 1e-9 * dt)
     throw InvalidInput("gains", fmt::format("their sample period is {} s, expected {} s, at which "
                                             "the law shall run",
                                             gains.dt, dt));
   StateFeedbackSettings<double> settings;
   settings.input_kind = gains.input_kind;
-  settings.inputs = inputs;
-  // u_ned = W u: a signed permutation, so its inverse is its transpose.
-  const Eigen::MatrixXd W = input_from_ned(words, gains.input_kind, rotors).transpose();
-  const double law = gains.sign_law == SignLaw::set_point_minus_state ? 1 : -1;
-  const Eigen::MatrixXd K = law * W * gains.K;
-  const Eigen::MatrixXd K_int = law * W * gains.K_int;
-  for (std::size_t j = 0; j < gains.states.size(); ++j) {
-    const Eigen::Index row = index_in(words.states, gains.states[j].name);
-    settings.K.topLeftCorner(inputs, 12) +=
-        K.col(static_cast<Eigen::Index>(j)) * words.from_ned.row(row);
-    settings.x0 += words.from_ned.row(row).transpose() * gains.x0(static_cast<Eigen::Index>(j));
-  }
+  settings.inputs = static_cast<int>(gains.K.rows());
   settings.integrals = static_cast<int>(gains.integrals.size());
+  words.set_gain(gains.K, gains.K_int, settings);
+  words.set_trim(gains.x0, gains.u0, settings);
+  const Convention& of = convention(gains.convention, "gains");
   for (std::size_t j = 0; j < gains.integrals.size(); ++j) {
     const std::string& name = gains.integrals[j].name;
-    const Eigen::Index row = index_in(words.states, name);
     Eigen::Index state = 0;
-    words.from_ned.row(row).cwiseAbs().maxCoeff(&state);
-    const double sign = words.from_ned(row, state);
+    of.from_ned.row(index_in(of.states, name)).cwiseAbs().maxCoeff(&state);
     settings.integrated[j] = static_cast<int>(state);
-    settings.K_int.col(static_cast<Eigen::Index>(j)).head(inputs) =
-        sign * K_int.col(static_cast<Eigen::Index>(j));
     settings.guards[j] = guard_of(name, dt, guards);
   }
-  settings.u0.head(inputs) = W * gains.u0;
   settings.axes = gains.axes;
   settings.position_error_limit = gains.limits.position_error;
   settings.conditional_integration = gains.limits.conditional_integration;
-  if (gains.memory) remember(*gains.memory, W, dt, settings);
+  if (gains.memory) remember(*gains.memory, words.inputs, dt, settings);
   return settings;
 }
 

@@ -18,6 +18,7 @@
 #include "quadtune/control/allocation.hpp"
 #include "quadtune/control/cascaded_pid.hpp"
 #include "quadtune/control/limited_allocation.hpp"
+#include "quadtune/control/scheduled_feedback.hpp"
 #include "quadtune/control/state_feedback_law.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/general_filter.hpp"
@@ -93,6 +94,7 @@ class ClosedLoop {
   void command(std::uint64_t index, double t);
   void command_by_cascade();
   void command_by_feedback();
+  void follow_schedule(Reference<P>& reference);
   [[nodiscard]] Eigen::Matrix<P, kMaxRotors, 1> inputs_of_speeds() const;
   [[nodiscard]] RotorSpeeds<P> believed_thrusts() const;
   void watch(double t);
@@ -169,6 +171,7 @@ class ClosedLoop {
   CascadedPidState<P> cascade_;
   StateFeedbackSettings<P> feedback_settings_;
   StateFeedbackState<P> feedback_;
+  std::vector<ScheduledFeedback> schedules_;  ///< one a lane, or none
   Allocation<P> allocation_;
   ThrustLimits<P> limits_;
   MotorStage<N> motors_;

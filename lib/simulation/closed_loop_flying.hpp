@@ -336,10 +336,34 @@ void ClosedLoop<N, R>::command_by_cascade() {
   carried_out(cascade_settings_, cascade_, wrench_, made_);
 }
 
+/// Gains and trims of this period; the trim has the part of the reference's velocity that it knows.
+template <int N, int R>
+void ClosedLoop<N, R>::follow_schedule(Reference<P>& reference) {
+  for (int l = 0; l < N; ++l) {
+    const auto k = static_cast<std::size_t>(l);
+    Estimate<double> estimate;
+    for (int i = 0; i < 12; ++i) estimate.x(i) = lane(estimate_.x(i), l);
+    StateFeedbackSettings<double> now;
+    schedules_[k].set(estimate, references_[k], now);
+    const Vector3<double> left =
+        references_[k].velocity - schedules_[k].trim_velocity(references_[k].yaw);
+    for (int i = 0; i < 3; ++i) set_lane(reference.velocity(i), l, left(i));
+    StateFeedbackSettings<P>& law = feedback_settings_;
+    for (int j = 0; j < 12; ++j) set_lane(law.x0(j), l, now.x0(j));
+    for (int i = 0; i < law.inputs; ++i) {
+      set_lane(law.u0(i), l, now.u0(i));
+      for (int j = 0; j < 12; ++j) set_lane(law.K(i, j), l, now.K(i, j));
+      for (int j = 0; j < law.integrals; ++j) set_lane(law.K_int(i, j), l, now.K_int(i, j));
+    }
+  }
+}
+
 template <int N, int R>
 void ClosedLoop<N, R>::command_by_feedback() {
+  Reference<P> reference = reference_;
+  if (!schedules_.empty()) follow_schedule(reference);
   const Eigen::Matrix<P, kMaxRotors, 1> u =
-      step(feedback_settings_, feedback_, estimate_, reference_);
+      step(feedback_settings_, feedback_, estimate_, reference);
   const InputKind kind = feedback_settings_.input_kind;
   const auto curve_speed = [&](Eigen::Index i) {
     const auto k = static_cast<std::size_t>(i);

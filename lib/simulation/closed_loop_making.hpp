@@ -203,6 +203,10 @@ void ClosedLoop<N, R>::make_law() {
       gather(law.guards[j].integral_limit,
              [&](const auto& s) { return s.guards[j].integral_limit; });
     }
+    for (const FlightSetup* setup : setups_) {
+      const auto& c = std::get<StateFeedbackController>(setup->controller);
+      if (c.schedule) schedules_.emplace_back(setup->vehicle, c.schedule, c.dt);
+    }
   }
   const auto allocations =
       each<Allocation<double>>(setups_, [](const FlightSetup& s) { return allocation(s.vehicle); });

@@ -10,6 +10,7 @@
 #include "closed_loop_parts.hpp"
 #include "quadtune/control/allocation.hpp"
 #include "quadtune/control/cascaded_pid.hpp"
+#include "quadtune/control/scheduled_feedback.hpp"
 #include "quadtune/control/state_feedback_law.hpp"
 #include "quadtune/delay_limit.hpp"
 #include "quadtune/errors.hpp"
@@ -194,6 +195,10 @@ bool same_structure(const FlightSetup& a, const FlightSetup& b) {
     return std::tuple(1, static_cast<int>(gains.input_kind), false,
                       gains.limits.conditional_integration, integrated);
   };
+  const auto schedule = [](const FlightSetup& s) -> const GainSchedule* {
+    const auto* feedback = std::get_if<StateFeedbackController>(&s.controller);
+    return feedback ? feedback->schedule.get() : nullptr;
+  };
   // What a pack takes from the first flight must be the same in all.
   const auto believed = [](const Vehicle& v) {
     return std::tie(v.mass, v.inertia, v.gravity, v.air_density, v.drag.cda, v.drag.linear);
@@ -219,12 +224,13 @@ bool same_structure(const FlightSetup& a, const FlightSetup& b) {
     return barometer ? std::pair(std::isfinite(barometer->fall), barometer->ground_pressure)
                      : std::pair(false, 0.0);
   };
-  return a.mission == b.mission && law(a) == law(b) && control_period(a) == control_period(b) &&
-         late(a) == late(b) && !jitters(a) && !jitters(b) && same_rotors &&
-         believed(a.vehicle) == believed(b.vehicle) && air(a) == air(b) &&
-         flown_vehicle(a).gravity == flown_vehicle(b).gravity && duration_of(a) == duration_of(b) &&
-         a.allocation == b.allocation && a.estimator == b.estimator &&
-         a.mambo_estimator == b.mambo_estimator && a.uquad_filter == b.uquad_filter &&
+  return a.mission == b.mission && law(a) == law(b) && schedule(a) == schedule(b) &&
+         control_period(a) == control_period(b) && late(a) == late(b) && !jitters(a) &&
+         !jitters(b) && same_rotors && believed(a.vehicle) == believed(b.vehicle) &&
+         air(a) == air(b) && flown_vehicle(a).gravity == flown_vehicle(b).gravity &&
+         duration_of(a) == duration_of(b) && a.allocation == b.allocation &&
+         a.estimator == b.estimator && a.mambo_estimator == b.mambo_estimator &&
+         a.uquad_filter == b.uquad_filter &&
          (a.estimator != EstimatorKind::general ||
           general_filter_settings(a) == general_filter_settings(b)) &&
          a.real_sensors == b.real_sensors && a.flow == b.flow &&
@@ -309,6 +315,18 @@ void validate(const FlightSetup& setup) {
   } else {
     const auto& feedback = std::get<StateFeedbackController>(setup.controller);
     (void)state_feedback_settings(setup.vehicle, feedback.gains, feedback.dt, feedback.guards);
+    if (feedback.schedule) {
+      const ScheduledFeedback scheduled(setup.vehicle, feedback.schedule, feedback.dt);
+      const Gains hover = hover_gains(*feedback.schedule);
+      const auto kind = [](const Gains& g) {
+        return std::tuple(g.convention, g.input_kind, names(g.states), names(g.inputs),
+                          names(g.integrals));
+      };
+      if (kind(hover) != kind(feedback.gains))
+        throw InvalidInput("flight",
+                           "the gains and their schedule have different states, inputs, integrals "
+                           "or conventions, expected the same, as hover_gains() gives them");
+    }
   }
 }
 

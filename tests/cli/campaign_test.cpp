@@ -103,6 +103,22 @@ TEST_F(Campaign, RunsMergesAndTells) {
   EXPECT_EQ(Json::parse(again.out)["cases"], statistics["cases"]);
 }
 
+TEST_F(Campaign, FliesAGainSchedule) {
+  ASSERT_EQ(run_program({"lqr", "mambo", "--schedule", "speed=0:1:1", "--inputs", "wrench", "--Q",
+                         "4,4,40,2,2,4,2,2,10,0.1,0.1,0.4", "--R", "40,8000,8000,20000", "-o",
+                         path("k.toml")})
+                .status,
+            0);
+  const std::string campaign =
+      write(replaced(kCampaign, "gains = \"published\"", "gains = \"k.toml\""));
+  const ProgramResult result = run_program({"campaign", "run", campaign, path("out")});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("24 of 24 flights pass"));
+  const Json plan = Json::parse(bytes("out/plan.json"));
+  const std::string table = plan["designs"][0]["schedule"].get<std::string>();
+  EXPECT_TRUE(fs::exists(path("out/" + table))) << table;
+}
+
 TEST_F(Campaign, GivesTheSameBytesForAnySplit) {
   ASSERT_EQ(run_program({"campaign", "run", write(), path("one")}).status, 0);
   ASSERT_EQ(

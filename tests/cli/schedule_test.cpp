@@ -115,5 +115,65 @@ TEST(Schedule, WithoutAnySolutionNamesTheCulprit) {
   EXPECT_THAT(result.out, Not(HasSubstr("format_version")));
 }
 
+/// A schedule of the Mambo that flies, from the heading's three wrenches and the thrust.
+std::string write_schedule(const TemporaryDirectory& folder, const std::string& name,
+                           const std::string& grid) {
+  std::string path = (folder.path() / name).string();
+  const ProgramResult result =
+      run_program({"lqr", "mambo", "--schedule", grid, "--inputs", "wrench", "--Q",
+                   "4,4,40,2,2,4,2,2,10,0.1,0.1,0.4", "--R", "40,8000,8000,20000", "-o", path});
+  EXPECT_EQ(result.status, 0) << result.err;
+  return path;
+}
+
+TEST(Schedule, Flies) {
+  const TemporaryDirectory folder;
+  const std::string path =
+      write_schedule(folder, "k.toml", "speed=0:0.25:1, yaw_rate=-0.6:0.3:0.6");
+  const ProgramResult result = run_program({"fly", "mambo", "circle", "--gains", path, "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["passed"], true);
+  EXPECT_THAT(json["law"].get<std::string>(), HasSubstr("gain schedule of "));
+  EXPECT_THAT(json["law"].get<std::string>(), HasSubstr("k.toml, 25 points"));
+}
+
+TEST(Schedule, IsRefusedWhereOneLawIsAsked) {
+  const TemporaryDirectory folder;
+  const std::string path = write_schedule(folder, "k.json", "speed=0:1:1");
+  for (const std::vector<std::string>& args :
+       {std::vector<std::string>{"export", path, "-o", (folder.path() / "out").string()},
+        {"diff", path, path},
+        {"margins", "--gains", path}}) {
+    const ProgramResult result = run_program(args);
+    EXPECT_EQ(result.status, 3) << args[0] << result.err;
+    EXPECT_THAT(result.err, HasSubstr("k.json: is a gain schedule, expected the gains of one law"));
+  }
+  const ProgramResult cascade =
+      run_program({"fly", "mambo", "--gains", path, "--controller", "pid"});
+  EXPECT_EQ(cascade.status, 3);
+  EXPECT_THAT(cascade.err, HasSubstr("is a gain schedule of a state feedback and no PID cascade"));
+  const ProgramResult other = run_program({"fly", "uquad", "--gains", path});
+  EXPECT_EQ(other.status, 3);
+  EXPECT_THAT(other.err, HasSubstr("the gains are for the vehicle 'mambo', expected 'uquad'"));
+}
+
+TEST(Schedule, WithoutAGainWhereTheFlightBeginsIsRefused) {
+  const TemporaryDirectory folder;
+  const std::string path = write_schedule(folder, "k.toml", "speed=0:1:1");
+  std::string text = folder.read("k.toml");
+  const std::string solved = "status = \"solved\"";
+  const std::size_t first = text.find(solved);
+  ASSERT_NE(first, std::string::npos);
+  // The first point without its numbers.
+  const std::size_t end = text.find("[[point]]", first);
+  text.replace(first, end - first, "status = \"no gain\"\nculprit = \"a test\"\n\n");
+  (void)folder.write("k.toml", text);
+  const ProgramResult result = run_program({"fly", "mambo", "--gains", path});
+  EXPECT_EQ(result.status, 3);
+  EXPECT_THAT(result.err, HasSubstr("k.toml: schedule: has no gain at speed 0, where a flight "
+                                    "begins: no gain at speed 0: a test"));
+}
+
 }  // namespace
 }  // namespace quadtune

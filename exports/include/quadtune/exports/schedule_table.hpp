@@ -33,6 +33,10 @@ enum class TableFormat { toml, json };
 /// @throws InvalidInput  as parse_schedule() and table_format().
 [[nodiscard]] GainSchedule read_schedule(const std::filesystem::path& path);
 
+/// Whether a file says of itself that it is such a table; false for a pipe, and for a file that
+/// cannot be read.
+[[nodiscard]] bool is_schedule(const std::filesystem::path& path);
+
 /// Largest table that is read [bytes]; one of 100,000 points of 12 states has about 130 MB.
 inline constexpr std::size_t kScheduleTableLimit = std::size_t{256} << 20;
 

@@ -66,6 +66,24 @@ struct StateFeedbackState {
   Eigen::Matrix<T, Eigen::Dynamic, 1> commands = {};  ///< newest first; empty: none yet
 };
 
+/// How gains of a convention become those of quadtune's own states and inputs.
+struct FeedbackWords {
+  Eigen::MatrixXd inputs;     ///< (nu × nu) u_own = inputs · u: a signed permutation
+  Eigen::MatrixXd states;     ///< (nx × 12) x = states · x_own
+  Eigen::VectorXd integrals;  ///< (ni) sign of each integral
+  double law = 1;             ///< 1, or -1 where the gains act on x - sp
+
+  /// Sets K and K_int of a law from gains of this convention.
+  void set_gain(const Eigen::MatrixXd& K, const Eigen::MatrixXd& K_int,
+                StateFeedbackSettings<double>& settings) const;
+  /// Sets x0 and u0.
+  void set_trim(const Eigen::VectorXd& x0, const Eigen::VectorXd& u0,
+                StateFeedbackSettings<double>& settings) const;
+};
+
+/// @throws InvalidInput  for states that are not the 12, or inputs that are not the vehicle's
+[[nodiscard]] FeedbackWords feedback_words(const Vehicle& vehicle, const Gains& gains);
+
 /// Gains of any convention, sign law and input kind as a law of a vehicle.
 /// @param dt      sample period [s]; that of the gains, or any for continuous gains
 /// @param guards  by name of the convention's state; an integrated state without one is not limited

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -25,6 +26,8 @@
 
 namespace quadtune {
 
+struct GainSchedule;
+
 /// The cascade of PID loops with its limits.
 struct CascadeController {
   CascadeGains gains;
@@ -41,6 +44,9 @@ struct StateFeedbackController {
   Gains gains;
   double dt = 0;  ///< control period [s], > 0; that of the gains if they have one
   std::vector<IntegralGuard> guards;  ///< by state; none: the integral is not limited
+  /// Where there is one, ScheduledFeedback takes K, K_int, x0 and u0 from it in every period;
+  /// `gains` are those with which the flight begins and by which its loop is judged.
+  std::shared_ptr<const GainSchedule> schedule = nullptr;
 };
 
 using Controller = std::variant<CascadeController, StateFeedbackController>;

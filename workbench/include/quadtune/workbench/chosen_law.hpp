@@ -7,6 +7,7 @@
 
 #include "quadtune/design.hpp"
 #include "quadtune/exports/stored_estimator.hpp"
+#include "quadtune/gain_schedule.hpp"
 #include "quadtune/gains.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/simulation/flight.hpp"
@@ -68,5 +69,12 @@ struct ChosenLaw {
 /// A state feedback as it is flown: with the guards of the uquad's program in its convention.
 /// @param dt  control period [s]; that of the gains where they have one
 [[nodiscard]] StateFeedbackController feedback_controller(const Gains& gains, double dt);
+
+/// A gain schedule as it is flown: ScheduledFeedback, with the bounds of keep_near_hover() for its
+/// gains at hover.
+/// @param dt  control period [s]; that of the schedule where it has one
+/// @throws InvalidInput  as hover_gains() and keep_near_hover()
+[[nodiscard]] StateFeedbackController scheduled_controller(const Vehicle& vehicle,
+                                                           GainSchedule schedule, double dt);
 
 }  // namespace quadtune

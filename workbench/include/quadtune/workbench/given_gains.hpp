@@ -20,7 +20,7 @@ struct GivenLaws {
 };
 
 /// Reads what read_laws() reads, or solves the laws of a design file (.toml).
-/// @throws InvalidInput  for another file, or one without a law
+/// @throws InvalidInput  for another file, one without a law, or a gain schedule
 /// @throws NoSolution    for a design that has no solution
 [[nodiscard]] GivenLaws read_given_laws(const std::string& path);
 
@@ -34,7 +34,8 @@ struct GivenGains {
 
 /// Reads what read_gains() reads; of a design file (.toml) [published], or where it has none the
 /// gains that it gives.
-/// @throws InvalidInput  for a design without gains, or with published ones of some inputs only.
+/// @throws InvalidInput  for a design without gains, or with published ones of some inputs only,
+///                       and for a gain schedule.
 [[nodiscard]] GivenGains read_given_gains(const std::string& path);
 
 }  // namespace quadtune
