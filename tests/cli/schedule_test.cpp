@@ -8,6 +8,7 @@
 #include "lqr_schedule.hpp"
 #include "quadtune/exports/schedule_table.hpp"
 #include "run_program.hpp"
+#include "sanitized.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -49,6 +50,7 @@ TEST(Schedule, QuietSaysNothingBeside) {
 }
 
 TEST(Schedule, BytesAreThoseOfAnyNumberOfThreads) {
+  if (testing::kSanitized) GTEST_SKIP() << "a sanitizer learns no more from the second run";
   const std::vector<std::string> args = {"lqr", "uquad", "--schedule", kGrid, "--json"};
   const ProgramResult one =
       run_program({"lqr", "uquad", "--schedule", kGrid, "--json", "--threads", "1"});

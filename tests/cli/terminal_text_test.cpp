@@ -14,6 +14,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/utf8.hpp"
 #include "run_program.hpp"
+#include "sanitized.hpp"
 #include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
@@ -141,6 +142,7 @@ TEST(Folded, WrapsBelowTheTextOfAHeading) {
 
 // Every verb that prints a table, in the narrowest usual terminal.
 TEST(Folded, EveryTableFitsAtEightyColumns) {
+  if (quadtune::testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
   for (const std::vector<std::string>& args : std::vector<std::vector<std::string>>{
            {"lqr", "mambo"},
            {"lqr", "uquad", "--convention", "uquad", "--method", "discrete", "--dt", "0.01"},

@@ -132,6 +132,7 @@ TEST(Design, PositionLoopsKeepTheirPhase) {
 
 TEST(Design, HasTheStandardWeightsOfAnLqr) {
   for (const std::string& name : built_in_vehicles()) {
+    if (testing::kSanitized && name != "mambo") continue;
     DesignRequirements requirements;
     requirements.lqr = usual_lqr(load_vehicle(name));
     requirements.missions = {{.mission = "hover", .sensors = "ideal"}};
@@ -171,6 +172,7 @@ TEST(Design, FliesSeedsAGustAndALoad) {
 }
 
 TEST(Design, TakesACascadeAndFliesIt) {
+  if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
   const Vehicle vehicle = load_vehicle("mambo");
   DesignRequirements requirements;
   requirements.cascade = usual_cascade(vehicle);
