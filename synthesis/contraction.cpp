@@ -187,43 +187,97 @@ double expansion(const Coordinates& z, const Corners& corners) {
   return corner_expansion(z, corners) + size_in(z, corners.R);
 }
 
-/// Turns and stretches the coordinates against the directions that expand: of N = Y M X with the
-/// singular triples (u, σ, v), Y ← (I + E) Y changes σ by σ (uᵀ E u - vᵀ E v). Polyak's step down
-/// f = ½ Σ (σ - target)² over all corners and all σ beyond the target, whose least value is to be
-/// 0.
-/// @param least  the expansion in z; of the result after
-Coordinates improved(Coordinates z, const Corners& corners, double target, double& least) {
-  // Late steps pay even if they fail: the halves of the box begin with their coordinates.
-  constexpr int kSteps = 200;
-  Coordinates best = z;
-  const Index n = z.Y.rows();
-  for (int step = 0; step < kSteps && !(least < 1); ++step) {
-    MatrixXd slope = MatrixXd::Zero(n, n);
-    double f = 0;
-    double most = 0;
-    for (const MatrixXd& N : seen_in(z, corners)) {
-      const MatrixXd square = N.transpose() * N;
-      if (!square.allFinite()) return best;
-      const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(square);
-      for (Index k = 0; k < n; ++k) {
-        const double sigma = std::sqrt(std::max(0.0, eigen.eigenvalues()(k)));
-        most = std::max(most, sigma);
-        if (!(sigma > target)) continue;
-        const VectorXd v = eigen.eigenvectors().col(k);
-        const VectorXd u = N * v / sigma;
-        f += 0.5 * (sigma - target) * (sigma - target);
-        slope += (sigma - target) * sigma * (u * u.transpose() - v * v.transpose());
-      }
+/// A singular value σ of N = Y M X beyond a target, with its vectors. Y ← (I + E) Y changes it by
+/// ⟨E, J⟩ = Σ E_ij J_ij with J = σ (u uᵀ - v vᵀ).
+struct Excess {
+  double sigma = 0;
+  VectorXd u;
+  VectorXd v;
+};
+
+/// ⟨J_a, J_b⟩
+double inner(const Excess& a, const Excess& b) {
+  const double uu = a.u.dot(b.u), uv = a.u.dot(b.v), vu = a.v.dot(b.u), vv = a.v.dot(b.v);
+  return a.sigma * b.sigma * (uu * uu - uv * uv - vu * vu + vv * vv);
+}
+
+/// Those of all corners, at most kMostExcesses, the largest.
+/// @param most  the largest singular value of all
+/// @return      none where a corner is not finite
+std::optional<std::vector<Excess>> excesses(const Coordinates& z, const Corners& corners,
+                                            double target, double& most) {
+  constexpr std::size_t kMostExcesses = 256;  // an equation for each has to be solved
+  std::vector<Excess> all;
+  most = 0;
+  for (const MatrixXd& N : seen_in(z, corners)) {
+    const MatrixXd square = N.transpose() * N;
+    if (!square.allFinite()) return std::nullopt;
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(square);
+    for (Index k = square.rows() - 1; k >= 0; --k) {
+      const double sigma = std::sqrt(std::max(0.0, eigen.eigenvalues()(k)));
+      most = std::max(most, sigma);
+      if (!(sigma > target)) break;
+      const VectorXd v = eigen.eigenvectors().col(k);
+      all.push_back({sigma, N * v / sigma, v});
     }
-    most += size_in(z, corners.R);
-    if (most < least) {
-      least = most;
+  }
+  if (all.size() > kMostExcesses) {
+    std::nth_element(all.begin(), all.begin() + kMostExcesses, all.end(),
+                     [](const Excess& a, const Excess& b) { return a.sigma > b.sigma; });
+    all.resize(kMostExcesses);
+  }
+  return all;
+}
+
+/// The smallest E, in the Frobenius norm, for which all of these would be the target if they were
+/// linear in E: E = -Σ w_i J_i with (⟨J_i, J_j⟩ + λ δ_ij) w = σ - target.
+MatrixXd step_towards(double target, const std::vector<Excess>& excesses) {
+  constexpr double kDamping = 1e-3;  // of the mean of ⟨J_i, J_i⟩
+  const Index count = std::ssize(excesses);
+  const Index n = excesses.front().u.size();
+  MatrixXd gram(count, count);
+  VectorXd by(count);
+  for (Index i = 0; i < count; ++i) {
+    const Excess& one = excesses[static_cast<std::size_t>(i)];
+    by(i) = one.sigma - target;
+    for (Index j = 0; j <= i; ++j)
+      gram(i, j) = gram(j, i) = inner(one, excesses[static_cast<std::size_t>(j)]);
+  }
+  const double damping = kDamping * gram.diagonal().mean() + std::numeric_limits<double>::min();
+  gram.diagonal().array() += damping;
+  const VectorXd w = gram.llt().solve(by);
+  MatrixXd E = MatrixXd::Zero(n, n);
+  for (Index i = 0; i < count; ++i) {
+    const Excess& one = excesses[static_cast<std::size_t>(i)];
+    E -= w(i) * one.sigma * (one.u * one.u.transpose() - one.v * one.v.transpose());
+  }
+  return E;
+}
+
+/// Turns and stretches the coordinates until no corner expands, by the Gauss-Newton method with a
+/// little damping on the singular values beyond a target. The target lies half way between the
+/// spectral radius of the middle, below which no coordinates lead, and what is enough for a proof.
+/// @param least  the expansion in z; of the result after
+Coordinates improved(Coordinates z, const Corners& corners, double radius, double& least) {
+  constexpr int kSteps = 60;
+  constexpr double kLongest = 0.4;  // of a step: I + E stays regular
+  Coordinates best = z;
+  for (int step = 0; step < kSteps && !(least < 1); ++step) {
+    const double bend = size_in(z, corners.R);
+    const double target = std::max(radius, 0.5 * (radius + 1 - bend));
+    double most = 0;
+    const std::optional<std::vector<Excess>> beyond = excesses(z, corners, target, most);
+    if (!beyond) break;
+    if (most + bend < least) {
+      least = most + bend;
       best = z;
     }
-    const double size = slope.norm();
+    if (least < 1 || beyond->empty()) break;
+    const MatrixXd E = step_towards(target, *beyond);
+    const double size = E.norm();
     if (!(size > 0) || !std::isfinite(size)) break;
     const MatrixXd turn =
-        MatrixXd::Identity(n, n) - std::min(1.5 * f / (size * size), 0.4 / size) * slope;
+        MatrixXd::Identity(E.rows(), E.cols()) + std::min(1.0, kLongest / size) * E;
     z.Y = (turn * z.Y).eval();
     z.X = (z.X * turn.inverse()).eval();
   }
@@ -235,7 +289,6 @@ Coordinates improved(Coordinates z, const Corners& corners, double target, doubl
 /// @param least  the expansion in the coordinates of `start`, infinite where there are none
 std::optional<Coordinates> chosen(const MatrixXd& middle, const Modes& modes,
                                   const Corners& corners, const Coordinates* start, double least) {
-  constexpr double kHopeless = 1.3;  // the box is too large for a step or two
   std::optional<Coordinates> best;
   if (start != nullptr) best = *start;
   for (const double share : {0.0, 0.3, 1.0, 3.0}) {
@@ -247,7 +300,7 @@ std::optional<Coordinates> chosen(const MatrixXd& middle, const Modes& modes,
     best = std::move(z);
     if (least < 1) return best;
   }
-  if (best && least < kHopeless) best = improved(*best, corners, modes.radius, least);
+  if (best && std::isfinite(least)) best = improved(*best, corners, modes.radius, least);
   return best;
 }
 

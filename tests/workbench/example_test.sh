@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# example_test.sh PROGRAM SOURCE [short]: what the example prints, and how it ends; for one vehicle
+# example_test.sh PROGRAM SOURCE all|short: what the example prints, and how it ends; for one vehicle
 # or for several.
 set -uo pipefail
 program=$1
@@ -21,7 +21,7 @@ expect() {
 }
 
 expect 0 '^hover, real sensors, estimator general: pass$'
-if [ "${3:-}" != short ]; then
+if [ "$3" != short ]; then
   expect 0 '^  T: gain margin .* dB, phase margin .* deg, delay margin .* ms$' rolling-spider
   expect 0 '^crazyflie: largest [|]z[|] 0[.]99' "$source/vehicles/crazyflie.toml"
   # Its hover is judged by what satellite fixes of half a metre allow; a gust and a load come after it.

@@ -63,7 +63,7 @@ struct WorstCase {
 /// How hard the search and the proofs try.
 struct RobustnessOptions {
   StabilityProofOptions proof;  ///< of the box as it is
-  int bracket_boxes = 2000;     ///< of each of the proofs of scaled boxes
+  int bracket_boxes = 1000;     ///< of each of the proofs of scaled boxes
   double tolerance = 0.02;  ///< the bracket is left alone when narrower than this share, in (0, 1)
   std::uint64_t seed = 1;   ///< of the points that the search draws
 };
