@@ -53,7 +53,7 @@ const FileKind kCampaignFolder = {"a campaign's folder",
 const FileKind kRequirements = {"a file of requirements",
                                 {"tune pid --requirements", "tune lqr --requirements"}};
 const FileKind kFilterModel = {"a filter model", {"tune kalman --model"}};
-const FileKind kSchedule = {"a gain schedule, for the library's read_schedule()", {}};
+const FileKind kSchedule = {"a gain schedule", {"fly --gains", "compare", "compare --gains"}};
 const FileKind kLog = {"a flight log",
                        {"log", "tune kalman --log", "calibrate imu --log", "allan --log"}};
 const FileKind kCalibration = {"a calibration of sensors", {"calibrate imu --base"}};

@@ -15,10 +15,10 @@ void add_flight_options(CLI::App& app, FlightOptions& options) {
          "--controller", options.controller,
          "cascaded-pid (or pid), state-feedback (or lqr); what --gains holds, or cascaded-pid")
       ->type_name("KIND");
-  app.add_option(
-         "--gains", options.gains,
-         "designed (default), published, a design file, an export, or what lqr or pid wrote "
-         "as JSON")
+  app.add_option("--gains", options.gains,
+                 "designed (default), published, a design file, an export, a gain schedule, or "
+                 "what lqr or pid "
+                 "wrote as JSON")
       ->type_name("WHICH");
   app.add_option("--integrator", options.integrator,
                  "of the PID: euler (default), backward-euler or tustin")

@@ -113,7 +113,8 @@ TEST_F(Campaign, FliesAGainSchedule) {
       write(replaced(kCampaign, "gains = \"published\"", "gains = \"k.toml\""));
   const ProgramResult result = run_program({"campaign", "run", campaign, path("out")});
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("24 of 24 flights pass"));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("gain schedule of "), HasSubstr("k.toml, 2 points"),
+                                HasSubstr("        24  completed")));
   const Json plan = Json::parse(bytes("out/plan.json"));
   const std::string table = plan["designs"][0]["schedule"].get<std::string>();
   EXPECT_TRUE(fs::exists(path("out/" + table))) << table;

@@ -112,8 +112,8 @@ TEST(Fly, HoldsTheMamboToCentimetresWithItsRealSensors) {
 TEST(Fly, FliesEveryBuiltInMission) {
   for (const std::string& mission : built_in_missions()) {
     // Steps and paths are flown by other tests too.
-    const bool special = mission == "keys" || mission == "motor-test" ||
-                         mission == "waypoints" || mission == "lemniscate-carried";
+    const bool special = mission == "keys" || mission == "motor-test" || mission == "waypoints" ||
+                         mission == "lemniscate-carried";
     if (testing::kSanitized && !special) continue;
     const Json flight = flown({"fly", "mambo", "--gains", "published", "--mission", mission,
                                "--sensors", "ideal", "--estimator", "truth"});

@@ -325,7 +325,8 @@ TEST_F(WrittenFiles, FilesInWrongPlacesAreNamed) {
       {{"fly", "mambo", "--gains", model},
        "this is a filter model; it is read by: quadtune tune "
        "kalman --model"},
-      {{"fly", "mambo", "--gains", schedule}, "this is a gain schedule"},
+      {{"margins", "mambo", "--gains", schedule},
+       "this is a gain schedule; it is read by: quadtune fly --gains"},
       {{"fly", "mambo", "--gains", flown}, "this is a flight log; it is read by: quadtune log"},
       {{"verify", text}, "is no directory, expected that of an export"},
       {{"verify", path("lqr.json")},
