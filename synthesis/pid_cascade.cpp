@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "eigenvalues.hpp"
 #include "quadtune/control/cascade_law.hpp"
 #include "quadtune/discretize/delay.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/in_parallel.hpp"
 
 namespace quadtune {
 namespace {
@@ -41,10 +43,11 @@ constexpr std::array<AxisFacts, kCascadeAxes> kAxes = {{
     {CascadeAxis::altitude, 2, 8, 0, {}},
 }};
 
-/// From the inside out.
+/// From the inside out: the last two are around others, the first are not.
 constexpr std::array<CascadeAxis, kCascadeAxes> kDesignOrder = {
     CascadeAxis::roll,     CascadeAxis::pitch, CascadeAxis::yaw,
     CascadeAxis::altitude, CascadeAxis::y,     CascadeAxis::x};
+constexpr std::size_t kInnerAxes = 4;
 
 const AxisFacts& facts(CascadeAxis axis) { return kAxes[index_of(axis)]; }
 
@@ -246,6 +249,29 @@ void add_published(const Hover& hover, const CascadeGains& published, PidMethod 
   loop.published_evidence = given->evidence;
 }
 
+/// @param inner  the loop inside; nullptr for an inner loop
+CascadeAxisDesign design_axis(const Hover& hover, const CascadeVehicle& vehicle,
+                              const CascadeSpecification& specification, CascadeAxis axis,
+                              const CascadeLoopDesign* inner) {
+  // The hold of a sample costs nine degrees at a twentieth of the sample rate.
+  const double by_clock = 2 * std::numbers::pi / specification.dt / 20;
+  constexpr double kSeparation = 3;
+  CascadeAxisDesign loop;
+  loop.axis = axis;
+  if (vehicle.published) add_published(hover, *vehicle.published, specification.method, loop);
+  const bool measured = loop.published && specification.use_published;
+  loop.bounds = bounds_of(specification.requirements[index_of(axis)],
+                          inner ? inner->evidence.bandwidth / kSeparation : by_clock,
+                          greatest_gain(axis, vehicle.authority),
+                          measured ? &loop.published_evidence : nullptr);
+  loop.design = design_cascade_loop(hover.plant(axis, inner ? inner->gains : PidGains{}),
+                                    loop.bounds, specification.method);
+  if (std::isinf(loop.bounds.rate_noise_max))  // not held to what is published
+    std::replace(loop.design.binding.begin(), loop.design.binding.end(), std::string("value noise"),
+                 std::string("authority"));
+  return loop;
+}
+
 /// Poles of all loops together.
 Eigen::VectorXcd poles_of(const PidCascade& cascade, PidMethod method) {
   return internal::eigenvalues(closed_loop(cascade.plant, cascade_law(cascade.gains, method)).A);
@@ -307,34 +333,28 @@ PidCascade pid_cascade(const CascadeVehicle& vehicle, const CascadeSpecification
   PidCascade cascade;
   cascade.plant = hover.whole();
   note_coupling(vehicle.hover, cascade.notes);
-  // The hold of a sample costs nine degrees at a twentieth of the sample rate.
-  const double by_clock = 2 * std::numbers::pi / specification.dt / 20;
-  constexpr double kSeparation = 3;
-  std::array<CascadeLoopDesign, kCascadeAxes> designed;
-  for (const CascadeAxis axis : kDesignOrder) {
-    const std::optional<CascadeAxis> inside = facts(axis).inside;
-    CascadeAxisDesign loop;
-    loop.axis = axis;
-    if (vehicle.published) add_published(hover, *vehicle.published, specification.method, loop);
-    const bool measured = loop.published && specification.use_published;
-    const double fastest =
-        inside ? designed[index_of(*inside)].evidence.bandwidth / kSeparation : by_clock;
-    loop.bounds = bounds_of(specification.requirements[index_of(axis)], fastest,
-                            greatest_gain(axis, vehicle.authority),
-                            measured ? &loop.published_evidence : nullptr);
-    const PidGains inner = inside ? designed[index_of(*inside)].gains : PidGains{};
-    loop.design = design_cascade_loop(hover.plant(axis, inner), loop.bounds, specification.method);
-    if (std::isinf(loop.bounds.rate_noise_max))  // not held to what is published
-      std::replace(loop.design.binding.begin(), loop.design.binding.end(),
-                   std::string("value noise"), std::string("authority"));
-    designed[index_of(axis)] = loop.design;
-    cascade.loops.push_back(std::move(loop));
-    if (!designed[index_of(axis)].solved()) return cascade;
+  std::array<CascadeAxisDesign, kCascadeAxes> designed;
+  // Loops that are not around one another are designed at once.
+  for (const auto& [first, count] :
+       {std::pair(std::size_t{0}, kInnerAxes), std::pair(kInnerAxes, kCascadeAxes - kInnerAxes)}) {
+    const auto loop = [&, first = first](std::size_t i) {
+      const CascadeAxis axis = kDesignOrder[first + i];
+      const std::optional<CascadeAxis> inside = facts(axis).inside;
+      designed[index_of(axis)] =
+          design_axis(hover, vehicle, specification, axis,
+                      inside ? &designed[index_of(*inside)].design : nullptr);
+    };
+    internal::in_parallel(count, 0, [&]() -> internal::PartWorker { return loop; }, {});
+    for (std::size_t i = 0; i < count; ++i) {
+      const CascadeAxis axis = kDesignOrder[first + i];
+      cascade.loops.push_back(designed[index_of(axis)]);
+      if (!cascade.loops.back().design.solved()) return cascade;
+    }
   }
   cascade.gains.dt = specification.dt;
   for (const CascadeAxis axis : kAllCascadeAxes)
     cascade.gains.loops.push_back(
-        as_written(axis, designed[index_of(axis)].gains, hover.sign(axis)));
+        as_written(axis, designed[index_of(axis)].design.gains, hover.sign(axis)));
   cascade.poles = poles_of(cascade, specification.method);
   return cascade;
 }
