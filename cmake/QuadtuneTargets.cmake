@@ -105,7 +105,7 @@ function(quadtune_test name)
   target_link_libraries(${target} PRIVATE ${ARG_LINK} quadtune_test_support quadtune_flags)
   # The libraries under test are optimized as always; the tests themselves need not be, and compile
   # in three quarters of the time.
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1> $<$<CONFIG:Debug>:-Og>)
   # UBSan looks for undefined behaviour of what is tested; in the tests' own copies of Eigen's
   # templates it takes a quarter of the time to compile.
   if(QUADTUNE_SANITIZE MATCHES undefined)
