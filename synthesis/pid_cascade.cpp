@@ -344,7 +344,8 @@ PidCascade pid_cascade(const CascadeVehicle& vehicle, const CascadeSpecification
           design_axis(hover, vehicle, specification, axis,
                       inside ? &designed[index_of(*inside)].design : nullptr);
     };
-    internal::in_parallel(count, 0, [&]() -> internal::PartWorker { return loop; }, {});
+    internal::in_parallel(count, internal::thread_count(0),
+                          [&]() -> internal::PartWorker { return loop; }, {});
     for (std::size_t i = 0; i < count; ++i) {
       const CascadeAxis axis = kDesignOrder[first + i];
       cascade.loops.push_back(designed[index_of(axis)]);
