@@ -17,8 +17,7 @@ void add_flight_options(CLI::App& app, FlightOptions& options) {
       ->type_name("KIND");
   app.add_option("--gains", options.gains,
                  "designed (default), published, a design file, an export, a gain schedule, or "
-                 "what lqr or pid "
-                 "wrote as JSON")
+                 "what lqr or pid wrote as JSON")
       ->type_name("WHICH");
   app.add_option("--integrator", options.integrator,
                  "of the PID: euler (default), backward-euler or tustin")

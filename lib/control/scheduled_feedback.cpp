@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quadtune/control/scheduled_feedback.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -35,6 +37,21 @@ Eigen::VectorXd nearest_values(const GainSchedule& schedule, double speed, doubl
   return values;
 }
 
+/// A gain for another mass or another air would fly with the wrong thrust at hover.
+void require_own_vehicle(const GainSchedule& schedule) {
+  constexpr double kRounding = 1e-9;
+  for (const ScheduleAxis& axis : schedule.axes) {
+    const bool ratio =
+        axis.quantity == ScheduleQuantity::mass || axis.quantity == ScheduleQuantity::density;
+    if (ratio && std::abs(nearest(axis, 1) - 1) > kRounding)
+      throw InvalidInput(
+          "schedule",
+          fmt::format("{} is {} to {} of the vehicle's, expected a range that contains "
+                      "1, because the law takes the vehicle to be as its file says",
+                      to_string(axis.quantity), axis.values.front(), axis.values.back()));
+  }
+}
+
 double turn_of_reference(double now, double before, double dt, double greatest) {
   constexpr double kRounding = 1e-6;  // of a difference of two headings, as a share
   const double rate = (now - before) / dt;
@@ -44,6 +61,7 @@ double turn_of_reference(double now, double before, double dt, double greatest) 
 }  // namespace
 
 Gains hover_gains(const GainSchedule& schedule) {
+  require_own_vehicle(schedule);
   const Eigen::VectorXd at = nearest_values(schedule, 0, 0, 0);
   const ScheduledGain found = schedule.at(at);
   if (!found.found())

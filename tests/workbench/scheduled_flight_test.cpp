@@ -196,6 +196,17 @@ TEST_F(ScheduledFeedbackOfCrazyflie, HoldsTheLastGainWhereThereIsNone) {
                   HasSubstr("has no gain at speed 0, yaw_rate 0, where a flight begins: no gain")));
 }
 
+// The thrust at hover would be a tenth too high.
+TEST_F(ScheduledFeedbackOfCrazyflie, IsRefusedForAnotherMass) {
+  const GainSchedule heavy = schedule_of(vehicle_, {{ScheduleQuantity::mass, {1.1, 1.2}}});
+  EXPECT_THAT([&] { (void)hover_gains(heavy); },
+              ThrowsMessage<InvalidInput>(HasSubstr("mass is 1.1 to 1.2 of the vehicle's, expected "
+                                                    "a range that contains 1")));
+  const GainSchedule around = schedule_of(vehicle_, {{ScheduleQuantity::mass, {0.9, 1.2}}});
+  const GainSchedule own = schedule_of(vehicle_, {{ScheduleQuantity::mass, {1}}});
+  EXPECT_NEAR(hover_gains(around).u0(0) / hover_gains(own).u0(0), 1, 1e-9);
+}
+
 TEST(ScheduledFlight, IsThatOfTheSingleLawWhereAllPointsAreAlike) {
   const Vehicle vehicle = load_vehicle("mambo");
   GainSchedule alike = schedule_of(vehicle, {{ScheduleQuantity::speed, {0, 1}}});

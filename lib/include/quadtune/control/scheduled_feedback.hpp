@@ -18,7 +18,8 @@ namespace quadtune {
 /// The gains of a schedule where the vehicle hovers, or at the point of the grid that is nearest to
 /// hover: what a flight begins with. Position counts in heading axes, because the models of a
 /// schedule know one heading only, and integrals stop at the limits of the motors.
-/// @throws InvalidInput  if the schedule has no gain there
+/// @throws InvalidInput  if the schedule has no gain there, or an axis of mass or density that does
+///                       not contain 1, the vehicle's own
 [[nodiscard]] Gains hover_gains(const GainSchedule& schedule);
 
 /// Interpolates gains by the estimated flight and trims by the flight of the reference.
