@@ -40,7 +40,7 @@ Gains published_gains(const Design& design, const std::string& path) {
 /// A schedule is flown as it is; every other use is of one law.
 void refuse_schedule(const std::string& path) {
   if (is_schedule(path))
-    throw InvalidInput(path, "is a gain schedule, expected the gains of one law");
+    throw InvalidInput(path, "holds gains of many flights, expected those of one law");
 }
 
 }  // namespace

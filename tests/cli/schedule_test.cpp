@@ -153,7 +153,9 @@ TEST(Schedule, IsRefusedWhereOneLawIsAsked) {
         {"margins", "mambo", "--gains", path}}) {
     const ProgramResult result = run_program(args);
     EXPECT_EQ(result.status, 3) << args[0] << result.err;
-    EXPECT_THAT(result.err, HasSubstr("k.json: is a gain schedule, expected the gains of one law"));
+    EXPECT_THAT(result.err,
+                HasSubstr("k.json: holds gains of many flights, expected those of one law; this is "
+                          "a gain schedule; it is read by: quadtune fly --gains"));
   }
   const ProgramResult cascade =
       run_program({"fly", "mambo", "--gains", path, "--controller", "pid"});
