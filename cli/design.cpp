@@ -9,6 +9,7 @@
 #include <optional>
 #include <ostream>
 
+#include "design_flights.hpp"
 #include "design_report.hpp"
 #include "flight_story.hpp"
 #include "number_arguments.hpp"
@@ -107,6 +108,8 @@ Verb design_verb() {
                                          interrupted, static_cast<std::uint32_t>(options->seeds));
           outcome.disturbed = fly_disturbed(outcome, context.seed, interrupted);
           for (const std::string& note : outcome.model.notes) context.note("design: note: " + note);
+          for (const std::string& note : notes_of_flights(outcome))
+            context.note("design: note: " + note);
           if (outcome.design.condition.yaw != 0 && outcome.gains)
             context.note("design: note: position is in world axes, so K holds at this yaw only");
           std::vector<WrittenExport> written;

@@ -77,4 +77,13 @@ std::string missions_text(const DesignOutcome& outcome) {
   return text;
 }
 
+std::vector<std::string> notes_of_flights(const DesignOutcome& outcome) {
+  std::vector<std::string> notes;
+  for (const std::vector<FlownFlight>* flights : {&outcome.flights, &outcome.disturbed})
+    for (const FlownFlight& flight : *flights)
+      for (const std::string& note : flight.plan.notes)
+        if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+  return notes;
+}
+
 }  // namespace quadtune::cli

@@ -118,12 +118,18 @@ void loosen(Mission& mission) {
     }
 }
 
-void add_gust(FlightSetup& setup) {
+void add_gust(PlannedFlight& plan) {
+  FlightSetup& setup = plan.setup;
+  if (!feels_wind(setup.vehicle))
+    plan.notes.push_back(
+        fmt::format("the file of '{}' has no drag: the gust does not move it", setup.vehicle.name));
   Gust& gust = setup.environment.wind.gust;
   if (!gust.velocity.isZero(0)) return;  // the mission has its own
   gust.velocity = Eigen::Vector3d(kGustSpeed, kGustSpeed, 0) / std::sqrt(2.0);
   gust.length = kGustLength;
   gust.start = duration_of(setup) / 2;
+  const std::string words = fmt::format("a gust of {:g} m/s", kGustSpeed);
+  plan.wind = plan.wind == "calm" ? words : plan.wind + " and " + words;
 }
 
 void add_load(FlightSetup& setup) {
@@ -165,7 +171,7 @@ std::vector<FlownFlight> fly_disturbed(const DesignOutcome& outcome, std::uint64
       loosen(plan.setup.mission);
       plan.widened.clear();  // of other limits than these
       if (gust)
-        add_gust(plan.setup);
+        add_gust(plan);
       else
         add_load(plan.setup);
       FlownFlight flight = fly_planned(std::move(plan), stop);

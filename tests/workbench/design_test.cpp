@@ -18,6 +18,7 @@
 namespace quadtune {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::same_bits;
@@ -162,6 +163,11 @@ TEST(Design, FliesSeedsAGustAndALoad) {
   const FlownFlight &gust = outcome.disturbed[0], &load = outcome.disturbed[1];
   EXPECT_EQ(gust.variant, "gust");
   EXPECT_NEAR(gust.plan.setup.environment.wind.gust.velocity.norm(), kGustSpeed, 1e-12);
+  EXPECT_EQ(gust.plan.wind, "a gust of 3 m/s");
+  EXPECT_THAT(gust.plan.notes,
+              ElementsAre("the file of 'mambo' has no drag: the gust does not move it"));
+  EXPECT_EQ(load.plan.wind, "calm");
+  EXPECT_THAT(load.plan.notes, IsEmpty());
   EXPECT_EQ(load.variant, "load");
   ASSERT_TRUE(load.plan.setup.flown);
   EXPECT_NEAR(load.plan.setup.flown->mass, 1.1 * vehicle.mass, 1e-12);
