@@ -700,6 +700,39 @@ TEST(GeneralFilter, IsNotPoisonedBySensors) {
   EXPECT_EQ(state.motion.attitude, without.motion.attitude);
 }
 
+// Without a sensor of the heading nothing may be learned of it, however noisy the sensors and
+// however the estimated velocity jumps.
+TEST(GeneralFilter, LearnsNoHeadingFromNoise) {
+  Sensors sensors = typical_sensors();
+  sensors.gps.reset();
+  sensors.magnetometer.reset();
+  GeneralFilterSettings settings = settings_of(sensors);
+  settings.start.yaw = 0.1;
+  settings.start.gyro_bias = 0;
+  settings.gyroscope.walk = 0;
+  const double density = 1e-4;  // the same about every axis: it has no direction
+  settings.gyroscope.density.setConstant(density);
+  State state = general_filter_start(settings, hovering());
+  const Frame rest = resting(hovering());
+  std::mt19937_64 random(21);
+  std::normal_distribution<double> normal;
+  constexpr int kPeriods = 20000;
+  for (int k = 0; k < kPeriods; ++k) {
+    Frame frame = rest;
+    frame.specific_force.value += random_vector(random, 0.5);
+    frame.rates.value += random_vector(random, density / std::sqrt(settings.dt));
+    frame.flow.fresh = k % 2 == 0;
+    frame.flow.value += random_vector(random, 0.1).head<2>();
+    frame.sonar.fresh = frame.pressure.fresh = k % 4 == 0;
+    frame.sonar.value += 0.01 * normal(random);
+    (void)step(settings, state, frame, false);
+  }
+  const double time = kPeriods * settings.dt;
+  // A tilt that is not quite known turns a little of the vertical noise into what flow can see.
+  EXPECT_NEAR(state.P(kErrorTurn + 2, kErrorTurn + 2), 0.1 * 0.1 + density * density * time,
+              1e-3 * density * density * time);
+}
+
 TEST(GeneralFilter, LastsAnHourWithoutPosition) {
   Sensors sensors = typical_sensors();
   sensors.gps.reset();

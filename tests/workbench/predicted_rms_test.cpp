@@ -84,43 +84,107 @@ VectorXd variances(Eigen::MatrixXd values) {
   return values.cwiseAbs2().rowwise().sum() / (static_cast<double>(values.cols()) - 1);
 }
 
-class Predicted : public ::testing::TestWithParam<const char*> {};
+/// The sensors' errors times a factor. The filter is to keep its own numbers.
+void scale_noise(Sensors& sensors, double factor) {
+  const auto scale = [&](SensorFaults& faults) {
+    faults.noise *= factor;
+    faults.bias_walk *= factor;
+    faults.correlated_noise *= factor;
+    faults.quantum *= factor;
+  };
+  for (auto* faults : {&sensors.accelerometer, &sensors.gyroscope, &sensors.magnetometer})
+    if (*faults) scale(**faults);
+  if (sensors.barometer) scale(sensors.barometer->faults);
+  if (sensors.sonar) scale(sensors.sonar->faults);
+  if (sensors.flow) {
+    scale(sensors.flow->faults);
+    sensors.flow->noise_per_height *= factor;
+  }
+  if (sensors.gps) {
+    scale(sensors.gps->position);
+    sensors.gps->velocity_noise *= factor;
+  }
+}
 
-/// What drifts is compared by what it gains in 40 s, the rest as it is, at five instants of the
-/// sample clocks. 400 flights know a standard deviation to 3.5 %.
-TEST_P(Predicted, IsWhatFlightsShow) {
-  if (testing::kSanitized) GTEST_SKIP() << "minutes of flights";
-  PlannedFlight plan = hover_under(without_omitted_errors(GetParam()));
+/// Standard deviations by the prediction and of flights: of what is observed as it is, of what
+/// drifts as it gains in 40 s.
+struct Compared {
+  VectorXd state, error;            ///< predicted
+  VectorXd seen_state, seen_error;  ///< of 800 flights, which know them to 2.5 %
+};
+
+Compared compared(PlannedFlight plan) {
   Mission& mission = plan.setup.mission;
   mission.start.in_air = true;
   mission.start.position = std::get<Hover>(mission.kind).position;
   constexpr double kSettled = 60, kTime = 40;
-  constexpr int kFlights = 80;
-  const PredictedRms predicted = predicted_rms(plan, kTime);
+  constexpr int kFlights = 40, kInstants = 20;
   VectorXd state = VectorXd::Zero(12), gained = state, error = state, error_gained = state;
-  const std::vector<double> instants = {0.13, 0.37, 0.61, 0.79, 0.95};
-  const auto count = static_cast<double>(instants.size());
-  for (std::size_t j = 0; j < instants.size(); ++j) {
-    const int number = static_cast<int>(j) * kFlights;
-    const Seen first = seen_after(plan, number, kFlights, kSettled + instants[j]);
-    const Seen later = seen_after(plan, number, kFlights, kSettled + kTime + instants[j]);
-    state += variances(later.state) / count;
-    gained += variances(later.state - first.state) / count;
-    error += variances(later.error) / count;
-    error_gained += variances(later.error - first.error) / count;
+  for (int j = 0; j < kInstants; ++j) {
+    // Instants in and between the periods of all sensors, over the second of the slowest.
+    const double instant = 0.05 * j + 0.005 * (j % 2);
+    const Seen first = seen_after(plan, j * kFlights, kFlights, kSettled + instant);
+    const Seen later = seen_after(plan, j * kFlights, kFlights, kSettled + kTime + instant);
+    state += variances(later.state) / kInstants;
+    gained += variances(later.state - first.state) / kInstants;
+    error += variances(later.error) / kInstants;
+    error_gained += variances(later.error - first.error) / kInstants;
   }
+  const PredictedRms once = predicted_rms(plan, kTime), twice = predicted_rms(plan, 2 * kTime);
+  Compared result = {once.state, once.error, state.cwiseSqrt(), error.cwiseSqrt()};
+  // A drift D t about which the state sways with a variance s is D t + s from rest, and gains
+  // D t + 2 s between two instants.
+  const auto gain = [](double t, double twice_t) {
+    return std::sqrt(3 * t * t - twice_t * twice_t);
+  };
   const std::vector<Signal> drifts = flown_loop(plan).drifts;
   const std::vector<Signal>& states = ned_convention().states;
   for (Index i = 0; i < 12; ++i) {
-    const Signal& name = states[static_cast<std::size_t>(i)];
-    const bool drift = std::find(drifts.begin(), drifts.end(), name) != drifts.end();
-    EXPECT_NEAR(predicted.state(i) / std::sqrt(drift ? gained(i) : state(i)), 1, 0.1) << name.name;
-    EXPECT_NEAR(predicted.error(i) / std::sqrt(drift ? error_gained(i) : error(i)), 1, 0.1)
-        << name.name;
+    if (std::find(drifts.begin(), drifts.end(), states[static_cast<std::size_t>(i)]) ==
+        drifts.end())
+      continue;
+    result.state(i) = gain(once.state(i), twice.state(i));
+    result.error(i) = gain(once.error(i), twice.error(i));
+    result.seen_state(i) = std::sqrt(gained(i));
+    result.seen_error(i) = std::sqrt(error_gained(i));
+  }
+  return result;
+}
+
+class Predicted : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Predicted, IsWhatFlightsShow) {
+  if (testing::kSanitized) GTEST_SKIP() << "minutes of flights";
+  const std::string vehicle = GetParam();
+  const Compared rms = compared(hover_under(without_omitted_errors(vehicle)));
+  for (Index i = 0; i < 12; ++i) {
+    const std::string& name = ned_convention().states[static_cast<std::size_t>(i)].name;
+    // GPS sways the uquad by 0.03 rad: the product of pitch rate and roll turns it more than all
+    // that a linear model knows of.
+    const bool second_order = vehicle == "uquad" && (name == "yaw" || name == "r");
+    if (!second_order) EXPECT_NEAR(rms.state(i) / rms.seen_state(i), 1, 0.1) << name;
+    EXPECT_NEAR(rms.error(i) / rms.seen_error(i), 1, 0.1) << name;
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Vehicles, Predicted, ::testing::Values("crazyflie", "rolling-spider"));
+INSTANTIATE_TEST_SUITE_P(Vehicles, Predicted,
+                         ::testing::Values("crazyflie", "rolling-spider", "mambo", "uquad"));
+
+/// Of small noise all states, also those that products of others move.
+TEST(PredictedRms, IsThatOfSmallNoise) {
+  if (testing::kSanitized) GTEST_SKIP() << "minutes of flights";
+  const Vehicle vehicle = without_omitted_errors("uquad");
+  PlannedFlight plan = hover_under(vehicle);
+  plan.setup.general_filter = general_filter_settings(plan.setup);
+  plan.setup.flown = vehicle;
+  scale_noise(plan.setup.flown->sensors, 0.2);
+  const Compared rms = compared(plan);
+  for (Index i = 0; i < 12; ++i) {
+    const std::string& name = ned_convention().states[static_cast<std::size_t>(i)].name;
+    EXPECT_NEAR(rms.state(i) / rms.seen_state(i), 1, 0.1) << name;
+    EXPECT_NEAR(rms.error(i) / rms.seen_error(i), 1, 0.1) << name;
+  }
+}
 
 /// Linear: noise of twice the deviation, for the same filter, gives deviations of twice the size.
 TEST(PredictedRms, IsProportionalToTheNoise) {
@@ -130,16 +194,7 @@ TEST(PredictedRms, IsProportionalToTheNoise) {
   PlannedFlight doubled = plan;
   doubled.setup.general_filter = general_filter_settings(plan.setup);
   doubled.setup.flown = vehicle;
-  Sensors& sensors = doubled.setup.flown->sensors;
-  for (SensorFaults* faults :
-       {&*sensors.accelerometer, &*sensors.gyroscope, &*sensors.magnetometer,
-        &sensors.barometer->faults, &sensors.sonar->faults, &sensors.flow->faults}) {
-    faults->noise *= 2;
-    faults->bias_walk *= 2;
-    faults->correlated_noise *= 2;
-    faults->quantum *= 2;
-  }
-  sensors.flow->noise_per_height *= 2;
+  scale_noise(doubled.setup.flown->sensors, 2);
   const PredictedRms once = predicted_rms(plan, 20), twice = predicted_rms(doubled, 20);
   EXPECT_THAT(twice.state, testing::MatrixRelativelyNear(2 * once.state, 1e-9));
   EXPECT_THAT(twice.error, testing::MatrixRelativelyNear(2 * once.error, 1e-9));

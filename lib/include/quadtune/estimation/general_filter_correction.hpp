@@ -225,7 +225,23 @@ template <unsigned groups, class T>
         select(believed, T(correction.errors[i] + K[i] * e), correction.errors[i]);
 }
 
+/// The covariance about a velocity that has changed: velocity gains turn × change, P ← E P Eᵀ.
+template <class T>
+[[gnu::noinline]] void turn_with_velocity(SymmetricMatrix<T, kErrorStates>& P,
+                                          const Vector3<T>& change) {
+  Matrix3<T> cross;                        // cross · turn = turn × change
+  cross << T(0), change.z(), -change.y(),  //
+      -change.z(), T(0), change.x(),       //
+      change.y(), -change.x(), T(0);
+  add_rows<kErrorVelocity, kErrorTurn>(P, cross);
+}
+
 /// Adds the corrections to the state; lanes without one keep their bits.
+///
+/// A turn about the vertical takes the velocity with it: without a sensor of the heading, the error
+/// (turn e_z, velocity e_z × v) cannot be observed. The prediction and all rows keep that direction
+/// along one motion, but the correction changes v. Were P left as it is, the filter would learn the
+/// yaw and the bias of the vertical gyroscope from noise.
 template <class T>
 void apply(const Correction<T>& correction, GeneralFilterState<T>& state) {
   if (!any(correction.any_used)) return;
@@ -238,6 +254,15 @@ void apply(const Correction<T>& correction, GeneralFilterState<T>& state) {
   };
   add(state.motion.position, kErrorPosition);
   add(state.motion.velocity, kErrorVelocity);
+  const Vector3<T> change(dx[kErrorVelocity], dx[kErrorVelocity + 1], dx[kErrorVelocity + 2]);
+  if (all(used)) {
+    turn_with_velocity(state.P, change);
+  } else {
+    SymmetricMatrix<T, kErrorStates> P = state.P;
+    turn_with_velocity(P, change);
+    for (std::size_t i = 0; i < P.entries.size(); ++i)
+      state.P.entries[i] = select(used, P.entries[i], state.P.entries[i]);
+  }
   add(state.gyro_bias, kErrorGyroBias);
   add(state.force_bias, kErrorForceBias);
   state.pressure_height =
