@@ -7,6 +7,7 @@
 #include <mutex>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "quadtune/errors.hpp"
@@ -55,6 +56,9 @@ class Board {
   std::exception_ptr error_;
 };
 
+/// Whether this thread is one of several that share some work.
+thread_local bool shares_work = false;
+
 void work(Board& board, const std::function<PartWorker()>& make_worker) {
   std::size_t part = board.take();
   try {
@@ -78,15 +82,20 @@ void in_parallel(std::size_t parts, std::size_t threads,
   Board board(parts, interrupted);
   {
     std::vector<std::jthread> others;
-    const std::size_t count = std::min(threads, parts);
+    const std::size_t count = shares_work ? 1 : std::min(threads, parts);
     others.reserve(count);
     try {
       for (std::size_t i = 1; i < count; ++i)
-        others.emplace_back([&board, &make_worker] { work(board, make_worker); });
+        others.emplace_back([&board, &make_worker] {
+          shares_work = true;
+          work(board, make_worker);
+        });
     } catch (const std::system_error&) {
       // The system gives no more threads: those that there are do all of it.
     }
-    work(board, make_worker);  // this thread is one of them
+    const bool before = std::exchange(shares_work, shares_work || count > 1);
+    work(board, make_worker);  // this thread is one of them; it throws nothing
+    shares_work = before;
   }
   board.rethrow();
 }

@@ -109,12 +109,27 @@ StepOfLoad follow_load(const CascadePlant& loop) {
   constexpr double kSettled = 1e-4;
   constexpr double kMostSteps = 1e5;
   const double steps = std::min(kMostSteps, std::ceil(std::log(kSettled) / std::log(radius)));
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
-  Eigen::VectorXd next(n);
-  for (int k = 0; k < static_cast<int>(steps); ++k) {
-    next.noalias() = loop.A * x;
-    x = next + loop.B.col(0);
-    step.peak = std::max(step.peak, std::abs(loop.C.row(0).dot(x)));
+  // z = (x, 1), z[k+1] = M z[k]: kBlock steps at once, y[k+j] = (C M^j) z[k].
+  constexpr Index kBlock = 32;
+  MatrixXd M = MatrixXd::Zero(n + 1, n + 1);
+  M.topLeftCorner(n, n) = loop.A;
+  M.topRightCorner(n, 1) = loop.B.col(0);
+  M(n, n) = 1;
+  MatrixXd rows = MatrixXd::Zero(kBlock, n + 1);
+  rows.row(0).head(n) = loop.C.row(0);
+  rows.row(0) = (rows.row(0) * M).eval();
+  // Of rows 1 … m and M^m those of m + 1 … 2m.
+  for (Index m = 1; m < kBlock; m *= 2) {
+    rows.middleRows(m, m) = rows.topRows(m) * M;
+    M = (M * M).eval();
+  }
+  Eigen::VectorXd z = Eigen::VectorXd::Unit(n + 1, n);
+  Eigen::VectorXd y(kBlock), next(n + 1);
+  for (Index k = 0; k < static_cast<Index>(steps); k += kBlock) {
+    y.noalias() = rows * z;
+    step.peak = std::max(step.peak, y.cwiseAbs().maxCoeff());
+    next.noalias() = M * z;
+    z.swap(next);
   }
   return step;
 }

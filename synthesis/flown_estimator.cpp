@@ -8,6 +8,7 @@
 #include "quadtune/estimation/general_filter.hpp"
 #include "quadtune/estimation/mambo_estimator.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
+#include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/model/rigid_body.hpp"
 
 namespace quadtune::internal {
@@ -367,10 +368,16 @@ class Linearizing {
     }
     if (!Estimator::kSettles) result.settled = true;
     result.first = k;
-    for (std::size_t i = 0; i < N; ++i, ++k) {
-      result.steps.push_back(slopes(state, frame(k), std::ssize(result.states)));
-      advance(state, frame(k));
+    std::vector<typename Estimator::template State<double>> states;
+    for (std::size_t i = 0; i < N; ++i) {
+      states.push_back(state);
+      advance(state, frame(k + i));
     }
+    result.steps.resize(N);
+    const auto one = [&](std::size_t i) {
+      result.steps[i] = slopes(states[i], frame(k + i), std::ssize(result.states));
+    };
+    in_parallel(N, thread_count(0), [&] { return one; }, {});
     return result;
   }
 

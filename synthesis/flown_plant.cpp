@@ -16,6 +16,7 @@
 #include "quadtune/discretize/matrix_exponential.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/general_filter_settings.hpp"
+#include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/model/rigid_body.hpp"
 #include "quadtune/simulation/sensor_channel.hpp"
 
@@ -138,9 +139,7 @@ class Holds {
 class Assembly {
  public:
   Assembly(const FlightSetup& setup, const FlownPlantOptions& options)
-      : options_(options),
-        body_(internal::flown_body(setup, options.inputs, options.height)),
-        holds_(body_.A, body_.B) {
+      : options_(options), body_(internal::flown_body(setup, options.inputs, options.height)) {
     note_omissions(flown_vehicle(setup));
     add_channels(setup);
     if (setup.estimator != EstimatorKind::truth)
@@ -158,13 +157,19 @@ class Assembly {
     result.plant.inputs = body_.inputs;
     result.plant.outputs = ned_convention().states;
     result.plant.states = states_;
-    for (std::size_t k = 0; k < period_; ++k) {
-      MatrixXd rows = step(first_ + k);
-      drop_rounding(rows);
-      result.plant.A.push_back(rows.leftCols(nz_));
-      result.plant.B.push_back(rows.middleCols(nz_, nu_));
-      if (options_.noise) result.noise.push_back(rows.rightCols(nw_));
-    }
+    result.plant.A.resize(period_);
+    result.plant.B.resize(period_);
+    if (options_.noise) result.noise.resize(period_);
+    const auto make_worker = [&] {
+      return [&, holds = Holds(body_.A, body_.B)](std::size_t k) mutable {
+        MatrixXd rows = step(first_ + k, holds);
+        drop_rounding(rows);
+        result.plant.A[k] = rows.leftCols(nz_);
+        result.plant.B[k] = rows.middleCols(nz_, nu_);
+        if (options_.noise) result.noise[k] = rows.rightCols(nw_);
+      };
+    };
+    internal::in_parallel(period_, internal::thread_count(0), make_worker, {});
     result.plant.C = MatrixXd::Zero(12, nz_);
     result.plant.C.middleCols(believed_at_, 12).setIdentity();
     std::vector<Index> kept;
@@ -366,7 +371,7 @@ class Assembly {
   }
 
   /// One control period from instant k to k + 1: rows of z[k+1] over (z[k], u[k], w[k]).
-  [[nodiscard]] MatrixXd step(std::size_t k) {
+  [[nodiscard]] MatrixXd step(std::size_t k, Holds& holds) const {
     MatrixXd next = MatrixXd::Zero(nz_, width());
     const MatrixXd late = body_.commands * input(part_ > 0 ? whole_ + 1 : whole_);
     const MatrixXd prompt = body_.commands * input(whole_);
@@ -374,12 +379,12 @@ class Assembly {
     const auto state_at = [&](double h) -> MatrixXd {
       MatrixXd rows = MatrixXd::Zero(nx, width());
       const bool first_part = h <= part_;
-      rows.leftCols(nx) = holds_.over(h).Phi;
+      rows.leftCols(nx) = holds.over(h).Phi;
       if (first_part) {
-        rows += holds_.over(h).Gamma * late;
+        rows += holds.over(h).Gamma * late;
       } else {
-        if (part_ > 0) rows += holds_.over(h - part_).Phi * holds_.over(part_).Gamma * late;
-        rows += holds_.over(h - part_).Gamma * prompt;
+        if (part_ > 0) rows += holds.over(h - part_).Phi * holds.over(part_).Gamma * late;
+        rows += holds.over(h - part_).Gamma * prompt;
       }
       return rows;
     };
@@ -462,7 +467,6 @@ class Assembly {
 
   FlownPlantOptions options_;
   FlownBody body_;
-  Holds holds_;
   std::vector<Channel> channels_;
   std::size_t period_ = 1;
   std::size_t first_ = 0;

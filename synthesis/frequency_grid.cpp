@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "golden_section.hpp"
+#include "brent_maximum.hpp"
 
 namespace quadtune {
 
@@ -106,7 +106,7 @@ std::pair<double, double> refine_peak(const std::function<double(double)>& f,
   const double level = kNear * *largest;
   for (std::size_t i = 1; i + 1 < grid.size(); ++i) {
     if (values[i] < level || values[i] < values[i - 1] || values[i] < values[i + 1]) continue;
-    best = std::max(best, golden_section(f, grid[i - 1], grid[i + 1], width * grid[i + 1]));
+    best = std::max(best, brent_maximum(f, grid[i - 1], grid[i + 1], width * grid[i + 1]));
   }
   return best;
 }

@@ -20,7 +20,7 @@ namespace quadtune::internal {
 [[nodiscard]] double refine_root(const std::function<double(double)>& f, double low, double high);
 
 /// The largest value of f, given its values on the grid: each peak of the grid that comes near the
-/// largest is climbed by golden section. Returns value and place.
+/// largest is climbed by Brent's method. Returns value and place.
 /// @param width  how near, relative, its place is looked for; its height is known to the square
 [[nodiscard]] std::pair<double, double> refine_peak(const std::function<double(double)>& f,
                                                     const std::vector<double>& grid,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The top of a function of one variable.
+/// The top of a function of one variable that may have a ridge, where two limits meet.
 #pragma once
 
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "golden_section.hpp"
+#include "brent_maximum.hpp"
 
 namespace quadtune::internal {
 namespace {
@@ -102,7 +102,7 @@ std::pair<double, double> climb(const F& f, const std::vector<double>& grid, std
   const double low = std::log(grid[k > 0 ? k - 1 : 0]);
   const double high = std::log(grid[std::min(k + 1, grid.size() - 1)]);
   const auto [value, place] =
-      golden_section([&](double log_w) { return f(std::exp(log_w)); }, low, high, 1e-9);
+      brent_maximum([&](double log_w) { return f(std::exp(log_w)); }, low, high, 1e-9);
   return {value, std::exp(place)};
 }
 

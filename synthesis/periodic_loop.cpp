@@ -30,9 +30,18 @@ void require_matrix(const MatrixXd& M, Index rows, Index cols, const std::string
                        fmt::format("{} has an entry that is not finite, expected numbers", name));
 }
 
+using Edges = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>;
+
+/// Where any of the matrices has an entry that is not zero.
+Edges edges_of(const std::vector<MatrixXd>& A) {
+  MatrixXd sum = A.front().cwiseAbs();
+  for (std::size_t k = 1; k < A.size(); ++k) sum += A[k].cwiseAbs();
+  return sum.array() != 0;
+}
+
 /// Rows and columns of a square matrix, rows of B, columns of C.
-template <class List>
-PeriodicLti part(const PeriodicLti& plant, const List& kept) {
+PeriodicLti part(const PeriodicLti& plant, const std::vector<Index>& kept) {
+  if (std::ssize(kept) == plant.A.front().rows()) return plant;
   PeriodicLti result;
   result.dt = plant.dt;
   result.inputs = plant.inputs;
@@ -46,8 +55,7 @@ PeriodicLti part(const PeriodicLti& plant, const List& kept) {
 }
 
 /// The states that are reached from the marked ones along nonzero entries, in any number of steps.
-void spread(const Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>& edges,
-            std::vector<bool>& marked) {
+void spread(const Edges& edges, std::vector<bool>& marked) {
   std::vector<Index> waiting;
   for (std::size_t i = 0; i < marked.size(); ++i)
     if (marked[i]) waiting.push_back(static_cast<Index>(i));
@@ -79,6 +87,35 @@ Complex root_near(Complex multiplier, std::size_t N, const VectorXcd& candidates
     }
   }
   return best;
+}
+
+/// The states in groups that do not know of one another in any step, in the order of their first.
+std::vector<std::vector<Index>> independent(const std::vector<MatrixXd>& A) {
+  const Edges one_way = edges_of(A);
+  const Edges edges = one_way.array() || one_way.transpose().array();
+  std::vector<std::vector<Index>> groups;
+  std::vector<bool> placed(static_cast<std::size_t>(edges.rows()), false);
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    if (placed[i]) continue;
+    std::vector<bool> reached(placed.size(), false);
+    reached[i] = true;
+    spread(edges, reached);
+    std::vector<Index> group;
+    for (std::size_t j = 0; j < reached.size(); ++j)
+      if (reached[j]) {
+        group.push_back(static_cast<Index>(j));
+        placed[j] = true;
+      }
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+std::vector<MatrixXd> of_group(const std::vector<MatrixXd>& A, const std::vector<Index>& group) {
+  std::vector<MatrixXd> result;
+  result.reserve(A.size());
+  for (const MatrixXd& step : A) result.emplace_back(step(group, group));
+  return result;
 }
 
 MatrixXd product(const std::vector<MatrixXd>& A) {
@@ -130,16 +167,11 @@ PeriodicLti periodic(const DiscreteLti& plant) {
 PeriodicLti loop_part(const PeriodicLti& plant, std::vector<Index>* kept) {
   validate(plant, "periodic plant");
   const auto nx = static_cast<std::size_t>(plant.A.front().rows());
-  Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic> edges(plant.A.front().rows(),
-                                                            plant.A.front().rows());
-  edges.setConstant(false);
+  const Edges edges = edges_of(plant.A);
   std::vector<bool> moved(nx, false), seen(nx, false);
-  for (std::size_t k = 0; k < plant.period(); ++k)
-    for (Index j = 0; j < edges.cols(); ++j) {
-      for (Index i = 0; i < edges.rows(); ++i)
-        if (plant.A[k](i, j) != 0) edges(i, j) = true;
-      if (!plant.B[k].row(j).isZero(0)) moved[static_cast<std::size_t>(j)] = true;
-    }
+  for (const MatrixXd& B : plant.B)
+    for (std::size_t i = 0; i < nx; ++i)
+      if (!B.row(static_cast<Index>(i)).isZero(0)) moved[i] = true;
   for (std::size_t i = 0; i < nx; ++i) seen[i] = !plant.C.col(static_cast<Index>(i)).isZero(0);
   spread(edges, moved);
   spread(edges.transpose().eval(), seen);
@@ -229,10 +261,16 @@ PeriodicLti channel(const PeriodicLti& loop, Index index) {
 }
 
 VectorXcd periodic_poles(const std::vector<MatrixXd>& A) {
-  VectorXcd poles = product(A).eigenvalues();
-  if (A.size() > 1) {
-    const VectorXcd candidates = mean(A).eigenvalues();
-    for (Complex& z : poles) z = root_near(z, A.size(), candidates);
+  VectorXcd poles(A.front().rows());
+  Index at = 0;
+  for (const std::vector<Index>& group : independent(A)) {
+    const std::vector<MatrixXd> steps = of_group(A, group);
+    auto own = poles.segment(at, std::ssize(group));
+    at += std::ssize(group);
+    own = product(steps).eigenvalues();
+    if (A.size() == 1) continue;
+    const VectorXcd candidates = mean(steps).eigenvalues();
+    for (Complex& z : own) z = root_near(z, A.size(), candidates);
   }
   std::stable_sort(poles.begin(), poles.end(),
                    [](Complex a, Complex b) { return std::abs(a) > std::abs(b); });
@@ -241,13 +279,21 @@ VectorXcd periodic_poles(const std::vector<MatrixXd>& A) {
 
 NamedMode largest_mode(const std::vector<MatrixXd>& A, const std::vector<Signal>& states,
                        const Eigen::VectorXd& scale) {
-  const Eigen::EigenSolver<MatrixXd> solver(product(A));
-  Index at = 0;
-  solver.eigenvalues().cwiseAbs().maxCoeff(&at);
   NamedMode mode;
-  mode.z = A.size() > 1 ? root_near(solver.eigenvalues()(at), A.size(), mean(A).eigenvalues())
-                        : solver.eigenvalues()(at);
-  const Eigen::VectorXd size = solver.eigenvectors().col(at).cwiseAbs().cwiseQuotient(scale);
+  Eigen::VectorXd size = Eigen::VectorXd::Zero(A.front().rows());
+  double largest = -1;
+  for (const std::vector<Index>& group : independent(A)) {
+    const std::vector<MatrixXd> steps = of_group(A, group);
+    const Eigen::EigenSolver<MatrixXd> solver(product(steps));
+    Index at = 0;
+    const double here = solver.eigenvalues().cwiseAbs().maxCoeff(&at);
+    if (here <= largest || std::isnan(largest)) continue;
+    largest = here;
+    mode.z = A.size() > 1 ? root_near(solver.eigenvalues()(at), A.size(), mean(steps).eigenvalues())
+                          : solver.eigenvalues()(at);
+    size.setZero();
+    size(group) = solver.eigenvectors().col(at).cwiseAbs().cwiseQuotient(scale(group));
+  }
   std::vector<Index> order(static_cast<std::size_t>(size.size()));
   std::iota(order.begin(), order.end(), Index{0});
   std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return size(a) > size(b); });

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <cmath>
 #include <complex>
 #include <limits>
@@ -87,6 +88,35 @@ TEST(PeriodicPoles, TellTheDecayOverARound) {
       periodic_poles({MatrixXd::Constant(1, 1, 3), MatrixXd::Constant(1, 1, 0.25)});
   ASSERT_EQ(z.size(), 1);
   EXPECT_NEAR(std::abs(z(0)), std::sqrt(0.75), 1e-14);
+}
+
+// States that do not know of one another are taken apart; turned into each other they cannot be.
+TEST(PeriodicPoles, AreTheSameWhereTheStatesComeApart) {
+  std::mt19937 random(9);
+  for (int i = 0; i < 20; ++i) {
+    // Even states know of even ones only, odd of odd ones.
+    std::vector<MatrixXd> apart, mixed;
+    const MatrixXd turn =
+        Eigen::HouseholderQR<MatrixXd>(random_matrix(random, 7, 7)).householderQ();
+    for (int k = 0; k < 3; ++k) {
+      MatrixXd A = 0.4 * random_matrix(random, 7, 7);
+      for (Eigen::Index row = 0; row < 7; ++row)
+        for (Eigen::Index column = 0; column < 7; ++column)
+          if ((row + column) % 2 == 1) A(row, column) = 0;
+      apart.push_back(A);
+      mixed.emplace_back(turn.transpose() * A * turn);
+    }
+    const Eigen::VectorXcd z = periodic_poles(apart), same = periodic_poles(mixed);
+    ASSERT_EQ(z.size(), 7);
+    for (Eigen::Index k = 0; k < 7; ++k)
+      EXPECT_NEAR(std::abs(z(k)), std::abs(same(k)), 1e-4 * std::abs(z(0))) << i << " " << k;
+    std::vector<Signal> names(7);
+    for (std::size_t k = 0; k < 7; ++k) names[k].name = k % 2 == 0 ? "even" : "odd";
+    const NamedMode mode = largest_mode(apart, names, Eigen::VectorXd::Ones(7));
+    EXPECT_NEAR(std::abs(mode.z), std::abs(z(0)), 1e-12);
+    // Only states of one group move in a mode.
+    for (const std::string& name : mode.states) EXPECT_EQ(name, mode.states.front());
+  }
 }
 
 TEST(LoopPart, KeepsWhatIsMovedAndSeen) {

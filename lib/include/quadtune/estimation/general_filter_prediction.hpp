@@ -104,7 +104,7 @@ template <int target, int... sources, class T, class... Blocks>
                                             const Blocks&... blocks) {
   // With t the target and s a source: P_ts ← P_ts + A P_ss …, P_tt ← P_tt + P_ts(before) Aᵀ +
   // A P_st(after).
-  std::array<T, 6> own;
+  SymmetricMatrix<T, 3> own;
   unrolled<3>([&](int i) __attribute__((always_inline)) {
     unrolled<3>([&](int j) __attribute__((always_inline)) {
       if (j > i) return;
@@ -112,7 +112,7 @@ template <int target, int... sources, class T, class... Blocks>
       unrolled<3>([&](int k) __attribute__((always_inline)) {
         ((sum += P(target + i, sources + k) * blocks(j, k)), ...);
       });
-      own[static_cast<std::size_t>(i * (i + 1) / 2 + j)] = sum;
+      own(i, j) = sum;
     });
   });
   unrolled<kErrorStates>([&](int j) __attribute__((always_inline)) {
@@ -131,7 +131,7 @@ template <int target, int... sources, class T, class... Blocks>
   unrolled<3>([&](int i) __attribute__((always_inline)) {
     unrolled<3>([&](int j) __attribute__((always_inline)) {
       if (j > i) return;
-      T sum = own[static_cast<std::size_t>(i * (i + 1) / 2 + j)];
+      T sum = own(i, j);
       unrolled<3>([&](int k) __attribute__((always_inline)) {
         ((sum += blocks(i, k) * P(target + j, sources + k)), ...);
       });
