@@ -49,7 +49,7 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
       one.files = write_export(one.directory, one.kind, content, interrupted);
       context.written.push_back(one.directory);
     }
-    one.verification = verify_with(one.directory, design.vehicle, inputs);
+    one.verification = verify_with(one.directory, design.vehicle, inputs, &outcome.flown);
     written.push_back(std::move(one));
   }
   return written;
@@ -85,8 +85,8 @@ Verb design_verb() {
         app.add_option("-o", options->directory, "directory to write; without it, only print")
             ->type_name("DIR");
         app.add_flag("--force", options->force,
-                     "write although a mission of the design failed, and take tuned "
-                     "covariances whatever their verdict");
+                     "write although a flown loop is unstable or a mission failed, and take "
+                     "tuned covariances whatever their verdict");
         add_count(app, "--seeds", options->seeds, 1,
                   fmt::format("flights of each mission, all of which must pass; {}", kDesignSeeds))
             ->type_name("N");
@@ -113,8 +113,8 @@ Verb design_verb() {
           if (outcome.design.condition.yaw != 0 && outcome.gains)
             context.note("design: note: position is in world axes, so K holds at this yaw only");
           std::vector<WrittenExport> written;
-          const bool flies = missions_passed(outcome);
-          if (!options->directory.empty() && (flies || options->force)) {
+          const bool holds = laws_hold(outcome), flies = missions_passed(outcome);
+          if (!options->directory.empty() && ((holds && flies) || options->force)) {
             written = write_all(outcome, options->directory, context);
             write_reports(outcome, options->directory, context);
           }
@@ -122,14 +122,14 @@ Verb design_verb() {
             context.out << internal::readable(design_json(outcome, written)) << "\n";
           else
             context.out << design_text(outcome, written);
-          if (!passed(outcome, written))
-            throw AnswerIsNo(outcome.cascade && unstable(*outcome.cascade)
-                                 ? "design: the cascade does not hold the vehicle"
-                             : !flies && !options->directory.empty() && !options->force
-                                 ? "design: a mission failed, so nothing is written; "
-                                   "--force writes all the same"
-                             : !flies ? "design: a mission failed"
-                                      : "design: what was written does not verify");
+          if (passed(outcome, written)) return;
+          if (outcome.cascade && unstable(*outcome.cascade))
+            throw AnswerIsNo("design: the cascade does not hold the vehicle");
+          if (holds && flies) throw AnswerIsNo("design: what was written does not verify");
+          std::string failed = !holds ? "the flown loop is unstable" : "a mission failed";
+          if (!options->directory.empty() && !options->force)
+            failed += ", so nothing is written; --force writes all the same";
+          throw AnswerIsNo("design: " + failed);
         };
       }};
 }

@@ -9,6 +9,7 @@
 #include "cascade_report.hpp"
 #include "design_flights.hpp"
 #include "export_report.hpp"
+#include "flown_report.hpp"
 #include "lqr_flown.hpp"
 #include "margins_report.hpp"
 #include "print.hpp"
@@ -170,6 +171,23 @@ std::string feedback_text(const DesignOutcome& outcome) {
   return text;
 }
 
+Json flown_json(const FlownLaw& law) {
+  Json json = {{"law", law.name}, {"loop", law.loop ? to_json(*law.loop) : Json(nullptr)}};
+  if (law.loop && !law.loop->margins.loops.empty()) json["margins"] = to_json(law.loop->margins);
+  if (!law.problem.empty()) json["problem"] = law.problem;
+  return json;
+}
+
+std::string flown_text(const FlownLaw& law) {
+  std::string what = law.name + ": ";
+  if (law.loop) what += to_text(*law.loop);
+  if (!law.problem.empty()) what += (law.loop ? "\n" : "") + law.problem;
+  std::string text = section("flown loop", what);
+  if (law.loop && !law.loop->margins.loops.empty())
+    text += section("its margins", to_text(law.loop->margins));
+  return text;
+}
+
 std::vector<std::string> design_warnings(const DesignOutcome& outcome) {
   std::vector<std::string> warnings;
   if (outcome.feedback && !outcome.feedback->riccati.warning.empty())
@@ -182,6 +200,10 @@ std::vector<std::string> design_warnings(const DesignOutcome& outcome) {
   if (outcome.cascade)
     for (const std::string& warning : cascade_warnings(*outcome.cascade))
       warnings.push_back("cascade: " + warning);
+  for (const FlownLaw& law : outcome.flown)
+    if (law.loop)
+      for (const std::string& warning : margin_warnings(law.loop->margins))
+        warnings.push_back("flown loop: " + warning);
   return warnings;
 }
 
@@ -210,6 +232,7 @@ std::string written_text(const WrittenExport& written) {
 
 bool passed(const DesignOutcome& outcome, const std::vector<WrittenExport>& written) {
   if (outcome.cascade && unstable(*outcome.cascade)) return false;
+  if (!laws_hold(outcome)) return false;
   if (!missions_passed(outcome)) return false;
   return std::all_of(written.begin(), written.end(),
                      [](const WrittenExport& one) { return one.verification.ok(); });
@@ -239,6 +262,8 @@ Json design_json(const DesignOutcome& outcome, const std::vector<WrittenExport>&
                          {"verdict", design.estimator->model.verdict}};
   if (outcome.sampled) json["discretization"] = {{"method", "zoh"}, {"dt", outcome.sampled->dt}};
   if (outcome.published) json["published"] = published_json(*outcome.published, *design.published);
+  json["flown"] = Json::array();
+  for (const FlownLaw& law : outcome.flown) json["flown"].push_back(flown_json(law));
   json["missions"] = missions_json(outcome);
   json["exports"] = Json::array();
   for (const WrittenExport& one : written) {
@@ -263,6 +288,7 @@ std::string design_text(const DesignOutcome& outcome, const std::vector<WrittenE
   for (const DesignedFilter& filter : outcome.filters)
     text += section("filter", filter_text(filter));
   if (design.estimator) text += section("estimator", estimator_text(*design.estimator));
+  for (const FlownLaw& law : outcome.flown) text += flown_text(law);
   if (!outcome.flights.empty()) text += section("missions", missions_text(outcome));
   for (const WrittenExport& one : written) text += section("written", written_text(one));
   for (const std::string& warning : design_warnings(outcome)) text += section("warning", warning);

@@ -151,7 +151,8 @@ std::optional<StoredEstimator> estimator_of(const std::string& directory) {
 }
 
 VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
-                         const std::vector<InputAtHand>& inputs) {
+                         const std::vector<InputAtHand>& inputs,
+                         const std::vector<FlownLaw>* flown) {
   const Manifest manifest = read_manifest(directory);
   std::optional<VerifyModel> model;
   VerifyFacts facts{{}, inputs};
@@ -163,7 +164,9 @@ VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
     for (VerifyCheck& check : check_evidence(vehicle, manifest))
       report.checks.push_back(std::move(check));
     for (VerifyCheck& check :
-         check_flown_loops(vehicle, report.gains, report.cascade, estimator_of(directory)))
+         checks_of(flown != nullptr ? *flown
+                                    : flown_laws(vehicle, report.gains, report.cascade,
+                                                 estimator_of(directory))))
       report.checks.push_back(std::move(check));
     return report;
   } catch (const NoSolution& error) {

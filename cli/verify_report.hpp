@@ -8,6 +8,7 @@
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/model/vehicle.hpp"
+#include "quadtune/workbench/flown_check.hpp"
 
 namespace quadtune::cli {
 
@@ -21,8 +22,10 @@ namespace quadtune::cli {
                                             const std::string& design = "");
 
 /// The same with a vehicle and inputs in memory.
+/// @param flown  flown loops of these laws that are known; none: they are computed
 [[nodiscard]] VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
-                                       const std::vector<InputAtHand>& inputs);
+                                       const std::vector<InputAtHand>& inputs,
+                                       const std::vector<FlownLaw>* flown = nullptr);
 
 [[nodiscard]] internal::Json to_json(const VerifyReport& report);
 [[nodiscard]] std::string to_text(const VerifyReport& report);

@@ -127,7 +127,9 @@ std::string gains_json_text(const ExportContent& content) {
   for (const KalmanFilter& filter : content.filters)
     json["filters"].push_back(exports::filter_to_json(filter));
   if (content.cascade) json["cascade"] = exports::cascade_to_json(*content.cascade);
-  if (content.estimator) json["estimator"] = exports::estimator_to_json(*content.estimator);
+  if (version >= 2)
+    json["estimator"] =
+        content.estimator ? exports::estimator_to_json(*content.estimator) : Json(nullptr);
   exports::add_weights(json, content.Q, content.R);
   return internal::readable(json) + "\n";
 }

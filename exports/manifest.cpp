@@ -187,7 +187,7 @@ Manifest parse_manifest(const std::string& text, const std::string& origin) {
     manifest.gains =
         exports::gains_from_json(json["gains"], path("gains"), exports::format_version(json));
   if (json.contains("cascade"))
-    manifest.cascade = exports::cascade_from_json(json["cascade"], path("cascade"));
+    manifest.cascade = exports::cascade_from_json(json["cascade"], path("cascade"), 1);
   std::tie(manifest.Q, manifest.R) = exports::weights_from_json(json, origin);
   manifest.evidence = evidence_from_json(member(json, "evidence", origin), path("evidence"));
   if (json.contains("closed_loop"))

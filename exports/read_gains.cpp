@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -27,18 +28,36 @@ constexpr char kGainsFormat[] = "quadtune-gains";
 
 using internal::Json;
 
+/// The filter's numbers are of its period, which is that of the law.
+void require_one_period(const StoredLaws& laws, const std::string& origin) {
+  if (!laws.estimator || !laws.estimator->general) return;
+  const double dt = laws.estimator->general->dt;
+  const double of_law = laws.gains ? laws.gains->dt : laws.cascade ? laws.cascade->gains.dt : dt;
+  if (std::abs(dt - of_law) > 1e-9 * of_law)
+    throw InvalidInput(
+        origin + ": estimator.dt_s",
+        fmt::format("is {} s, expected {} s, the sample period of the law", dt, of_law));
+}
+
 // gains.json, and what `lqr` and `pid` print as JSON: there "vehicle" is the name alone.
 StoredLaws laws_of_json(const Json& json, const std::string& origin) {
   StoredLaws laws;
+  const int version = exports::format_version(json);
   if (json.contains("gains")) {
-    laws.gains =
-        exports::gains_from_json(json["gains"], origin + ": gains", exports::format_version(json));
+    laws.gains = exports::gains_from_json(json["gains"], origin + ": gains", version);
     laws.vehicle = laws.gains->vehicle;
   }
   if (json.contains("cascade"))
-    laws.cascade = exports::cascade_from_json(json["cascade"], origin + ": cascade");
-  if (json.contains("estimator"))
+    laws.cascade = exports::cascade_from_json(json["cascade"], origin + ": cascade", version);
+  // From version 2 on it is there, null for true states.
+  if (version >= 2) {
+    const Json& estimator = internal::member(json, "estimator", origin);
+    if (!estimator.is_null())
+      laws.estimator = exports::estimator_from_json(estimator, origin + ": estimator");
+  } else if (json.contains("estimator")) {
     laws.estimator = exports::estimator_from_json(json["estimator"], origin + ": estimator");
+  }
+  require_one_period(laws, origin);
   if (laws.vehicle.empty() && json.contains("vehicle")) {
     const Json& vehicle = json["vehicle"];
     const std::string where = origin + ": vehicle";

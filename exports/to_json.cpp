@@ -105,8 +105,9 @@ bool truth_from_json(const Json& json, const std::string& where) {
 void add_dynamic_parts(Json& json, const Gains& gains) {
   json["axes"] = to_string(gains.axes);
   Json limits = Json::object();
-  if (std::isfinite(gains.limits.position_error))
-    limits["position_error_m"] = gains.limits.position_error;
+  limits["position_error_m"] = std::isfinite(gains.limits.position_error)
+                                   ? Json(gains.limits.position_error)
+                                   : Json(nullptr);
   limits["conditional_integration"] = gains.limits.conditional_integration;
   json["limits"] = limits;
   if (!gains.memory) {
@@ -127,9 +128,10 @@ void read_dynamic_parts(const Json& json, const std::string& where, Gains& gains
   gains.axes = position_axes(
       internal::string_from_json(member(json, "axes", where), where + ".axes"), where + ".axes");
   const Json& limits = member(json, "limits", where);
-  if (limits.is_object() && limits.contains("position_error_m"))
+  const Json& position_error = member(limits, "position_error_m", limits_at);
+  if (!position_error.is_null())
     gains.limits.position_error =
-        internal::number_from_json(limits["position_error_m"], limits_at + ".position_error_m");
+        internal::number_from_json(position_error, limits_at + ".position_error_m");
   gains.limits.conditional_integration = truth_from_json(
       member(limits, "conditional_integration", limits_at), limits_at + ".conditional_integration");
   const Json& memory = member(json, "memory", where);
@@ -291,15 +293,16 @@ Json cascade_to_json(const CascadeDesign& cascade) {
   Json json;
   json["dt_s"] = number_to_json(cascade.gains.dt, "cascade.dt");
   json["integrator"] = to_string(cascade.method);
-  const auto add_finite = [&](const char* key, double value) {
-    if (!std::isinf(value)) json[key] = number_to_json(value, std::string("cascade.") + key);
+  const auto add = [&](const char* key, double value) {  // null: no limit
+    json[key] =
+        std::isinf(value) ? Json(nullptr) : number_to_json(value, std::string("cascade.") + key);
   };
-  add_finite("attitude_limit_rad", cascade.attitude_limit);
-  add_finite("integrator_limit", cascade.integrator_limit);
-  add_finite("back_calculation_per_s", cascade.back_calculation);
-  add_finite("takeoff_time_s", cascade.takeoff_time);
-  if (cascade.velocity_feed_forward) json["velocity_feed_forward"] = true;
-  if (cascade.conditional_integration) json["conditional_integration"] = true;
+  add("attitude_limit_rad", cascade.attitude_limit);
+  add("integrator_limit", cascade.integrator_limit);
+  add("back_calculation_per_s", cascade.back_calculation);
+  add("takeoff_time_s", cascade.takeoff_time);
+  json["velocity_feed_forward"] = cascade.velocity_feed_forward;
+  json["conditional_integration"] = cascade.conditional_integration;
   json["loops"] = Json::array();
   for (const PidLoop& loop : cascade.gains.loops) {
     const auto number = [&](const char* key, double value) {
@@ -315,11 +318,15 @@ Json cascade_to_json(const CascadeDesign& cascade) {
   return json;
 }
 
-CascadeDesign cascade_from_json(const Json& json, const std::string& where) {
+CascadeDesign cascade_from_json(const Json& json, const std::string& where, int version) {
   using internal::member;
   CascadeDesign cascade;
+  const auto absent = [&](const char* key) {
+    if (version >= 2) (void)member(json, key, where);
+    return !json.contains(key);
+  };
   const auto number = [&](const char* key, double if_absent, bool zero) {
-    if (!json.contains(key)) return if_absent;
+    if (absent(key) || json[key].is_null()) return if_absent;
     const std::string here = where + "." + key;
     const double value = internal::number_from_json(json[key], here);
     if (value < 0 || (value == 0 && !zero))
@@ -331,7 +338,7 @@ CascadeDesign cascade_from_json(const Json& json, const std::string& where) {
   if (!(cascade.gains.dt > 0))
     throw InvalidInput(where + ".dt_s",
                        fmt::format("is {} s, expected more than 0", cascade.gains.dt));
-  if (json.contains("integrator"))
+  if (!absent("integrator"))
     cascade.method =
         pid_method(internal::string_from_json(json["integrator"], where + ".integrator"),
                    where + ".integrator");
@@ -340,7 +347,7 @@ CascadeDesign cascade_from_json(const Json& json, const std::string& where) {
   cascade.back_calculation = number("back_calculation_per_s", 0, true);
   cascade.takeoff_time = number("takeoff_time_s", 0, true);
   const auto truth = [&](const char* key) {
-    return json.contains(key) && truth_from_json(json[key], where + "." + key);
+    return !absent(key) && truth_from_json(json[key], where + "." + key);
   };
   cascade.velocity_feed_forward = truth("velocity_feed_forward");
   cascade.conditional_integration = truth("conditional_integration");

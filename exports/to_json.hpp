@@ -49,9 +49,11 @@ void add_weights(Json& json, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R)
 [[nodiscard]] Json cascade_to_json(const CascadeDesign& cascade);
 
 /// A cascade with its gains, the loops in the order of kAllCascadeAxes.
-/// @param where  "file: path" for messages
+/// @param where    "file: path" for messages
+/// @param version  of the file; from 2 on every part must be there
 /// @throws InvalidInput  naming the JSON path, what came and what was expected.
-[[nodiscard]] CascadeDesign cascade_from_json(const Json& json, const std::string& where);
+[[nodiscard]] CascadeDesign cascade_from_json(const Json& json, const std::string& where,
+                                              int version);
 
 /// An estimator with the numbers that are its own.
 [[nodiscard]] Json estimator_to_json(const StoredEstimator& estimator);

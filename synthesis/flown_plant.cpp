@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -110,18 +111,30 @@ std::size_t round_of(double samples_per_period) {
   return 0;
 }
 
-/// e^(Ah) and ∫ e^(Aτ) dτ B, kept for each h.
+/// e^(Ah) and ∫ e^(Aτ) dτ B, kept for each h. Instants carry rounding: h is taken to 2^-46 s, so
+/// that a result depends on h alone and not on which one came first.
 class Holds {
  public:
-  Holds(const MatrixXd& A, const MatrixXd& B) : A_(A), B_(B) {}
+  /// @param exact  times h that are taken as they are
+  Holds(const MatrixXd& A, const MatrixXd& B, std::initializer_list<double> exact) : A_(A), B_(B) {
+    for (const double h : exact) keep(key_of(h), h);
+  }
 
   struct Hold {
     MatrixXd Phi, Gamma;
   };
   const Hold& over(double h) {
-    const auto key = std::llround(h * 1e12);
+    const long long key = key_of(h);
     const auto found = kept_.find(key);
     if (found != kept_.end()) return found->second;
+    return keep(key, std::ldexp(static_cast<double>(key), -kBits));
+  }
+
+ private:
+  static constexpr int kBits = 46;
+  static long long key_of(double h) { return std::llround(std::ldexp(h, kBits)); }
+
+  const Hold& keep(long long key, double h) {
     const Index nx = A_.rows(), nu = B_.cols();
     MatrixXd M = MatrixXd::Zero(nx + nu, nx + nu);
     M.topLeftCorner(nx, nx) = A_ * h;
@@ -131,7 +144,6 @@ class Holds {
         .first->second;
   }
 
- private:
   const MatrixXd &A_, &B_;
   std::map<long long, Hold> kept_;
 };
@@ -161,7 +173,8 @@ class Assembly {
     result.plant.B.resize(period_);
     if (options_.noise) result.noise.resize(period_);
     const auto make_worker = [&] {
-      return [&, holds = Holds(body_.A, body_.B)](std::size_t k) mutable {
+      return [&, holds = Holds(body_.A, body_.B, {options_.dt, part_, options_.dt - part_})](
+                 std::size_t k) mutable {
         MatrixXd rows = step(first_ + k, holds);
         drop_rounding(rows);
         result.plant.A[k] = rows.leftCols(nz_);

@@ -260,6 +260,25 @@ PeriodicLti channel(const PeriodicLti& loop, Index index) {
   return one;
 }
 
+std::vector<PeriodicLti> own_channels(const PeriodicLti& loop) {
+  const std::vector<std::vector<Index>> groups = independent(closed(loop));
+  std::vector<PeriodicLti> channels;
+  for (Index i = 0; i < loop.C.rows(); ++i) {
+    const auto touches = [&](Index state) {
+      return loop.C(i, state) != 0 ||
+             std::any_of(loop.B.begin(), loop.B.end(),
+                         [&](const MatrixXd& B) { return B(state, i) != 0; });
+    };
+    std::vector<Index> own;
+    for (const std::vector<Index>& group : groups)
+      if (std::any_of(group.begin(), group.end(), touches))
+        own.insert(own.end(), group.begin(), group.end());
+    std::sort(own.begin(), own.end());
+    channels.push_back(channel(own.empty() ? loop : part(loop, own), i));
+  }
+  return channels;
+}
+
 VectorXcd periodic_poles(const std::vector<MatrixXd>& A) {
   VectorXcd poles(A.front().rows());
   Index at = 0;

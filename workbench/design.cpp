@@ -13,6 +13,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/chosen_law.hpp"
+#include "quadtune/workbench/flight_plan.hpp"
 #include "quadtune/workbench/flown_gains.hpp"
 #include "quadtune/workbench/flying_loop.hpp"
 #include "quadtune/workbench/linearize_or_refuse.hpp"
@@ -217,11 +218,38 @@ DesignOutcome solve_laws(Design design) {
   return outcome;
 }
 
+namespace {
+
+void analyse_flown_loops(DesignOutcome& outcome) {
+  const Design& design = outcome.design;
+  std::optional<CascadeDesign> cascade = design.cascade;
+  if (outcome.cascade) cascade->gains = outcome.cascade->cascade.gains;
+  const double dt = outcome.gains && outcome.gains->dt > 0 ? outcome.gains->dt
+                    : cascade                              ? cascade->gains.dt
+                                                           : 0;
+  if (!(dt > 0)) return;
+  try {
+    outcome.flown = flown_laws(design.vehicle, outcome.gains, cascade,
+                               stored_estimator(design.vehicle, program_estimator(design), dt),
+                               design.lqr.has_value());
+  } catch (const std::exception& error) {
+    outcome.flown = {{outcome.gains ? "state feedback" : "PID cascade", {}, error.what()}};
+  }
+}
+
+}  // namespace
+
 DesignOutcome run_design(Design design) {
   DesignOutcome outcome = solve_laws(std::move(design));
   for (const KalmanDesign& filter : outcome.design.kalman)
     outcome.filters.push_back(solve_filter(filter, place_of(outcome.design)));
+  analyse_flown_loops(outcome);
   return outcome;
+}
+
+bool laws_hold(const DesignOutcome& outcome) {
+  return std::all_of(outcome.flown.begin(), outcome.flown.end(),
+                     [](const FlownLaw& law) { return law.holds(); });
 }
 
 DesignOutcome run_design(const std::filesystem::path& file) {

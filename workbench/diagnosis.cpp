@@ -85,8 +85,11 @@ bool explained_by_estimate(const FlownFlight& flight) {
          wrong >= flight.plan.setup.mission.settling.band / 2;
 }
 
+/// The vehicle as a command takes it: a file, or a built-in name.
 std::string vehicle_of(const PlannedFlight& plan) {
-  return plan.options.vehicle.empty() ? plan.setup.vehicle.name : plan.options.vehicle;
+  if (!plan.options.vehicle.empty()) return plan.options.vehicle;
+  const Vehicle& vehicle = plan.setup.vehicle;
+  return vehicle.file.empty() ? vehicle.name : vehicle.file.string();
 }
 
 std::string mission_of(const PlannedFlight& plan) {
@@ -116,6 +119,8 @@ std::string tune_command(const PlannedFlight& plan) {
 std::string margins_command(const PlannedFlight& plan) {
   const std::string& gains = plan.options.gains;
   const std::string vehicle = vehicle_of(plan);
+  const auto* feedback = std::get_if<StateFeedbackController>(&plan.setup.controller);
+  if (feedback != nullptr && feedback->schedule) return fly_command(plan) + " --estimator truth";
   if (!gains.empty() && gains != "designed" && gains != "published")
     return fmt::format("quadtune margins {} --gains {}", vehicle, gains);
   if (is_cascade(plan) && gains != "published")

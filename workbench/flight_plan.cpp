@@ -178,7 +178,24 @@ void require_sane_times(const FlightSetup& setup) {
   if (setup.flow_rate > 10000) refuse("flow-rate", setup.flow_rate, "at most 10000 Hz");
 }
 
+/// What a suite that does not even know the horizontal velocity leaves to the law.
+void note_drifts(PlannedFlight& flight) {
+  const std::string lacks = general_filter_lacks(flight.setup.vehicle.sensors);
+  if (lacks.empty()) return;
+  const double duration = duration_of(flight.setup);
+  flight.notes.push_back(
+      fmt::format("{}: the estimates of position and horizontal velocity drift, by {:.1f} m rms in "
+                  "{} s; the law "
+                  "holds no more than attitude, heading and height",
+                  lacks, flight.bound->horizontal_end, number(duration)));
+}
+
 }  // namespace
+
+std::string why_no_estimator(const Vehicle& vehicle) {
+  if (usual_estimator(vehicle.sensors, FlowModel::full) != "truth") return "";
+  return "the sensors feed no estimator: " + general_filter_lacks(vehicle.sensors);
+}
 
 std::optional<StoredEstimator> stored_estimator(const Vehicle& vehicle, const std::string& name,
                                                 double dt) {
@@ -273,9 +290,15 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
     throw InvalidInput(law.words, error.what());
   }
   if (law.estimator && estimator == "general") setup.general_filter = law.estimator->general;
-  if (options.estimator.empty() && estimator == "truth")
+  if (options.estimator.empty() && estimator == "truth") {
+    const std::string why = why_no_estimator(vehicle);
+    if (setup.real_sensors && !why.empty())
+      throw InvalidInput(
+          vehicle.file.empty() ? vehicle.name : vehicle.file.string(),
+          why + "; expected such a sensor, or true states by name (estimator truth)");
     flight.notes.push_back(fmt::format(
         "the sensors of '{}' feed no estimator: the law has the true state", vehicle.name));
+  }
   slow_down_attitude_filter(law, options, flight);
   setup.environment.dynamic = options.dynamic_environment;
   setup.environment.wind = words.wind;
@@ -294,6 +317,7 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   validate(setup);
   flight.bound = mission_bound(setup);
   if (flight.bound) flight.widened = widen_limits(*flight.bound, setup.mission);
+  if (flight.bound && setup.real_sensors) note_drifts(flight);
   return flight;
 }
 

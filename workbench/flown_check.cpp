@@ -24,24 +24,20 @@ std::string estimator_of(const Vehicle& vehicle, const std::string& convention) 
   return "";
 }
 
-VerifyCheck check_law(const Vehicle& vehicle, const Controller& controller,
-                      const std::optional<StoredEstimator>& stored, const std::string& convention,
-                      const char* name) {
-  VerifyCheck check{fmt::format("the flown loop of the {} is stable", name), false, ""};
+FlownLaw analysed(const Vehicle& vehicle, const Controller& controller,
+                  const std::optional<StoredEstimator>& stored, const std::string& convention,
+                  const char* name, bool margins) {
+  FlownLaw law{name, {}, ""};
   try {
     const PlannedFlight plan = hover_under(vehicle, controller, stored, convention);
     FlownLoopOptions at;
-    at.evidence = MarginsEvidence::none;
-    const FlownLoop loop = flown_loop(plan, at);
-    check.ok = !loop.grows();
-    check.detail =
-        fmt::format("hover at {} m, estimator {}, {} sensors: largest |z| {:.6f}, {}", at.height,
-                    loop.estimator, loop.sensors, std::abs(loop.mode.z), in_words(loop));
-    if (!check.ok) check.detail += "; " + what_helps(plan, loop);
+    at.evidence = margins ? MarginsEvidence::essential : MarginsEvidence::none;
+    law.loop = flown_loop(plan, at);
+    if (law.loop->grows()) law.problem = what_helps(plan, *law.loop);
   } catch (const std::exception& error) {
-    check.detail = error.what();
+    law.problem = error.what();
   }
-  return check;
+  return law;
 }
 
 }  // namespace
@@ -62,17 +58,30 @@ bool has_flown_loop(const TrimResult& trim) {
          trim.x.segment<3>(kRates).isZero(kStill) && std::abs(trim.x(kAttitude + 2)) <= kStill;
 }
 
-std::vector<VerifyCheck> check_flown_loops(const Vehicle& vehicle,
-                                           const std::optional<Gains>& gains,
-                                           const std::optional<CascadeDesign>& cascade,
-                                           const std::optional<StoredEstimator>& estimator) {
-  std::vector<VerifyCheck> checks;
+std::vector<FlownLaw> flown_laws(const Vehicle& vehicle, const std::optional<Gains>& gains,
+                                 const std::optional<CascadeDesign>& cascade,
+                                 const std::optional<StoredEstimator>& estimator, bool margins) {
+  std::vector<FlownLaw> laws;
   if (gains && gains->dt > 0 && has_flown_loop(linearization_of(vehicle, *gains).trim))
-    checks.push_back(check_law(vehicle, feedback_controller(*gains, gains->dt), estimator,
-                               gains->convention, "state feedback"));
+    laws.push_back(analysed(vehicle, feedback_controller(*gains, gains->dt), estimator,
+                            gains->convention, "state feedback", margins));
   if (cascade)
-    checks.push_back(check_law(vehicle, cascade_controller(*cascade, cascade->gains), estimator, "",
-                               "PID cascade"));
+    laws.push_back(analysed(vehicle, cascade_controller(*cascade, cascade->gains), estimator, "",
+                            "PID cascade", false));
+  return laws;
+}
+
+std::vector<VerifyCheck> checks_of(const std::vector<FlownLaw>& laws) {
+  std::vector<VerifyCheck> checks;
+  for (const FlownLaw& law : laws) {
+    VerifyCheck check{fmt::format("the flown loop of the {} is stable", law.name), law.holds(), ""};
+    if (law.loop)
+      check.detail = fmt::format("hover at {} m, estimator {}, {} sensors: largest |z| {:.6f}, {}",
+                                 law.loop->at.height, law.loop->estimator, law.loop->sensors,
+                                 std::abs(law.loop->mode.z), in_words(*law.loop));
+    if (!law.problem.empty()) check.detail += (law.loop ? "; " : "") + law.problem;
+    checks.push_back(check);
+  }
   return checks;
 }
 

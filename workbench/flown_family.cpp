@@ -10,12 +10,15 @@
 namespace quadtune {
 namespace {
 
-/// A hover with the usual estimator; its law sets the control period only.
+/// A hover with the usual estimator, or true states where the sensors feed none; its law sets the
+/// control period only.
 FlightSetup hover_of(const Vehicle& vehicle, double dt) {
   CascadeController law;
   law.gains.dt = dt;
   for (const CascadeAxis axis : kAllCascadeAxes) law.gains.loops.push_back(cascade_loop(axis));
-  return plan_flight(FlightOptions{}, vehicle, load_mission("hover"), ChosenLaw{law, "none"}).setup;
+  FlightOptions options;
+  if (!why_no_estimator(vehicle).empty()) options.estimator = "truth";
+  return plan_flight(options, vehicle, load_mission("hover"), ChosenLaw{law, "none"}).setup;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/synthesis/actuator_lqi.hpp"
+#include "quadtune/workbench/flight_plan.hpp"
 
 namespace quadtune {
 namespace {
@@ -207,6 +208,8 @@ double FlownGains::disk() const {
 FlownGains flown_gains(const Vehicle& vehicle, const FlownGainsOptions& options) {
   FlownGains result;
   result.family = flown_family(vehicle, InputKind::wrench, options.dt);
+  if (const std::string why = why_no_estimator(vehicle); !why.empty())
+    result.notes.push_back(why + "; the gains are for true states");
   const StandardAxes weights = options.weights ? *options.weights : standard_axes(vehicle);
   const MatrixXd start = start_of(vehicle, weights, options.dt);
   result.axes.resize(kFlownAxes.size());

@@ -7,6 +7,8 @@
 #include <complex>
 #include <variant>
 
+#include "quadtune/internal/in_parallel.hpp"
+
 namespace quadtune {
 namespace {
 
@@ -112,9 +114,11 @@ FlownLoop flown_loop(const PlannedFlight& plan, const FlownLoopOptions& options)
   loop.mode = largest_mode(closed(cut), cut.states, scale(kept));
   loop.margins.dt = loop.dt;
   for (const Signal& input : cut.inputs) loop.margins.names.push_back(input.name);
-  if (options.evidence != MarginsEvidence::none)
-    for (Eigen::Index i = 0; i < cut.C.rows(); ++i)
-      loop.margins.loops.push_back(loop_margins(channel(cut, i)));
+  if (options.evidence == MarginsEvidence::none) return loop;
+  const std::vector<PeriodicLti> channels = own_channels(cut);
+  loop.margins.loops.resize(channels.size());
+  const auto one = [&](std::size_t i) { loop.margins.loops[i] = loop_margins(channels[i]); };
+  internal::in_parallel(channels.size(), internal::thread_count(0), [&] { return one; }, {});
   return loop;
 }
 

@@ -48,13 +48,14 @@ Aid aid_of(const SensorFaults& faults, int axes, double floor) {
           faults.scale.head(axes).mean()};
 }
 
-void require_aid(const Aid& aid, const std::string& name, const char* unit,
+void require_aid(const Aid& aid, const std::string& name, const char* unit, double dt,
                  const std::string& where) {
   require_positive(aid.variance, (name + ".variance").c_str(), unit, where);
   require_positive(aid.scale, (name + ".scale").c_str(), "", where);
-  if (!(aid.lag >= 0) || !std::isfinite(aid.lag))
+  if (!(aid.lag >= 0 && aid.lag <= kMostHistoryPeriods * dt * (1 + 1e-9)))
     throw InvalidInput(where,
-                       fmt::format("{}.lag is {} s, expected 0 or more and finite", name, aid.lag));
+                       fmt::format("{}.lag is {} s, expected 0 to {} control periods of {} s", name,
+                                   aid.lag, kMostHistoryPeriods, dt));
 }
 
 void require_inertial(const InertialAid& aid, const std::string& name, double dt,
@@ -156,7 +157,8 @@ void validate(const GeneralFilterSettings& settings, const std::string& where) {
   require_inertial(settings.accelerometer, "accelerometer", settings.dt, where);
   if (settings.flow) {
     const FlowAid& flow = *settings.flow;
-    require_aid({flow.lag, flow.variance, flow.scale.minCoeff()}, "flow", " rad2/s2", where);
+    require_aid({flow.lag, flow.variance, flow.scale.minCoeff()}, "flow", " rad2/s2", settings.dt,
+                where);
     require_positive(flow.scale.maxCoeff(), "flow.scale", "", where);
     require_positive(flow.least_height, "flow.least_height", " m", where);
     for (int i = 0; i < 2; ++i)
@@ -164,7 +166,7 @@ void validate(const GeneralFilterSettings& settings, const std::string& where) {
   }
   if (settings.range) {
     const RangeAid& range = *settings.range;
-    require_aid(range.aid, "range", " m2", where);
+    require_aid(range.aid, "range", " m2", settings.dt, where);
     if (!(range.least >= 0 && range.least < range.greatest))
       throw InvalidInput(where, fmt::format("range.least is {} m and range.greatest {} m, expected "
                                             "0 or more and the first to be smaller",
@@ -175,7 +177,7 @@ void validate(const GeneralFilterSettings& settings, const std::string& where) {
                                             range.least_cosine));
   }
   if (settings.pressure) {
-    require_aid(settings.pressure->aid, "pressure", " m2", where);
+    require_aid(settings.pressure->aid, "pressure", " m2", settings.dt, where);
     require_positive(settings.pressure->zero, "pressure.zero", " Pa", where);
     require_variance(settings.pressure->walk, "pressure.walk", " m/s^0.5", where);
     if (settings.pressure->fall >= 0 || std::isinf(settings.pressure->fall))
@@ -184,15 +186,17 @@ void validate(const GeneralFilterSettings& settings, const std::string& where) {
                                             settings.pressure->fall));
   }
   if (settings.heading) {
-    require_aid(settings.heading->aid, "heading", " rad2", where);
+    require_aid(settings.heading->aid, "heading", " rad2", settings.dt, where);
     if (!std::isfinite(settings.heading->declination))
       throw InvalidInput(where, fmt::format("heading.declination is {} rad, expected a finite "
                                             "number",
                                             settings.heading->declination));
   }
-  if (settings.gps_position) require_aid(*settings.gps_position, "gps_position", " m2", where);
-  if (settings.gps_velocity) require_aid(*settings.gps_velocity, "gps_velocity", " m2/s2", where);
-  if (settings.vision) require_aid(*settings.vision, "vision", " m2", where);
+  if (settings.gps_position)
+    require_aid(*settings.gps_position, "gps_position", " m2", settings.dt, where);
+  if (settings.gps_velocity)
+    require_aid(*settings.gps_velocity, "gps_velocity", " m2/s2", settings.dt, where);
+  if (settings.vision) require_aid(*settings.vision, "vision", " m2", settings.dt, where);
   const StartDeviations& s = settings.start;
   for (const auto& [value, name, unit] : {std::tuple(s.position, "start.position", " m"),
                                           {s.velocity, "start.velocity", " m/s"},

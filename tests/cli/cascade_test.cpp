@@ -3,13 +3,17 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "designed_mambo.hpp"
 #include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
 #include "sanitized.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -144,6 +148,60 @@ TEST(DesignOfACascade, FailsWhenTheCascadeDoesNotHoldTheVehicle) {
   EXPECT_THAT(lost.err, HasSubstr("the cascade does not hold the vehicle"));
   EXPECT_THAT(lost.out, HasSubstr("UNSTABLE"));
   EXPECT_THAT(lost.out, HasSubstr("verdict     fail"));
+}
+
+// Without a mission nobody flies it: its flown loop alone has to keep it from being written.
+TEST(DesignOfStateFeedback, IsRefusedWhereItsFlownLoopIsUnstable) {
+  const testing::TemporaryDirectory folder;
+  const auto design = [&](const std::string& R) {
+    return folder
+        .write("d.toml",
+               "name = \"d\"\nvehicle = \"crazyflie\"\n[lqr]\ninputs = \"wrench\"\n"
+               "Q = [25, 25, 8.2, 0.25, 0.25, 0.25, 16, 16, 16, 4, 4, 4]\nR = " +
+                   R + "\nmethod = \"sampled\"\ndt_s = 0.005\n[[export]]\nto = \"json\"\n")
+        .string();
+  };
+  const std::string out = (folder.path() / "out").string();
+  const ProgramResult refused = run_program({"design", design("[810, 3e4, 3e4, 1e7]"), "-o", out});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.err, HasSubstr("the flown loop is unstable, so nothing is written"));
+  EXPECT_THAT(refused.out, HasSubstr("closed loop largest |z| = 0.99"));
+  EXPECT_THAT(refused.out, HasSubstr("flown loop  state feedback: hover at 1.1 m"));
+  EXPECT_THAT(refused.out, HasSubstr("it would be stable with rotors without lag"));
+  EXPECT_FALSE(std::filesystem::exists(out));
+  const Json json =
+      Json::parse(run_program({"design", design("[810, 3e4, 3e4, 1e7]"), "--json"}).out);
+  EXPECT_EQ(json["verdict"], "fail");
+  EXPECT_EQ(json["flown"][0]["loop"]["stable"], false);
+  EXPECT_EQ(run_program({"design", design("[810, 3e4, 3e4, 1e7]"), "-o", out, "--force"}).status,
+            1);
+  EXPECT_TRUE(std::filesystem::exists(out + "/gains.json"));
+  // Stable, by a hair that the ideal plant does not show.
+  const ProgramResult weak = run_program({"design", design("[810, 1.3e5, 1.3e5, 1e7]")});
+  EXPECT_EQ(weak.status, 0) << weak.err;
+  EXPECT_THAT(weak.out, HasSubstr("flown loop: loop tau_x: phase margin 0."));
+  EXPECT_THAT(weak.out, HasSubstr("verdict     pass with warnings"));
+}
+
+// Unasked, a law does not get states that no sensor can tell it.
+TEST(Sensors, ThatFeedNoEstimatorAreRefused) {
+  const testing::TemporaryDirectory folder;
+  std::ostringstream whole;
+  whole << std::ifstream(testing::source_folder() + "/vehicles/mambo.toml").rdbuf();
+  std::string text = whole.str();
+  const std::size_t from = text.find("[sensors.barometer]");
+  ASSERT_NE(from, std::string::npos);
+  text.erase(from, text.find("# What the model project flies") - from);
+  const std::string blind = folder.write("blind.toml", text).string();
+  for (const char* verb : {"fly", "lqr"}) {
+    const ProgramResult refused = run_program({verb, blind});
+    EXPECT_EQ(refused.status, 3) << verb;
+    EXPECT_THAT(refused.err, HasSubstr(blind + ": the sensors feed no estimator: no optical flow"));
+  }
+  EXPECT_EQ(run_program({"fly", blind, "--estimator", "truth", "--duration", "5"}).status, 1);
+  const ProgramResult designed = run_program({"pid", blind});
+  EXPECT_EQ(designed.status, 0) << designed.err;
+  EXPECT_THAT(designed.err, HasSubstr("the gains are for true states"));
 }
 
 TEST(Comparison, HasEveryMethodAtThreePeriods) {

@@ -42,6 +42,30 @@ ExportContent dynamic_content() {
 
 Json json_of(const ExportContent& content) { return Json::parse(gains_json_text(content)); }
 
+/// Every sensor of the general filter, each number another one.
+StoredEstimator every_number() {
+  Sensors sensors = typical_sensors();
+  sensors.gps = GpsSensor();
+  sensors.gps->position.rate = 5;
+  sensors.gps->position.noise.setConstant(0.7);
+  sensors.gps->velocity_noise.setConstant(0.09);
+  sensors.vision = SensorFaults();
+  sensors.vision->rate = 30;
+  sensors.vision->noise.setConstant(0.011);
+  StoredEstimator estimator{"general",
+                            general_filter_settings(sensors, 0.004, 9.79, {17.0, 2.0, 44.0})};
+  GeneralFilterSettings& settings = *estimator.general;
+  settings.gyroscope.lag = 0.0031;
+  settings.gyroscope.scale = {1.01, 1.02, 1.03};
+  settings.accelerometer.walk = 1.0 / 3000;
+  settings.start.tilt = 0.0123;
+  settings.gate = 21;
+  settings.recovery_time = 1.7;
+  settings.lift_off_velocity = 0.061;
+  settings.jerk = 11;
+  return estimator;
+}
+
 TEST(DynamicGains, ReadBackAsWritten) {
   const TemporaryDirectory directory;
   const ExportContent content = dynamic_content();
@@ -84,6 +108,9 @@ TEST(DynamicGains, AreRefusedWithAPartMissing) {
   for (const char* part : {"lag_s", "K_lag", "past", "K_past"})
     refusal([&](Json& gains) { gains["memory"].erase(part); },
             "gains.json: gains.memory: has no \"" + std::string(part));
+  for (const char* part : {"position_error_m", "conditional_integration"})
+    refusal([&](Json& gains) { gains["limits"].erase(part); },
+            "gains.json: gains.limits: has no \"" + std::string(part));
   refusal([](Json& gains) { gains["axes"] = "north"; },
           "gains.axes: axes is 'north', expected world or heading");
   refusal([](Json& gains) { gains["memory"]["past"] = 1.5; },
@@ -95,6 +122,37 @@ TEST(DynamicGains, AreRefusedWithAPartMissing) {
           "limits.conditional_integration: is number, expected true or false");
   refusal([](Json& gains) { gains["limits"]["position_error_m"] = -1; },
           "the limit of the position error is -1 m, expected more than 0");
+}
+
+// What a reader would have to guess makes another law.
+TEST(DynamicGains, HaveAnEstimatorAndAWholeCascade) {
+  const TemporaryDirectory directory;
+  ExportContent content = dynamic_content();
+  content.cascade = testing::mambo_content().cascade;
+  ASSERT_TRUE(content.cascade);
+  content.estimator = every_number();
+  content.gains->dt = content.cascade->gains.dt = content.estimator->general->dt;
+  const Json whole = json_of(content);
+  const auto refusal = [&](auto&& change, const std::string& message) {
+    Json json = whole;
+    change(json);
+    const std::filesystem::path path = directory.write("gains.json", json.dump());
+    EXPECT_THAT([&] { (void)read_laws(path); }, ThrowsMessage<InvalidInput>(HasSubstr(message)))
+        << message;
+  };
+  for (const auto& [part, value] : whole["cascade"].items())
+    refusal([&, name = part](Json& json) { json["cascade"].erase(name); },
+            "gains.json: cascade: has no \"" + part);
+  refusal([](Json& json) { json.erase("estimator"); }, "gains.json: has no \"estimator");
+  refusal([](Json& json) { json["estimator"]["dt_s"] = 0.01; },
+          "estimator.dt_s: is 0.01 s, expected 0.004 s, the sample period of the law");
+  refusal([](Json& json) { json["estimator"]["flow"]["lag_s"] = 0.2; },
+          "flow.lag is 0.2 s, expected 0 to 40 control periods of 0.004 s");
+  // True states are no estimator, which is said.
+  content.estimator.reset();
+  const Json truth = json_of(content);
+  EXPECT_TRUE(truth["estimator"].is_null());
+  EXPECT_FALSE(read_laws(directory.write("gains.json", truth.dump())).estimator);
 }
 
 // A program that holds a matrix on the states flies another law.
@@ -123,34 +181,11 @@ TEST(DynamicGains, AreRefusedInAFileOfVersionOne) {
   }
 }
 
-/// Every sensor of the general filter, each number another one.
-StoredEstimator every_number() {
-  Sensors sensors = typical_sensors();
-  sensors.gps = GpsSensor();
-  sensors.gps->position.rate = 5;
-  sensors.gps->position.noise.setConstant(0.7);
-  sensors.gps->velocity_noise.setConstant(0.09);
-  sensors.vision = SensorFaults();
-  sensors.vision->rate = 30;
-  sensors.vision->noise.setConstant(0.011);
-  StoredEstimator estimator{"general",
-                            general_filter_settings(sensors, 0.004, 9.79, {17.0, 2.0, 44.0})};
-  GeneralFilterSettings& settings = *estimator.general;
-  settings.gyroscope.lag = 0.0031;
-  settings.gyroscope.scale = {1.01, 1.02, 1.03};
-  settings.accelerometer.walk = 1.0 / 3000;
-  settings.start.tilt = 0.0123;
-  settings.gate = 21;
-  settings.recovery_time = 1.7;
-  settings.lift_off_velocity = 0.061;
-  settings.jerk = 11;
-  return estimator;
-}
-
 TEST(StoredEstimator, ReadsBackAsWritten) {
   const TemporaryDirectory directory;
   ExportContent content = testing::mambo_content();
   content.estimator = every_number();
+  content.gains->dt = content.estimator->general->dt;
   ASSERT_TRUE(content.estimator->general->flow && content.estimator->general->range &&
               content.estimator->general->pressure && content.estimator->general->heading &&
               content.estimator->general->gps_position && content.estimator->general->vision);

@@ -14,6 +14,7 @@
 #include "quadtune/discretize/delay.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/frequency_response.hpp"
+#include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/linearize/linearize.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/synthesis/lqr.hpp"
@@ -245,6 +246,28 @@ TEST(FlownPlant, KeepsSlowFixesThatAreNeeded) {
   bare.sensors.sonar.reset();
   bare.sensors.barometer.reset();
   EXPECT_EQ(period(bare, 1.1) % 200, 0U);
+}
+
+// Clocks of 30 and 60 Hz, whose instants carry rounding.
+TEST(FlownPlant, HasTheSameBitsByOneThreadAndByMany) {
+  const Vehicle vehicle = load_vehicle("crazyflie");
+  FlightSetup setup = flight(vehicle, EstimatorKind::general, 0.005);
+  FlownPlantOptions options;
+  options.dt = 0.005;
+  options.command_delay = 0.0017;
+  options.noise = true;
+  std::vector<FlownPlant> plants(4);
+  for (const std::size_t threads : {1, 4}) {
+    // Within shared work a plant is assembled by the one thread that asks for it.
+    const auto one = [&](std::size_t i) { plants[i] = flown_plant(setup, options); };
+    internal::in_parallel(threads == 1 ? 1 : 3, threads, [&] { return one; }, {});
+    if (threads == 1) plants[3] = plants[0];
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(plants[i].plant.A, plants[3].plant.A);
+    EXPECT_EQ(plants[i].plant.B, plants[3].plant.B);
+    EXPECT_EQ(plants[i].noise, plants[3].noise);
+  }
 }
 
 TEST(FlownPlant, SaysWhatGroundEffectItLeavesOut) {

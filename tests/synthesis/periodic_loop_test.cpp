@@ -228,6 +228,39 @@ TEST(Channel, ClosesTheOthers) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_LT((all[k] - last[k]).norm(), 1e-14);
 }
 
+// Two loops side by side: each is as it is alone, also while the other is unstable.
+TEST(OwnChannels, LeaveOutWhatDoesNotKnowOfThem) {
+  std::mt19937 random(8);
+  const PeriodicLti a = random_plant(random, 3, 4, 1);
+  PeriodicLti b = random_plant(random, 3, 3, 1);
+  for (MatrixXd& A : b.A) A *= 4;
+  PeriodicLti both;
+  both.dt = a.dt;
+  for (std::size_t k = 0; k < 3; ++k) {
+    MatrixXd A = MatrixXd::Zero(7, 7), B = MatrixXd::Zero(7, 2);
+    A.topLeftCorner(4, 4) = a.A[k];
+    A.bottomRightCorner(3, 3) = b.A[k];
+    B.topLeftCorner(4, 1) = a.B[k];
+    B.bottomRightCorner(3, 1) = b.B[k];
+    both.A.push_back(A);
+    both.B.push_back(B);
+  }
+  both.C = MatrixXd::Zero(2, 7);
+  both.C.topLeftCorner(1, 4) = a.C;
+  both.C.bottomRightCorner(1, 3) = b.C;
+  const std::vector<PeriodicLti> own = own_channels(both);
+  ASSERT_EQ(own.size(), 2);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(own[0].A[k], a.A[k]);
+    EXPECT_EQ(own[0].B[k], a.B[k]);
+    EXPECT_EQ(own[1].A[k], b.A[k]);
+  }
+  EXPECT_EQ(own[0].C, a.C);
+  // Coupled, each has all states.
+  both.A[1](5, 2) = 0.1;
+  for (const PeriodicLti& channel : own_channels(both)) EXPECT_EQ(channel.C.cols(), 7);
+}
+
 TEST(LargestMode, NamesTheStatesThatMoveMost) {
   const MatrixXd A = (MatrixXd(3, 3) << 0.99, 0, 0, 0, 0.5, 0, 0, 0, 0.2).finished();
   const NamedMode mode =

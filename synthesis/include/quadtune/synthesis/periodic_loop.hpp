@@ -56,6 +56,10 @@ void validate(const PeriodicLti& plant, const std::string& where);
 /// @param loop  under negative feedback, as many inputs as outputs
 [[nodiscard]] PeriodicLti channel(const PeriodicLti& loop, Eigen::Index index);
 
+/// Each channel of a loop with the states that know of it while all channels are closed: what the
+/// others do beside it is not in its stability.
+[[nodiscard]] std::vector<PeriodicLti> own_channels(const PeriodicLti& loop);
+
 /// The matrices of the closed loop, A[k] - B[k] C.
 [[nodiscard]] std::vector<Eigen::MatrixXd> closed(const PeriodicLti& loop);
 

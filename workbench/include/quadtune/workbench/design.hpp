@@ -21,6 +21,7 @@
 #include "quadtune/synthesis/state_feedback.hpp"
 #include "quadtune/workbench/cascade_report.hpp"
 #include "quadtune/workbench/chosen_law.hpp"
+#include "quadtune/workbench/flown_check.hpp"
 #include "quadtune/workbench/fly.hpp"
 #include "quadtune/workbench/lqi_report.hpp"
 #include "quadtune/workbench/margins_report.hpp"
@@ -66,6 +67,9 @@ struct DesignOutcome {
   std::optional<CascadeReport> cascade;
   std::vector<DesignedFilter> filters;
   std::optional<PublishedDifference> published;
+  /// The loops of its laws with rotor lag, sensors and estimator. Of a state feedback for the ideal
+  /// plant with margins.
+  std::vector<FlownLaw> flown;
   /// Of the missions that the design asks for, worst_of() its seeds each.
   std::vector<FlownFlight> flights;
   /// The same missions with a gust and with a load, see fly_disturbed().
@@ -116,7 +120,7 @@ struct DesignRequirements {
 /// @throws NoSolution  with the culprit of the trim, the LQR problem or a loop.
 [[nodiscard]] DesignOutcome solve_laws(Design design);
 
-/// Likewise with the filters.
+/// Likewise with the filters and the flown loops.
 /// @throws NoSolution  with the culprit of the trim, the LQR problem or a filter.
 [[nodiscard]] DesignOutcome run_design(Design design);
 
@@ -152,6 +156,9 @@ struct DesignRequirements {
 [[nodiscard]] std::vector<FlownFlight> fly_disturbed(const DesignOutcome& outcome,
                                                      std::uint64_t seed,
                                                      const std::function<bool()>& stop = {});
+
+/// Whether the flown loop of every law is stable.
+[[nodiscard]] bool laws_hold(const DesignOutcome& outcome);
 
 /// Whether every mission passed, disturbed ones included.
 [[nodiscard]] bool missions_passed(const DesignOutcome& outcome);

@@ -55,6 +55,9 @@ void require_flight_words(const FlightOptions& options);
 [[nodiscard]] PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
                                         const Mission& mission, const ChosenLaw& law);
 
+/// Why a vehicle's own sensors feed no estimator, in words; empty: they feed one.
+[[nodiscard]] std::string why_no_estimator(const Vehicle& vehicle);
+
 /// The estimator of a flight of the vehicle with its own sensors, with its numbers.
 /// @param name  as FlightOptions::estimator; empty: by the sensors
 /// @param dt    control period [s]

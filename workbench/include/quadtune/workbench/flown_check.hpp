@@ -13,25 +13,38 @@
 #include "quadtune/linearize/linearize.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/workbench/flight_plan.hpp"
+#include "quadtune/workbench/flown_loop.hpp"
 
 namespace quadtune {
 
-/// Analyses the flown loop of each law about a hover at 1.1 m, with the sensors of the vehicle and
-/// the estimator that they feed. The detail of a check names the mode of the largest |z|, and of an
-/// unstable loop which changes would stabilize it.
-///
-/// @param gains    no check unless has_flown_loop(), or for gains without a sample period
-/// @param cascade  a PID cascade
-/// @param estimator  that the laws were designed with; none: by the convention of the gains
-/// @return         one check for each law. A law that cannot be analysed gives a failed check with
-///                 the reason.
-/// @throws NoSolution  if the vehicle cannot fly the trim of the gains
-[[nodiscard]] std::vector<VerifyCheck> check_flown_loops(
-    const Vehicle& vehicle, const std::optional<Gains>& gains,
-    const std::optional<CascadeDesign>& cascade,
-    const std::optional<StoredEstimator>& estimator = {});
+/// The flown loop of one law.
+struct FlownLaw {
+  std::string name;               ///< "state feedback" or "PID cascade"
+  std::optional<FlownLoop> loop;  ///< none if it cannot be analysed
+  std::string problem;            ///< of an unstable loop which changes would stabilize it, or why
+                                  ///< it cannot be analysed; empty: none
 
-/// A hover under an exported law, as check_flown_loops() analyses it.
+  [[nodiscard]] bool holds() const { return loop && !loop->grows(); }
+};
+
+/// Analyses the flown loop of each law about a hover at 1.1 m, with the sensors of the vehicle and
+/// the estimator that they feed.
+///
+/// @param gains      none unless has_flown_loop(), nor for gains without a sample period
+/// @param cascade    a PID cascade
+/// @param estimator  that the laws were designed with; none: by the convention of the gains
+/// @param margins    whether margins of the state feedback's loops are computed
+/// @throws NoSolution  if the vehicle cannot fly the trim of the gains
+[[nodiscard]] std::vector<FlownLaw> flown_laws(const Vehicle& vehicle,
+                                               const std::optional<Gains>& gains,
+                                               const std::optional<CascadeDesign>& cascade,
+                                               const std::optional<StoredEstimator>& estimator = {},
+                                               bool margins = false);
+
+/// One check for each law: the detail names the mode of the largest |z|, and the problem.
+[[nodiscard]] std::vector<VerifyCheck> checks_of(const std::vector<FlownLaw>& laws);
+
+/// A hover under an exported law, as flown_laws() analyses it.
 /// @param stored      estimator that the law was designed with
 /// @param convention  of the gains; without a stored estimator it chooses that of its flight
 /// program;
