@@ -305,15 +305,15 @@ Json cascade_to_json(const CascadeDesign& cascade) {
   json["conditional_integration"] = cascade.conditional_integration;
   json["loops"] = Json::array();
   for (const PidLoop& loop : cascade.gains.loops) {
-    const auto number = [&](const char* key, double value) {
+    const auto gain = [&](const char* key, double value) {
       return number_to_json(value, "cascade." + loop.name + "." + key);
     };
     json["loops"].push_back({{"name", loop.name},
                              {"output", loop.output},
                              {"unit", loop.unit},
-                             {"Kp", number("Kp", loop.Kp)},
-                             {"Ki", number("Ki", loop.Ki)},
-                             {"Kd", number("Kd", loop.Kd)}});
+                             {"Kp", gain("Kp", loop.Kp)},
+                             {"Ki", gain("Ki", loop.Ki)},
+                             {"Kd", gain("Kd", loop.Kd)}});
   }
   return json;
 }
@@ -326,7 +326,8 @@ CascadeDesign cascade_from_json(const Json& json, const std::string& where, int 
     return !json.contains(key);
   };
   const auto number = [&](const char* key, double if_absent, bool zero) {
-    if (absent(key) || json[key].is_null()) return if_absent;
+    const bool unlimited = std::isinf(if_absent);
+    if (absent(key) || (unlimited && json[key].is_null())) return if_absent;
     const std::string here = where + "." + key;
     const double value = internal::number_from_json(json[key], here);
     if (value < 0 || (value == 0 && !zero))

@@ -939,7 +939,7 @@ TEST(GeneralFilter, RefusesWhatCannotRun) {
   refusal([](auto& s) { s.start.tilt = -1; },
           "start.tilt is -1 rad, expected 0 or more and finite");
   refusal([](auto& s) { s.vision->lag = -0.1; },
-          "vision.lag is -0.1 s, expected 0 or more and finite");
+          "vision.lag is -0.1 s, expected 0 to 40 control periods of 0.005 s");
 }
 
 }  // namespace
