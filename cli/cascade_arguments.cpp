@@ -148,9 +148,9 @@ CascadeSpecification cascade_specification(const CLI::App& app, const CascadeArg
     }
   }();
   if (came("--motor-lag")) {
-    if (arguments.motor_lag < 0)
-      throw UsageError(fmt::format("quadtune pid: --motor-lag is {} s, expected 0 or more",
-                                   number(arguments.motor_lag)),
+    if (arguments.motor_lag < 0 || arguments.motor_lag > kLongestLag)
+      throw UsageError(fmt::format("quadtune pid: --motor-lag is {} s, expected 0 to {} s",
+                                   number(arguments.motor_lag), number(kLongestLag)),
                        "--motor-lag");
     specification.lag = arguments.motor_lag;
   }

@@ -108,6 +108,10 @@ VehicleUncertainty uncertainty_of(const Options& options, const Vehicle& vehicle
                   [&](const Rotor& rotor) { return slower_lag(rotor) != own; }))
     throw InvalidInput(vehicle.name,
                        "the rotors have different lags, expected --lag LOW:HIGH for all");
+  if (u.lag.high > kLongestLag)
+    throw UsageError(fmt::format("quadtune certify: --lag is up to {} s, expected at most {} s",
+                                 number(u.lag.high), number(kLongestLag)),
+                     "--lag");
   return u;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/model/vehicle.hpp"
 
 namespace quadtune::internal {
 namespace {
@@ -64,7 +65,8 @@ CascadeSpecification read_cascade_specification(const TomlTable& table, double d
   if (table.has("integrator"))
     specification.method = pid_method(table.text("integrator"), table.where("integrator"));
   if (table.has("motor_lag_s"))
-    specification.lag = table.number("motor_lag_s", Range::not_negative());
+    specification.lag =
+        table.number("motor_lag_s", {0, Range::Bound::closed, kLongestLag, Range::Bound::closed});
   const Range delays = {0, Range::Bound::closed, kMostDelaySamples * dt, Range::Bound::closed};
   each_number(table, "sensor_delay_s", delays,
               [&](CascadeAxis axis, double delay) { specification.delay[index_of(axis)] = delay; });

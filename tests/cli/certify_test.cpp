@@ -205,6 +205,8 @@ TEST_F(CertifyTest, RefusesBadBoxes) {
   EXPECT_THAT(refused({out, "--delay", "-0.1:0"}, 2), HasSubstr("--delay is '-0.1:0'"));
   EXPECT_THAT(refused({out, "--delay", "0:1"}, 2), HasSubstr("at most 40 periods of 0.01 s"));
   EXPECT_THAT(refused({out, "--lag", "0:0.1"}, 2), HasSubstr("--lag is '0:0.1'"));
+  EXPECT_THAT(refused({out, "--lag", "0.1:1.5"}, 2),
+              HasSubstr("--lag is up to 1.5 s, expected at most 1 s"));
   EXPECT_THAT(refused({out, "--controller", "pdi"}, 2), HasSubstr("--controller is 'pdi'"));
   EXPECT_THAT(refused({out, "--budget", "0"}, 2), HasSubstr("--budget"));
   EXPECT_THAT(refused({out, "--plant", "real"}, 2), HasSubstr("--plant is 'real'"));
