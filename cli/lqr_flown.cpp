@@ -189,6 +189,7 @@ Json to_json(const LqiReport& report, const Vehicle& vehicle) {
           ? internal::vector_to_json(design.weights.R_change.diagonal(), "R_change")
           : Json();
   weights["softened"] = design.softened;
+  weights["lowered"] = design.lowered;
   weights["margins_met"] = design.met;
   json["poles"] = internal::poles_to_json(design.lqi.riccati.poles, "poles");
   json["residual"] = internal::number_to_json(design.lqi.riccati.residual, "residual");

@@ -68,13 +68,14 @@ class Softening {
         past_(past) {}
 
   /// The first design with its margins, or else the one with the largest share of them.
-  FlownLqi run(int doublings) {
+  /// @param lower  the weights of positions, rather than raise those of commands
+  FlownLqi run(int steps, bool lower) {
     FlownLqi best;
     double most = -1;
-    std::array<double, 4> softened{1, 1, 1, 1};
-    for (int i = 0; i <= doublings; ++i) {
+    std::array<double, 4> factors{1, 1, 1, 1};
+    for (int i = 0; i <= steps; ++i) {
       FlownLqi result;
-      result.softened = softened;
+      (lower ? result.lowered : result.softened) = factors;
       design(result);
       const std::array<double, 4> shares = judge(result);
       const double share = *std::min_element(shares.begin(), shares.end());
@@ -86,7 +87,7 @@ class Softening {
       }
       if (best.met) break;
       for (std::size_t axis = 0; axis < shares.size(); ++axis)
-        if (shares[axis] < 1) softened[axis] *= 2;
+        if (shares[axis] < 1) factors[axis] *= lower ? 4 : 2;
     }
     return best;
   }
@@ -97,6 +98,13 @@ class Softening {
     for (std::size_t axis = 0; axis < result.softened.size(); ++axis) {
       const Index input = wrench_of(kFlownAxes[axis]);
       result.weights.R(input, input) *= result.softened[axis];
+      const Index position = states_of(kFlownAxes[axis]).front();
+      result.weights.Q(position, position) /= result.lowered[axis];
+      const std::string& name = ned_convention().states[static_cast<std::size_t>(position)].name;
+      for (std::size_t i = 0; i < options_.integrals.size(); ++i)
+        if (options_.integrals[i] == name)
+          result.weights.Q_integral(static_cast<Index>(i), static_cast<Index>(i)) /=
+              result.lowered[axis];
     }
     ActuatorLqiOptions options;
     options.dt = options_.dt;
@@ -177,6 +185,7 @@ class Softening {
 double total(const FlownLqi& design) {
   double product = 1;
   for (const double factor : design.softened) product *= factor;
+  for (const double factor : design.lowered) product *= factor;
   return product;
 }
 
@@ -248,14 +257,16 @@ FlownLqi flown_lqi(const Vehicle& vehicle, const FlownLqiOptions& options) {
     for (const int more : {0, 1, 2, 4})
       lengths.emplace_back(vehicle, options, family,
                            std::clamp(late + more, options.least_past, kMostPastCommands));
-  for (const int doublings : {0, 5}) {
-    if (doublings > 0 && options.weights) break;
+  const auto attempt = [&](int steps, bool lower) {
     for (Softening& length : lengths) {
-      if (best.met && total(best) <= 1) break;
-      FlownLqi other = length.run(doublings);
+      if (best.met && total(best) <= 1) return;
+      FlownLqi other = length.run(steps, lower);
       if (better(other, best)) best = std::move(other);
     }
-  }
+  };
+  attempt(0, false);
+  if (!options.weights) attempt(5, false);
+  if (!options.weights && !best.met) attempt(3, true);
   set_margins(best, vehicle, options, family);
   best.family = family;
   for (std::size_t axis = 0; axis < best.softened.size(); ++axis)
@@ -264,6 +275,15 @@ FlownLqi flown_lqi(const Vehicle& vehicle, const FlownLqiOptions& options) {
           "the weight of {} was raised {:g} times for the margins of the flown loop",
           ned_convention().wrench[static_cast<std::size_t>(wrench_of(kFlownAxes[axis]))].name,
           best.softened[axis]));
+  for (std::size_t axis = 0; axis < best.lowered.size(); ++axis)
+    if (best.lowered[axis] > 1)
+      best.notes.push_back(fmt::format(
+          "the weights of {} and its integral were lowered {:g} times for the margins of the flown "
+          "loop",
+          ned_convention()
+              .states[static_cast<std::size_t>(states_of(kFlownAxes[axis]).front())]
+              .name,
+          best.lowered[axis]));
   if (!best.met)
     best.notes.push_back(fmt::format(
         "not every channel has {:.0f} deg of phase margin, {:.1f} dB of gain margin and a disk "

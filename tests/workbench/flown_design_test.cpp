@@ -16,6 +16,7 @@
 #include "quadtune/workbench/flown_loop.hpp"
 #include "quadtune/workbench/flown_lqi.hpp"
 #include "sanitized.hpp"
+#include "source_folder.hpp"
 
 namespace quadtune {
 namespace {
@@ -128,6 +129,26 @@ TEST(FlownFamily, VariesBothLags) {
   ASSERT_EQ(two.size(), one.size());
   for (std::size_t i = 0; i < two.size(); ++i)
     EXPECT_EQ(poles(two[i])[0], poles(one[i])[0]) << two[i].name;
+}
+
+/// Rotors of 60 ms and more: a weaker inner loop does not help, a slower outer one does.
+TEST(FlownLqi, LowersTheWeightsOfPositionsForSlowRotors) {
+  if (testing::kSanitized) GTEST_SKIP() << "takes a minute; FlownDesign runs the same code";
+  const Vehicle hexa = load_vehicle(testing::source_folder() + "/vehicles/hexa-550.toml");
+  const FlownLqi design = flown_lqi(hexa);
+  EXPECT_TRUE(design.met);
+  EXPECT_EQ(design.softened, (std::array<double, 4>{1, 1, 1, 1}));
+  EXPECT_EQ(design.lowered, (std::array<double, 4>{4, 4, 1, 1}));
+  const ActuatorLqiWeights usual = lqi_weights(standard_axes(hexa), standard_integrals());
+  for (const Eigen::Index i : {0, 1}) {
+    EXPECT_EQ(design.weights.Q(i, i), usual.Q(i, i) / 4);
+    EXPECT_EQ(design.weights.Q_integral(i, i), usual.Q_integral(i, i) / 4);
+  }
+  EXPECT_EQ(design.weights.Q(2, 2), usual.Q(2, 2));
+  ASSERT_EQ(design.notes.size(), 2);
+  EXPECT_EQ(design.notes[0],
+            "the weights of px and its integral were lowered 4 times for the margins of the flown "
+            "loop");
 }
 
 /// A law predicts by the delay of the commands as by that of the gyroscope.

@@ -44,6 +44,8 @@ struct FlownLqi {
   ActuatorLqi lqi;
   ActuatorLqiWeights weights;                  ///< as softened
   std::array<double, 4> softened{1, 1, 1, 1};  ///< factors on R, in the order of kFlownAxes
+  /// Divisors of the weights of px, py, pz and yaw and of their integrals, in the same order.
+  std::array<double, 4> lowered{1, 1, 1, 1};
   std::vector<FlownFamilyMember> family;
   /// Of each group of axes (rows, in the order of kFlownAxes) at each member of the family.
   std::array<std::vector<LoopMargins>, 4> margins;
@@ -65,7 +67,9 @@ struct FlownLqi {
 
 /// Designs LQI gains with the memory of their actuators for the wrench. Unless weights are given,
 /// the control weight of a group of axes is doubled, five times at most, until its margins are met
-/// and every member of the family is stable; if they cannot be met the result is the design that
+/// and every member of the family is stable. Where that does not do, the weights of its position
+/// and of the integral are divided by 4 instead, three times at most: a slow rotor needs a slower
+/// outer loop, not a weaker inner one. If the margins cannot be met the result is the design that
 /// comes nearest.
 /// @throws InvalidInput  as flown_family() and actuator_lqi()
 /// @throws NoSolution    if the Riccati equation has no solution, with the culprit
