@@ -293,14 +293,16 @@ Json cascade_to_json(const CascadeDesign& cascade) {
   Json json;
   json["dt_s"] = number_to_json(cascade.gains.dt, "cascade.dt");
   json["integrator"] = to_string(cascade.method);
-  const auto add = [&](const char* key, double value) {  // null: no limit
-    json[key] =
-        std::isinf(value) ? Json(nullptr) : number_to_json(value, std::string("cascade.") + key);
+  const auto number = [](const char* key, double value) {
+    return number_to_json(value, std::string("cascade.") + key);
   };
-  add("attitude_limit_rad", cascade.attitude_limit);
-  add("integrator_limit", cascade.integrator_limit);
-  add("back_calculation_per_s", cascade.back_calculation);
-  add("takeoff_time_s", cascade.takeoff_time);
+  const auto limit = [&](const char* key, double value) {  // null: no limit
+    json[key] = std::isinf(value) ? Json(nullptr) : number(key, value);
+  };
+  limit("attitude_limit_rad", cascade.attitude_limit);
+  limit("integrator_limit", cascade.integrator_limit);
+  json["back_calculation_per_s"] = number("back_calculation_per_s", cascade.back_calculation);
+  json["takeoff_time_s"] = number("takeoff_time_s", cascade.takeoff_time);
   json["velocity_feed_forward"] = cascade.velocity_feed_forward;
   json["conditional_integration"] = cascade.conditional_integration;
   json["loops"] = Json::array();

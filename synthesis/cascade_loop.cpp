@@ -118,7 +118,7 @@ StepOfLoad follow_load(const CascadePlant& loop) {
   MatrixXd rows = MatrixXd::Zero(kBlock, n + 1);
   rows.row(0).head(n) = loop.C.row(0);
   rows.row(0) = (rows.row(0) * M).eval();
-  // Of rows 1 … m and M^m those of m + 1 … 2m.
+  // Doubling: rows m + 1 … 2m are the rows 1 … m times M^m.
   for (Index m = 1; m < kBlock; m *= 2) {
     rows.middleRows(m, m) = rows.topRows(m) * M;
     M = (M * M).eval();

@@ -295,7 +295,7 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
     if (setup.real_sensors && !why.empty())
       throw InvalidInput(
           vehicle.file.empty() ? vehicle.name : vehicle.file.string(),
-          why + "; expected such a sensor, or true states by name (estimator truth)");
+          why + "; expected such a sensor, or the estimator 'truth', which is the true state");
     flight.notes.push_back(fmt::format(
         "the sensors of '{}' feed no estimator: the law has the true state", vehicle.name));
   }

@@ -133,7 +133,7 @@ TEST(FlownFamily, VariesBothLags) {
 
 /// Rotors of 60 ms and more: a weaker inner loop does not help, a slower outer one does.
 TEST(FlownLqi, LowersTheWeightsOfPositionsForSlowRotors) {
-  if (testing::kSanitized) GTEST_SKIP() << "takes a minute; FlownDesign runs the same code";
+  if (testing::kSanitized) GTEST_SKIP() << "some twenty designs, a minute each with sanitizers";
   const Vehicle hexa = load_vehicle(testing::source_folder() + "/vehicles/hexa-550.toml");
   const FlownLqi design = flown_lqi(hexa);
   EXPECT_TRUE(design.met);

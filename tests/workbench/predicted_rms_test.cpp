@@ -172,7 +172,7 @@ TEST_P(Predicted, IsWhatFlightsShow) {
 INSTANTIATE_TEST_SUITE_P(Vehicles, Predicted,
                          ::testing::Values("crazyflie", "rolling-spider", "mambo", "uquad"));
 
-/// Of small noise all states, also those that products of others move.
+/// With small noise the prediction holds for every state, also where second-order terms matter.
 TEST(PredictedRms, IsThatOfSmallNoise) {
   if (testing::kSanitized) GTEST_SKIP() << "minutes of flights";
   const Vehicle vehicle = without_omitted_errors("uquad");

@@ -13,8 +13,8 @@ namespace quadtune::internal {
 /// One thread's worker: does the part of the given number.
 using PartWorker = std::function<void(std::size_t part)>;
 
-/// Does parts 0 … parts - 1, each once and by one thread, in no certain order. Called from a part
-/// of such work that has several threads, it does them all on the calling thread.
+/// Does parts 0 … parts - 1, each once, in no certain order. When the caller is itself one of
+/// several threads of such work, that thread does all parts alone, so that threads do not multiply.
 ///
 /// @param make_worker  called once on each thread, before its first part
 /// @param interrupted  asked before each part, by any thread; true abandons the work. May be empty.

@@ -56,8 +56,8 @@ void validate(const PeriodicLti& plant, const std::string& where);
 /// @param loop  under negative feedback, as many inputs as outputs
 [[nodiscard]] PeriodicLti channel(const PeriodicLti& loop, Eigen::Index index);
 
-/// Each channel of a loop with the states that know of it while all channels are closed: what the
-/// others do beside it is not in its stability.
+/// Each channel of a loop, reduced to the states that are coupled to it when all channels are
+/// closed. An instability of states that are not coupled to a channel does not affect its margins.
 [[nodiscard]] std::vector<PeriodicLti> own_channels(const PeriodicLti& loop);
 
 /// The matrices of the closed loop, A[k] - B[k] C.
