@@ -11,6 +11,7 @@
 #include "export_report.hpp"
 #include "flown_report.hpp"
 #include "lqr_flown.hpp"
+#include "lqr_matrix.hpp"
 #include "margins_report.hpp"
 #include "print.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -30,6 +31,7 @@ double thrust_to_weight(const Vehicle& vehicle) {
 
 Json lqr_json(const DesignOutcome& outcome) {
   if (outcome.lqi) return to_json(*outcome.lqi, outcome.design.vehicle);
+  if (outcome.matrix) return to_json(*outcome.matrix, outcome.design.vehicle);
   const RiccatiResult& riccati = outcome.feedback->riccati;
   const Gains& gains = *outcome.gains;
   return {{"status", to_string(riccati.status)},
@@ -153,6 +155,7 @@ std::string estimator_text(const EstimatorDesign& estimator) {
 
 std::string feedback_text(const DesignOutcome& outcome) {
   if (outcome.lqi) return to_text(*outcome.lqi);
+  if (outcome.matrix) return to_text(*outcome.matrix);
   const Gains& gains = *outcome.gains;
   const std::vector<std::string> inputs = signal_names(gains.inputs);
   std::string text = section("problem", problem_text(outcome));
@@ -188,12 +191,19 @@ std::string flown_text(const FlownLaw& law) {
   return text;
 }
 
+/// Whether the design of the gains was on the flown plant and its report has shown this loop.
+bool told_with_the_gains(const DesignOutcome& outcome, const FlownLaw& law) {
+  return (outcome.lqi || outcome.matrix) && law.name == "state feedback" && law.problem.empty();
+}
+
 std::vector<std::string> design_warnings(const DesignOutcome& outcome) {
   std::vector<std::string> warnings;
   if (outcome.feedback && !outcome.feedback->riccati.warning.empty())
     warnings.push_back("lqr: " + outcome.feedback->riccati.warning);
   if (outcome.lqi)
     for (const std::string& note : outcome.lqi->design.notes) warnings.push_back("lqr: " + note);
+  if (outcome.matrix)
+    for (const std::string& note : outcome.matrix->design.notes) warnings.push_back("lqr: " + note);
   if (outcome.margins)
     for (const std::string& warning : margin_warnings(*outcome.margins))
       warnings.push_back(warning);
@@ -288,7 +298,8 @@ std::string design_text(const DesignOutcome& outcome, const std::vector<WrittenE
   for (const DesignedFilter& filter : outcome.filters)
     text += section("filter", filter_text(filter));
   if (design.estimator) text += section("estimator", estimator_text(*design.estimator));
-  for (const FlownLaw& law : outcome.flown) text += flown_text(law);
+  for (const FlownLaw& law : outcome.flown)
+    if (!told_with_the_gains(outcome, law)) text += flown_text(law);
   if (!outcome.flights.empty()) text += section("missions", missions_text(outcome));
   for (const WrittenExport& one : written) text += section("written", written_text(one));
   for (const std::string& warning : design_warnings(outcome)) text += section("warning", warning);

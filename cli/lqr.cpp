@@ -16,6 +16,7 @@
 #include "given_gains.hpp"
 #include "lqr_arguments.hpp"
 #include "lqr_flown.hpp"
+#include "lqr_matrix.hpp"
 #include "lqr_schedule.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
@@ -43,6 +44,7 @@ struct Options {
   std::string schedule;
   std::string evidence;
   std::string plant;  // "flown", "ideal"; empty: by the other options
+  std::string structure;  // of the flown plant: "dynamic", "matrix"; empty: dynamic
   FlownLqrArguments flown;
 };
 
@@ -223,13 +225,38 @@ constexpr const char* kIdealOptions[] = {"--at",       "--speed",  "--climb",   
                                          "--yaw-rate", "--yaw",    "--convention", "--inputs",
                                          "--states",   "--method", "--schedule",   "--evidence"};
 
+/// Options of a law of the flown plant that remembers its commands.
+constexpr const char* kDynamicOptions[] = {"--change", "--past", "--integral"};
+
+/// Whether --structure asks for a matrix alone.
+bool asks_for_matrix(const std::string& structure, const CLI::App& app) {
+  const std::vector<std::string> known = {"dynamic", "matrix"};
+  if (structure.empty() || structure == "dynamic") return false;
+  if (structure != "matrix")
+    throw UsageError(fmt::format("quadtune lqr: --structure is '{}', expected dynamic or matrix{}",
+                                 internal::printable(structure),
+                                 internal::did_you_mean(structure, known)),
+                     "--structure");
+  for (const char* name : kDynamicOptions)
+    if (app.get_option(name)->count() > 0)
+      throw UsageError(fmt::format("quadtune lqr: {} came with --structure matrix, expected none "
+                                   "because that law integrates px,py,pz,yaw and does not "
+                                   "remember its commands",
+                                   name),
+                       name);
+  return true;
+}
+
 /// Whether the design is on the plant that flies, as --plant says, or where it is silent the other
 /// options.
 /// @param implied_by  becomes the option of the ideal plant that decided, where --plant is silent
 bool on_flown_plant(const Options& options, const CLI::App& app, std::string& implied_by) {
+  const bool matrix = asks_for_matrix(options.structure, app);
   std::string of_ideal;
-  for (const char* name : kIdealOptions)
-    if (of_ideal.empty() && app.get_option(name)->count() > 0) of_ideal = name;
+  for (const std::string name : kIdealOptions)
+    if (of_ideal.empty() && app.get_option(name)->count() > 0 &&
+        !(matrix && (name == "--convention" || name == "--inputs")))
+      of_ideal = name;
   const std::string of_flown =
       options.flown.given.empty() ? std::string() : *options.flown.given.begin();
   const bool flown =
@@ -303,6 +330,12 @@ Verb lqr_verb() {
                        "from --at to --states, --method, --schedule and --evidence imply")
             ->type_name("NAME");
         add_flown_lqr_options(app, options->flown);
+        app.add_option("--structure", options->structure,
+                       "flown plant: dynamic (default) remembers past commands and the rotors' "
+                       "lag; matrix is one on 12 states and one on 4 integrals, for programs that "
+                       "hold no more (K*.txt, controllerVars.m), in the words of --convention and "
+                       "--inputs")
+            ->type_name("NAME");
         app.add_option("--schedule", options->schedule,
                        "with V: gains over a grid, e.g. \"speed=0:0.5:10, yaw_rate=-2:1:2\" "
                        "(first:step:last); also climb, and mass and density as ratios")
@@ -325,9 +358,14 @@ Verb lqr_verb() {
             refuse_options(*owner, {"--N", "--continuous", "--discrete", "--sampled"},
                            "belongs to matrices, expected --method and --dt with a vehicle");
             options->flown.given = given_flown_options(*owner);
+            if (!options->structure.empty()) options->flown.given.insert("--structure");
             std::string implied_by;
             if (on_flown_plant(*options, *owner, implied_by)) {
-              run_flown_lqr(options->vehicle, options->flown, context);
+              if (options->structure == "matrix")
+                run_matrix_lqr(options->vehicle, options->flown,
+                               owner->get_option("--inputs")->count() > 0, context);
+              else
+                run_flown_lqr(options->vehicle, options->flown, context);
               return;
             }
             if (options->schedule.empty()) {
@@ -352,7 +390,7 @@ Verb lqr_verb() {
                 *owner,
                 {"--at", "--speed", "--climb", "--radius", "--yaw-rate", "--yaw", "--convention",
                  "--inputs", "--states", "--integral", "--method", "--dt", "--schedule", "--plant",
-                 "--change", "--past", "--estimator", "--sensors", "--height"},
+                 "--change", "--past", "--estimator", "--sensors", "--height", "--structure"},
                 "belongs to a vehicle, expected --discrete or --sampled DT with "
                 "matrices");
             run_matrices(*options, sampled->count() > 0, context);

@@ -16,6 +16,7 @@
 #include "flight_arguments.hpp"
 #include "given_gains.hpp"
 #include "loop_figure.hpp"
+#include "lqr_matrix.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
 #include "number_arguments.hpp"
@@ -304,36 +305,6 @@ bool designs_on_flown_plant(const CLI::App& app, const Options& options, const V
   return true;
 }
 
-/// The margins of each group of axes on the plants that the gains are designed for.
-std::string flown_text(const FlownGains& flown) {
-  std::string text;
-  for (const FlownAxisGains& axis : flown.axes)
-    for (std::size_t i = 0; i < flown.family.size(); ++i) {
-      const LoopMargins& margins = axis.margins[i];
-      text += fmt::format("{:9}{:31} {} {:5.1f} deg, {:4.1f} dB up, Ms {:.2f}, disk {:.2f}\n",
-                          to_string(axis.axis), flown.family[i].name,
-                          margins.stable ? "stable  " : "UNSTABLE",
-                          margins.phase_margin * 180 / std::numbers::pi,
-                          20 * std::log10(margins.gain_margin), margins.Ms, margins.disk.alpha);
-    }
-  return text;
-}
-
-Json flown_json(const FlownGains& flown) {
-  Json axes = Json::array();
-  for (const FlownAxisGains& axis : flown.axes)
-    for (std::size_t i = 0; i < flown.family.size(); ++i) {
-      const LoopMargins& margins = axis.margins[i];
-      axes.push_back({{"axis", to_string(axis.axis)},
-                      {"plant", flown.family[i].name},
-                      {"stable", margins.stable},
-                      {"phase_margin_deg", margins.phase_margin * 180 / std::numbers::pi},
-                      {"Ms", margins.Ms},
-                      {"disk", margins.disk.alpha}});
-    }
-  return axes;
-}
-
 void run_vehicle(const CLI::App& app, const Options& options, Context& context) {
   require_picture(options.plot, "pid");
   refuse_options(app,
@@ -365,7 +336,7 @@ void run_vehicle(const CLI::App& app, const Options& options, Context& context) 
   if (context.json) {
     Json json = to_json(report);
     json["method"] = flown ? "flown" : "loops";
-    if (flown) json["flown"] = flown_json(*flown);
+    if (flown) json["flown"] = family_json(*flown);
     ExportContent content;
     content.vehicle = vehicle;
     content.cascade = CascadeDesign{report.cascade.gains, {}, report.specification.method};
@@ -380,7 +351,7 @@ void run_vehicle(const CLI::App& app, const Options& options, Context& context) 
     context.out << internal::readable(json) << "\n";
   } else {
     context.out << to_text(report);
-    if (flown) context.out << section("flown", flown_text(*flown));
+    if (flown) context.out << section("flown", family_text(*flown));
   }
   for (const std::string& note : report.cascade.notes) context.note("pid: note: " + note);
   if (flown)

@@ -94,6 +94,7 @@ std::string pole_table(const Eigen::VectorXcd& poles, double dt) {
 
 std::string section(const std::string& heading, const std::string& text) {
   std::string result = fmt::format("{:<{}}", heading, kHeadingWidth);
+  if (heading.size() >= kHeadingWidth) result = heading + "\n" + std::string(kHeadingWidth, ' ');
   for (const char c : text) {
     result += c;
     if (c == '\n') result += std::string(kHeadingWidth, ' ');

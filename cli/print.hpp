@@ -27,8 +27,8 @@ namespace quadtune::cli {
 /// "316.104", "1e-16": six significant digits.
 [[nodiscard]] std::string number(double value);
 
-/// Text lines with every line but the first indented by `width` blanks after a heading padded to
-/// it.
+/// Text lines, indented by 12 blanks. The first stands beside the heading, or under it if the
+/// heading is longer than that.
 [[nodiscard]] std::string section(const std::string& heading, const std::string& text);
 
 }  // namespace quadtune::cli

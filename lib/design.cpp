@@ -116,11 +116,46 @@ std::vector<std::string> read_states(const TomlTable& table, const Convention& c
                                  internal::did_you_mean(word, {"full", "no-position"})));
 }
 
+/// Whether [lqr] with plant = "flown" asks for a law that is a matrix.
+bool is_matrix(const TomlTable& table) {
+  const std::string word = table.text_or("structure", "dynamic");
+  if (word != "matrix" && word != "dynamic")
+    throw InvalidInput(table.where("structure"),
+                       fmt::format("lqr.structure is '{}', expected 'dynamic' or 'matrix'{}",
+                                   internal::printable(word),
+                                   internal::did_you_mean(word, {"dynamic", "matrix"})));
+  return word == "matrix";
+}
+
 // [lqr] with plant = "flown".
 LqiDesign read_lqi(const TomlTable& table) {
-  table.allow(
-      {{"plant"}, {"Q"}, {"R"}, {"change"}, {"integral"}, {"Q_integral"}, {"past"}, {"dt", "s"}});
   LqiDesign lqi;
+  if (is_matrix(table)) {
+    table.allow({{"plant"},
+                 {"structure"},
+                 {"convention"},
+                 {"inputs"},
+                 {"Q"},
+                 {"R"},
+                 {"Q_integral"},
+                 {"dt", "s"}});
+    MatrixWords words;
+    words.convention = table.text_or("convention", "ned");
+    (void)convention(words.convention, table.where("convention"));
+    if (table.has("inputs"))
+      words.input_kind = input_kind(table.text("inputs"), table.where("inputs"));
+    lqi.matrix = words;
+  } else {
+    table.allow({{"plant"},
+                 {"structure"},
+                 {"Q"},
+                 {"R"},
+                 {"change"},
+                 {"integral"},
+                 {"Q_integral"},
+                 {"past"},
+                 {"dt", "s"}});
+  }
   const std::vector<std::string> states =
       names_or_numbers(ned_convention().states, std::ssize(ned_convention().states));
   const std::vector<std::string> inputs =
@@ -380,11 +415,13 @@ std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& des
     for (const ExportRequest& earlier : exports)
       if (earlier.to == request.to)
         throw InvalidInput(where, "export to '" + request.to + "' stands twice, expected once");
-    if (request.to != "json" && design.lqi)
+    const bool matrix = design.lqi && design.lqi->matrix;
+    if (request.to != "json" && design.lqi && !matrix)
       throw InvalidInput(where, fmt::format("export to '{}' has no place for the past commands and "
-                                            "lags of a law with lqr.plant 'flown', expected json",
+                                            "lags of a law with lqr.plant 'flown', expected json, "
+                                            "or lqr.structure 'matrix'",
                                             request.to));
-    if (request.to == "uquad" && !design.lqr)
+    if (request.to == "uquad" && !design.lqr && !matrix)
       throw InvalidInput(where, "export to 'uquad' has no gains to write, expected an [lqr] table");
     exports.push_back(request);
   }

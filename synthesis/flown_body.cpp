@@ -225,10 +225,8 @@ FlownBody flown_body(const FlightSetup& setup, InputKind inputs, double height) 
   result.states = ned_convention().states;
   for (const int i : equations.lagging())
     result.states.push_back({fmt::format("speed of rotor {}", i + 1), "rad/s"});
-  if (inputs == InputKind::wrench)
-    result.inputs = ned_convention().wrench;
-  else
-    for (Index i = 0; i < rotors; ++i) result.inputs.push_back({fmt::format("{}", i + 1), ""});
+  result.inputs = input_signals(ned_convention(), inputs, static_cast<int>(rotors),
+                                setup.vehicle.motor.unit);
   part_rotors(result);
   return result;
 }

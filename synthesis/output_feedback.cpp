@@ -17,8 +17,47 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using std::size_t;
+/// Stored by rows, so that a product adds up whole rows.
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr const char* kWhere = "output feedback";
+
+/// A matrix of which few entries are not 0.
+class Sparse {
+ public:
+  explicit Sparse(const MatrixXd& A) : rows_(A.rows()) {
+    for (Index i = 0; i < A.rows(); ++i)
+      for (Index j = 0; j < A.cols(); ++j)
+        if (A(i, j) != 0) entries_.push_back({i, j, A(i, j)});
+  }
+
+  /// product = this · S
+  void times(const Rows& S, Rows& product) const {
+    product.setZero(rows_, S.cols());
+    for (const Entry& one : entries_)
+      product.row(one.row).noalias() += one.value * S.row(one.column);
+  }
+  /// product = thisᵀ · S
+  void transposed_times(const Rows& S, Rows& product) const {
+    product.setZero(rows_, S.cols());
+    for (const Entry& one : entries_)
+      product.row(one.column).noalias() += one.value * S.row(one.row);
+  }
+  /// left · this
+  [[nodiscard]] MatrixXd after(const MatrixXd& left) const {
+    MatrixXd product = MatrixXd::Zero(left.rows(), rows_);
+    for (const Entry& one : entries_) product.col(one.column) += one.value * left.col(one.row);
+    return product;
+  }
+
+ private:
+  struct Entry {
+    Index row, column;
+    double value;
+  };
+  Index rows_;
+  std::vector<Entry> entries_;
+};
 
 /// X with X = ΦᵀXΦ + V, as the limit of X ← X + ΦᵀXΦ, Φ ← Φ² (Smith 1968). Converges if and only if
 /// all eigenvalues of Φ lie inside the unit circle.
@@ -65,41 +104,52 @@ OutputFeedbackCost output_feedback_cost(const OutputFeedbackProblem& problem, co
   OutputFeedbackCost result;
   result.slope = MatrixXd::Constant(nu, plant.C.rows(), std::nan(""));
   const MatrixXd K = F * plant.C;
-  std::vector<MatrixXd> A = plant.A;
-  for (size_t k = 0; k < N; ++k) A[k].noalias() -= plant.B[k] * K;
   const MatrixXd RK = problem.R * K;
-  const MatrixXd Q = problem.Q + K.transpose() * RK;
+  const Rows Q = problem.Q + K.transpose() * RK;
+  // Most states of a flown plant are samples on their way, which only move on: few entries of A are
+  // not 0, and products with them cost little. A symmetric S gives A S Aᵀ = A (A S)ᵀ.
+  std::vector<Sparse> A;
+  A.reserve(N);
+  MatrixXd closed(nx, nx);
+  for (size_t k = 0; k < N; ++k) {
+    closed = plant.A[k];
+    closed.noalias() -= plant.B[k] * K;
+    A.emplace_back(closed);
+  }
+  Rows half(nx, nx), turned(nx, nx), next(nx, nx);
   // Over one round: Φ = A[N-1] … A[0], X = Q + A[0]ᵀ(Q + A[1]ᵀ(… Q …)A[1])A[0].
-  MatrixXd Phi = A[0], X = Q, half(nx, nx), next(nx, nx);
+  Rows Phi = plant.A[0] - plant.B[0] * K, X = Q;
   for (size_t k = 1; k < N; ++k) {
-    next.noalias() = A[k] * Phi;
+    A[k].times(Phi, next);
     Phi.swap(next);
   }
+  const auto add_cost = [&](size_t k, const Rows& after, Rows& before) {
+    A[k].transposed_times(after, half);
+    turned = half.transpose();
+    A[k].transposed_times(turned, before);
+    before += Q;
+  };
   for (size_t k = N - 1; k-- > 0;) {
-    half.noalias() = X * A[k];
-    X = Q;
-    X.noalias() += A[k].transpose() * half;
+    add_cost(k, X, next);
+    X.swap(next);
   }
-  if (!smith(Phi, X)) return result;
-  MatrixXd S = problem.start * problem.start.transpose();
-  if (!smith(Phi.transpose(), S)) return result;
+  MatrixXd cost_to_go = X;
+  if (!smith(Phi, cost_to_go)) return result;
+  MatrixXd reached = problem.start * problem.start.transpose();
+  if (!smith(Phi.transpose(), reached)) return result;
   result.stable = true;
-  result.cost = problem.start.cwiseProduct(X * problem.start).sum();
+  result.cost = problem.start.cwiseProduct(cost_to_go * problem.start).sum();
   // P[k] = Q + Aᵀ[k] P[k+1] A[k], Σ[k+1] = A[k] Σ[k] Aᵀ[k].
-  std::vector<MatrixXd> P(N);
-  P[0] = std::move(X);
-  for (size_t k = N - 1; k > 0; --k) {
-    half.noalias() = P[(k + 1) % N] * A[k];
-    P[k] = Q;
-    P[k].noalias() += A[k].transpose() * half;
-  }
+  std::vector<Rows> P(N, Rows(nx, nx));
+  P[0] = cost_to_go;
+  for (size_t k = N - 1; k > 0; --k) add_cost(k, P[(k + 1) % N], P[k]);
+  Rows S = reached;
   MatrixXd slope = MatrixXd::Zero(nu, nx);
   for (size_t k = 0; k < N; ++k) {
-    half.noalias() = P[(k + 1) % N] * A[k];
-    const MatrixXd row = RK - plant.B[k].transpose() * half;
-    slope.noalias() += row * S;
-    half.noalias() = A[k] * S;
-    S.noalias() = half * A[k].transpose();
+    slope.noalias() += (RK - A[k].after(plant.B[k].transpose() * P[(k + 1) % N])) * S;
+    A[k].times(S, half);
+    turned = half.transpose();
+    A[k].times(turned, S);
   }
   result.slope = 2 * slope * plant.C.transpose();
   return result;

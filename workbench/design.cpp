@@ -106,6 +106,23 @@ void solve_lqi(DesignOutcome& outcome) {
   outcome.sampled = discretize_zoh(outcome.model.plant, outcome.gains->dt);
 }
 
+void solve_matrix(DesignOutcome& outcome) {
+  const Vehicle& vehicle = outcome.design.vehicle;
+  const LqiDesign& asked = *outcome.design.lqi;
+  FlightOptions flight;
+  flight.estimator = program_estimator(outcome.design);
+  outcome.matrix = matrix_report(vehicle, asked, flight);
+  outcome.gains = outcome.matrix->gains;
+  LinearizeOptions words;
+  words.convention = asked.matrix->convention;
+  words.inputs = asked.matrix->input_kind;
+  outcome.model =
+      linearize_or_refuse(vehicle, outcome.design.condition, words, place_of(outcome.design));
+  outcome.sampled = discretize_zoh(outcome.model.plant, outcome.gains->dt);
+  outcome.poles = closed_loop_poles(*outcome.sampled, *outcome.gains);
+  outcome.margins = outcome.matrix->flown.margins;
+}
+
 DesignedFilter solve_filter(const KalmanDesign& design, const std::string& where) {
   DesignedFilter result;
   result.evidence = kalman(design.model, {design.G, design.Q, design.R, design.N});
@@ -204,6 +221,8 @@ DesignOutcome solve_laws(Design design) {
                                           to_string(outcome.design.condition.kind)));
   if (outcome.design.lqr)
     solve_feedback(outcome);
+  else if (outcome.design.lqi && outcome.design.lqi->matrix)
+    solve_matrix(outcome);
   else if (outcome.design.lqi)
     solve_lqi(outcome);
   else

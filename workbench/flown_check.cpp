@@ -16,14 +16,6 @@
 namespace quadtune {
 namespace {
 
-/// The estimator of the flight program that takes gains of a convention; empty: any.
-std::string estimator_of(const Vehicle& vehicle, const std::string& convention) {
-  const Sensors& sensors = vehicle.sensors;
-  if (convention == "mambo" && sensors.sonar) return "mambo";
-  if (convention == "uquad" && sensors.barometer && sensors.magnetometer) return "uquad";
-  return "";
-}
-
 FlownLaw analysed(const Vehicle& vehicle, const Controller& controller,
                   const std::optional<StoredEstimator>& stored, const std::string& convention,
                   const char* name, bool margins) {
@@ -42,13 +34,20 @@ FlownLaw analysed(const Vehicle& vehicle, const Controller& controller,
 
 }  // namespace
 
+std::string estimator_of_program(const Vehicle& vehicle, const std::string& convention) {
+  const Sensors& sensors = vehicle.sensors;
+  if (convention == "mambo" && sensors.sonar) return "mambo";
+  if (convention == "uquad" && sensors.barometer && sensors.magnetometer) return "uquad";
+  return "";
+}
+
 PlannedFlight hover_under(const Vehicle& vehicle, const Controller& controller,
                           const std::optional<StoredEstimator>& stored,
                           const std::string& convention) {
   FlightOptions options;
   ChosenLaw law{controller, "the exported law"};
   law.estimator = stored;
-  if (!stored) options.estimator = estimator_of(vehicle, convention);
+  if (!stored) options.estimator = estimator_of_program(vehicle, convention);
   return plan_flight(options, vehicle, load_mission("hover"), law);
 }
 

@@ -10,21 +10,23 @@
 namespace quadtune {
 namespace {
 
-/// A hover with the usual estimator, or true states where the sensors feed none; its law sets the
+/// A hover with an estimator, empty for the usual one, or true states where the sensors feed none; its law sets the
 /// control period only.
-FlightSetup hover_of(const Vehicle& vehicle, double dt) {
+FlightSetup hover_of(const Vehicle& vehicle, double dt, const std::string& estimator) {
   CascadeController law;
   law.gains.dt = dt;
   for (const CascadeAxis axis : kAllCascadeAxes) law.gains.loops.push_back(cascade_loop(axis));
   FlightOptions options;
-  if (!why_no_estimator(vehicle).empty()) options.estimator = "truth";
+  options.estimator = estimator;
+  if (estimator.empty() && !why_no_estimator(vehicle).empty()) options.estimator = "truth";
   return plan_flight(options, vehicle, load_mission("hover"), ChosenLaw{law, "none"}).setup;
 }
 
 }  // namespace
 
-std::vector<FlownFamilyMember> flown_family(const Vehicle& vehicle, InputKind inputs, double dt) {
-  const FlightSetup hover = hover_of(vehicle, dt);
+std::vector<FlownFamilyMember> flown_family(const Vehicle& vehicle, InputKind inputs, double dt,
+                                            const std::string& estimator) {
+  const FlightSetup hover = hover_of(vehicle, dt, estimator);
   std::vector<FlownFamilyMember> family = {{"at 1.1 m", 1.1, 1, 1, true, {}}};
   // Optical flow becomes velocity by the height, and so do its errors.
   if (hover.estimator != EstimatorKind::truth && sensors_of(hover).flow) {

@@ -207,8 +207,9 @@ double FlownGains::disk() const {
 
 FlownGains flown_gains(const Vehicle& vehicle, const FlownGainsOptions& options) {
   FlownGains result;
-  result.family = flown_family(vehicle, InputKind::wrench, options.dt);
-  if (const std::string why = why_no_estimator(vehicle); !why.empty())
+  result.family = flown_family(vehicle, InputKind::wrench, options.dt, options.estimator);
+  if (const std::string why = why_no_estimator(vehicle);
+      options.estimator.empty() && !why.empty())
     result.notes.push_back(why + "; the gains are for true states");
   const StandardAxes weights = options.weights ? *options.weights : standard_axes(vehicle);
   const MatrixXd start = start_of(vehicle, weights, options.dt);

@@ -225,10 +225,36 @@ TEST(Design, ReadsAStateFeedbackForTheFlownPlant) {
   refused(head + "past = 0\nchange = [1, 1, 1, 1]\n", "expected a whole number from 1 to 40");
   refused(head + "[[export]]\nto = 'mambo'\n",
           "d.toml:6: export to 'mambo' has no place for the past commands");
+  refused(head + "structure = 'matrices'\n",
+          "d.toml:5: lqr.structure is 'matrices', expected 'dynamic' or 'matrix'; did you mean "
+          "'matrix'?");
   refused(head + "[trim]\nat = 'line'\nspeed_m_per_s = 1\n",
           "lqr.plant is 'flown' in a design whose trim is a line, expected a hover");
   refused(head + "[published]\nsource = 'x'\nK = [[1]]\n",
           "[published] has nothing to be compared");
+}
+
+TEST(Design, ReadsAMatrixForTheFlownPlant) {
+  const std::string head =
+      "name = 'f'\nvehicle = 'uquad'\n[lqr]\nplant = 'flown'\nstructure = 'matrix'\n";
+  const Design usual = parse(head);
+  ASSERT_TRUE(usual.lqi && usual.lqi->matrix);
+  EXPECT_EQ(usual.lqi->matrix->convention, "ned");
+  EXPECT_EQ(usual.lqi->matrix->input_kind, InputKind::wrench);
+  const Design uquad = parse(head +
+                             "convention = 'uquad'\ninputs = 'rotor-speed'\ndt_s = 0.01\n"
+                             "[[export]]\nto = 'uquad'\n");
+  EXPECT_EQ(uquad.lqi->matrix->convention, "uquad");
+  EXPECT_EQ(uquad.lqi->matrix->input_kind, InputKind::rotor_speed);
+  EXPECT_EQ(uquad.lqi->dt, 0.01);
+  const auto refused = [&](const std::string& text, const char* message) {
+    EXPECT_THAT([&] { (void)parse(head + text); },
+                ThrowsMessage<InvalidInput>(HasSubstr(message)));
+  };
+  refused("past = 2\n", "d.toml:6: key 'past' in [lqr] is not known");
+  refused("integral = ['px']\n", "key 'integral' in [lqr] is not known");
+  refused("convention = 'px4'\n", "no convention 'px4'");
+  refused("inputs = 'torque'\n", "no inputs 'torque'");
 }
 
 TEST(Design, ReadsASpin) {

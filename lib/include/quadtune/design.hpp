@@ -43,6 +43,12 @@ struct LqrDesign {
   double dt = 0;  ///< sample period of the law [s]; 0 only with LqrMethod::continuous
 };
 
+/// The words of a flight program that holds one matrix on the 12 states and one on integrals.
+struct MatrixWords {
+  std::string convention = "ned";
+  InputKind input_kind = InputKind::wrench;
+};
+
 /// State feedback for the plant that flies, in the 12 states and the wrench of ned_convention():
 /// LQI with the lag of the rotors and past commands. What is none is chosen by the design.
 struct LqiDesign {
@@ -53,6 +59,9 @@ struct LqiDesign {
   std::optional<Eigen::VectorXd> R;           ///< (4) of the commands, > 0
   std::optional<Eigen::VectorXd> R_change;    ///< (4) of the commands' changes, ≥ 0
   std::optional<int> past;                    ///< control periods by which the law predicts
+  /// Instead of the LQI a matrix on the 12 states and the usual integrals, without any memory of
+  /// commands, in the words of a flight program. The weights stay those of ned_convention().
+  std::optional<MatrixWords> matrix = {};
 };
 
 /// A steady-state Kalman filter to design: x[k+1] = A x + B u + G w, y = C x + v.

@@ -25,6 +25,7 @@
 #include "quadtune/workbench/fly.hpp"
 #include "quadtune/workbench/lqi_report.hpp"
 #include "quadtune/workbench/margins_report.hpp"
+#include "quadtune/workbench/matrix_report.hpp"
 
 namespace quadtune {
 
@@ -60,6 +61,7 @@ struct DesignOutcome {
   Linearization model;
   std::optional<StateFeedback> feedback;  ///< of Design::lqr
   std::optional<LqiReport> lqi;           ///< of Design::lqi
+  std::optional<MatrixReport> matrix;     ///< in its place, of a Design::lqi that is a matrix
   std::optional<Gains> gains;
   std::optional<DiscreteLti> sampled;    ///< the plant as the flight computer sees it; if dt > 0
   Eigen::VectorXcd poles;                ///< of the loop as it flies, integrals included

@@ -20,11 +20,14 @@ struct FlownFamilyMember {
   FlownPlant plant;
 };
 
-/// The members, with the vehicle's usual estimator and its own sensors. Heights differ only if the
-/// estimator uses a sensor that depends on the height.
-/// @param dt  control period of the law [s]
+/// The members, with the vehicle's own sensors. Heights differ only if the estimator uses a sensor
+/// that depends on the height.
+/// @param dt         control period of the law [s]
+/// @param estimator  as FlightOptions::estimator; empty: the vehicle's usual one
 /// @throws InvalidInput  as flown_plant()
+/// @throws OptionError   for an estimator that is not known
 [[nodiscard]] std::vector<FlownFamilyMember> flown_family(const Vehicle& vehicle, InputKind inputs,
-                                                          double dt);
+                                                          double dt,
+                                                          const std::string& estimator = "");
 
 }  // namespace quadtune

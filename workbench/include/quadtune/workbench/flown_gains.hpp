@@ -51,11 +51,12 @@ struct FlownGainsOptions {
   /// vehicle by more than kGreatestLoadTilt.
   bool tilt_integral = true;
   std::optional<StandardAxes> weights = {};  ///< none: standard_axes()
+  std::string estimator = "";                ///< as flown_family()
 };
 
 /// Minimizes a quadratic cost with weights by Bryson's rule over the family of flown plants, within
 /// bounds on the margins of every nominal member; the other members stay stable.
-/// @throws InvalidInput  as flown_family()
+/// @throws InvalidInput, OptionError  as flown_family()
 /// @throws NoSolution    if no gains were found that stabilize every member
 [[nodiscard]] FlownGains flown_gains(const Vehicle& vehicle, const FlownGainsOptions& options = {});
 

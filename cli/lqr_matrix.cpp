@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lqr_matrix.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <ostream>
+
+#include "flight_arguments.hpp"
+#include "flown_report.hpp"
+#include "given_gains.hpp"
+#include "margins_report.hpp"
+#include "matrix_arguments.hpp"
+#include "number_arguments.hpp"
+#include "print.hpp"
+#include "quadtune/workbench/export_content.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+using internal::Json;
+
+std::vector<std::string> names_of(const std::vector<Signal>& signals) {
+  return names_or_numbers(signals, std::ssize(signals));
+}
+
+/// Of every state of ned, of the wrench and of the integrals, in the order of the design.
+struct Weights {
+  Eigen::RowVectorXd Q = Eigen::RowVectorXd::Zero(12);
+  Eigen::RowVectorXd R = Eigen::RowVectorXd::Zero(4);
+  Eigen::RowVectorXd Q_integral = Eigen::RowVectorXd::Zero(4);
+};
+
+Weights weights_of(const MatrixReport& report) {
+  Weights weights;
+  for (std::size_t i = 0; i < report.weights.size(); ++i) {
+    const AxisWeights& axis = report.weights[i];
+    const std::vector<Eigen::Index>& states = states_of(kFlownAxes[i]);
+    for (std::size_t j = 0; j < states.size(); ++j)
+      weights.Q(states[j]) = axis.q(static_cast<Eigen::Index>(j));
+    weights.R(wrench_of(kFlownAxes[i])) = axis.r;
+    weights.Q_integral(static_cast<Eigen::Index>(i)) = axis.q_integral;
+  }
+  return weights;
+}
+
+std::string weights_text(const MatrixReport& report) {
+  const Weights weights = weights_of(report);
+  return table(weights.Q, {"Q"}, names_of(ned_convention().states)) + "\n" +
+         table(weights.Q_integral, {"Q_int"}, standard_integrals()) + "\n" +
+         table(weights.R, {"R"}, names_of(ned_convention().wrench));
+}
+
+std::string law_text(const Gains& gains) {
+  return fmt::format(
+      "a matrix on 12 states and one on 4 integrals, every {} s, convention {}\nlaw u = u0 {} "
+      "K (x_sp - x) + K_int integral(x_sp - x), position errors in {} axes",
+      number(gains.dt), gains.convention,
+      gains.sign_law == SignLaw::set_point_minus_state ? "+" : "-", to_string(gains.axes));
+}
+
+void write_notes(const MatrixReport& report, const std::string& verb, const Context& context) {
+  for (const std::string& note : report.design.notes) context.note(verb + ": note: " + note);
+  for (const std::string& note : flown_notes(report.flown)) context.note(verb + ": note: " + note);
+  for (const std::string& note : margin_notes(report.flown.margins))
+    context.note(verb + ": note: " + note);
+  if (report.flown.grows())
+    context.note(verb + ": warning: the flown loop is unstable; " + in_words(report.flown));
+  for (const std::string& warning : margin_warnings(report.flown.margins))
+    context.note(verb + ": warning: " + warning);
+}
+
+}  // namespace
+
+std::string family_text(const FlownGains& flown) {
+  std::string text;
+  for (const FlownAxisGains& axis : flown.axes)
+    for (std::size_t i = 0; i < flown.family.size(); ++i) {
+      const LoopMargins& margins = axis.margins[i];
+      text += fmt::format("{:9}{:31} {} {:5.1f} deg, {:4.1f} dB up, Ms {:.2f}, disk {:.2f}\n",
+                          to_string(axis.axis), flown.family[i].name,
+                          margins.stable ? "stable  " : "UNSTABLE",
+                          margins.phase_margin * 180 / std::numbers::pi,
+                          20 * std::log10(margins.gain_margin), margins.Ms, margins.disk.alpha);
+    }
+  if (!text.empty()) text.pop_back();
+  return text;
+}
+
+Json family_json(const FlownGains& flown) {
+  Json axes = Json::array();
+  for (const FlownAxisGains& axis : flown.axes)
+    for (std::size_t i = 0; i < flown.family.size(); ++i) {
+      const LoopMargins& margins = axis.margins[i];
+      axes.push_back({{"axis", to_string(axis.axis)},
+                      {"plant", flown.family[i].name},
+                      {"stable", margins.stable},
+                      {"phase_margin_deg", margins.phase_margin * 180 / std::numbers::pi},
+                      {"Ms", margins.Ms},
+                      {"disk", margins.disk.alpha}});
+    }
+  return axes;
+}
+
+Json to_json(const MatrixReport& report, const Vehicle& vehicle) {
+  const Gains& gains = report.gains;
+  const Weights weights = weights_of(report);
+  Json json = {{"status", "solved"},
+               {"plant", "flown"},
+               {"structure", "matrix"},
+               {"convention", gains.convention},
+               {"sign_law", to_string(gains.sign_law)},
+               {"K", internal::matrix_to_json(gains.K, "K")},
+               {"K_int", internal::matrix_to_json(gains.K_int, "K_int")}};
+  json["states"] = internal::signals_to_json(gains.states);
+  json["inputs"] = internal::signals_to_json(gains.inputs);
+  json["integrals"] = names_of(gains.integrals);
+  json["dt_s"] = gains.dt;
+  json["weights"] = {{"Q", internal::vector_to_json(weights.Q, "Q")},
+                     {"Q_integral", internal::vector_to_json(weights.Q_integral, "Q_int")},
+                     {"R", internal::vector_to_json(weights.R, "R")}};
+  json["family"] = family_json(report.design);
+  json["notes"] = report.design.notes;
+  json["flown"] = to_json(report.flown);
+  json["margins"] = to_json(report.flown.margins);
+  json["ideal"] = to_json(report.ideal);
+  ExportContent content;
+  content.vehicle = vehicle;
+  content.gains = gains;
+  content.estimator = report.estimator;
+  add_laws(json, content);
+  return json;
+}
+
+std::string to_text(const MatrixReport& report) {
+  const Gains& gains = report.gains;
+  const std::vector<std::string> inputs = names_of(gains.inputs);
+  return section("law", law_text(gains)) + section("weights", weights_text(report)) +
+         section("gain K", table(gains.K, inputs, names_of(gains.states))) +
+         section("integral K", table(gains.K_int, inputs, names_of(gains.integrals))) +
+         section("plants of the design", family_text(report.design)) +
+         section("flown loop", to_text(report.flown)) +
+         section("margins of the flown loop", to_text(report.flown.margins)) +
+         section("margins of the ideal plant", to_text(report.ideal));
+}
+
+void run_matrix_lqr(const LqrArguments& common, const FlownLqrArguments& arguments,
+                    bool asks_for_inputs, Context& context) {
+  const Vehicle vehicle = load_vehicle(common.plant.vehicle);
+  LqiDesign design = lqi_design(common, arguments);
+  MatrixWords words;
+  words.convention = common.plant.convention;
+  (void)convention(words.convention, "--convention");
+  if (asks_for_inputs) words.input_kind = input_kind(common.plant.inputs, "--inputs");
+  design.matrix = words;
+  require_positive(arguments.height, common.verb, "--height", "metres");
+  FlightOptions flight;
+  flight.vehicle = common.plant.vehicle;
+  flight.estimator = arguments.estimator;
+  flight.sensors = arguments.sensors;
+  FlownLoopOptions at;
+  at.height = arguments.height;
+  const MatrixReport report = told_of_weights(common, [&] {
+    require_flight_words(flight);
+    return matrix_report(vehicle, design, flight, at);
+  });
+  write_notes(report, common.verb, context);
+  if (context.json)
+    context.out << internal::readable(to_json(report, vehicle)) << "\n";
+  else
+    context.out << to_text(report);
+}
+
+}  // namespace quadtune::cli
