@@ -29,7 +29,7 @@ std::string name_of_flight(const FlownFlight& flight) {
   if (flight.variant == "gust")
     return fmt::format("{} with a gust of {:g} m/s", mission, kGustSpeed);
   if (flight.variant == "load")
-    return fmt::format("{} with {:g} % more mass", mission, 100 * kLoadShare);
+    return fmt::format("{} with a load of {:g} % of the mass picked up", mission, 100 * kLoadShare);
   return mission;
 }
 

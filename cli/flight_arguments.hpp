@@ -31,13 +31,14 @@ auto told_of_command(const std::string& verb, Function&& function) {
   }
 }
 
-/// The same where the control period came from --dt, which may be too short for the estimator.
+/// The same; a control period of --dt may be too short for the estimator.
+/// @param has_dt  whether --dt came
 template <class Function>
-auto told_of_period(const std::string& verb, Function&& function) {
+auto told_of_period(const std::string& verb, bool has_dt, Function&& function) {
   try {
     return told_of_command(verb, function);
   } catch (const InvalidInput& error) {
-    if (error.where() != "estimator general") throw;
+    if (!has_dt || error.where() != "estimator general") throw;
     throw UsageError(fmt::format("quadtune {}: --dt: {}", verb, error.what()), "--dt");
   }
 }

@@ -38,7 +38,7 @@ void add_flown_lqr_options(CLI::App& app, FlownLqrArguments& arguments);
 template <class Function>
 auto told_of_weights(const LqrArguments& common, Function&& function) {
   try {
-    return told_of_period(common.verb, function);
+    return told_of_period(common.verb, common.has_dt, function);
   } catch (const NoSolution& error) {
     // Weights that are given leave a state unseen.
     if (common.Q.empty()) throw;

@@ -220,6 +220,17 @@ PageCompared row(std::string of, std::string label, std::string unit, std::vecto
   return compared;
 }
 
+/// "Ms of yaw: 10 % looser would lower the cost by 1.3 %", of each limit that binds.
+std::vector<std::string> binding_words(const MissionSearchResult& result) {
+  std::vector<std::string> words = result.binding;
+  for (std::size_t i = 0; i < result.buys.size(); ++i) {
+    const double buys = result.buys[i];
+    words[i] += fmt::format(": {:g} % looser would lower the cost by {}", 100 * kLoosened,
+                            buys < 0.1 ? "less than 0.1 %" : fmt::format("{:.2g} %", buys));
+  }
+  return words;
+}
+
 bool binds(const Report& report, const std::string& limit) {
   const std::vector<std::string>& all = report.result.binding;
   return std::find(all.begin(), all.end(), limit) != all.end();
@@ -467,7 +478,8 @@ std::string to_text(const Report& report) {
   }
   text += section("margins", margins_text(report));
   text += section("flown", flown_text(report));
-  if (!r.binding.empty()) text += section("binding", fmt::format("{}", fmt::join(r.binding, "\n")));
+  if (!r.binding.empty())
+    text += section("binding", fmt::format("{}", fmt::join(binding_words(r), "\n")));
   if (!r.broken.empty()) text += section("broken", fmt::format("{}", fmt::join(r.broken, "\n")));
   return text + section("verdict",
                         fmt::format("{}: {}\n{}{} evaluations in {:.3g} s, ended by {}",
@@ -476,6 +488,15 @@ std::string to_text(const Report& report) {
                                         ? ""
                                         : fmt::format("breaks {} of the limits\n", r.broken.size()),
                                     r.evaluations, r.seconds, to_string(r.end)));
+}
+
+Json loosened_json(const MissionSearchResult& result) {
+  Json all = Json::array();
+  for (std::size_t i = 0; i < result.buys.size(); ++i)
+    all.push_back({{"limit", result.binding[i]},
+                   {"looser_percent", 100 * kLoosened},
+                   {"cost_less_percent", result.buys[i]}});
+  return all;
 }
 
 Json to_json(const Report& report) {
@@ -495,6 +516,7 @@ Json to_json(const Report& report) {
       {"flown",
        {{"before", flown_json(report.flown.before)}, {"after", flown_json(report.flown.after)}}},
       {"binding", r.binding},
+      {"loosened", loosened_json(r)},
       {"broken", r.broken},
       {"evaluations", r.evaluations},
       {"seconds", r.seconds},
@@ -536,7 +558,7 @@ GainsPage page_of(const Report& report, const MissionTrial& trial, const Mission
   if (!r.accepted) page.reasons.push_back("The start stays: " + r.reason + ".");
   if (r.repaired) page.reasons.push_back("It keeps all limits, as the start does not.");
   if (!r.binding.empty())
-    page.reasons.push_back(fmt::format("What binds: {}.", fmt::join(r.binding, ", ")));
+    page.reasons.push_back(fmt::format("What binds: {}.", fmt::join(binding_words(r), "; ")));
   if (!r.broken.empty())
     page.reasons.push_back(fmt::format("Broken all the same: {}.", fmt::join(r.broken, ", ")));
   page.columns = {"start", found_word(report)};

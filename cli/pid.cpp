@@ -319,7 +319,8 @@ void run_vehicle(const CLI::App& app, const Options& options, Context& context) 
   if (designs_on_flown_plant(app, options, vehicle)) {
     FlownGainsOptions of_flown;
     of_flown.dt = specification.dt;
-    flown = told_of_period("pid", [&] { return flown_gains(vehicle, of_flown); });
+    flown = told_of_period("pid", app.get_option("--dt")->count() > 0,
+                           [&] { return flown_gains(vehicle, of_flown); });
   }
   const CascadeReport report =
       flown ? assess_written_cascade(vehicle, as_cascade(*flown, specification.dt),

@@ -55,6 +55,54 @@ struct Tried {
   double cost = kNoDesign;
 };
 
+/// Minimize slopeᵀd subject to slopes · d ≤ room and |d| ≤ reach.
+struct LinearProgram {
+  Eigen::VectorXd slope;   ///< (n)
+  Eigen::MatrixXd slopes;  ///< (m × n)
+  Eigen::VectorXd room;    ///< (m) ≥ 0, so that d = 0 is allowed
+  double reach = 0;
+};
+
+/// The least value of a program.
+double least(const LinearProgram& program) {
+  const double size = program.slope.norm();
+  if (!(size > 0)) return 0;
+  const auto n = static_cast<unsigned>(program.slope.size());
+  const Optimizer optimizer(NLOPT_LD_SLSQP, n);
+  nlopt_opt opt = optimizer.handle.get();
+  nlopt_set_lower_bounds1(opt, -program.reach);
+  nlopt_set_upper_bounds1(opt, program.reach);
+  // Scaled so that the first quadratic model reaches from bound to bound.
+  const Eigen::VectorXd direction = program.slope / size;
+  const auto value = [](unsigned count, const double* x, double* gradient, void* data) {
+    const auto& along = *static_cast<const Eigen::VectorXd*>(data);
+    if (gradient != nullptr) Eigen::Map<Eigen::VectorXd>(gradient, count) = along;
+    return along.dot(Eigen::Map<const Eigen::VectorXd>(x, count));
+  };
+  nlopt_set_min_objective(opt, value, const_cast<Eigen::VectorXd*>(&direction));
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const auto limits = [](unsigned count, double* result, unsigned variables, const double* x,
+                         double* gradient, void* data) {
+    const auto& of = *static_cast<const LinearProgram*>(data);
+    Eigen::Map<Eigen::VectorXd>(result, count) =
+        of.slopes * Eigen::Map<const Eigen::VectorXd>(x, variables) - of.room;
+    if (gradient != nullptr) Eigen::Map<Rows>(gradient, count, variables) = of.slopes;
+  };
+  const Eigen::VectorXd tolerance = Eigen::VectorXd::Constant(program.room.size(), 1e-9);
+  if (program.room.size() > 0)
+    nlopt_add_inequality_mconstraint(opt, static_cast<unsigned>(program.room.size()), limits,
+                                     const_cast<LinearProgram*>(&program), tolerance.data());
+  nlopt_set_xtol_abs1(opt, 1e-9);
+  nlopt_set_maxeval(opt, 500);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(program.slope.size());
+  double found = 0;
+  nlopt_optimize(opt, x.data(), &found);
+  const bool kept =
+      x.allFinite() &&
+      (program.room.size() == 0 || (program.slopes * x - program.room).maxCoeff() < 1e-6);
+  return kept ? std::min(program.slope.dot(x), 0.0) : 0;
+}
+
 class Search {
  public:
   Search(const DesignSpace& space, const MissionTrial& trial, const MissionSearchOptions& options)
@@ -239,6 +287,7 @@ class Search {
           best_.excess(i) >= target_(i) - kEdge)
         result.binding.push_back(name);
     try {
+      if (!result.binding.empty() && end_ != SearchEnd::interrupted) price(result);
       prove(result);
     } catch (const Interrupted&) {
       end_ = SearchEnd::interrupted;
@@ -270,6 +319,33 @@ class Search {
       all.emplace_back(fmt::format("{} of {}", name_of(limit.metric), limit.mission),
                        std::ssize(all));
     return all;
+  }
+
+  /// What a looser limit buys, by the slopes of cost and limits at the best point.
+  void price(MissionSearchResult& result) {
+    constexpr double kStep = 0.02, kReach = 0.1;
+    const Eigen::Index n = best_.x.size(), m = best_.excess.size();
+    LinearProgram program{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(m, n),
+                          slack_.cwiseMax(best_.excess) - best_.excess, kReach};
+    for (Eigen::Index j = 0; j < n; ++j)
+      for (const double step : {kStep, -kStep}) {
+        Eigen::VectorXd x = best_.x;
+        x(j) += step;
+        const Tried beside = tried(x);
+        if (!beside.design.controller) continue;
+        program.slope(j) = (beside.cost - best_.cost) / step;
+        program.slopes.col(j) = (beside.excess - best_.excess) / step;
+        break;
+      }
+    const double kept = least(program);
+    std::vector<double> buys;
+    for (const std::string& binding : result.binding) {
+      LinearProgram loosened = program;
+      for (const auto& [name, i] : names(best_))
+        if (name == binding) loosened.room(i) += kLoosened;
+      buys.push_back(100 * std::max(kept - least(loosened), 0.0) / best_.cost);
+    }
+    result.buys = buys;
   }
 
   /// Flies start and best on draws that the search has not seen: it may have found what is good for

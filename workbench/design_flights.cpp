@@ -132,11 +132,13 @@ void add_gust(PlannedFlight& plan) {
   plan.wind = plan.wind == "calm" ? words : plan.wind + " and " + words;
 }
 
+/// A step of the weight, of which neither law nor estimator is told.
 void add_load(FlightSetup& setup) {
-  Vehicle loaded = flown_vehicle(setup);
-  loaded.mass *= 1 + kLoadShare;
-  loaded.inertia *= 1 + kLoadShare;
-  setup.flown = std::move(loaded);
+  const double half = duration_of(setup) / 2;
+  std::vector<FlightEvent>& events = setup.mission.events;
+  const auto later = std::find_if(events.begin(), events.end(),
+                                  [&](const FlightEvent& event) { return event.time > half; });
+  events.insert(later, {half, LoadChange{kLoadShare * flown_vehicle(setup).mass}});
 }
 
 }  // namespace

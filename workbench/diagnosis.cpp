@@ -85,6 +85,33 @@ bool explained_by_estimate(const FlownFlight& flight) {
          wrong >= flight.plan.setup.mission.settling.band / 2;
 }
 
+/// Whether the law passes with true states and without the mission's events.
+bool passes_without_events(const PlannedFlight& plan) {
+  if (plan.setup.mission.events.empty()) return false;
+  PlannedFlight calm = with_true_states(plan);
+  calm.setup.mission.events.clear();
+  return fly_planned(std::move(calm)).passed;
+}
+
+/// The event that came last before the flight ended, and when.
+std::string last_event(const FlownFlight& flight) {
+  std::string text = "none";
+  for (const FlightEvent& event : flight.plan.setup.mission.events)
+    if (event.time <= flight.result.end_time)
+      text = fmt::format("{} at {:.3g} s", in_words(event), event.time);
+  return text;
+}
+
+/// Whether a motor is lost without which no four rotors balance the torques.
+bool loses_a_needed_motor(const PlannedFlight& plan) {
+  const std::vector<FlightEvent>& events = plan.setup.mission.events;
+  return plan.setup.vehicle.rotors.size() <= 4 &&
+         std::any_of(events.begin(), events.end(), [](const FlightEvent& event) {
+           const auto* fault = std::get_if<MotorFault>(&event.what);
+           return fault != nullptr && fault->thrust_share == 0;
+         });
+}
+
 /// The vehicle as a command takes it: a file, or a built-in name.
 std::string vehicle_of(const PlannedFlight& plan) {
   if (!plan.options.vehicle.empty()) return plan.options.vehicle;
@@ -164,6 +191,7 @@ FlightCause cause_of(const PlannedFlight& plan, const FlownFlight& flight, const
     return FlightCause::mission_limits;
   const bool flies = !std::holds_alternative<Carried>(plan.setup.mission.kind);
   if (flies && !evidence.passes_with_true_states) {
+    if (passes_without_events(plan)) return FlightCause::event;
     if (evidence.saturation_with_true_states > kSaturated || misses(truth, Metric::saturation_time))
       return FlightCause::motor_limits;
     return missed_by(truth) <= kNearly ? FlightCause::mission_limits : FlightCause::law;
@@ -202,6 +230,18 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
                                  "another `--estimator`, or weaker gains, `{}`; `{}` shows "
                                  "the loop",
                                  tune_command(plan), margins_command(plan));
+      return;
+    case FlightCause::event:
+      diagnosis.why = fmt::format("{}: with true states the law passes without the events, and "
+                                  "with them {}",
+                                  last_event(truth), first_missed(truth));
+      diagnosis.next =
+          loses_a_needed_motor(plan)
+              ? fmt::format("no law holds the heading with one of {} rotors at rest: a copy of the "
+                            "mission's file with thrust_share above 0",
+                            plan.setup.vehicle.rotors.size())
+              : fmt::format("`{}`, or a copy of the mission's file with wider [limits]",
+                            tune_command(plan));
       return;
     case FlightCause::motor_limits:
       diagnosis.why = fmt::format(
@@ -267,6 +307,8 @@ std::string to_string(FlightCause cause) {
       return "unstable loop";
     case FlightCause::estimator_loop:
       return "unstable loop with the estimator";
+    case FlightCause::event:
+      return "event";
     case FlightCause::motor_limits:
       return "motor limits";
     case FlightCause::law:

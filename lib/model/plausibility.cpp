@@ -46,6 +46,7 @@ class Search {
     if (arm_fits || !std::isnan(vehicle_.rotors.front().radius)) speed();
     motors(inertia_fits);
     if (arm_fits && weight_fits) battery();
+    delays();
     return std::move(found_);
   }
 
@@ -203,6 +204,28 @@ class Search {
     const double energy = battery.capacity / 3600 * battery.full_voltage / vehicle_.mass;
     look("energy of the battery over the vehicle's mass", "W h/kg", energy, {1, 400},
          {{1000, "capacity_A_h may be in mA h"}, {1e-3, "capacity_A_h may be in kA h"}});
+  }
+
+  /// No flown loop is analysed with a sensor that is later than 40 control periods of 5 ms.
+  void delays() {
+    const Sensors& sensors = vehicle_.sensors;
+    const auto delay = [&](const char* name, const SensorFaults* faults) {
+      if (faults != nullptr && faults->delay > 0)
+        look(fmt::format("delay of the {}", name), "s", faults->delay, {1e-5, 0.2},
+             {{1000, "delay_s may be in ms"}});
+    };
+    const auto of = [](const auto& sensor) { return sensor ? &sensor->faults : nullptr; };
+    delay("accelerometer", sensors.accelerometer ? &*sensors.accelerometer : nullptr);
+    delay("gyroscope", sensors.gyroscope ? &*sensors.gyroscope : nullptr);
+    delay("magnetometer", sensors.magnetometer ? &*sensors.magnetometer : nullptr);
+    delay("barometer", of(sensors.barometer));
+    delay("sonar", of(sensors.sonar));
+    delay("optical flow", of(sensors.flow));
+    delay("GPS", sensors.gps ? &sensors.gps->position : nullptr);
+    delay("vision", sensors.vision ? &*sensors.vision : nullptr);
+    if (vehicle_.motor.delay > 0)
+      look("delay of the commands", "s", vehicle_.motor.delay, {1e-5, 0.2},
+           {{1000, "command_delay_s may be in ms"}});
   }
 
   const Vehicle& vehicle_;

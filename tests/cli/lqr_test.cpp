@@ -177,6 +177,12 @@ TEST(LqrOfVehicle, RefusesWhatDoesNotGoTogether) {
   refused({"--Q", "1,2"}, "--Q has 2 entries, expected 16 or one for all");
   refused({"--integral", "pw"}, "no state 'pw'");
   refused({"--dt", "0.0005"}, "quadtune lqr: --dt: estimator general: gyroscope.lag is 0.01469");
+  refused({"--structure", "matri"}, "--structure is 'matri', expected dynamic or matrix");
+  for (const char* option : {"--past", "--change", "--integral"})
+    refused({"--structure", "matrix", option, "1"},
+            "came with --structure matrix, expected none because that law integrates px,py,pz,yaw");
+  refused({"--plant", "ideal", "--structure", "matrix"}, "--structure belongs to the flown plant");
+  refused({"--structure", "matrix", "--at", "line"}, "--structure belongs to the flown plant");
 }
 
 }  // namespace

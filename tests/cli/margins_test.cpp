@@ -129,7 +129,7 @@ TEST(MarginsVerb, OfTheFlownLoopKnowTheEstimator) {
   for (const char* part :
        {"hover at 1.1 m, estimator general, real sensors; the sample clocks repeat "
         "every 10 periods",
-        "stable, largest |z| 0.99", "\nmargins of the ideal plant "})
+        "stable, largest |z| 0.99", "\nmargins of the ideal plant\n"})
     EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text.out;
   EXPECT_NE(text.err.find("do not observe px, py and yaw"), std::string::npos) << text.err;
 }

@@ -137,6 +137,20 @@ TEST(Plausibility, LeavesRoomForOtherVehicles) {
     }
 }
 
+// A sensor in milliseconds, and one that no flown loop takes.
+TEST(Plausibility, FindsADelayInMilliseconds) {
+  Vehicle vehicle = load_vehicle("mambo");
+  vehicle.sensors.gyroscope->delay = 5;
+  vehicle.sensors.flow->faults.delay = 0.21;
+  vehicle.motor.delay = 20;
+  const std::vector<Implausibility> found = implausible(vehicle);
+  ASSERT_EQ(found.size(), 3U);
+  EXPECT_EQ(to_string(found[0]),
+            "delay of the gyroscope is 5 s, plausible is 1e-05 to 0.2 s: delay_s may be in ms");
+  EXPECT_EQ(found[1].quantity, "delay of the optical flow");
+  EXPECT_EQ(found[2].cause, "command_delay_s may be in ms");
+}
+
 TEST(Plausibility, TellsFigureRangeAndCause) {
   EXPECT_EQ(to_string(Implausibility{"motor lag", "s", 72, 1e-3, 0.5, "lag_s may be in ms"}),
             "motor lag is 72 s, plausible is 0.001 to 0.5 s: lag_s may be in ms");

@@ -328,6 +328,34 @@ TEST(MissionSearch, ALimitBinds) {
   EXPECT_LE(result.best(0), -1 + 1e-6);
   EXPECT_GT(result.best(0), -1.1);  // and reached, but for a share of 0.01
   EXPECT_THAT(result.binding, ElementsAre("x within"));
+  // What the optimum would be with a bound that is looser by a tenth of its size.
+  ASSERT_EQ(result.buys.size(), 1U);
+  Eigen::VectorXd looser = result.best;
+  looser(0) += 0.1;
+  const double cost = trial.fly(*bound.point(looser).controller).cost;
+  const double bought = 100 * (1 - cost / result.after.cost);
+  EXPECT_GT(result.buys[0], 1);
+  EXPECT_NEAR(result.buys[0], bought, 0.3 * bought);
+}
+
+TEST(MissionSearch, ALimitThatBuysNothingIsSaidTo) {
+  // Of two limits that bind, one alone holds the cost.
+  DesignSpace bound = space(-1.2);
+  bound.point = [inner = bound.point](const Eigen::VectorXd& x) {
+    DesignPoint point = inner(x);
+    point.limits = {{"x within", x(0), -1, false}, {"always met", 1, 1 / 0.99, false}};
+    return point;
+  };
+  const MissionTrial trial(tracking(), *bound.point(bound.start).controller, 2);
+  MissionSearchOptions options;
+  options.seconds = 600;
+  options.evaluations = 150;
+  options.proof_draws = 6;
+  const MissionSearchResult result = search_missions(bound, trial, options);
+  ASSERT_THAT(result.binding, ElementsAre("x within", "always met"));
+  ASSERT_EQ(result.buys.size(), 2U);
+  EXPECT_GT(result.buys[0], 1);
+  EXPECT_LT(result.buys[1], 1e-6);
 }
 
 // Points that were nearer to the inside of limits once passed for better, whatever they cost.

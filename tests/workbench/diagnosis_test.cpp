@@ -71,6 +71,22 @@ TEST(Diagnosis, FindsALawThatIsTooSlow) {
   EXPECT_THAT(diagnosis.why, HasSubstr("the law alone fails"));
 }
 
+// A motor that stops, and a load that is too much for the mission's limits: not the law's fault.
+TEST(Diagnosis, FindsAnEvent) {
+  PlannedFlight plan = planned("mambo", "hover", 30);
+  plan.setup.mission.events = {{15, MotorFault{2, 0}}};
+  const Diagnosis stopped = diagnosis_of(plan);
+  EXPECT_EQ(stopped.cause, FlightCause::event) << stopped.why;
+  EXPECT_THAT(stopped.why, HasSubstr("motor 2 stops at 15 s: with true states the law passes "
+                                     "without the events, and with them "));
+  EXPECT_THAT(stopped.next, HasSubstr("thrust_share above 0"));
+  plan.setup.mission.events = {{15, LoadChange{0.3 * plan.setup.vehicle.mass}}};
+  const Diagnosis loaded = diagnosis_of(plan);
+  EXPECT_EQ(loaded.cause, FlightCause::event) << loaded.why;
+  EXPECT_THAT(loaded.why, HasSubstr("is picked up at 15 s"));
+  EXPECT_THAT(loaded.next, HasSubstr("quadtune tune pid mambo --mission hover"));
+}
+
 // A tilt limit a little below what the law takes.
 TEST(Diagnosis, FindsLimitsThatAreTight) {
   PlannedFlight plan = planned("mambo", "step-north", 15);

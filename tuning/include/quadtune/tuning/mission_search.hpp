@@ -61,6 +61,9 @@ struct SearchStep {
 enum class SearchEnd { budget, converged, interrupted };
 [[nodiscard]] std::string to_string(SearchEnd end);
 
+/// A binding limit is loosened by this share of its size to see what that buys.
+inline constexpr double kLoosened = 0.1;
+
 /// Never worse than the start. The best point is accepted where it costs less than the start by
 /// 0.1 % beyond the interval of the fresh draws: on the mean, or at the quantile where that is the
 /// measure; where that is the worst, on the mean, and its worst is no greater, since no draws bound
@@ -79,6 +82,10 @@ struct MissionSearchResult {
   Estimated difference;
   double less = 0, less_low = 0, less_high = 0;  ///< that difference as a fall of the same [%]
   std::vector<std::string> binding;  ///< limits that the candidate is as near to as it may be
+  /// By how much the cost would fall [%] if one of `binding` were looser by kLoosened: to first
+  /// order, with changes of each variable by at most 0.1 and all other limits kept. Empty where
+  /// the search was interrupted.
+  std::vector<double> buys;
   std::vector<std::string> broken;   ///< limits that `best` passes, on fresh draws
   std::vector<SearchStep> steps;
   int evaluations = 0;

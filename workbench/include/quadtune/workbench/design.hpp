@@ -33,8 +33,9 @@ namespace quadtune {
 inline constexpr std::uint32_t kDesignSeeds = 5;
 
 /// The disturbed flights of a design: a gust of this speed [m/s] and length [s], and a load of this
-/// share of the mass that the law does not know. Their limits on position, height and heading are
-/// those of the mission times kDisturbedSlack; settling, overshoot and the rms are not judged.
+/// share of the mass that is picked up, both in the middle of the mission. Their limits on position,
+/// height and heading are those of the mission times kDisturbedSlack; settling, overshoot and the
+/// rms are not judged.
 inline constexpr double kGustSpeed = 3;
 inline constexpr double kGustLength = 2;
 inline constexpr double kLoadShare = 0.1;
@@ -152,8 +153,8 @@ struct DesignRequirements {
                                                     const std::function<bool()>& stop = {},
                                                     std::uint32_t seeds = kDesignSeeds);
 
-/// Flies every mission of the outcome with a gust, then with a load: a vehicle whose mass and
-/// inertia exceed the believed ones by kLoadShare. No motor test and nothing that is carried.
+/// Flies every mission of the outcome with a gust, then with a load that it picks up, of which
+/// neither law nor estimator is told. No motor test and nothing that is carried.
 /// @throws  as fly_missions()
 [[nodiscard]] std::vector<FlownFlight> fly_disturbed(const DesignOutcome& outcome,
                                                      std::uint64_t seed,

@@ -15,6 +15,7 @@ enum class FlightCause {
   none,            ///< it passed
   unstable_loop,   ///< the flown loop is unstable, with true states too
   estimator_loop,  ///< the flown loop is unstable with this estimator, stable with true states
+  event,           ///< an event of the mission: without it the law passes with true states
   motor_limits,    ///< the motors are at their limits, with true states too
   law,             ///< with true states the law misses the mission's limits by far
   mission_limits,  ///< with true states the law misses the mission's limits by less than a half
