@@ -22,41 +22,49 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMaj
 
 constexpr const char* kWhere = "output feedback";
 
-/// A matrix of which few entries are not 0.
-class Sparse {
+/// A matrix by which others are multiplied, entry by entry if most of its entries are 0.
+class Factor {
  public:
-  explicit Sparse(const MatrixXd& A) : rows_(A.rows()) {
-    for (Index i = 0; i < A.rows(); ++i)
-      for (Index j = 0; j < A.cols(); ++j)
-        if (A(i, j) != 0) entries_.push_back({i, j, A(i, j)});
+  explicit Factor(MatrixXd A) : A_(std::move(A)) {
+    constexpr double kFew = 0.3;
+    const auto few = static_cast<Index>(kFew * static_cast<double>(A_.size()));
+    if ((A_.array() != 0).count() > few) return;
+    sparse_ = true;
+    for (Index i = 0; i < A_.rows(); ++i)
+      for (Index j = 0; j < A_.cols(); ++j)
+        if (A_(i, j) != 0) entries_.push_back({i, j});
   }
 
-  /// product = this · S
+  /// product = A S
   void times(const Rows& S, Rows& product) const {
-    product.setZero(rows_, S.cols());
-    for (const Entry& one : entries_)
-      product.row(one.row).noalias() += one.value * S.row(one.column);
+    if (!sparse_) {
+      product.noalias() = A_ * S;
+      return;
+    }
+    product.setZero(A_.rows(), S.cols());
+    for (const auto& [i, j] : entries_) product.row(i).noalias() += A_(i, j) * S.row(j);
   }
-  /// product = thisᵀ · S
+  /// product = Aᵀ S
   void transposed_times(const Rows& S, Rows& product) const {
-    product.setZero(rows_, S.cols());
-    for (const Entry& one : entries_)
-      product.row(one.column).noalias() += one.value * S.row(one.row);
+    if (!sparse_) {
+      product.noalias() = A_.transpose() * S;
+      return;
+    }
+    product.setZero(A_.cols(), S.cols());
+    for (const auto& [i, j] : entries_) product.row(j).noalias() += A_(i, j) * S.row(i);
   }
-  /// left · this
+  /// left A
   [[nodiscard]] MatrixXd after(const MatrixXd& left) const {
-    MatrixXd product = MatrixXd::Zero(left.rows(), rows_);
-    for (const Entry& one : entries_) product.col(one.column) += one.value * left.col(one.row);
+    if (!sparse_) return left * A_;
+    MatrixXd product = MatrixXd::Zero(left.rows(), A_.cols());
+    for (const auto& [i, j] : entries_) product.col(j) += A_(i, j) * left.col(i);
     return product;
   }
 
  private:
-  struct Entry {
-    Index row, column;
-    double value;
-  };
-  Index rows_;
-  std::vector<Entry> entries_;
+  MatrixXd A_;
+  bool sparse_ = false;
+  std::vector<std::pair<Index, Index>> entries_;
 };
 
 /// X with X = ΦᵀXΦ + V, as the limit of X ← X + ΦᵀXΦ, Φ ← Φ² (Smith 1968). Converges if and only if
@@ -108,14 +116,9 @@ OutputFeedbackCost output_feedback_cost(const OutputFeedbackProblem& problem, co
   const Rows Q = problem.Q + K.transpose() * RK;
   // Most states of a flown plant are samples on their way, which only move on: few entries of A are
   // not 0, and products with them cost little. A symmetric S gives A S Aᵀ = A (A S)ᵀ.
-  std::vector<Sparse> A;
+  std::vector<Factor> A;
   A.reserve(N);
-  MatrixXd closed(nx, nx);
-  for (size_t k = 0; k < N; ++k) {
-    closed = plant.A[k];
-    closed.noalias() -= plant.B[k] * K;
-    A.emplace_back(closed);
-  }
+  for (size_t k = 0; k < N; ++k) A.emplace_back(plant.A[k] - plant.B[k] * K);
   Rows half(nx, nx), turned(nx, nx), next(nx, nx);
   // Over one round: Φ = A[N-1] … A[0], X = Q + A[0]ᵀ(Q + A[1]ᵀ(… Q …)A[1])A[0].
   Rows Phi = plant.A[0] - plant.B[0] * K, X = Q;
