@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/synthesis/flown_plant.hpp"
 
 namespace quadtune {
@@ -63,13 +64,20 @@ LqgReport lqg_report(const Vehicle& vehicle, const LqgOptions& options, const Fl
     const Eigen::VectorXd usual = predicted_rms(plan, options.time, at).command;
     report.recoveries = {{1, share_of(report.lqi.flown, asked), 1, true}};
     FlownLoop best = report.lqi.flown;
-    constexpr double kMostFactor = 64;
-    for (double factor = 2; factor <= kMostFactor; factor *= 2) {
+    const std::vector<double> factors = {2, 4, 8, 16, 32, 64};
+    std::vector<FlownLoop> loops(factors.size());
+    std::vector<Eigen::VectorXd> commands(factors.size());
+    const auto one = [&](std::size_t i) {
       PlannedFlight other = plan;
-      other.setup.general_filter = with_noise(settings, factor);
-      const FlownLoop loop = flown_loop(other, at);
-      const Eigen::VectorXd command = predicted_rms(other, options.time, at).command;
-      Recovery tried{factor, share_of(loop, asked), command.cwiseQuotient(usual).maxCoeff()};
+      other.setup.general_filter = with_noise(settings, factors[i]);
+      loops[i] = flown_loop(other, at);
+      commands[i] = predicted_rms(other, options.time, at).command;
+    };
+    internal::in_parallel(factors.size(), internal::thread_count(0), [&] { return one; }, {});
+    for (std::size_t i = 0; i < factors.size(); ++i) {
+      const double factor = factors[i];
+      const FlownLoop& loop = loops[i];
+      Recovery tried{factor, share_of(loop, asked), commands[i].cwiseQuotient(usual).maxCoeff()};
       tried.affordable = tried.noise <= options.noise_budget;
       const auto chosen = std::find_if(
           report.recoveries.begin(), report.recoveries.end(),

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/SparseCore>
 #include <cmath>
 #include <limits>
 
@@ -19,6 +20,21 @@ using Eigen::VectorXd;
 struct Steps {
   MatrixXd F, W;
 };
+
+/// One step. Most entries of F are 0: samples on their way move on.
+struct Step {
+  Eigen::SparseMatrix<double> F;
+  MatrixXd W;
+};
+
+/// F P Fᵀ of a symmetric P.
+MatrixXd between(const Eigen::SparseMatrix<double>& F, const MatrixXd& P) {
+  const MatrixXd half = F * P;
+  return F * half.transpose();
+}
+
+/// First `a`, then one step.
+Steps then(const Steps& a, const Step& b) { return {b.F * a.F, between(b.F, a.W) + b.W}; }
 
 /// First `a`, then `b`.
 Steps then(const Steps& a, const Steps& b) {
@@ -55,14 +71,14 @@ PredictedRms predicted_rms(const PlannedFlight& plan, double time,
   }
   const Index nx = loop.C.cols(), nz = plant.plant.C.cols(), nu = loop.C.rows();
   const auto N = static_cast<long>(loop.period());
-  std::vector<Steps> periods;
+  std::vector<Step> periods;
   const std::vector<MatrixXd> A = closed(loop);
   Steps round = {MatrixXd::Identity(nx, nx), MatrixXd::Zero(nx, nx)};
   for (long k = 0; k < N; ++k) {
     const MatrixXd& G = plant.noise[static_cast<std::size_t>(k)];
     MatrixXd W = MatrixXd::Zero(nx, nx);
     W.topLeftCorner(nz, nz) = G * G.transpose();
-    periods.push_back({A[static_cast<std::size_t>(k)], W});
+    periods.push_back({A[static_cast<std::size_t>(k)].sparseView(), W});
     round = then(round, periods.back());
   }
   const auto rounds = std::max(1L, std::lround(time / (static_cast<double>(N) * of_plant.dt)));
@@ -76,11 +92,11 @@ PredictedRms predicted_rms(const PlannedFlight& plan, double time,
   MatrixXd errors = -MatrixXd::Identity(12, nx);
   errors.leftCols(nz) += plant.plant.C;
   VectorXd state = VectorXd::Zero(12), error = VectorXd::Zero(12), command = VectorXd::Zero(nu);
-  for (const Steps& period : periods) {
-    P = (period.F * P * period.F.transpose() + period.W).eval();
+  for (const Step& period : periods) {
+    P = between(period.F, P) + period.W;
     state += P.diagonal().head(12) / N;
-    error += (errors * P * errors.transpose()).diagonal() / N;
-    command += (loop.C * P * loop.C.transpose()).diagonal() / N;
+    error += (errors * P).cwiseProduct(errors).rowwise().sum() / N;
+    command += (loop.C * P).cwiseProduct(loop.C).rowwise().sum() / N;
   }
   const auto root = [](const VectorXd& variance) {
     VectorXd result = variance.cwiseMax(0).cwiseSqrt();
