@@ -21,11 +21,15 @@ MarginsReport margins_at_estimates(const PlannedFlight& plan, const FlownLoopOpt
   const PeriodicLti cut = loop_part(cut_at_outputs(plant.plant, law));
   MarginsReport report;
   report.dt = cut.dt;
+  std::vector<Eigen::Index> read;
   for (Eigen::Index i = 0; i < cut.C.rows(); ++i) {
     if (law.B.col(i).isZero(0) && law.D.col(i).isZero(0)) continue;
+    read.push_back(i);
     report.names.push_back(cut.inputs[static_cast<std::size_t>(i)].name);
-    report.loops.push_back(loop_margins(channel(cut, i)));
   }
+  report.loops.resize(read.size());
+  const auto one = [&](std::size_t i) { report.loops[i] = loop_margins(channel(cut, read[i])); };
+  internal::in_parallel(read.size(), internal::thread_count(0), [&] { return one; }, {});
   return report;
 }
 
