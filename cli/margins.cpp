@@ -213,7 +213,7 @@ NamedLoop vehicle_loop(const Options& options) {
   if (!given.laws.gains) {
     const CascadeDesign& cascade = *given.laws.cascade;
     const DiscreteLti law = cascade_law(cascade.gains, cascade.method);
-    const DiscreteLti plant = cascade_plant(vehicle, cascade, options.gains);
+    const DiscreteLti plant = cascade_plant(without_lag(vehicle), cascade, options.gains);
     return {OpenLoop(delayed(cut_at_inputs(plant, law), options.delay)),
             names_or_numbers(law.outputs, std::ssize(law.outputs)), "", "cascaded-pid"};
   }

@@ -14,6 +14,8 @@
 #include "cascade_arguments.hpp"
 #include "cascade_report.hpp"
 #include "flight_arguments.hpp"
+#include "flown_or_ideal.hpp"
+#include "flown_report.hpp"
 #include "given_gains.hpp"
 #include "loop_figure.hpp"
 #include "lqr_matrix.hpp"
@@ -30,6 +32,7 @@
 #include "quadtune/synthesis/pid_optimum.hpp"
 #include "quadtune/synthesis/pid_rules.hpp"
 #include "quadtune/workbench/chosen_law.hpp"
+#include "quadtune/workbench/flown_check.hpp"
 #include "quadtune/workbench/flown_gains.hpp"
 
 namespace quadtune::cli {
@@ -40,6 +43,7 @@ using internal::Json;
 struct Options {
   std::string vehicle;
   std::string method;  ///< "flown", "loops"; empty: by the other options
+  std::string plant;   ///< "flown", "ideal"; empty: flown
   CascadeArguments cascade;
   std::string num, den, type = "PID", rule;
   double delay = 0;         // [s]
@@ -285,9 +289,35 @@ std::vector<std::string> loop_option_names() {
   return names;
 }
 
+/// Whether --plant asks for the textbook plant, on which the loops are designed one by one.
+bool asks_for_ideal_plant(const Options& options) {
+  if (options.plant.empty() || asks_for_flown_plant(options.plant, "pid")) return false;
+  if (options.method == "flown")
+    throw UsageError(
+        "quadtune pid: --method flown came with --plant ideal, expected --method loops, which "
+        "knows of no sensors and no estimator",
+        "--method");
+  return true;
+}
+
+/// The loop that flies under a cascade, about a hover; none, with a note, where it cannot be
+/// analysed.
+std::optional<FlownLoop> flown_loop_of(const Vehicle& vehicle, const CascadeDesign& cascade,
+                                       const std::optional<StoredEstimator>& estimator,
+                                       const Context& context) {
+  try {
+    return flown_loop(
+        hover_under(vehicle, cascade_controller(cascade, cascade.gains), estimator, ""));
+  } catch (const InvalidInput& error) {
+    context.note(fmt::format("pid: note: the flown loop is not analysed: {}", error.what()));
+    return {};
+  }
+}
+
 /// Whether all gains are designed at once on the flown plant, which is the default, or loop by
 /// loop.
 bool designs_on_flown_plant(const CLI::App& app, const Options& options, const Vehicle& vehicle) {
+  if (asks_for_ideal_plant(options)) return false;
   static const std::vector<std::string> kMethods = {"flown", "loops"};
   if (options.method.empty()) {
     const std::vector<std::string> names = loop_option_names();
@@ -313,8 +343,10 @@ void run_vehicle(const CLI::App& app, const Options& options, Context& context) 
                  "belongs to a transfer function, expected --bandwidth, --Ms-max and the like with "
                  "a vehicle");
   const Vehicle vehicle = load_vehicle(options.vehicle);
-  const CascadeSpecification specification =
+  CascadeSpecification specification =
       cascade_specification(app, options.cascade, options.Ms_max, vehicle);
+  const bool ideal = asks_for_ideal_plant(options);
+  if (ideal && !specification.lag) specification.lag = 0;
   std::optional<FlownGains> flown;
   if (designs_on_flown_plant(app, options, vehicle)) {
     FlownGainsOptions of_flown;
@@ -334,31 +366,50 @@ void run_vehicle(const CLI::App& app, const Options& options, Context& context) 
                               OpenLoop(report.open_loop), report.margins);
       },
       context);
+  ExportContent content;
+  content.vehicle = vehicle;
+  content.cascade = CascadeDesign{report.cascade.gains, {}, report.specification.method};
+  content.cascade->back_calculation = kDesignedBackCalculation;
+  content.cascade->velocity_feed_forward = true;
+  content.cascade->conditional_integration = true;
+  content.cascade->integrator_limit = CascadeController{}.integrator_limit;
+  content.cascade->attitude_limit =
+      flown ? kDesignedAttitudeLimit : CascadeController{}.attitude_limit;
+  content.estimator = stored_estimator(vehicle, "", report.cascade.gains.dt);
+  const std::optional<FlownLoop> loop =
+      flown_loop_of(vehicle, *content.cascade, content.estimator, context);
   if (context.json) {
     Json json = to_json(report);
     json["method"] = flown ? "flown" : "loops";
+    json["plant"] = ideal ? "ideal" : "flown";
     if (flown) json["flown"] = family_json(*flown);
-    ExportContent content;
-    content.vehicle = vehicle;
-    content.cascade = CascadeDesign{report.cascade.gains, {}, report.specification.method};
-    content.cascade->back_calculation = kDesignedBackCalculation;
-    content.cascade->velocity_feed_forward = true;
-    content.cascade->conditional_integration = true;
-    content.cascade->integrator_limit = CascadeController{}.integrator_limit;
-    content.cascade->attitude_limit =
-        flown ? kDesignedAttitudeLimit : CascadeController{}.attitude_limit;
-    content.estimator = stored_estimator(vehicle, "", report.cascade.gains.dt);
+    json["flown_loop"] = Json();
+    if (loop) {
+      json["flown_loop"] = to_json(*loop);
+      json["flown_loop"]["margins"] = to_json(loop->margins);
+    }
     add_laws(json, content);
     context.out << internal::readable(json) << "\n";
   } else {
     context.out << to_text(report);
     if (flown) context.out << section("flown", family_text(*flown));
+    if (loop)
+      context.out << section("flown loop", to_text(*loop))
+                  << section("margins of the flown loop", to_text(loop->margins));
   }
   for (const std::string& note : report.cascade.notes) context.note("pid: note: " + note);
   if (flown)
     for (const std::string& note : flown->notes) context.note("pid: note: " + note);
   for (const std::string& warning : cascade_warnings(report))
     context.note("pid: warning: " + warning);
+  if (!loop) return;
+  if (loop->grows())
+    context.note(fmt::format("pid: warning: the flown loop is unstable; {}{}", in_words(*loop),
+                             ideal ? "; without --plant ideal the design includes the rotors' lag, "
+                                     "the sensors and the estimator"
+                                   : ""));
+  for (const std::string& warning : margin_warnings(loop->margins))
+    context.note("pid: warning: flown loop: " + warning);
 }
 
 }  // namespace
@@ -379,6 +430,10 @@ Verb pid_verb() {
                "gains at once on the flown plant; loops: loop by loop, implied by --bandwidth, "
                "--Ms-max and the like")
             ->type_name("M");
+        app.add_option("--plant", options->plant,
+                       "flown (default), or ideal: the textbook plant with 12 states, loop by loop; "
+                       "the flown loop is told in both cases")
+            ->type_name("NAME");
         add_cascade_options(app, options->cascade);
         app.add_option("--num", options->num, "numerator of the plant, descending powers")
             ->type_name("LIST");
@@ -411,7 +466,7 @@ Verb pid_verb() {
         add_plot_option(app, options->plot);
         return [=, owner = &app](Context& context) {
           if (!options->vehicle.empty()) return run_vehicle(*owner, *options, context);
-          refuse_options(*owner, {"--method"}, "belongs to a vehicle, expected one");
+          refuse_options(*owner, {"--method", "--plant"}, "belongs to a vehicle, expected one");
           refuse_options(*owner, cascade_option_names(), "belongs to a vehicle, expected one");
           run(*options,
               {crossover->count() > 0, phase->count() > 0, Tf->count() > 0, tau_c->count() > 0,

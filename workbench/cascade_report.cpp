@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "quadtune/control/cascade_law.hpp"
@@ -39,6 +40,15 @@ CascadeVehicle cascade_vehicle(const Vehicle& vehicle, const std::string& where)
   for (const Rotor& rotor : vehicle.rotors) hover.lag = std::max(hover.lag, slower_lag(rotor));
   if (vehicle.published_cascade) hover.published = vehicle.published_cascade->gains;
   return hover;
+}
+
+Vehicle without_lag(Vehicle vehicle) {
+  for (Rotor& rotor : vehicle.rotors) {
+    rotor.lag = 0;
+    rotor.lag_down = std::numeric_limits<double>::quiet_NaN();
+  }
+  vehicle.motor.delay = vehicle.motor.delay_jitter = 0;
+  return vehicle;
 }
 
 CascadeReport design_cascade(const Vehicle& vehicle, const CascadeSpecification& specification,

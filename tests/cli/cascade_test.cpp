@@ -12,6 +12,7 @@
 #include "designed_mambo.hpp"
 #include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
+#include "temporary_directory.hpp"
 #include "sanitized.hpp"
 #include "source_folder.hpp"
 #include "temporary_directory.hpp"
@@ -99,6 +100,36 @@ TEST(PidOfAVehicle, TakesTheVehiclesMotorLag) {
   EXPECT_EQ(json["motor_lag_s"], 0.072);
   EXPECT_TRUE(json["published"].is_null());
   EXPECT_EQ(json_of({"pid", "crazyflie", "--motor-lag", "0"})["motor_lag_s"], 0);
+}
+
+/// The flown loop is told whatever the gains were designed for; on the textbook plant rotors do not
+/// lag, and `margins` of the same gains agrees.
+TEST(PidOfAVehicle, TellsTheFlownLoopToo) {
+  const Json ideal = json_of({"pid", "crazyflie", "--plant", "ideal"});
+  EXPECT_EQ(ideal["plant"], "ideal");
+  EXPECT_EQ(ideal["method"], "loops");
+  EXPECT_EQ(ideal["motor_lag_s"], 0);
+  EXPECT_FALSE(ideal["flown_loop"]["stable"]);
+  const ProgramResult warned = run_program({"pid", "crazyflie", "--plant", "ideal"});
+  EXPECT_EQ(warned.status, 0);
+  EXPECT_THAT(warned.err, HasSubstr("pid: warning: the flown loop is unstable; "));
+  EXPECT_THAT(warned.err, HasSubstr("without --plant ideal the design includes the rotors' lag"));
+  const testing::TemporaryDirectory folder;
+  const std::string file = (folder.path() / "gains.json").string();
+  ASSERT_EQ(run_program({"pid", "crazyflie", "--plant", "ideal", "--json", "-o", file}).status, 0);
+  const Json margins = json_of({"margins", "crazyflie", "--gains", file});
+  for (std::size_t i = 0; i < 4; ++i)
+    for (const char* key : {"phase_margin_deg", "Ms"}) {
+      EXPECT_EQ(ideal["margins"]["loops"][i][key], margins["ideal"]["loops"][i][key]) << key;
+      EXPECT_EQ(ideal["flown_loop"]["margins"]["loops"][i][key], margins["loops"][i][key]) << key;
+    }
+  const Json loops = json_of({"pid", "crazyflie", "--method", "loops"});
+  EXPECT_EQ(loops["plant"], "flown");
+  EXPECT_TRUE(loops["flown_loop"]["stable"]);
+  EXPECT_TRUE(json_of({"pid", "crazyflie"})["flown_loop"]["stable"]);
+  const ProgramResult both = run_program({"pid", "mambo", "--method", "flown", "--plant", "ideal"});
+  EXPECT_EQ(both.status, 2);
+  EXPECT_THAT(both.err, HasSubstr("--method flown came with --plant ideal"));
 }
 
 TEST(PidOfAVehicle, MeetsABandwidth) {

@@ -30,6 +30,9 @@ struct CascadeReport {
 /// @throws NoSolution  if the vehicle cannot hover
 [[nodiscard]] CascadeVehicle cascade_vehicle(const Vehicle& vehicle, const std::string& where);
 
+/// The vehicle of the textbook plant: rotors and commands without lag and delay.
+[[nodiscard]] Vehicle without_lag(Vehicle vehicle);
+
 /// @throws NoSolution  naming the loop that cannot be had, and the highest that can.
 [[nodiscard]] CascadeReport design_cascade(const Vehicle& vehicle,
                                            const CascadeSpecification& specification,
