@@ -83,6 +83,13 @@ ChosenLaw ours(const Vehicle& vehicle, const char* controller) {
   return choose_law(options, vehicle, "benchmark");
 }
 
+/// A matrix on 12 states and their integrals, optimized on the flown plants.
+ChosenLaw matrix(const Vehicle& vehicle) {
+  LqiDesign design;
+  design.matrix = MatrixWords{};
+  return {feedback_controller(matrix_report(vehicle, design).gains, kUsualPeriod), "a matrix"};
+}
+
 struct Row {
   const char* name;
   std::function<ChosenLaw(const Vehicle&)> law;
@@ -150,6 +157,7 @@ int run() {
   const std::vector<Row> rows = {
       {"quadtune, cascade", [](const Vehicle& v) { return ours(v, kCascadedPid); }},
       {"quadtune, state feedback", [](const Vehicle& v) { return ours(v, kStateFeedback); }},
+      {"quadtune, a matrix of 12 states", matrix},
       {"LQR of 12 states, as `control.lqr`",
        [](const Vehicle& v) { return textbook_lqr(v, false); }},
       {"the same with bounded errors", [](const Vehicle& v) { return textbook_lqr(v, true); }},

@@ -52,6 +52,68 @@ Steps repeated(Steps once, long n) {
   }
 }
 
+/// Where the columns of a covariance for roll and for the pitch rate were in a period of the round.
+struct Instant {
+  std::size_t period = 0;
+  VectorXd roll, pitch_rate;
+};
+
+/// The variance that d = q φ adds to each row of `read` by way of ψ' = r + d. Roll and pitch rate
+/// are Gaussian, so that E d(t) d(t+τ) = E qq E φφ + E qφ E φq with the covariances over τ
+/// (Isserlis), here the mean over the instants of a round.
+/// @param turn      state after a change of the heading by 1 that vehicle and estimator know of
+/// @param instants  of a round
+/// @param read      (rows × nx)
+VectorXd added_by_turning(const std::vector<Step>& periods, const VectorXd& turn,
+                          const std::vector<Instant>& instants, const MatrixXd& read, double dt) {
+  constexpr double kLongest = 20, kNegligible = 1e-4;  // [s]
+  const auto N = periods.size();
+  const auto longest = static_cast<Index>(std::ceil(kLongest / dt));
+  VectorXd of_d = VectorXd::Zero(longest);
+  Index lags = 0;  // beyond which q and φ know nothing of their past
+  for (const Instant& at : instants) {
+    VectorXd roll = at.roll, rate = at.pitch_rate;
+    const double size = std::abs(rate(kRates + 1) * roll(kAttitude));
+    Index quiet = 0;
+    for (Index m = 0; m < longest && quiet * dt < 1; ++m) {
+      const double both =
+          rate(kRates + 1) * roll(kAttitude) + rate(kAttitude) * roll(kRates + 1);
+      of_d(m) += both / static_cast<double>(instants.size());
+      quiet = std::abs(both) < kNegligible * size ? quiet + 1 : 0;
+      lags = std::max(lags, m + 1);
+      const Step& step = periods[(at.period + static_cast<std::size_t>(m)) % N];
+      roll = step.F * roll;
+      rate = step.F * rate;
+    }
+  }
+  MatrixXd response(read.rows(), longest);
+  VectorXd x = turn;
+  for (Index m = 0; m < longest; ++m) {
+    response.col(m) = read * x;
+    x = periods[static_cast<std::size_t>(m) % N].F * x;
+  }
+  VectorXd added = VectorXd::Zero(read.rows());
+  for (Index i = 0; i < read.rows(); ++i)
+    for (Index m = 0; m < lags; ++m)
+      added(i) += (m == 0 ? 1 : 2) * of_d(m) *
+                  response.row(i).head(longest - m).dot(response.row(i).tail(longest - m));
+  return dt * dt * added.cwiseMax(0);
+}
+
+/// A change of the heading by 1 of which the estimator knows, as it integrates the rates as the
+/// vehicle does.
+VectorXd turn_of(const FlightSetup& setup, const PeriodicLti& loop) {
+  // The attitude of the general filter is a quaternion, of half the angle.
+  const double of_estimate = setup.estimator == EstimatorKind::general ? 0.5 : 1;
+  VectorXd turn = VectorXd::Zero(loop.C.cols());
+  turn(kAttitude + 2) = 1;
+  for (std::size_t i = 12; i < loop.states.size(); ++i) {
+    if (loop.states[i].name == "estimated attitude z") turn(static_cast<Index>(i)) = of_estimate;
+    if (loop.states[i].name == "estimated yaw") turn(static_cast<Index>(i)) = 1;
+  }
+  return turn;
+}
+
 }  // namespace
 
 PredictedRms predicted_rms(const PlannedFlight& plan, double time,
@@ -67,7 +129,7 @@ PredictedRms predicted_rms(const PlannedFlight& plan, double time,
   if (poles.size() > 0 && std::log(std::abs(poles(0))) > 1e-4 * of_plant.dt) {
     const double infinity = std::numeric_limits<double>::infinity();
     return {time, VectorXd::Constant(12, infinity), VectorXd::Constant(12, infinity),
-            VectorXd::Constant(loop.C.rows(), infinity)};
+            VectorXd::Constant(loop.C.rows(), infinity), VectorXd::Constant(12, infinity)};
   }
   const Index nx = loop.C.cols(), nz = plant.plant.C.cols(), nu = loop.C.rows();
   const auto N = static_cast<long>(loop.period());
@@ -92,7 +154,12 @@ PredictedRms predicted_rms(const PlannedFlight& plan, double time,
   MatrixXd errors = -MatrixXd::Identity(12, nx);
   errors.leftCols(nz) += plant.plant.C;
   VectorXd state = VectorXd::Zero(12), error = VectorXd::Zero(12), command = VectorXd::Zero(nu);
-  for (const Step& period : periods) {
+  constexpr long kInstants = 20;  // of a round, at most
+  std::vector<Instant> instants;
+  for (long k = 0; k < N; ++k) {
+    const Step& period = periods[static_cast<std::size_t>(k)];
+    if (k % std::max(1L, N / kInstants) == 0)
+      instants.push_back({static_cast<std::size_t>(k), P.col(kAttitude), P.col(kRates + 1)});
     P = between(period.F, P) + period.W;
     state += P.diagonal().head(12) / N;
     error += (errors * P).cwiseProduct(errors).rowwise().sum() / N;
@@ -104,7 +171,15 @@ PredictedRms predicted_rms(const PlannedFlight& plan, double time,
       if (!std::isfinite(entry)) entry = std::numeric_limits<double>::infinity();
     return result;
   };
-  return {static_cast<double>(rounds * N) * of_plant.dt, root(state), root(error), root(command)};
+  MatrixXd read = MatrixXd::Zero(12 + nu, nx);
+  read.topLeftCorner(12, 12).setIdentity();
+  read.bottomRows(nu) = loop.C;
+  const VectorXd turned =
+      added_by_turning(periods, turn_of(plan.setup, loop), instants, read, of_plant.dt);
+  state += turned.head(12);
+  command += turned.tail(nu);
+  return {static_cast<double>(rounds * N) * of_plant.dt, root(state), root(error), root(command),
+          root(turned.head(12))};
 }
 
 }  // namespace quadtune
