@@ -43,7 +43,7 @@ struct Options {
   double sampled = 0;
   std::string schedule;
   std::string evidence;
-  std::string plant;  // "flown", "ideal"; empty: by the other options
+  std::string plant;      // "flown", "ideal"; empty: by the other options
   std::string structure;  // of the flown plant: "dynamic", "matrix"; empty: dynamic
   FlownLqrArguments flown;
 };
@@ -233,10 +233,10 @@ bool asks_for_matrix(const std::string& structure, const CLI::App& app) {
   const std::vector<std::string> known = {"dynamic", "matrix"};
   if (structure.empty() || structure == "dynamic") return false;
   if (structure != "matrix")
-    throw UsageError(fmt::format("quadtune lqr: --structure is '{}', expected dynamic or matrix{}",
-                                 internal::printable(structure),
-                                 internal::did_you_mean(structure, known)),
-                     "--structure");
+    throw UsageError(
+        fmt::format("quadtune lqr: --structure is '{}', expected dynamic or matrix{}",
+                    internal::printable(structure), internal::did_you_mean(structure, known)),
+        "--structure");
   for (const char* name : kDynamicOptions)
     if (app.get_option(name)->count() > 0)
       throw UsageError(fmt::format("quadtune lqr: {} came with --structure matrix, expected none "
@@ -386,13 +386,13 @@ Verb lqr_verb() {
                               "estimator",
                               implied_by));
           } else {
-            refuse_options(
-                *owner,
-                {"--at", "--speed", "--climb", "--radius", "--yaw-rate", "--yaw", "--convention",
-                 "--inputs", "--states", "--integral", "--method", "--dt", "--schedule", "--plant",
-                 "--change", "--past", "--estimator", "--sensors", "--height", "--structure"},
-                "belongs to a vehicle, expected --discrete or --sampled DT with "
-                "matrices");
+            refuse_options(*owner,
+                           {"--at",     "--speed",      "--climb",    "--radius", "--yaw-rate",
+                            "--yaw",    "--convention", "--inputs",   "--states", "--integral",
+                            "--method", "--dt",         "--schedule", "--plant",  "--change",
+                            "--past",   "--estimator",  "--sensors",  "--height", "--structure"},
+                           "belongs to a vehicle, expected --discrete or --sampled DT with "
+                           "matrices");
             run_matrices(*options, sampled->count() > 0, context);
           }
         };

@@ -162,17 +162,35 @@ LqiReport lqi_of_command(const Vehicle& vehicle, const LqrArguments& common,
   });
 }
 
-Json to_json(const LqiReport& report, const Vehicle& vehicle) {
-  const FlownLqi& design = report.design;
-  const Gains& gains = design.lqi.gains;
-  Json json = {{"status", to_string(design.lqi.riccati.status)},
-               {"plant", "flown"},
-               {"K", internal::matrix_to_json(gains.K, "K")},
-               {"K_int", internal::matrix_to_json(gains.K_int, "K_int")}};
+void add_gains(Json& json, const Gains& gains) {
+  json["K"] = internal::matrix_to_json(gains.K, "K");
+  json["K_int"] = internal::matrix_to_json(gains.K_int, "K_int");
   json["states"] = internal::signals_to_json(gains.states);
   json["inputs"] = internal::signals_to_json(gains.inputs);
   json["integrals"] = names_of(gains.integrals);
   json["dt_s"] = gains.dt;
+}
+
+void add_loops(Json& json, const FlownLoop& flown, const MarginsReport& ideal) {
+  json["flown"] = to_json(flown);
+  json["margins"] = to_json(flown.margins);
+  json["ideal"] = to_json(ideal);
+}
+
+void add_export(Json& json, const Vehicle& vehicle, const Gains& gains,
+                const std::optional<StoredEstimator>& estimator) {
+  ExportContent content;
+  content.vehicle = vehicle;
+  content.gains = gains;
+  content.estimator = estimator;
+  add_laws(json, content);
+}
+
+Json to_json(const LqiReport& report, const Vehicle& vehicle) {
+  const FlownLqi& design = report.design;
+  const Gains& gains = design.lqi.gains;
+  Json json = {{"status", to_string(design.lqi.riccati.status)}, {"plant", "flown"}};
+  add_gains(json, gains);
   if (gains.memory)
     json["memory"] = {{"lag_s", internal::vector_to_json(gains.memory->lag, "lag")},
                       {"K_lag", internal::matrix_to_json(gains.memory->K_lag, "K_lag")},
@@ -195,14 +213,8 @@ Json to_json(const LqiReport& report, const Vehicle& vehicle) {
   json["residual"] = internal::number_to_json(design.lqi.riccati.residual, "residual");
   json["rcond"] = internal::number_to_json(design.lqi.riccati.rcond, "rcond");
   json["notes"] = design.notes;
-  json["flown"] = to_json(report.flown);
-  json["margins"] = to_json(report.flown.margins);
-  json["ideal"] = to_json(report.ideal);
-  ExportContent content;
-  content.vehicle = vehicle;
-  content.gains = gains;
-  content.estimator = report.estimator;
-  add_laws(json, content);
+  add_loops(json, report.flown, report.ideal);
+  add_export(json, vehicle, gains, report.estimator);
   return json;
 }
 
@@ -225,15 +237,20 @@ std::string to_text(const LqiReport& report) {
          section("margins of the ideal plant", to_text(report.ideal));
 }
 
-void write_notes(const LqiReport& report, const std::string& verb, const Context& context) {
-  for (const std::string& note : report.design.notes) context.note(verb + ": note: " + note);
-  for (const std::string& note : flown_notes(report.flown)) context.note(verb + ": note: " + note);
-  for (const std::string& note : margin_notes(report.flown.margins))
+void write_notes(const std::vector<std::string>& notes, const FlownLoop& flown,
+                 const std::string& verb, const Context& context) {
+  for (const std::string& note : notes) context.note(verb + ": note: " + note);
+  for (const std::string& note : flown_notes(flown)) context.note(verb + ": note: " + note);
+  for (const std::string& note : margin_notes(flown.margins))
     context.note(verb + ": note: " + note);
-  if (report.flown.grows())
-    context.note(verb + ": warning: the flown loop is unstable; " + in_words(report.flown));
-  for (const std::string& warning : margin_warnings(report.flown.margins))
+  if (flown.grows())
+    context.note(verb + ": warning: the flown loop is unstable; " + in_words(flown));
+  for (const std::string& warning : margin_warnings(flown.margins))
     context.note(verb + ": warning: " + warning);
+}
+
+void write_notes(const LqiReport& report, const std::string& verb, const Context& context) {
+  write_notes(report.design.notes, report.flown, verb, context);
 }
 
 void run_flown_lqr(const LqrArguments& common, const FlownLqrArguments& arguments,

@@ -59,7 +59,16 @@ auto told_of_weights(const LqrArguments& common, Function&& function) {
 [[nodiscard]] internal::Json to_json(const LqiReport& report, const Vehicle& vehicle);
 [[nodiscard]] std::string to_text(const LqiReport& report);
 
-/// Notes of the design, warnings of margins.
+/// What every law of the flown plant tells: its gains with their names, the flown loop, the ideal
+/// one, and the law as `fly --gains` takes it.
+void add_gains(internal::Json& json, const Gains& gains);
+void add_loops(internal::Json& json, const FlownLoop& flown, const MarginsReport& ideal);
+void add_export(internal::Json& json, const Vehicle& vehicle, const Gains& gains,
+                const std::optional<StoredEstimator>& estimator);
+
+/// Notes of a design and of its flown loop, warnings of margins.
+void write_notes(const std::vector<std::string>& notes, const FlownLoop& flown,
+                 const std::string& verb, const Context& context);
 void write_notes(const LqiReport& report, const std::string& verb, const Context& context);
 
 /// Runs the verb.

@@ -14,7 +14,6 @@
 #include "matrix_arguments.hpp"
 #include "number_arguments.hpp"
 #include "print.hpp"
-#include "quadtune/workbench/export_content.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -60,17 +59,6 @@ std::string law_text(const Gains& gains) {
       gains.sign_law == SignLaw::set_point_minus_state ? "+" : "-", to_string(gains.axes));
 }
 
-void write_notes(const MatrixReport& report, const std::string& verb, const Context& context) {
-  for (const std::string& note : report.design.notes) context.note(verb + ": note: " + note);
-  for (const std::string& note : flown_notes(report.flown)) context.note(verb + ": note: " + note);
-  for (const std::string& note : margin_notes(report.flown.margins))
-    context.note(verb + ": note: " + note);
-  if (report.flown.grows())
-    context.note(verb + ": warning: the flown loop is unstable; " + in_words(report.flown));
-  for (const std::string& warning : margin_warnings(report.flown.margins))
-    context.note(verb + ": warning: " + warning);
-}
-
 }  // namespace
 
 std::string family_text(const FlownGains& flown) {
@@ -110,26 +98,15 @@ Json to_json(const MatrixReport& report, const Vehicle& vehicle) {
                {"plant", "flown"},
                {"structure", "matrix"},
                {"convention", gains.convention},
-               {"sign_law", to_string(gains.sign_law)},
-               {"K", internal::matrix_to_json(gains.K, "K")},
-               {"K_int", internal::matrix_to_json(gains.K_int, "K_int")}};
-  json["states"] = internal::signals_to_json(gains.states);
-  json["inputs"] = internal::signals_to_json(gains.inputs);
-  json["integrals"] = names_of(gains.integrals);
-  json["dt_s"] = gains.dt;
+               {"sign_law", to_string(gains.sign_law)}};
+  add_gains(json, gains);
   json["weights"] = {{"Q", internal::vector_to_json(weights.Q, "Q")},
                      {"Q_integral", internal::vector_to_json(weights.Q_integral, "Q_int")},
                      {"R", internal::vector_to_json(weights.R, "R")}};
   json["family"] = family_json(report.design);
   json["notes"] = report.design.notes;
-  json["flown"] = to_json(report.flown);
-  json["margins"] = to_json(report.flown.margins);
-  json["ideal"] = to_json(report.ideal);
-  ExportContent content;
-  content.vehicle = vehicle;
-  content.gains = gains;
-  content.estimator = report.estimator;
-  add_laws(json, content);
+  add_loops(json, report.flown, report.ideal);
+  add_export(json, vehicle, gains, report.estimator);
   return json;
 }
 
@@ -165,7 +142,7 @@ void run_matrix_lqr(const LqrArguments& common, const FlownLqrArguments& argumen
     require_flight_words(flight);
     return matrix_report(vehicle, design, flight, at);
   });
-  write_notes(report, common.verb, context);
+  write_notes(report.design.notes, report.flown, common.verb, context);
   if (context.json)
     context.out << internal::readable(to_json(report, vehicle)) << "\n";
   else

@@ -430,9 +430,10 @@ Verb pid_verb() {
                "gains at once on the flown plant; loops: loop by loop, implied by --bandwidth, "
                "--Ms-max and the like")
             ->type_name("M");
-        app.add_option("--plant", options->plant,
-                       "flown (default), or ideal: the textbook plant with 12 states, loop by loop; "
-                       "the flown loop is told in both cases")
+        app.add_option(
+               "--plant", options->plant,
+               "flown (default), or ideal: the textbook plant with 12 states, loop by loop; "
+               "the flown loop is told in both cases")
             ->type_name("NAME");
         add_cascade_options(app, options->cascade);
         app.add_option("--num", options->num, "numerator of the plant, descending powers")

@@ -225,8 +225,8 @@ FlownBody flown_body(const FlightSetup& setup, InputKind inputs, double height) 
   result.states = ned_convention().states;
   for (const int i : equations.lagging())
     result.states.push_back({fmt::format("speed of rotor {}", i + 1), "rad/s"});
-  result.inputs = input_signals(ned_convention(), inputs, static_cast<int>(rotors),
-                                setup.vehicle.motor.unit);
+  result.inputs =
+      input_signals(ned_convention(), inputs, static_cast<int>(rotors), setup.vehicle.motor.unit);
   part_rotors(result);
   return result;
 }

@@ -97,9 +97,8 @@ double least(const LinearProgram& program) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(program.slope.size());
   double found = 0;
   nlopt_optimize(opt, x.data(), &found);
-  const bool kept =
-      x.allFinite() &&
-      (program.room.size() == 0 || (program.slopes * x - program.room).maxCoeff() < 1e-6);
+  const bool kept = x.allFinite() && (program.room.size() == 0 ||
+                                      (program.slopes * x - program.room).maxCoeff() < 1e-6);
   return kept ? std::min(program.slope.dot(x), 0.0) : 0;
 }
 

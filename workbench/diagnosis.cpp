@@ -232,14 +232,16 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
                                  tune_command(plan), margins_command(plan));
       return;
     case FlightCause::event:
-      diagnosis.why = fmt::format("{}: with true states the law passes without the events, and "
-                                  "with them {}",
-                                  last_event(truth), first_missed(truth));
+      diagnosis.why = fmt::format(
+          "{}: with true states the law passes without the events, and "
+          "with them {}",
+          last_event(truth), first_missed(truth));
       diagnosis.next =
           loses_a_needed_motor(plan)
-              ? fmt::format("no law holds the heading with one of {} rotors at rest: a copy of the "
-                            "mission's file with thrust_share above 0",
-                            plan.setup.vehicle.rotors.size())
+              ? fmt::format(
+                    "no law holds the heading with one of {} rotors at rest: a copy of the "
+                    "mission's file with thrust_share above 0",
+                    plan.setup.vehicle.rotors.size())
               : fmt::format("`{}`, or a copy of the mission's file with wider [limits]",
                             tune_command(plan));
       return;

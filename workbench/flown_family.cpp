@@ -10,8 +10,8 @@
 namespace quadtune {
 namespace {
 
-/// A hover with an estimator, empty for the usual one, or true states where the sensors feed none; its law sets the
-/// control period only.
+/// A hover with an estimator, empty for the usual one, or true states where the sensors feed none;
+/// its law sets the control period only.
 FlightSetup hover_of(const Vehicle& vehicle, double dt, const std::string& estimator) {
   CascadeController law;
   law.gains.dt = dt;

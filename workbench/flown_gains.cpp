@@ -208,8 +208,7 @@ double FlownGains::disk() const {
 FlownGains flown_gains(const Vehicle& vehicle, const FlownGainsOptions& options) {
   FlownGains result;
   result.family = flown_family(vehicle, InputKind::wrench, options.dt, options.estimator);
-  if (const std::string why = why_no_estimator(vehicle);
-      options.estimator.empty() && !why.empty())
+  if (const std::string why = why_no_estimator(vehicle); options.estimator.empty() && !why.empty())
     result.notes.push_back(why + "; the gains are for true states");
   const StandardAxes weights = options.weights ? *options.weights : standard_axes(vehicle);
   const MatrixXd start = start_of(vehicle, weights, options.dt);

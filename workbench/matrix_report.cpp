@@ -113,10 +113,9 @@ MatrixReport matrix_report(const Vehicle& vehicle, const LqiDesign& design,
   // As of other gains, quadtune's own words come with what quadtune's own law can do.
   if (words.convention == "ned") keep_near_hover(vehicle, report.gains);
   report.flown = flown_loop(hover_under(vehicle, report.gains, flown), at);
-  report.ideal =
-      margins_report(OpenLoop(open_loop(model_of(vehicle, report.gains).plant, report.gains)),
-                     names_or_numbers(report.gains.inputs, std::ssize(report.gains.inputs)),
-                     at.evidence);
+  report.ideal = margins_report(
+      OpenLoop(open_loop(model_of(vehicle, report.gains).plant, report.gains)),
+      names_or_numbers(report.gains.inputs, std::ssize(report.gains.inputs)), at.evidence);
   report.estimator = stored_estimator(vehicle, flown.estimator, design.dt);
   return report;
 }

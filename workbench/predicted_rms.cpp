@@ -76,8 +76,7 @@ VectorXd added_by_turning(const std::vector<Step>& periods, const VectorXd& turn
     const double size = std::abs(rate(kRates + 1) * roll(kAttitude));
     Index quiet = 0;
     for (Index m = 0; m < longest && quiet * dt < 1; ++m) {
-      const double both =
-          rate(kRates + 1) * roll(kAttitude) + rate(kAttitude) * roll(kRates + 1);
+      const double both = rate(kRates + 1) * roll(kAttitude) + rate(kAttitude) * roll(kRates + 1);
       of_d(m) += both / static_cast<double>(instants.size());
       quiet = std::abs(both) < kNegligible * size ? quiet + 1 : 0;
       lags = std::max(lags, m + 1);

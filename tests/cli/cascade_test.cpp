@@ -12,7 +12,6 @@
 #include "designed_mambo.hpp"
 #include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
-#include "temporary_directory.hpp"
 #include "sanitized.hpp"
 #include "source_folder.hpp"
 #include "temporary_directory.hpp"

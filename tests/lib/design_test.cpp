@@ -248,8 +248,7 @@ TEST(Design, ReadsAMatrixForTheFlownPlant) {
   EXPECT_EQ(uquad.lqi->matrix->input_kind, InputKind::rotor_speed);
   EXPECT_EQ(uquad.lqi->dt, 0.01);
   const auto refused = [&](const std::string& text, const char* message) {
-    EXPECT_THAT([&] { (void)parse(head + text); },
-                ThrowsMessage<InvalidInput>(HasSubstr(message)));
+    EXPECT_THAT([&] { (void)parse(head + text); }, ThrowsMessage<InvalidInput>(HasSubstr(message)));
   };
   refused("past = 2\n", "d.toml:6: key 'past' in [lqr] is not known");
   refused("integral = ['px']\n", "key 'integral' in [lqr] is not known");

@@ -50,10 +50,8 @@ Gains any_gains(const Vehicle& vehicle) {
 /// vehicle answers alike: with T the map of the states, B_c K_c s T = T B K, s the sign law.
 TEST(MatrixInWords, AnswersWithTheSameAccelerations) {
   for (const std::string name : {"uquad", "mambo", "crazyflie", "hexa-550"}) {
-    const Vehicle vehicle =
-        load_vehicle(name == "hexa-550"
-                         ? testing::source_folder() + "/vehicles/hexa-550.toml"
-                         : name);
+    const Vehicle vehicle = load_vehicle(
+        name == "hexa-550" ? testing::source_folder() + "/vehicles/hexa-550.toml" : name);
     const Gains gains = any_gains(vehicle);
     LinearizeOptions own;
     own.inputs = InputKind::wrench;

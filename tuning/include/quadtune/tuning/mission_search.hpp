@@ -86,7 +86,7 @@ struct MissionSearchResult {
   /// order, with changes of each variable by at most 0.1 and all other limits kept. Empty where
   /// the search was interrupted.
   std::vector<double> buys;
-  std::vector<std::string> broken;   ///< limits that `best` passes, on fresh draws
+  std::vector<std::string> broken;  ///< limits that `best` passes, on fresh draws
   std::vector<SearchStep> steps;
   int evaluations = 0;
   double seconds = 0;

@@ -33,9 +33,9 @@ namespace quadtune {
 inline constexpr std::uint32_t kDesignSeeds = 5;
 
 /// The disturbed flights of a design: a gust of this speed [m/s] and length [s], and a load of this
-/// share of the mass that is picked up, both in the middle of the mission. Their limits on position,
-/// height and heading are those of the mission times kDisturbedSlack; settling, overshoot and the
-/// rms are not judged.
+/// share of the mass that is picked up, both in the middle of the mission. Their limits on
+/// position, height and heading are those of the mission times kDisturbedSlack; settling, overshoot
+/// and the rms are not judged.
 inline constexpr double kGustSpeed = 3;
 inline constexpr double kGustLength = 2;
 inline constexpr double kLoadShare = 0.1;

@@ -16,8 +16,9 @@ struct PredictedRms {
   Eigen::VectorXd state;    ///< (12) of the true states of ned_convention()
   Eigen::VectorXd error;    ///< (12) of the estimates' errors
   Eigen::VectorXd command;  ///< (nu) of the law's commands
-  /// (12) Of the states, the part that the product of pitch rate and roll adds, by which the heading
-  /// turns: contained in `state` and, likewise, in `command`. It grows with the noise squared.
+  /// (12) Of the states, the part that the product of pitch rate and roll adds, by which the
+  /// heading turns: contained in `state` and, likewise, in `command`. It grows with the noise
+  /// squared.
   Eigen::VectorXd turned;
 };
 
