@@ -107,6 +107,12 @@ void run(const Options& options, Context& context) {
     return lqg_report(vehicle, asked, flight, at);
   });
   write_notes(report.lqi, "lqg", context);
+  const std::string& estimator = report.lqi.flown.estimator;
+  if (estimator != "general" && estimator != "truth")
+    context.note(
+        fmt::format("lqg: note: the deviations are linear; flights agree with them with "
+                    "the general filter, with the estimator {} they may be larger",
+                    estimator));
   if (options.recover && report.recovery == 1)
     context.note(
         "lqg: note: no other noise of the filter has larger margins within the budget; what limits "

@@ -266,6 +266,11 @@ bool on_flown_plant(const Options& options, const CLI::App& app, std::string& im
                                  "the words of ned with the wrench on the flown plant",
                                  of_ideal),
                      of_ideal);
+  if (!flown && options.structure == "dynamic" && !of_ideal.empty())
+    throw UsageError(fmt::format("quadtune lqr: {} came with --structure dynamic, expected "
+                                 "--structure matrix or none",
+                                 of_ideal),
+                     of_ideal);
   if (!flown && !of_flown.empty())
     throw UsageError(
         fmt::format("quadtune lqr: {} belongs to the flown plant, expected none with {}", of_flown,
@@ -327,7 +332,8 @@ Verb lqr_verb() {
         app.add_option("--plant", options->plant,
                        "with V: flown (default) includes the rotors' lag, the sensors' delays and "
                        "the estimator; ideal is the textbook plant with 12 states, which options "
-                       "from --at to --states, --method, --schedule and --evidence imply")
+                       "from --at to --states, --method, --schedule and --evidence imply, of a "
+                       "matrix but for --convention and --inputs")
             ->type_name("NAME");
         add_flown_lqr_options(app, options->flown);
         app.add_option("--structure", options->structure,

@@ -290,13 +290,16 @@ std::vector<std::string> loop_option_names() {
 }
 
 /// Whether --plant asks for the textbook plant, on which the loops are designed one by one.
-bool asks_for_ideal_plant(const Options& options) {
+bool asks_for_ideal_plant(const CLI::App& app, const Options& options) {
   if (options.plant.empty() || asks_for_flown_plant(options.plant, "pid")) return false;
   if (options.method == "flown")
     throw UsageError(
         "quadtune pid: --method flown came with --plant ideal, expected --method loops, which "
         "knows of no sensors and no estimator",
         "--method");
+  refuse_options(app, {"--motor-lag"},
+                 "came with --plant ideal, expected none because rotors of the textbook plant do "
+                 "not lag");
   return true;
 }
 
@@ -317,21 +320,19 @@ std::optional<FlownLoop> flown_loop_of(const Vehicle& vehicle, const CascadeDesi
 /// Whether all gains are designed at once on the flown plant, which is the default, or loop by
 /// loop.
 bool designs_on_flown_plant(const CLI::App& app, const Options& options, const Vehicle& vehicle) {
-  if (asks_for_ideal_plant(options)) return false;
   static const std::vector<std::string> kMethods = {"flown", "loops"};
-  if (options.method.empty()) {
-    const std::vector<std::string> names = loop_option_names();
-    return usually_on_flown_plant(vehicle) &&
-           std::none_of(names.begin(), names.end(),
-                        [&](const std::string& name) { return app.get_option(name)->count() > 0; });
-  }
-  if (options.method == "loops") return false;
-  if (options.method != "flown")
+  if (!options.method.empty() && options.method != "loops" && options.method != "flown")
     throw UsageError(fmt::format("quadtune pid: --method is '{}', expected flown or loops{}",
                                  internal::printable(options.method),
                                  internal::did_you_mean(options.method, kMethods)),
                      "--method");
-  refuse_options(app, loop_option_names(), "belongs to --method loops, expected it");
+  if (asks_for_ideal_plant(app, options) || options.method == "loops") return false;
+  const std::vector<std::string> names = loop_option_names();
+  if (options.method.empty())
+    return usually_on_flown_plant(vehicle) &&
+           std::none_of(names.begin(), names.end(),
+                        [&](const std::string& name) { return app.get_option(name)->count() > 0; });
+  refuse_options(app, names, "belongs to --method loops, expected it");
   return true;
 }
 
@@ -345,10 +346,11 @@ void run_vehicle(const CLI::App& app, const Options& options, Context& context) 
   const Vehicle vehicle = load_vehicle(options.vehicle);
   CascadeSpecification specification =
       cascade_specification(app, options.cascade, options.Ms_max, vehicle);
-  const bool ideal = asks_for_ideal_plant(options);
-  if (ideal && !specification.lag) specification.lag = 0;
+  const bool on_flown_plant = designs_on_flown_plant(app, options, vehicle);
+  const bool ideal = !on_flown_plant && asks_for_ideal_plant(app, options);
+  if (ideal) specification.lag = 0;
   std::optional<FlownGains> flown;
-  if (designs_on_flown_plant(app, options, vehicle)) {
+  if (on_flown_plant) {
     FlownGainsOptions of_flown;
     of_flown.dt = specification.dt;
     flown = told_of_period("pid", app.get_option("--dt")->count() > 0,
@@ -381,7 +383,7 @@ void run_vehicle(const CLI::App& app, const Options& options, Context& context) 
   if (context.json) {
     Json json = to_json(report);
     json["method"] = flown ? "flown" : "loops";
-    json["plant"] = ideal ? "ideal" : "flown";
+    json["plant"] = ideal ? "ideal" : flown ? "flown" : "lag";
     if (flown) json["flown"] = family_json(*flown);
     json["flown_loop"] = Json();
     if (loop) {
@@ -403,6 +405,8 @@ void run_vehicle(const CLI::App& app, const Options& options, Context& context) 
   for (const std::string& warning : cascade_warnings(report))
     context.note("pid: warning: " + warning);
   if (!loop) return;
+  for (const std::string& note : flown_notes(*loop)) context.note("pid: note: " + note);
+  for (const std::string& note : margin_notes(loop->margins)) context.note("pid: note: " + note);
   if (loop->grows())
     context.note(fmt::format("pid: warning: the flown loop is unstable; {}{}", in_words(*loop),
                              ideal ? "; without --plant ideal the design includes the rotors' lag, "

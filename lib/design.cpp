@@ -168,7 +168,8 @@ LqiDesign read_lqi(const TomlTable& table) {
   if (table.has("integral")) lqi.integrals = read_names(table, "integral", states);
   if (table.has("dt_s")) lqi.dt = table.number("dt_s", Range::positive());
   lqi.Q = weights("Q", states, "states: ", Range::not_negative());
-  lqi.Q_integral = weights("Q_integral", lqi.integrals, "integrals: ", Range::not_negative());
+  lqi.Q_integral = weights("Q_integral", lqi.integrals,
+                           "integrals: ", lqi.matrix ? Range::positive() : Range::not_negative());
   lqi.R = weights("R", inputs, "inputs: ", Range::positive());
   lqi.R_change = weights("change", inputs, "inputs: ", Range::not_negative());
   if (table.has("past")) lqi.past = table.integer("past", lqi.R_change ? 1 : 0, kMostPastCommands);
@@ -561,6 +562,12 @@ Design parse_design(const std::string& text, const std::string& origin,
           fmt::format("lqr.plant is 'flown' in a design whose trim is a {}, expected "
                       "a hover",
                       to_string(design.condition.kind)));
+    else if (design.condition.yaw != 0)
+      throw InvalidInput(
+          table->where("plant"),
+          fmt::format("lqr.plant is 'flown' in a design whose trim has the yaw {} rad, expected 0 "
+                      "because the flown plant hovers with the nose to the north",
+                      design.condition.yaw));
     else
       design.lqi = read_lqi(*table);
   }

@@ -63,10 +63,11 @@ struct LinearProgram {
   double reach = 0;
 };
 
-/// The least value of a program.
-double least(const LinearProgram& program) {
+/// The d of a program; 0 where none is found that is better.
+Eigen::VectorXd solution(const LinearProgram& program) {
   const double size = program.slope.norm();
-  if (!(size > 0)) return 0;
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(program.slope.size());
+  if (!(size > 0)) return none;
   const auto n = static_cast<unsigned>(program.slope.size());
   const Optimizer optimizer(NLOPT_LD_SLSQP, n);
   nlopt_opt opt = optimizer.handle.get();
@@ -99,7 +100,7 @@ double least(const LinearProgram& program) {
   nlopt_optimize(opt, x.data(), &found);
   const bool kept = x.allFinite() && (program.room.size() == 0 ||
                                       (program.slopes * x - program.room).maxCoeff() < 1e-6);
-  return kept ? std::min(program.slope.dot(x), 0.0) : 0;
+  return kept ? x : none;
 }
 
 class Search {
@@ -320,12 +321,16 @@ class Search {
     return all;
   }
 
-  /// What a looser limit buys, by the slopes of cost and limits at the best point.
+  /// What a looser limit buys: slopes of cost and limits at the best point say where to go with the
+  /// limit as it is and with a looser one, and both points are flown.
   void price(MissionSearchResult& result) {
     constexpr double kStep = 0.02, kReach = 0.1;
     const Eigen::Index n = best_.x.size(), m = best_.excess.size();
+    // As the search has it: a limit that the start breaks costs from its target on.
+    const Eigen::VectorXd most =
+        (slack_.array() > kLimitTolerance).select(target_, slack_).cwiseMax(best_.excess);
     LinearProgram program{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(m, n),
-                          slack_.cwiseMax(best_.excess) - best_.excess, kReach};
+                          most - best_.excess, kReach};
     for (Eigen::Index j = 0; j < n; ++j)
       for (const double step : {kStep, -kStep}) {
         Eigen::VectorXd x = best_.x;
@@ -336,15 +341,32 @@ class Search {
         program.slopes.col(j) = (beside.excess - best_.excess) / step;
         break;
       }
-    const double kept = least(program);
+    const double kept = flown_cost(program, most, best_.cost);
     std::vector<double> buys;
     for (const std::string& binding : result.binding) {
       LinearProgram loosened = program;
+      Eigen::VectorXd looser = most;
       for (const auto& [name, i] : names(best_))
-        if (name == binding) loosened.room(i) += kLoosened;
-      buys.push_back(100 * std::max(kept - least(loosened), 0.0) / best_.cost);
+        if (name == binding) {
+          loosened.room(i) += kLoosened;
+          looser(i) += kLoosened;
+        }
+      buys.push_back(100 * std::max(kept - flown_cost(loosened, looser, kept), 0.0) / best_.cost);
     }
     result.buys = buys;
+  }
+
+  /// The cost at the solution of a program, or half or a quarter of the way to it, whichever is the
+  /// first to keep the limits; at most `usual`.
+  double flown_cost(const LinearProgram& program, const Eigen::VectorXd& most, double usual) {
+    const Eigen::VectorXd change = solution(program);
+    for (const double share : {1.0, 0.5, 0.25}) {
+      const Tried point = tried(best_.x + share * change);
+      if (!point.design.controller) continue;
+      if (most.size() == 0 || (point.excess - most).maxCoeff() <= kEdge)
+        return std::min(point.cost, usual);
+    }
+    return usual;
   }
 
   /// Flies start and best on draws that the search has not seen: it may have found what is good for

@@ -144,10 +144,13 @@ ChosenLaw law_of_file(const FlightOptions& options, const Vehicle& vehicle) {
   if (is_schedule(options.gains)) return law_of_schedule(options, vehicle);
   const GivenLaws given = read_given_laws(options.gains);
   require_vehicle(given.laws, vehicle, options.gains);
-  if (!flies_cascade(given, options))
+  if (!flies_cascade(given, options)) {
+    const bool matrix = given.design && given.design->matrix;
     return {feedback_controller(*given.laws.gains, kUsualPeriod),
             "state feedback of " + options.gains,
-            given.design ? given.design->margins : std::nullopt, 0, given.laws.estimator};
+            given.design ? given.design->margins : std::nullopt, 0,
+            matrix ? given.design->matrix->estimator : given.laws.estimator};
+  }
   const CascadeDesign& cascade = *given.laws.cascade;
   ChosenLaw law{cascade_controller(cascade, cascade.gains), "cascaded PID of " + options.gains};
   law.estimator = given.laws.estimator;

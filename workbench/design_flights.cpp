@@ -154,6 +154,9 @@ std::string program_estimator(const Design& design) {
   if ((tuned || exported_to("mambo")) && sensors.sonar) return "mambo";
   if ((design.estimator || exported_to("uquad")) && sensors.barometer && sensors.magnetometer)
     return "uquad";
+  // A matrix is optimized with the estimator of the program whose words it has.
+  if (design.lqi && design.lqi->matrix)
+    return estimator_of_program(design.vehicle, design.lqi->matrix->convention);
   return "";
 }
 

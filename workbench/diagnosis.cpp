@@ -85,31 +85,52 @@ bool explained_by_estimate(const FlownFlight& flight) {
          wrong >= flight.plan.setup.mission.settling.band / 2;
 }
 
-/// Whether the law passes with true states and without the mission's events.
-bool passes_without_events(const PlannedFlight& plan) {
-  if (plan.setup.mission.events.empty()) return false;
-  PlannedFlight calm = with_true_states(plan);
-  calm.setup.mission.events.clear();
-  return fly_planned(std::move(calm)).passed;
+/// The event without which the law passes with true states, or all of them; none: it fails all the
+/// same.
+std::vector<FlightEvent> events_at_fault(const PlannedFlight& plan) {
+  const std::vector<FlightEvent>& events = plan.setup.mission.events;
+  const auto passes_with = [&](const std::vector<FlightEvent>& kept) {
+    PlannedFlight other = with_true_states(plan);
+    other.setup.mission.events = kept;
+    return fly_planned(std::move(other)).passed;
+  };
+  if (events.empty() || !passes_with({})) return {};
+  if (events.size() == 1) return events;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    std::vector<FlightEvent> others = events;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    if (passes_with(others)) return {events[i]};
+  }
+  return events;
 }
 
-/// The event that came last before the flight ended, and when.
-std::string last_event(const FlownFlight& flight) {
-  std::string text = "none";
-  for (const FlightEvent& event : flight.plan.setup.mission.events)
-    if (event.time <= flight.result.end_time)
-      text = fmt::format("{} at {:.3g} s", in_words(event), event.time);
+/// "motor 2 stops at 5 s and a load of 0.1 kg is dropped at 9 s"
+std::string in_words(const std::vector<FlightEvent>& events) {
+  std::string text;
+  for (const FlightEvent& event : events)
+    text += fmt::format("{}{} at {:.3g} s", text.empty() ? "" : " and ", quadtune::in_words(event),
+                        event.time);
   return text;
 }
 
 /// Whether a motor is lost without which no four rotors balance the torques.
-bool loses_a_needed_motor(const PlannedFlight& plan) {
-  const std::vector<FlightEvent>& events = plan.setup.mission.events;
+bool loses_a_needed_motor(const PlannedFlight& plan, const std::vector<FlightEvent>& events) {
   return plan.setup.vehicle.rotors.size() <= 4 &&
          std::any_of(events.begin(), events.end(), [](const FlightEvent& event) {
            const auto* fault = std::get_if<MotorFault>(&event.what);
            return fault != nullptr && fault->thrust_share == 0;
          });
+}
+
+/// Whether a load makes the vehicle heavier than the thrust that its laws may ask for.
+bool too_heavy(const PlannedFlight& plan, const std::vector<FlightEvent>& events) {
+  const Vehicle& flown = flown_vehicle(plan.setup);
+  double mass = flown.mass;
+  for (const FlightEvent& event : events)
+    if (const auto* load = std::get_if<LoadChange>(&event.what)) mass += load->mass;
+  const double fraction = plan.setup.vehicle.altitude_thrust_fraction;
+  return mass > flown.mass &&
+         mass * flown.gravity > greatest_thrust(flown) * (fraction > 0 ? fraction : 1);
 }
 
 /// The vehicle as a command takes it: a file, or a built-in name.
@@ -191,7 +212,7 @@ FlightCause cause_of(const PlannedFlight& plan, const FlownFlight& flight, const
     return FlightCause::mission_limits;
   const bool flies = !std::holds_alternative<Carried>(plan.setup.mission.kind);
   if (flies && !evidence.passes_with_true_states) {
-    if (passes_without_events(plan)) return FlightCause::event;
+    if (!events_at_fault(plan).empty()) return FlightCause::event;
     if (evidence.saturation_with_true_states > kSaturated || misses(truth, Metric::saturation_time))
       return FlightCause::motor_limits;
     return missed_by(truth) <= kNearly ? FlightCause::mission_limits : FlightCause::law;
@@ -231,20 +252,31 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
                                  "the loop",
                                  tune_command(plan), margins_command(plan));
       return;
-    case FlightCause::event:
+    case FlightCause::event: {
+      const std::vector<FlightEvent> events = events_at_fault(plan);
+      const bool heavy = too_heavy(plan, events);
+      const bool saturated = evidence.saturation_with_true_states > kSaturated;
       diagnosis.why = fmt::format(
-          "{}: with true states the law passes without the events, and "
-          "with them {}",
-          last_event(truth), first_missed(truth));
-      diagnosis.next =
-          loses_a_needed_motor(plan)
-              ? fmt::format(
-                    "no law holds the heading with one of {} rotors at rest: a copy of the "
-                    "mission's file with thrust_share above 0",
-                    plan.setup.vehicle.rotors.size())
-              : fmt::format("`{}`, or a copy of the mission's file with wider [limits]",
-                            tune_command(plan));
+          "{}: with true states the law passes without it, and with it {}{}", in_words(events),
+          first_missed(truth),
+          heavy       ? ", heavier than the thrust that the law may ask for"
+          : saturated ? fmt::format(", some motor at its limit for {:.0f} % of the flight",
+                                    100 * evidence.saturation_with_true_states)
+                      : "");
+      const std::string copy = "a copy of the mission's file";
+      diagnosis.next = loses_a_needed_motor(plan, events)
+                           ? fmt::format(
+                                 "no law holds the heading with one of {} rotors at rest: {} with "
+                                 "thrust_share above 0",
+                                 plan.setup.vehicle.rotors.size(), copy)
+                       : saturated
+                           ? fmt::format("more thrust, or {} with a smaller [[event]]", copy)
+                           : fmt::format(
+                                 "`quadtune tune {} {} --mission FILE`, FILE being {} with this "
+                                 "[[event]], or wider [limits]",
+                                 is_cascade(plan) ? "pid" : "lqr", vehicle_of(plan), copy);
       return;
+    }
     case FlightCause::motor_limits:
       diagnosis.why = fmt::format(
           "some motor is at its limit for {:.0f} % of the flight with true states: the gains ask "

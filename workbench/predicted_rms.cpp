@@ -66,37 +66,46 @@ struct Instant {
 /// @param read      (rows × nx)
 VectorXd added_by_turning(const std::vector<Step>& periods, const VectorXd& turn,
                           const std::vector<Instant>& instants, const MatrixXd& read, double dt) {
-  constexpr double kLongest = 20, kNegligible = 1e-4;  // [s]
+  // Beyond 20 s nothing is left of what began; what moves is slower than 5 ms.
+  constexpr double kLongest = 20, kFine = 0.005, kNegligible = 1e-4;  // [s], [s], [1]
   const auto N = periods.size();
-  const auto longest = static_cast<Index>(std::ceil(kLongest / dt));
+  const auto stride = static_cast<Index>(std::max(1.0, std::floor(kFine / dt + 1e-9)));
+  const double h = dt * static_cast<double>(stride);
+  const auto longest = static_cast<Index>(std::ceil(kLongest / h));
+  const auto advance = [&](VectorXd& x, std::size_t& period) {
+    for (Index i = 0; i < stride; ++i, period = (period + 1) % N) x = periods[period].F * x;
+  };
   VectorXd of_d = VectorXd::Zero(longest);
   Index lags = 0;  // beyond which q and φ know nothing of their past
   for (const Instant& at : instants) {
     VectorXd roll = at.roll, rate = at.pitch_rate;
+    std::size_t of_roll = at.period, of_rate = at.period;
     const double size = std::abs(rate(kRates + 1) * roll(kAttitude));
-    Index quiet = 0;
-    for (Index m = 0; m < longest && quiet * dt < 1; ++m) {
+    double quiet = 0;  // [s]
+    for (Index m = 0; m < longest && quiet < 1; ++m) {
       const double both = rate(kRates + 1) * roll(kAttitude) + rate(kAttitude) * roll(kRates + 1);
       of_d(m) += both / static_cast<double>(instants.size());
-      quiet = std::abs(both) < kNegligible * size ? quiet + 1 : 0;
+      quiet = std::abs(both) < kNegligible * size ? quiet + h : 0;
       lags = std::max(lags, m + 1);
-      const Step& step = periods[(at.period + static_cast<std::size_t>(m)) % N];
-      roll = step.F * roll;
-      rate = step.F * rate;
+      advance(roll, of_roll);
+      advance(rate, of_rate);
     }
   }
   MatrixXd response(read.rows(), longest);
   VectorXd x = turn;
+  std::size_t period = 0;
   for (Index m = 0; m < longest; ++m) {
     response.col(m) = read * x;
-    x = periods[static_cast<std::size_t>(m) % N].F * x;
+    advance(x, period);
   }
   VectorXd added = VectorXd::Zero(read.rows());
-  for (Index i = 0; i < read.rows(); ++i)
+  for (Index i = 0; i < read.rows(); ++i) {
+    if (response.row(i).isZero(0)) continue;
     for (Index m = 0; m < lags; ++m)
       added(i) += (m == 0 ? 1 : 2) * of_d(m) *
                   response.row(i).head(longest - m).dot(response.row(i).tail(longest - m));
-  return dt * dt * added.cwiseMax(0);
+  }
+  return h * h * added.cwiseMax(0);
 }
 
 /// A change of the heading by 1 of which the estimator knows, as it integrates the rates as the

@@ -22,7 +22,8 @@ std::string in_words(const FlightEvent& event) {
     return fmt::format("motor {} keeps {} of its thrust", fault->motor, fault->thrust_share);
   }
   const double mass = std::get<LoadChange>(event.what).mass;
-  return fmt::format("a load of {} kg is {}", std::abs(mass), mass > 0 ? "picked up" : "dropped");
+  return fmt::format("a load of {:.4g} kg is {}", std::abs(mass),
+                     mass > 0 ? "picked up" : "dropped");
 }
 
 void validate(const std::vector<FlightEvent>& events, double duration, const std::string& where) {

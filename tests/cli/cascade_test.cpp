@@ -123,12 +123,20 @@ TEST(PidOfAVehicle, TellsTheFlownLoopToo) {
       EXPECT_EQ(ideal["flown_loop"]["margins"]["loops"][i][key], margins["loops"][i][key]) << key;
     }
   const Json loops = json_of({"pid", "crazyflie", "--method", "loops"});
-  EXPECT_EQ(loops["plant"], "flown");
+  EXPECT_EQ(loops["plant"], "lag");
   EXPECT_TRUE(loops["flown_loop"]["stable"]);
   EXPECT_TRUE(json_of({"pid", "crazyflie"})["flown_loop"]["stable"]);
   const ProgramResult both = run_program({"pid", "mambo", "--method", "flown", "--plant", "ideal"});
   EXPECT_EQ(both.status, 2);
   EXPECT_THAT(both.err, HasSubstr("--method flown came with --plant ideal"));
+  const auto refused = [](std::vector<std::string> args, const char* message) {
+    args.insert(args.begin(), {"pid", "mambo", "--plant", "ideal"});
+    const ProgramResult result = run_program(args);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_THAT(result.err, HasSubstr(message));
+  };
+  refused({"--method", "loop"}, "--method is 'loop', expected flown or loops");
+  refused({"--motor-lag", "0.05"}, "--motor-lag came with --plant ideal, expected none");
 }
 
 TEST(PidOfAVehicle, MeetsABandwidth) {

@@ -14,6 +14,7 @@
 #include "run_json.hpp"
 #include "run_program.hpp"
 #include "sanitized.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -183,6 +184,60 @@ TEST(LqrOfVehicle, RefusesWhatDoesNotGoTogether) {
             "came with --structure matrix, expected none because that law integrates px,py,pz,yaw");
   refused({"--plant", "ideal", "--structure", "matrix"}, "--structure belongs to the flown plant");
   refused({"--structure", "matrix", "--at", "line"}, "--structure belongs to the flown plant");
+}
+
+/// A matrix alone, exported to each program that can hold one: its signs are those of a published
+/// law, it verifies, and what is read back flies and has the same margins.
+TEST(LqrMatrix, IsExportedVerifiedAndFlown) {
+  if (testing::kSanitized) GTEST_SKIP() << "minutes of flights that other tests fly, too";
+  const testing::TemporaryDirectory folder;
+  for (const std::string program : {"uquad", "mambo"}) {
+    const bool uquad = program == "uquad";
+    const std::string file =
+        folder
+            .write(program + ".toml",
+                   "name = 'm'\nvehicle = '" + program +
+                       "'\n[lqr]\nplant = 'flown'\nstructure = 'matrix'\nconvention = '" + program +
+                       "'\ninputs = '" + (uquad ? "rotor-speed" : "wrench") + "'\ndt_s = " +
+                       (uquad ? "0.01" : "0.005") + "\n[[mission]]\nname = 'take-off-and-land'\n" +
+                       "[[export]]\nto = '" + program + "'\n")
+            .string();
+    const std::string out = (folder.path() / program).string();
+    const ProgramResult made = run_program({"design", file, "-o", out, "--json"});
+    ASSERT_EQ(made.status, 0) << made.err;
+    const json report = json::parse(made.out);
+    EXPECT_EQ(report["verdict"], "pass");
+    EXPECT_EQ(report["lqr"]["structure"], "matrix");
+    EXPECT_EQ(report["lqr"]["flown"]["estimator"], program);
+    EXPECT_EQ(report["missions"][0]["estimator"], program);
+    EXPECT_EQ(run_program({"verify", out}).status, 0);
+    EXPECT_EQ(run_json({"margins", program, "--gains", file})["loops"],
+              report["lqr"]["margins"]["loops"]);
+    const ProgramResult flown =
+        run_program({"fly", program, "--gains", out, "--estimator", program, "--mission", "hover"});
+    EXPECT_EQ(flown.status, 0) << flown.out << flown.err;
+    EXPECT_THAT(run_program({"design", file}).out, HasSubstr("plants of the design\n"));
+    if (!uquad) continue;
+    const json published =
+        run_json({"design", testing::source_folder() + "/designs/uquad-hover.toml"});
+    const json &K = report["lqr"]["K"], &there = published["lqr"]["K"];
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = 0; j < 12; ++j) {
+        EXPECT_GE(double(K[i][j]) * double(there[i][j]), 0) << i << " " << j;
+        EXPECT_EQ(double(K[i][j]) == 0, std::abs(double(there[i][j])) < 1e-9) << i << " " << j;
+      }
+  }
+}
+
+TEST(LqrMatrix, TellsWhatItNeeds) {
+  const ProgramResult zero = run_program({"lqr", "mambo", "--structure", "matrix", "--Q", "0"});
+  EXPECT_EQ(zero.status, 2);
+  EXPECT_THAT(zero.err, HasSubstr("--Q: the weight of px is 0, expected more than 0"));
+  const ProgramResult dynamic =
+      run_program({"lqr", "mambo", "--structure", "dynamic", "--convention", "mambo"});
+  EXPECT_EQ(dynamic.status, 2);
+  EXPECT_THAT(dynamic.err, HasSubstr("--convention came with --structure dynamic, expected "
+                                     "--structure matrix or none"));
 }
 
 }  // namespace

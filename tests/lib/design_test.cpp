@@ -251,6 +251,9 @@ TEST(Design, ReadsAMatrixForTheFlownPlant) {
     EXPECT_THAT([&] { (void)parse(head + text); }, ThrowsMessage<InvalidInput>(HasSubstr(message)));
   };
   refused("past = 2\n", "d.toml:6: key 'past' in [lqr] is not known");
+  refused("Q_integral = [1, 1, 0, 1]\n", "d.toml:6: ");
+  refused("[trim]\nat = 'hover'\nyaw_rad = 0.3\n",
+          "lqr.plant is 'flown' in a design whose trim has the yaw 0.3 rad, expected 0");
   refused("integral = ['px']\n", "key 'integral' in [lqr] is not known");
   refused("convention = 'px4'\n", "no convention 'px4'");
   refused("inputs = 'torque'\n", "no inputs 'torque'");

@@ -338,6 +338,30 @@ TEST(MissionSearch, ALimitBinds) {
   EXPECT_NEAR(result.buys[0], bought, 0.3 * bought);
 }
 
+// A limit that the start breaks is not free up to where the start was.
+TEST(MissionSearch, ALimitThatWasRepairedHasItsPrice) {
+  DesignSpace bound = space(-0.6);
+  bound.point = [inner = bound.point](const Eigen::VectorXd& x) {
+    DesignPoint point = inner(x);
+    point.limits = {{"x within", x(0), -1, false}};
+    return point;
+  };
+  const MissionTrial trial(tracking(), *bound.point(bound.start).controller, 2);
+  MissionSearchOptions options;
+  options.seconds = 600;
+  options.evaluations = 150;
+  options.proof_draws = 6;
+  const MissionSearchResult result = search_missions(bound, trial, options);
+  ASSERT_THAT(result.binding, ElementsAre("x within"));
+  Eigen::VectorXd looser = result.candidate;
+  looser(0) += 0.1;
+  const double cost = trial.fly(*bound.point(looser).controller).cost;
+  const double bought = 100 * (1 - cost / result.after.cost);
+  ASSERT_GT(bought, 1);
+  ASSERT_EQ(result.buys.size(), 1U);
+  EXPECT_NEAR(result.buys[0], bought, 0.2 * bought);
+}
+
 TEST(MissionSearch, ALimitThatBuysNothingIsSaidTo) {
   // Of two limits that bind, one alone holds the cost.
   DesignSpace bound = space(-1.2);

@@ -78,13 +78,21 @@ TEST(Diagnosis, FindsAnEvent) {
   const Diagnosis stopped = diagnosis_of(plan);
   EXPECT_EQ(stopped.cause, FlightCause::event) << stopped.why;
   EXPECT_THAT(stopped.why, HasSubstr("motor 2 stops at 15 s: with true states the law passes "
-                                     "without the events, and with them "));
+                                     "without it, and with it "));
   EXPECT_THAT(stopped.next, HasSubstr("thrust_share above 0"));
   plan.setup.mission.events = {{15, LoadChange{0.3 * plan.setup.vehicle.mass}}};
   const Diagnosis loaded = diagnosis_of(plan);
   EXPECT_EQ(loaded.cause, FlightCause::event) << loaded.why;
   EXPECT_THAT(loaded.why, HasSubstr("is picked up at 15 s"));
-  EXPECT_THAT(loaded.next, HasSubstr("quadtune tune pid mambo --mission hover"));
+  EXPECT_THAT(loaded.next, HasSubstr("quadtune tune pid mambo --mission FILE"));
+  // Of two events the one without which it passes; a load that the motors cannot lift.
+  plan.setup.mission.events.push_back({20, LoadChange{-0.001}});
+  EXPECT_THAT(diagnosis_of(plan).why, HasSubstr("is picked up at 15 s: with true states"));
+  plan.setup.mission.events = {{15, LoadChange{0.1}}};
+  const Diagnosis heavy = diagnosis_of(plan);
+  EXPECT_EQ(heavy.cause, FlightCause::event);
+  EXPECT_THAT(heavy.why, HasSubstr("some motor at its limit for"));
+  EXPECT_THAT(heavy.next, HasSubstr("more thrust, or a copy of the mission's file"));
 }
 
 // A tilt limit a little below what the law takes.

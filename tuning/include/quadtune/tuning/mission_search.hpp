@@ -82,9 +82,9 @@ struct MissionSearchResult {
   Estimated difference;
   double less = 0, less_low = 0, less_high = 0;  ///< that difference as a fall of the same [%]
   std::vector<std::string> binding;  ///< limits that the candidate is as near to as it may be
-  /// By how much the cost would fall [%] if one of `binding` were looser by kLoosened: to first
-  /// order, with changes of each variable by at most 0.1 and all other limits kept. Empty where
-  /// the search was interrupted.
+  /// By how much the cost would fall [%] if one of `binding` were looser by kLoosened: the points
+  /// that the slopes at the candidate lead to, within 0.1 of it in each variable and all other
+  /// limits kept, are flown on the draws of the search. Empty where the search was interrupted.
   std::vector<double> buys;
   std::vector<std::string> broken;  ///< limits that `best` passes, on fresh draws
   std::vector<SearchStep> steps;
