@@ -8,6 +8,7 @@
 #include <complex>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/model/mixer.hpp"
 
 namespace quadtune {
 namespace {
@@ -269,7 +270,7 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
                                  "no law holds the heading with one of {} rotors at rest: {} with "
                                  "thrust_share above 0",
                                  plan.setup.vehicle.rotors.size(), copy)
-                       : saturated
+                       : heavy || saturated
                            ? fmt::format("more thrust, or {} with a smaller [[event]]", copy)
                            : fmt::format(
                                  "`quadtune tune {} {} --mission FILE`, FILE being {} with this "

@@ -91,7 +91,7 @@ TEST(Diagnosis, FindsAnEvent) {
   plan.setup.mission.events = {{15, LoadChange{0.1}}};
   const Diagnosis heavy = diagnosis_of(plan);
   EXPECT_EQ(heavy.cause, FlightCause::event);
-  EXPECT_THAT(heavy.why, HasSubstr("some motor at its limit for"));
+  EXPECT_THAT(heavy.why, HasSubstr("heavier than the thrust that the law may ask for"));
   EXPECT_THAT(heavy.next, HasSubstr("more thrust, or a copy of the mission's file"));
 }
 
