@@ -219,7 +219,7 @@ FlownGains flown_gains(const Vehicle& vehicle, const FlownGainsOptions& options)
   internal::in_parallel(kFlownAxes.size(), internal::thread_count(0), [&] { return one; }, {});
   for (const FlownAxisGains& axis : result.axes) {
     if (axis.search.status == FixedGainsStatus::unstable_start)
-      throw NoSolution(fmt::format("{}: pid: {}: no gains were found that stabilize the flown loop "
+      throw NoSolution(fmt::format("{}: {}: no gains were found that stabilize the flown loop "
                                    "{}",
                                    vehicle.name, to_string(axis.axis), axis.search.culprit),
                        vehicle.name);
