@@ -239,14 +239,17 @@ std::string to_text(const LqiReport& report) {
 
 void write_notes(const std::vector<std::string>& notes, const FlownLoop& flown,
                  const std::string& verb, const Context& context) {
-  for (const std::string& note : notes) context.note(verb + ": note: " + note);
-  for (const std::string& note : flown_notes(flown)) context.note(verb + ": note: " + note);
-  for (const std::string& note : margin_notes(flown.margins))
-    context.note(verb + ": note: " + note);
-  if (flown.grows())
-    context.note(verb + ": warning: the flown loop is unstable; " + in_words(flown));
-  for (const std::string& warning : margin_warnings(flown.margins))
-    context.note(verb + ": warning: " + warning);
+  const auto note = [&](const std::string& text) {
+    context.note(fmt::format("{}: note: {}", verb, text));
+  };
+  const auto warn = [&](const std::string& text) {
+    context.note(fmt::format("{}: warning: {}", verb, text));
+  };
+  for (const std::string& text : notes) note(text);
+  for (const std::string& text : flown_notes(flown)) note(text);
+  for (const std::string& text : margin_notes(flown.margins)) note(text);
+  if (flown.grows()) warn("the flown loop is unstable; " + in_words(flown));
+  for (const std::string& text : margin_warnings(flown.margins)) warn(text);
 }
 
 void write_notes(const LqiReport& report, const std::string& verb, const Context& context) {

@@ -66,7 +66,7 @@ struct LinearProgram {
 /// The d of a program; 0 where none is found that is better.
 Eigen::VectorXd solution(const LinearProgram& program) {
   const double size = program.slope.norm();
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(program.slope.size());
+  Eigen::VectorXd none = Eigen::VectorXd::Zero(program.slope.size());
   if (!(size > 0)) return none;
   const auto n = static_cast<unsigned>(program.slope.size());
   const Optimizer optimizer(NLOPT_LD_SLSQP, n);
