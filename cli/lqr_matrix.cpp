@@ -24,7 +24,8 @@ std::vector<std::string> names_of(const std::vector<Signal>& signals) {
   return names_or_numbers(signals, std::ssize(signals));
 }
 
-/// Of every state of ned, of the wrench and of the integrals, in the order of the design.
+/// The diagonals of the weights: of the 12 states of ned, of the wrench (T, tau_x, tau_y, tau_z),
+/// and of the integrals of px, py, pz and yaw.
 struct Weights {
   Eigen::RowVectorXd Q = Eigen::RowVectorXd::Zero(12);
   Eigen::RowVectorXd R = Eigen::RowVectorXd::Zero(4);

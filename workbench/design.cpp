@@ -219,6 +219,10 @@ DesignOutcome solve_laws(Design design) {
     throw InvalidInput(where, fmt::format("the trim is '{}', expected hover, because the flown "
                                           "plant is one of hover",
                                           to_string(outcome.design.condition.kind)));
+  if (outcome.design.lqi && outcome.design.condition.yaw != 0)
+    throw InvalidInput(where, fmt::format("the trim has the yaw {} rad, expected 0 because the "
+                                          "flown plant hovers with the nose to the north",
+                                          outcome.design.condition.yaw));
   if (outcome.design.lqr)
     solve_feedback(outcome);
   else if (outcome.design.lqi && outcome.design.lqi->matrix)

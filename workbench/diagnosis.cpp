@@ -86,8 +86,8 @@ bool explained_by_estimate(const FlownFlight& flight) {
          wrong >= flight.plan.setup.mission.settling.band / 2;
 }
 
-/// The event without which the law passes with true states, or all of them; none: it fails all the
-/// same.
+/// The first event without which the law passes with true states. If it takes more than one, all
+/// events; if the law fails without any event, too, none.
 std::vector<FlightEvent> events_at_fault(const PlannedFlight& plan) {
   const std::vector<FlightEvent>& events = plan.setup.mission.events;
   const auto passes_with = [&](const std::vector<FlightEvent>& kept) {
@@ -208,12 +208,12 @@ std::string with_others(const FlightEvidence& evidence) {
 }
 
 FlightCause cause_of(const PlannedFlight& plan, const FlownFlight& flight, const FlownFlight& truth,
-                     const FlightEvidence& evidence) {
+                     const FlightEvidence& evidence, const std::vector<FlightEvent>& at_fault) {
   if (std::holds_alternative<MotorTest>(plan.setup.mission.kind))
     return FlightCause::mission_limits;
   const bool flies = !std::holds_alternative<Carried>(plan.setup.mission.kind);
   if (flies && !evidence.passes_with_true_states) {
-    if (!events_at_fault(plan).empty()) return FlightCause::event;
+    if (!at_fault.empty()) return FlightCause::event;
     if (evidence.saturation_with_true_states > kSaturated || misses(truth, Metric::saturation_time))
       return FlightCause::motor_limits;
     return missed_by(truth) <= kNearly ? FlightCause::mission_limits : FlightCause::law;
@@ -227,7 +227,7 @@ FlightCause cause_of(const PlannedFlight& plan, const FlownFlight& flight, const
 }
 
 void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFlight& truth,
-             const Loop& loop, Diagnosis& diagnosis) {
+             const Loop& loop, const std::vector<FlightEvent>& at_fault, Diagnosis& diagnosis) {
   const FlightEvidence& evidence = diagnosis.evidence;
   const std::string others = with_others(evidence);
   const std::string knows =
@@ -254,18 +254,17 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
                                  tune_command(plan), margins_command(plan));
       return;
     case FlightCause::event: {
-      const std::vector<FlightEvent> events = events_at_fault(plan);
-      const bool heavy = too_heavy(plan, events);
+      const bool heavy = too_heavy(plan, at_fault);
       const bool saturated = evidence.saturation_with_true_states > kSaturated;
       diagnosis.why = fmt::format(
-          "{}: with true states the law passes without it, and with it {}{}", in_words(events),
+          "{}: with true states the law passes without it, and with it {}{}", in_words(at_fault),
           first_missed(truth),
           heavy       ? ", heavier than the thrust that the law may ask for"
           : saturated ? fmt::format(", some motor at its limit for {:.0f} % of the flight",
                                     100 * evidence.saturation_with_true_states)
                       : "");
       const std::string copy = "a copy of the mission's file";
-      diagnosis.next = loses_a_needed_motor(plan, events)
+      diagnosis.next = loses_a_needed_motor(plan, at_fault)
                            ? fmt::format(
                                  "no law holds the heading with one of {} rotors at rest: {} with "
                                  "thrust_share above 0",
@@ -379,6 +378,8 @@ Diagnosis diagnose(const PlannedFlight& plan, const FlownFlight& flight) {
     evidence.bound_rms = size.rms;
     evidence.estimate_limit = std::max(kRmsOverBound * size.rms, size.rms_rarely);
   }
+  const std::vector<FlightEvent> at_fault =
+      truth.passed ? std::vector<FlightEvent>() : events_at_fault(plan);
   const Loop loop = loop_of(plan);
   if (loop.loop) evidence.largest_pole = std::abs(loop.loop->mode.z);
   if (loop.grows)
@@ -387,8 +388,8 @@ Diagnosis diagnose(const PlannedFlight& plan, const FlownFlight& flight) {
             ? FlightCause::unstable_loop
             : FlightCause::estimator_loop;
   else
-    diagnosis.cause = cause_of(plan, flight, truth, evidence);
-  explain(plan, flight, truth, loop, diagnosis);
+    diagnosis.cause = cause_of(plan, flight, truth, evidence, at_fault);
+  explain(plan, flight, truth, loop, at_fault, diagnosis);
   return diagnosis;
 }
 
