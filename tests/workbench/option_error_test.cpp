@@ -108,6 +108,10 @@ TEST(DesignRequirements, HaveOneStateFeedbackOfHover) {
   moving.condition.kind = FlightKind::line;
   moving.condition.speed = 2;
   EXPECT_THAT(refusal(moving), ::testing::HasSubstr("the trim is 'line', expected hover"));
+  DesignRequirements turned;
+  turned.lqi = LqiDesign{};
+  turned.condition.yaw = 0.3;
+  EXPECT_THAT(refusal(turned), ::testing::HasSubstr("the trim has the yaw 0.3 rad, expected 0"));
 }
 
 TEST(OptionError, IsAnInvalidInput) {
