@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -14,7 +13,7 @@
 
 #include "allan_figure.hpp"
 #include "allan_units.hpp"
-#include "number_arguments.hpp"
+#include "command_line.hpp"
 #include "plot_argument.hpp"
 #include "print.hpp"
 #include "program.hpp"
@@ -232,26 +231,26 @@ void print(const AllanRecord& record, const AllanAnalysis& analysis, Context& co
 Verb allan_verb() {
   return {"allan", "--log FILE --column NAME|N (--rate HZ | --time COLUMN) [--unit U] [--phase]",
           "read a still sensor's noises off its Allan deviation",
-          "quadtune allan --simulate --taus decades", [](CLI::App& app) -> Action {
+          "quadtune allan --simulate --taus decades", [](CommandLine& line) -> Action {
             auto options = std::make_shared<Options>();
-            app.add_option("--log", options->log,
-                           "log of a still sensor, of any format that quadtune log reads")
+            line.add_option("--log", options->log,
+                            "log of a still sensor, of any format that quadtune log reads")
                 ->type_name("FILE");
-            app.add_option("--column", options->column,
-                           "its channel, by name, or by number from 1 of a text")
+            line.add_option("--column", options->column,
+                            "its channel, by name, or by number from 1 of a text")
                 ->type_name("NAME|N");
-            add_sensor_log_options(app, options->sensors);
-            app.add_option("--unit", options->unit,
-                           "of the column, e.g. rad/s, deg/s, m/s^2; the header's")
+            add_sensor_log_options(line, options->sensors);
+            line.add_option("--unit", options->unit,
+                            "of the column, e.g. rad/s, deg/s, m/s^2; the header's")
                 ->type_name("U");
-            app.add_flag("--phase", options->phase,
-                         "the column is a phase, the rate's integral: an angle, a clock's error");
-            app.add_option("--taus", options->taus, "octaves (default), decades or all")
+            line.add_flag("--phase", options->phase,
+                          "the column is a phase, the rate's integral: an angle, a clock's error");
+            line.add_option("--taus", options->taus, "octaves (default), decades or all")
                 ->type_name("WHICH");
-            app.add_flag("--simulate", options->simulate,
-                         "a made-up gyroscope of 1e-4 rad/s/sqrt(Hz) and 2e-5 rad/s^2/sqrt(Hz) "
-                         "instead of a log");
-            add_plot_option(app, options->plot);
+            line.add_flag("--simulate", options->simulate,
+                          "a made-up gyroscope of 1e-4 rad/s/sqrt(Hz) and 2e-5 rad/s^2/sqrt(Hz) "
+                          "instead of a log");
+            add_plot_option(line, options->plot);
             return [options](Context& context) {
               require_picture(options->plot, "allan");
               const AllanTaus taus = taus_of(options->taus);

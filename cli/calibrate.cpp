@@ -2,15 +2,14 @@
 /// quadtune calibrate imu: scale, cross-axis and bias of inertial sensors from logs.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <optional>
 #include <ostream>
 
 #include "calibration_report.hpp"
+#include "command_line.hpp"
 #include "matrix_arguments.hpp"
-#include "number_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/imu_calibration_file.hpp"
@@ -228,39 +227,36 @@ Verb calibrate_verb() {
   return {
       "calibrate", "imu --log FILE... [-o imu_calib.txt]",
       "calibrate inertial sensors from logs of many poses",
-      "quadtune calibrate imu --simulate -o out/imu_calib.txt", [](CLI::App& app) -> Action {
+      "quadtune calibrate imu --simulate -o out/imu_calib.txt", [](CommandLine& line) -> Action {
         auto options = std::make_shared<Options>();
-        app.add_option("WHAT", options->what, "imu");
-        app.add_option("--log", options->logs,
-                       "a log of any format that quadtune log reads; several: repeat the option")
-            ->type_name("FILE")
-            ->take_all()
-            ->expected(1)
-            ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-        app.add_option("--accelerometer", options->accelerometer,
-                       "its three channels, by name, or by number from 1 of a text; ax,ay,az; of "
-                       "another file as CHANNEL@FILE")
-            ->type_name("LIST");
-        app.add_option("--gyroscope", options->gyroscope, "likewise; gx,gy,gz, or none")
-            ->type_name("LIST");
-        app.add_option("--magnetometer", options->magnetometer, "likewise; mx,my,mz, or none")
-            ->type_name("LIST");
-        app.add_option("--temperature", options->temperature, "its column; temperature, or none")
-            ->type_name("COLUMN");
-        add_positive(app, "--temperature-scale", options->temperature_scale,
-                     "degrees Celsius a unit of that column, e.g. 0.1; 1")
-            ->type_name("X");
-        add_sensor_log_options(app, options->sensors);
-        add_positive(app, "--gravity", options->gravity, "where the log was taken [m/s^2]; 9.80665")
-            ->type_name("G");
-        add_positive(app, "--field", options->field, "norm that the magnetometer is to have; 1")
-            ->type_name("B");
-        app.add_option("--base", options->base,
-                       "imu_calib.txt whose numbers stay for a sensor that the logs do not have")
+        line.add_option("WHAT", options->what, "imu");
+        line.add_list("--log", options->logs,
+                      "a log of any format that quadtune log reads; several: repeat the option")
             ->type_name("FILE");
-        app.add_flag("--simulate", options->simulate,
-                     "a made-up sensor of the seed instead of a log");
-        app.add_option("-o", options->file, "imu_calib.txt to write, whole or not at all")
+        line.add_option("--accelerometer", options->accelerometer,
+                        "its three channels, by name, or by number from 1 of a text; ax,ay,az; of "
+                        "another file as CHANNEL@FILE")
+            ->type_name("LIST");
+        line.add_option("--gyroscope", options->gyroscope, "likewise; gx,gy,gz, or none")
+            ->type_name("LIST");
+        line.add_option("--magnetometer", options->magnetometer, "likewise; mx,my,mz, or none")
+            ->type_name("LIST");
+        line.add_option("--temperature", options->temperature, "its column; temperature, or none")
+            ->type_name("COLUMN");
+        line.add_positive("--temperature-scale", options->temperature_scale,
+                          "degrees Celsius a unit of that column, e.g. 0.1; 1")
+            ->type_name("X");
+        add_sensor_log_options(line, options->sensors);
+        line.add_positive("--gravity", options->gravity, "where the log was taken [m/s^2]; 9.80665")
+            ->type_name("G");
+        line.add_positive("--field", options->field, "norm that the magnetometer is to have; 1")
+            ->type_name("B");
+        line.add_option("--base", options->base,
+                        "imu_calib.txt whose numbers stay for a sensor that the logs do not have")
+            ->type_name("FILE");
+        line.add_flag("--simulate", options->simulate,
+                      "a made-up sensor of the seed instead of a log");
+        line.add_option("-o", options->file, "imu_calib.txt to write, whole or not at all")
             ->type_name("FILE");
         return [options](Context& context) { run(*options, context); };
       }};

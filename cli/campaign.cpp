@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
@@ -19,10 +18,11 @@
 #include "campaign_plan.hpp"
 #include "campaign_report.hpp"
 #include "campaign_scripts.hpp"
+#include "command_line.hpp"
 #include "flight_story.hpp"
-#include "number_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/logs/flight_log.hpp"
 
@@ -192,12 +192,12 @@ Verb init_verb() {
   return {"campaign init", "FILE DIR [--shards N]",
           "plan many flights: what flies, what is uncertain, in how many parts",
           "quadtune campaign init campaigns/mambo-hover.toml out/campaign",
-          [](CLI::App& app) -> Action {
+          [](CommandLine& line) -> Action {
             auto options = std::make_shared<Options>();
-            app.add_option("FILE", options->file, "a campaign file (docs/formats.md)");
-            app.add_option("DIR", options->folder, "a new folder");
-            add_count(app, "--shards", options->shards, 1,
-                      "parts that workers fly; as many as take some minutes each")
+            line.add_option("FILE", options->file, "a campaign file (docs/formats.md)");
+            line.add_option("DIR", options->folder, "a new folder");
+            line.add_count("--shards", options->shards, 1,
+                           "parts that workers fly; as many as take some minutes each")
                 ->type_name("N");
             return [options](Context& context) {
               need(options->file, "init", "FILE", "a campaign file and a folder");
@@ -238,18 +238,18 @@ Verb work_verb() {
   struct Options {
     std::string folder;
     std::uint64_t shard = 0;
-    CLI::Option* given = nullptr;
+    Option* given = nullptr;
   };
   return {
       "campaign work", "DIR --shard K", "fly one part of a campaign; again where it was stopped",
-      "quadtune campaign work out/campaign --shard 0", [](CLI::App& app) -> Action {
+      "quadtune campaign work out/campaign --shard 0", [](CommandLine& line) -> Action {
         auto options = std::make_shared<Options>();
-        app.add_option("DIR", options->folder, "where `campaign init` wrote the plan");
+        line.add_option("DIR", options->folder, "where `campaign init` wrote the plan");
         options->given =
-            add_count(app, "--shard", options->shard, 0, "the part, from 0")->type_name("K");
+            line.add_count("--shard", options->shard, 0, "the part, from 0")->type_name("K");
         return [options](Context& context) {
           need(options->folder, "work", "DIR", "a folder with a plan");
-          if (options->given->count() == 0)
+          if (!options->given->was_given())
             refuse("work", "--shard", "--shard is missing, expected the part to fly");
           const CampaignPlan plan = load_plan(options->folder);
           if (options->shard >= plan.shards)
@@ -301,9 +301,9 @@ Verb status_verb() {
     std::string folder;
   };
   return {"campaign status", "DIR", "how far a campaign is, shard by shard",
-          "quadtune campaign status out/campaign", [](CLI::App& app) -> Action {
+          "quadtune campaign status out/campaign", [](CommandLine& line) -> Action {
             auto options = std::make_shared<Options>();
-            app.add_option("DIR", options->folder, "where `campaign init` wrote the plan");
+            line.add_option("DIR", options->folder, "where `campaign init` wrote the plan");
             return [options](Context& context) {
               need(options->folder, "status", "DIR", "a folder with a plan");
               const CampaignPlan plan = load_plan(options->folder);
@@ -374,9 +374,9 @@ Verb merge_verb() {
     std::string folder;
   };
   return {"campaign merge", "DIR", "put a campaign's flights together: database, statistics, page",
-          "quadtune campaign merge out/campaign", [](CLI::App& app) -> Action {
+          "quadtune campaign merge out/campaign", [](CommandLine& line) -> Action {
             auto options = std::make_shared<Options>();
-            app.add_option("DIR", options->folder, "where all shards were flown");
+            line.add_option("DIR", options->folder, "where all shards were flown");
             return [options](Context& context) {
               need(options->folder, "merge", "DIR", "a folder with flown shards");
               const CampaignPlan plan = load_plan(options->folder);
@@ -392,13 +392,13 @@ Verb run_verb() {
   };
   return {"campaign run", "FILE [DIR]", "plan, fly and merge a campaign on this machine",
           "quadtune campaign run campaigns/mambo-hover.toml out/campaign",
-          [](CLI::App& app) -> Action {
+          [](CommandLine& line) -> Action {
             auto options = std::make_shared<Options>();
-            app.add_option("FILE", options->file, "a campaign file (docs/formats.md)");
-            app.add_option("DIR", options->folder,
-                           "a new folder, or one where this was stopped; if absent the file's "
-                           "name with -campaign, here");
-            add_count(app, "--shards", options->shards, 1, "as `campaign init`")->type_name("N");
+            line.add_option("FILE", options->file, "a campaign file (docs/formats.md)");
+            line.add_option("DIR", options->folder,
+                            "a new folder, or one where this was stopped; if absent the file's "
+                            "name with -campaign, here");
+            line.add_count("--shards", options->shards, 1, "as `campaign init`")->type_name("N");
             return [options](Context& context) {
               need(options->file, "run", "FILE", "a campaign file");
               const bool unnamed = options->folder.empty();
@@ -438,24 +438,24 @@ Verb replay_verb() {
   struct Options {
     std::string folder, log, report;
     std::uint64_t flight = 0;
-    CLI::Option* given = nullptr;
+    Option* given = nullptr;
   };
   return {"campaign replay", "DIR --flight N [--report FILE] [--log FILE]",
           "fly one flight of a campaign again and look at it",
           "quadtune campaign replay out/campaign --flight 4 --report out/flight-4.html",
-          [](CLI::App& app) -> Action {
+          [](CommandLine& line) -> Action {
             auto options = std::make_shared<Options>();
-            app.add_option("DIR", options->folder, "where `campaign init` wrote the plan");
+            line.add_option("DIR", options->folder, "where `campaign init` wrote the plan");
             options->given =
-                add_count(app, "--flight", options->flight, 0, "its number in flights.csv")
+                line.add_count("--flight", options->flight, 0, "its number in flights.csv")
                     ->type_name("N");
-            app.add_option("--log", options->log, "write every period to a .csv or .mat file")
+            line.add_option("--log", options->log, "write every period to a .csv or .mat file")
                 ->type_name("FILE");
-            app.add_option("--report", options->report, "write a page to look at: a .html file")
+            line.add_option("--report", options->report, "write a page to look at: a .html file")
                 ->type_name("FILE");
             return [options](Context& context) {
               need(options->folder, "replay", "DIR", "a folder with a plan");
-              if (options->given->count() == 0)
+              if (!options->given->was_given())
                 refuse("replay", "--flight", "--flight is missing, expected a flight's number");
               const CampaignPlan plan = load_plan(options->folder);
               if (options->flight >= plan.campaign.records())

@@ -11,6 +11,7 @@
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/in_parallel.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/logs/flight_log.hpp"
 #include "quadtune/simulation/campaign_table.hpp"
 

@@ -11,6 +11,7 @@
 #include "campaign_scripts.hpp"
 #include "flight_story.hpp"
 #include "print.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/version.hpp"
 #include "report/campaign_page.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "campaign_plan.hpp"
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/simulation/campaign_statistics.hpp"
 
 namespace quadtune::cli {

@@ -3,19 +3,19 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
+#include "command_line.hpp"
 #include "matrix_arguments.hpp"
-#include "number_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "read_number.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -95,31 +95,31 @@ void require_more_than_one(double value, const std::string& option) {
 
 }  // namespace
 
-void add_cascade_options(CLI::App& app, CascadeArguments& arguments) {
-  add_number(app, "--dt", arguments.dt,
-             "with V: sample period [s]; that of its published gains, or 0.005")
+void add_cascade_options(CommandLine& line, CascadeArguments& arguments) {
+  line.add_number("--dt", arguments.dt,
+                  "with V: sample period [s]; that of its published gains, or 0.005")
       ->type_name("T");
-  app.add_option(
-         "--bandwidth", arguments.bandwidth,
-         "with V: where the rate's loop crosses 1 [rad/s]: roll=40,x=2, or one number for all")
+  line.add_option(
+          "--bandwidth", arguments.bandwidth,
+          "with V: where the rate's loop crosses 1 [rad/s]: roll=40,x=2, or one number for all")
       ->type_name("LIST");
-  app.add_option(
-         "--sensor-delay", arguments.sensor_delay,
-         "with V: how late the loops see their values [s]: one number, or roll=0.005,x=0.02")
+  line.add_option(
+          "--sensor-delay", arguments.sensor_delay,
+          "with V: how late the loops see their values [s]: one number, or roll=0.005,x=0.02")
       ->type_name("LIST");
-  add_number(app, "--motor-lag", arguments.motor_lag,
-             "with V: time constant of the motors [s]; the vehicle's")
+  line.add_number("--motor-lag", arguments.motor_lag,
+                  "with V: time constant of the motors [s]; the vehicle's")
       ->type_name("S");
-  add_number(app, "--tracking-max", arguments.tracking_max,
-             "with V: max |value / set point| up to this; 1.3")
+  line.add_number("--tracking-max", arguments.tracking_max,
+                  "with V: max |value / set point| up to this; 1.3")
       ->type_name("M");
-  app.add_option("--integral", arguments.integral,
-                 "with V: loops that have an integral, or none; all")
+  line.add_option("--integral", arguments.integral,
+                  "with V: loops that have an integral, or none; all")
       ->type_name("LIST");
-  app.add_option("--integrator", arguments.integrator,
-                 "with V: euler (default), backward-euler or tustin")
+  line.add_option("--integrator", arguments.integrator,
+                  "with V: euler (default), backward-euler or tustin")
       ->type_name("NAME");
-  app.add_flag(
+  line.add_flag(
       "--free", arguments.free,
       "with V: do not hold the loops to the Ms, noise and load peak of the published gains");
 }
@@ -131,9 +131,10 @@ const std::vector<std::string>& cascade_option_names() {
   return names;
 }
 
-CascadeSpecification cascade_specification(const CLI::App& app, const CascadeArguments& arguments,
-                                           double Ms_max, const Vehicle& vehicle) {
-  const auto came = [&](const char* name) { return app.get_option(name)->count() > 0; };
+CascadeSpecification cascade_specification(const CommandLine& line,
+                                           const CascadeArguments& arguments, double Ms_max,
+                                           const Vehicle& vehicle) {
+  const auto came = [&](const char* name) { return line.was_given(name); };
   CascadeSpecification specification;
   specification.dt = vehicle.published_cascade ? vehicle.published_cascade->gains.dt : kUsualPeriod;
   if (came("--dt")) {

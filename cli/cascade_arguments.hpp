@@ -8,11 +8,9 @@
 #include "quadtune/cascade.hpp"
 #include "quadtune/model/vehicle.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace quadtune::cli {
+
+class CommandLine;
 
 struct CascadeArguments {
   double dt = 0;             // [s]
@@ -27,14 +25,14 @@ struct CascadeArguments {
 
 /// Adds --dt, --bandwidth, --sensor-delay, --motor-lag, --tracking-max, --integral, --integrator,
 /// --free.
-void add_cascade_options(CLI::App& app, CascadeArguments& arguments);
+void add_cascade_options(CommandLine& line, CascadeArguments& arguments);
 
 /// The options' names, for refusals.
 [[nodiscard]] const std::vector<std::string>& cascade_option_names();
 
-/// @param app  the one that parsed them; tells which options came, --Ms-max among them
+/// @param line  the one that parsed them; tells which options came, --Ms-max among them
 /// @throws UsageError  naming the option
-[[nodiscard]] CascadeSpecification cascade_specification(const CLI::App& app,
+[[nodiscard]] CascadeSpecification cascade_specification(const CommandLine& line,
                                                          const CascadeArguments& arguments,
                                                          double Ms_max, const Vehicle& vehicle);
 

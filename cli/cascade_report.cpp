@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "print.hpp"
+#include "quadtune/internal/json.hpp"
 
 namespace quadtune::cli {
 namespace {

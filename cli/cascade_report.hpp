@@ -5,7 +5,7 @@
 #include <string>
 
 #include "margins_report.hpp"
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/workbench/cascade_report.hpp"
 
 namespace quadtune::cli {

@@ -2,7 +2,6 @@
 /// quadtune certify: is the loop of exported gains stable for all vehicles of a box?
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -11,20 +10,22 @@
 #include <ostream>
 
 #include "certify_report.hpp"
+#include "command_line.hpp"
 #include "flight_arguments.hpp"
 #include "flown_or_ideal.hpp"
-#include "number_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/manifest.hpp"
 #include "quadtune/exports/read_gains.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/tuning/uncertain_vehicle.hpp"
 #include "quadtune/workbench/chosen_law.hpp"
 #include "quadtune/workbench/flown_box.hpp"
 #include "quadtune/workbench/flown_check.hpp"
 #include "quadtune/workbench/flying_loop.hpp"
+#include "read_number.hpp"
 #include "refusal.hpp"
 #include "verify_report.hpp"
 
@@ -245,39 +246,39 @@ Verb certify_verb() {
           "DIR [--mass LOW:HIGH] [--inertia LOW:HIGH] [--thrust LOW:HIGH] [--delay "
           "LOW:HIGH]",
           "prove an export's loop stable for every vehicle of a box, or find one that is not",
-          "quadtune certify out/uquad-hover", [](CLI::App& app) -> Action {
+          "quadtune certify out/uquad-hover", [](CommandLine& line) -> Action {
             auto options = std::make_shared<Options>();
-            app.add_option("DIR", options->directory, "an export's directory");
-            app.add_option("--mass", options->mass, "ratios of the mass (default 0.9:1.1)")
+            line.add_option("DIR", options->directory, "an export's directory");
+            line.add_option("--mass", options->mass, "ratios of the mass (default 0.9:1.1)")
                 ->type_name("LOW:HIGH");
-            app.add_option("--inertia", options->inertia,
-                           "ratios of each principal moment (default 0.8:1.2)")
+            line.add_option("--inertia", options->inertia,
+                            "ratios of each principal moment (default 0.8:1.2)")
                 ->type_name("LOW:HIGH");
-            app.add_option("--thrust", options->thrust,
-                           "ratios of the rotors' thrust and drag torque (default 0.9:1.1)")
+            line.add_option("--thrust", options->thrust,
+                            "ratios of the rotors' thrust and drag torque (default 0.9:1.1)")
                 ->type_name("LOW:HIGH");
-            app.add_option("--delay", options->delay,
-                           "delay of the loop beyond the hold [s] (default 0 to one period)")
+            line.add_option("--delay", options->delay,
+                            "delay of the loop beyond the hold [s] (default 0 to one period)")
                 ->type_name("LOW:HIGH");
-            app.add_option("--lag", options->lag,
-                           "time constant of the motors [s] (default the vehicle's)")
+            line.add_option("--lag", options->lag,
+                            "time constant of the motors [s] (default the vehicle's)")
                 ->type_name("LOW:HIGH");
-            app.add_option(
-                   "--controller", options->controller,
-                   "state-feedback (or lqr), cascaded-pid (or pid); all of the export if absent")
+            line.add_option(
+                    "--controller", options->controller,
+                    "state-feedback (or lqr), cascaded-pid (or pid); all of the export if absent")
                 ->type_name("NAME");
-            app.add_option("--integrator", options->integrator,
-                           "of a cascade: euler, backward-euler or tustin (default: the export's)")
+            line.add_option("--integrator", options->integrator,
+                            "of a cascade: euler, backward-euler or tustin (default: the export's)")
                 ->type_name("METHOD");
-            app.add_option("--vehicle", options->vehicle,
-                           "the vehicle, where the manifest's is not built in")
+            line.add_option("--vehicle", options->vehicle,
+                            "the vehicle, where the manifest's is not built in")
                 ->type_name("V");
-            app.add_option("--plant", options->plant,
-                           "flown (default) also looks at vehicles of the box with their sensors "
-                           "and estimator; ideal does not")
+            line.add_option("--plant", options->plant,
+                            "flown (default) also looks at vehicles of the box with their sensors "
+                            "and estimator; ideal does not")
                 ->type_name("NAME");
-            add_count(app, "--budget", options->budget, 1,
-                      "boxes that a proof may look at (default 20000)")
+            line.add_count("--budget", options->budget, 1,
+                           "boxes that a proof may look at (default 20000)")
                 ->type_name("N");
             return [options](Context& context) {
               options->controller =

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/synthesis/robustness.hpp"
 #include "quadtune/workbench/flown_box.hpp"
 

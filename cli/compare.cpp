@@ -2,15 +2,16 @@
 /// quadtune compare: the same mission flown twice, and where the two flights part.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
 #include <ostream>
 
+#include "command_line.hpp"
 #include "flight_arguments.hpp"
 #include "flight_difference.hpp"
 #include "flight_story.hpp"
 #include "program.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 
 namespace quadtune::cli {
@@ -93,15 +94,15 @@ Verb compare_verb() {
   return {
       "compare", "integrators|flow|filter|gains V [A B] [--mission NAME|FILE] [options]",
       "fly the same mission twice and show where the flights part",
-      "quadtune compare integrators mambo --mission hover", [](CLI::App& app) -> Action {
+      "quadtune compare integrators mambo --mission hover", [](CommandLine& line) -> Action {
         auto options = std::make_shared<Options>();
-        app.add_option("WHAT", options->what,
-                       "integrators: euler against tustin; flow: simplified against full; "
-                       "filter: filtered velocity against raw; gains: A against B");
-        app.add_option("V", options->flight.vehicle, "a built-in vehicle or a vehicle file");
-        app.add_option("A", options->first, "gains of the first flight");
-        app.add_option("B", options->second, "gains of the second flight");
-        add_flight_options(app, options->flight);
+        line.add_option("WHAT", options->what,
+                        "integrators: euler against tustin; flow: simplified against full; "
+                        "filter: filtered velocity against raw; gains: A against B");
+        line.add_option("V", options->flight.vehicle, "a built-in vehicle or a vehicle file");
+        line.add_option("A", options->first, "gains of the first flight");
+        line.add_option("B", options->second, "gains of the second flight");
+        add_flight_options(line, options->flight);
         return [options](Context& context) {
           if (options->what.empty())
             throw UsageError("quadtune compare: expected integrators, flow, filter or gains",

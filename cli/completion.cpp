@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
 #include <set>
 
+#include "command_line.hpp"
 #include "program.hpp"
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/model/vehicle.hpp"
@@ -66,14 +66,14 @@ Words filter_models() {
 }
 
 /// What is offered for an option or an argument.
-Words values_of(const CLI::Option& option) {
-  const std::string& description = option.get_description();
+Words values_of(const Option& option) {
+  const std::string description = option.description();
   const auto says = [&](const char* words) { return description.find(words) != std::string::npos; };
   if (says("built-in mission")) return built_in_missions();
   if (says("built-in filter model")) return filter_models();
-  if (says("built-in vehicle") || option.get_name() == "--vehicle") return built_in_vehicles();
-  if (option.get_items_expected_max() == 0) return {};
-  std::string type = option.get_type_name();
+  if (says("built-in vehicle") || option.name() == "--vehicle") return built_in_vehicles();
+  if (!option.takes_value()) return {};
+  std::string type = option.type_name();
   if (type.find('|') != std::string::npos) {
     std::replace(type.begin(), type.end(), '|', ',');
     return single_words(type);
@@ -90,18 +90,17 @@ struct Offer {
 
 Offer offer_of(const Verb& verb) {
   Offer offer;
-  CLI::App app;
-  app.set_help_flag();
-  (void)verb.define(app);
-  for (const CLI::Option* option : app.get_options()) {
+  CommandLine line;
+  (void)verb.define(line);
+  for (const Option* option : line.options()) {
     const Words values = values_of(*option);
-    if (option->get_positional()) {
+    if (option->is_argument()) {
       offer.arguments.insert(offer.arguments.end(), values.begin(), values.end());
       continue;
     }
-    const std::string name = option->get_name();
+    const std::string name = option->name();
     if (name.starts_with("--")) offer.options.push_back(name);
-    if (option->get_items_expected_max() == 0) offer.flags.push_back(name);
+    if (!option->takes_value()) offer.flags.push_back(name);
     if (!values.empty()) offer.values[name] = values;
   }
   for (const char* option : {"--json", "--quiet", "--seed", "--threads"})

@@ -2,20 +2,20 @@
 /// quadtune design: the whole way from a design file to files that the flight code reads.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <ostream>
 
+#include "command_line.hpp"
 #include "design_flights.hpp"
 #include "design_report.hpp"
 #include "flight_story.hpp"
-#include "number_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/export_content.hpp"
 #include "trusted_covariances.hpp"
@@ -79,18 +79,20 @@ Verb design_verb() {
   return {
       "design", "FILE [-o DIR]",
       "the whole way: trim, linearize, synthesize, fly, export, verify, report",
-      "quadtune design designs/uquad-hover.toml -o out/uquad-hover", [](CLI::App& app) -> Action {
+      "quadtune design designs/uquad-hover.toml -o out/uquad-hover",
+      [](CommandLine& line) -> Action {
         auto options = std::make_shared<Options>();
-        app.add_option("FILE", options->file, "a design file (docs/formats.md)");
-        app.add_option("-o", options->directory, "directory to write; without it, only print")
+        line.add_option("FILE", options->file, "a design file (docs/formats.md)");
+        line.add_option("-o", options->directory, "directory to write; without it, only print")
             ->type_name("DIR");
-        app.add_flag("--force", options->force,
-                     "write although a flown loop is unstable or a mission failed, and take "
-                     "tuned covariances whatever their verdict");
-        add_count(app, "--seeds", options->seeds, 1,
-                  fmt::format("flights of each mission, all of which must pass; {}", kDesignSeeds))
+        line.add_flag("--force", options->force,
+                      "write although a flown loop is unstable or a mission failed, and take "
+                      "tuned covariances whatever their verdict");
+        line.add_count(
+                "--seeds", options->seeds, 1,
+                fmt::format("flights of each mission, all of which must pass; {}", kDesignSeeds))
             ->type_name("N");
-        return [options, &app](Context& context) {
+        return [options, &line](Context& context) {
           if (options->file.empty())
             throw UsageError("quadtune design: expected a design file", "FILE");
           if (options->seeds > kMostSeeds)
@@ -98,7 +100,7 @@ Verb design_verb() {
                                          options->seeds, kMostSeeds),
                              "--seeds");
           DesignOutcome outcome = run_design(options->file);
-          if (app.get_option("--seeds")->count() > 0 && outcome.design.missions.empty())
+          if (line.was_given("--seeds") && outcome.design.missions.empty())
             throw UsageError(fmt::format("quadtune design: --seeds came, but {} has no [[mission]] "
                                          "to fly",
                                          internal::printable(options->file)),

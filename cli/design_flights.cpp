@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "flight_story.hpp"
+#include "quadtune/internal/json.hpp"
 
 namespace quadtune::cli {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/workbench/design.hpp"
 
 namespace quadtune::cli {

@@ -14,6 +14,7 @@
 #include "lqr_matrix.hpp"
 #include "margins_report.hpp"
 #include "print.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/mixer.hpp"
 #include "verify_report.hpp"

@@ -9,7 +9,7 @@
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/manifest.hpp"
 #include "quadtune/exports/verify.hpp"
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/workbench/design.hpp"
 
 namespace quadtune::cli {

@@ -4,11 +4,11 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <ostream>
 
+#include "command_line.hpp"
 #include "given_gains.hpp"
 #include "print.hpp"
 #include "program.hpp"
@@ -87,11 +87,11 @@ Verb diff_verb() {
     std::string a, b;
   };
   return {"diff", "A B", "compare two gain sets entry by entry, across conventions",
-          "quadtune diff out/uquad-hover out/uquad-hover", [](CLI::App& app) -> Action {
+          "quadtune diff out/uquad-hover out/uquad-hover", [](CommandLine& line) -> Action {
             auto options = std::make_shared<Options>();
-            app.add_option("A", options->a,
-                           "an export's directory, a file of gains or a design file");
-            app.add_option("B", options->b, "another such directory or file");
+            line.add_option("A", options->a,
+                            "an export's directory, a file of gains or a design file");
+            line.add_option("B", options->b, "another such directory or file");
             return [options](Context& context) {
               if (options->b.empty())
                 throw UsageError("quadtune diff: expected two gain sets, directories or files",

@@ -4,17 +4,16 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
 #include <numbers>
 #include <optional>
 #include <ostream>
 
+#include "command_line.hpp"
 #include "flown_or_ideal.hpp"
 #include "matrix_arguments.hpp"
 #include "method_comparison.hpp"
-#include "number_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/discretize/sample_time.hpp"
@@ -250,10 +249,10 @@ void run_matrices(const Options& options, Task task, Context& context) {
 }
 
 /// The options of one system do not belong to the comparison, nor the comparison's to one system.
-void refuse_options_of_a_system(const CLI::App& app) {
+void refuse_options_of_a_system(const CommandLine& line) {
   for (const char* option : {"--A", "--B", "--C", "--D", "--num", "--den", "--delay", "--method",
                              "--prewarp", "--input-delay", "--output-delay", "--inverse"})
-    if (app.get_option(option)->count() > 0)
+    if (line.was_given(option))
       refuse(option,
              "came with --compare, expected a vehicle alone because all methods are tried "
              "on its closed loops");
@@ -266,11 +265,11 @@ void run_comparison(const Options& options, Context& context) {
   compare_methods(options.vehicle, options.dt, flown, options.plot, context);
 }
 
-void run_discretize(const Options& options, const CLI::App& app, Context& context) {
+void run_discretize(const Options& options, const CommandLine& line, Context& context) {
   require_positive(options.dt, "discretize", "--dt");
   require_picture(options.plot, "discretize");
   if (options.compare) {
-    refuse_options_of_a_system(app);
+    refuse_options_of_a_system(line);
     run_comparison(options, context);
     return;
   }
@@ -278,7 +277,7 @@ void run_discretize(const Options& options, const CLI::App& app, Context& contex
     refuse("V",
            "came without --compare, expected it, or --A and --B or --num and --den for one "
            "system");
-  if (app.get_option("--plant")->count() > 0)
+  if (line.was_given("--plant"))
     refuse("--plant",
            "came without --compare, expected it because a system of one's own is the plant");
   if (!options.plot.file.empty())
@@ -300,56 +299,56 @@ void run_discretize(const Options& options, const CLI::App& app, Context& contex
 }  // namespace
 
 Verb discretize_verb() {
-  return {"discretize",
-          "--A FILE --B FILE [--C FILE --D FILE] | --num LIST --den LIST | V --compare, --dt T "
-          "[--method NAME]",
-          "sample a continuous system, or back; or compare the methods on a vehicle's loops",
-          "quadtune discretize --A docs/examples/A.txt --B docs/examples/B.txt --dt 0.01 --method "
-          "tustin",
-          [](CLI::App& app) -> Action {
-            auto options = std::make_shared<Options>();
-            app.add_option("V", options->vehicle, "with --compare: a built-in vehicle or a file");
-            app.add_flag("--compare", options->compare,
-                         "every method at T/2, T and 2 T on the vehicle's LQR and PID loops");
-            app.add_option("--plant", options->compared_plant,
-                           "with --compare: flown (default) judges the laws as they run on the "
-                           "plant with the sensors and the estimator as well; ideal does not")
-                ->type_name("NAME");
-            add_plot_option(app, options->plot);
-            app.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
-            app.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");
-            app.add_option("--C", options->C, "outputs (ny x nx); the states")->type_name("FILE");
-            app.add_option("--D", options->D, "feed-through (ny x nu); zero")->type_name("FILE");
-            app.add_option("--num", options->num, "zeros' polynomial, highest power first")
-                ->type_name("LIST");
-            app.add_option("--den", options->den, "poles' polynomial, likewise")->type_name("LIST");
-            CLI::Option* delay =
-                add_number(app, "--delay", options->delay, "of --num/--den [s]")->type_name("T");
-            CLI::Option* dt =
-                add_number(app, "--dt", options->dt, "sample period [s]")->type_name("T");
-            app.add_option("--method", options->method,
-                           "zoh (default), foh, impulse, euler, backward-euler, tustin or matched")
-                ->type_name("NAME");
-            CLI::Option* prewarp = add_number(app, "--prewarp", options->prewarp,
-                                              "frequency at which tustin is exact [rad/s]")
-                                       ->type_name("W");
-            app.add_option("--input-delay", options->input_delay, "of each input, or of all [s]")
-                ->type_name("LIST");
-            app.add_option("--output-delay", options->output_delay, "of each output, or of all [s]")
-                ->type_name("LIST");
-            app.add_flag("--inverse", options->inverse,
-                         "the system is discrete; back to continuous by zoh or tustin");
-            return [options, dt, delay, prewarp, owner = &app](Context& context) {
-              if (dt->count() == 0)
-                throw UsageError(
-                    "quadtune discretize: --dt is missing, expected a sample period "
-                    "in seconds",
-                    "--dt");
-              options->has_delay = delay->count() > 0;
-              options->has_prewarp = prewarp->count() > 0;
-              run_discretize(*options, *owner, context);
-            };
-          }};
+  return {
+      "discretize",
+      "--A FILE --B FILE [--C FILE --D FILE] | --num LIST --den LIST | V --compare, --dt T "
+      "[--method NAME]",
+      "sample a continuous system, or back; or compare the methods on a vehicle's loops",
+      "quadtune discretize --A docs/examples/A.txt --B docs/examples/B.txt --dt 0.01 --method "
+      "tustin",
+      [](CommandLine& line) -> Action {
+        auto options = std::make_shared<Options>();
+        line.add_option("V", options->vehicle, "with --compare: a built-in vehicle or a file");
+        line.add_flag("--compare", options->compare,
+                      "every method at T/2, T and 2 T on the vehicle's LQR and PID loops");
+        line.add_option("--plant", options->compared_plant,
+                        "with --compare: flown (default) judges the laws as they run on the "
+                        "plant with the sensors and the estimator as well; ideal does not")
+            ->type_name("NAME");
+        add_plot_option(line, options->plot);
+        line.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
+        line.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");
+        line.add_option("--C", options->C, "outputs (ny x nx); the states")->type_name("FILE");
+        line.add_option("--D", options->D, "feed-through (ny x nu); zero")->type_name("FILE");
+        line.add_option("--num", options->num, "zeros' polynomial, highest power first")
+            ->type_name("LIST");
+        line.add_option("--den", options->den, "poles' polynomial, likewise")->type_name("LIST");
+        Option* delay =
+            line.add_number("--delay", options->delay, "of --num/--den [s]")->type_name("T");
+        Option* dt = line.add_number("--dt", options->dt, "sample period [s]")->type_name("T");
+        line.add_option("--method", options->method,
+                        "zoh (default), foh, impulse, euler, backward-euler, tustin or matched")
+            ->type_name("NAME");
+        Option* prewarp = line.add_number("--prewarp", options->prewarp,
+                                          "frequency at which tustin is exact [rad/s]")
+                              ->type_name("W");
+        line.add_option("--input-delay", options->input_delay, "of each input, or of all [s]")
+            ->type_name("LIST");
+        line.add_option("--output-delay", options->output_delay, "of each output, or of all [s]")
+            ->type_name("LIST");
+        line.add_flag("--inverse", options->inverse,
+                      "the system is discrete; back to continuous by zoh or tustin");
+        return [options, dt, delay, prewarp, owner = &line](Context& context) {
+          if (!dt->was_given())
+            throw UsageError(
+                "quadtune discretize: --dt is missing, expected a sample period "
+                "in seconds",
+                "--dt");
+          options->has_delay = delay->was_given();
+          options->has_prewarp = prewarp->was_given();
+          run_discretize(*options, *owner, context);
+        };
+      }};
 }
 
 }  // namespace quadtune::cli

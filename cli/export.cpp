@@ -4,11 +4,11 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <ostream>
 
+#include "command_line.hpp"
 #include "export_report.hpp"
 #include "given_gains.hpp"
 #include "program.hpp"
@@ -117,47 +117,47 @@ internal::Json to_json(const std::vector<ManifestFile>& files) {
 }
 
 Verb export_verb() {
-  return {"export", "DIR|FILE --to NAME -o DIR",
-          "write gains, or what a design gives, for another program",
-          "quadtune export designs/uquad-hover.toml --to json -o out/uquad-json",
-          [](CLI::App& app) -> Action {
-            auto options = std::make_shared<Options>();
-            app.add_option("SOURCE", options->source,
-                           "an export's directory, a gain file or a design file (.toml)");
-            app.add_option("--to", options->to, "uquad, mambo or json")->type_name("NAME");
-            app.add_option("-o", options->directory, "directory to write")->type_name("DIR");
-            app.add_option("--vehicle", options->vehicle, "the vehicle, where the gains do not say")
-                ->type_name("V");
-            return [options](Context& context) {
-              if (options->source.empty() || options->to.empty() || options->directory.empty())
-                throw UsageError("quadtune export: expected a source, --to NAME and -o DIR",
-                                 options->source.empty() ? "SOURCE"
-                                 : options->to.empty()   ? "--to"
-                                                         : "-o");
-              refuse_own_source(*options);
-              const ExportKind kind = export_kind(options->to, "--to");
-              const ExportContent content = make_content(*options, kind, context);
-              require_stable(content);
-              if (!is_design(options->source))
-                context.note(
-                    "export: note: gains, trim, cascade and vehicle are carried over; weights and "
-                    "filters come from a design file only");
-              std::vector<ManifestFile> files;
-              {
-                const WritingFiles writing;
-                files = write_export(options->directory, kind, content, interrupted);
-                context.written.push_back(options->directory);
-              }
-              if (context.json) {
-                const internal::Json json = {{"files", to_json(files)}};
-                context.out << internal::readable(json) << "\n";
-                return;
-              }
-              for (const ManifestFile& file : files)
-                context.out << fmt::format("{}  {}/{}\n", file.sha256, options->directory,
-                                           file.path);
-            };
-          }};
+  return {
+      "export", "DIR|FILE --to NAME -o DIR",
+      "write gains, or what a design gives, for another program",
+      "quadtune export designs/uquad-hover.toml --to json -o out/uquad-json",
+      [](CommandLine& line) -> Action {
+        auto options = std::make_shared<Options>();
+        line.add_option("SOURCE", options->source,
+                        "an export's directory, a gain file or a design file (.toml)");
+        line.add_option("--to", options->to, "uquad, mambo or json")->type_name("NAME");
+        line.add_option("-o", options->directory, "directory to write")->type_name("DIR");
+        line.add_option("--vehicle", options->vehicle, "the vehicle, where the gains do not say")
+            ->type_name("V");
+        return [options](Context& context) {
+          if (options->source.empty() || options->to.empty() || options->directory.empty())
+            throw UsageError("quadtune export: expected a source, --to NAME and -o DIR",
+                             options->source.empty() ? "SOURCE"
+                             : options->to.empty()   ? "--to"
+                                                     : "-o");
+          refuse_own_source(*options);
+          const ExportKind kind = export_kind(options->to, "--to");
+          const ExportContent content = make_content(*options, kind, context);
+          require_stable(content);
+          if (!is_design(options->source))
+            context.note(
+                "export: note: gains, trim, cascade and vehicle are carried over; weights and "
+                "filters come from a design file only");
+          std::vector<ManifestFile> files;
+          {
+            const WritingFiles writing;
+            files = write_export(options->directory, kind, content, interrupted);
+            context.written.push_back(options->directory);
+          }
+          if (context.json) {
+            const internal::Json json = {{"files", to_json(files)}};
+            context.out << internal::readable(json) << "\n";
+            return;
+          }
+          for (const ManifestFile& file : files)
+            context.out << fmt::format("{}  {}/{}\n", file.sha256, options->directory, file.path);
+        };
+      }};
 }
 
 }  // namespace quadtune::cli

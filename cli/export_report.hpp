@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "quadtune/exports/manifest.hpp"
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 
 namespace quadtune::cli {
 

@@ -36,7 +36,7 @@ double text_width(const std::string& text, double font = kFont) {
 }
 
 /// For gnuplot: single quotes keep everything as it is but themselves.
-std::string quoted(const std::string& text) {
+std::string in_quotes(const std::string& text) {
   std::string result = "'";
   for (const char c : text) {
     if (c == '\'') result += '\'';
@@ -165,7 +165,7 @@ std::vector<Tick> ticks_of(const Axis& axis, const Scale& scale, double most) {
 std::string tick_list(const std::vector<Tick>& ticks) {
   std::string text;
   for (const Tick& tick : ticks)
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", quoted(tick.text), digits(tick.at));
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", in_quotes(tick.text), digits(tick.at));
   return "(" + text + ")";
 }
 
@@ -343,7 +343,7 @@ std::string drawn(const Series& series, PictureFormat format) {
 std::string text_at(const std::string& text, double x, double y, double font = kFont,
                     const std::string& how = "") {
   if (text.empty()) return "";
-  return fmt::format("set label {} at screen {:.5f},{:.5f} center {} font ',{}'\n", quoted(text),
+  return fmt::format("set label {} at screen {:.5f},{:.5f} center {} font ',{}'\n", in_quotes(text),
                      x / kWidth, y / kHeight, how, font);
 }
 
@@ -396,7 +396,7 @@ std::string labels(const Panel& panel, const Layout& layout, Placement& placemen
         "set object rectangle from graph {:.4f},{:.4f} to graph {:.4f},{:.4f} front fc rgb "
         "'#ffffff' fs solid noborder\n"
         "set label {} at graph {:.4f},{:.4f} center front font ',{}'\n",
-        box.x, box.y, box.x + box.width, box.y + box.height, quoted(label.text),
+        box.x, box.y, box.x + box.width, box.y + box.height, in_quotes(label.text),
         box.x + box.width / 2, box.y + box.height / 2, kSmallFont);
   }
   return text;
@@ -433,7 +433,7 @@ std::string panel_script(const Panel& panel, const Layout& layout, std::size_t n
     const std::string name = fmt::format("p{}s{}", number, i);
     blocks += data_block(name, lines);
     plots += fmt::format(", ${} using 1:2 {} {}", name, drawn(series, format),
-                         series.name.empty() ? "notitle" : "title " + quoted(series.name));
+                         series.name.empty() ? "notitle" : "title " + in_quotes(series.name));
   }
   text += labels(panel, layout, placement);
   text += with_legend ? legend(panel, room, placement) : "unset key\n";
@@ -452,7 +452,7 @@ std::vector<std::string> shared_entries(const Figure& figure, PictureFormat form
       Series entry = series;
       if (entry.shape == Shape::stairs) entry.shape = Shape::line;
       entries.push_back(
-          fmt::format(", keyentry {} title {}", drawn(entry, format), quoted(entry.name)));
+          fmt::format(", keyentry {} title {}", drawn(entry, format), in_quotes(entry.name)));
     }
   }
   return entries;

@@ -11,14 +11,12 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/workbench/flight_plan.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace quadtune::cli {
 
+class CommandLine;
+
 /// Adds V and all of these but --seed, which every verb has.
-void add_flight_options(CLI::App& app, FlightOptions& options);
+void add_flight_options(CommandLine& line, FlightOptions& options);
 
 /// Runs a function whose options came from the command line.
 /// @throws UsageError  in place of OptionError

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "quadtune/internal/json.hpp"
+
 namespace quadtune::cli {
 namespace {
 

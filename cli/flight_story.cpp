@@ -8,6 +8,7 @@
 
 #include "flown_report.hpp"
 #include "print.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/version.hpp"
 
 namespace quadtune::cli {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/workbench/diagnosis.hpp"
 #include "quadtune/workbench/fly.hpp"
 #include "report/flight_report.hpp"

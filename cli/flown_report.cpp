@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "print.hpp"
+#include "quadtune/internal/json.hpp"
 
 namespace quadtune::cli {
 

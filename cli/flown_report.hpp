@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/workbench/flown_loop.hpp"
 
 namespace quadtune::cli {

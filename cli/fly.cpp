@@ -2,7 +2,6 @@
 /// quadtune fly: one mission in the nonlinear simulation.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
@@ -12,10 +11,11 @@
 #include <utility>
 #include <vector>
 
+#include "command_line.hpp"
 #include "flight_arguments.hpp"
 #include "flight_story.hpp"
-#include "number_arguments.hpp"
 #include "program.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/logs/flight_log.hpp"
 
 namespace quadtune::cli {
@@ -76,73 +76,74 @@ Verb fly_verb() {
     std::string log, report;
     std::uint64_t seeds = 1;
   };
-  return {
-      "fly", "V [--mission NAME|FILE] [options]",
-      "fly one mission in the nonlinear simulation, with a verdict",
-      "quadtune fly mambo --mission hover --report out/hover.html", [](CLI::App& app) -> Action {
-        auto options = std::make_shared<Options>();
-        app.add_option("V", options->flight.vehicle, "a built-in vehicle or a vehicle file");
-        add_flight_options(app, options->flight);
-        add_count(app, "--seeds", options->seeds, 1,
-                  "flights with the seeds --seed, --seed + 1, ...; pass if all pass; 1")
-            ->type_name("N");
-        app.add_option("--log", options->log, "write every period to a .csv or .mat file")
-            ->type_name("FILE");
-        app.add_option("--report", options->report, "write a page to look at: a .html file")
-            ->type_name("FILE");
-        return [options](Context& context) {
-          if (!options->report.empty() && !options->report.ends_with(".html"))
-            throw UsageError(fmt::format("quadtune fly: --report is '{}', expected a name that "
-                                         "ends in .html",
-                                         options->report),
-                             "--report");
-          if (!options->log.empty() && !options->log.ends_with(".csv") &&
-              !options->log.ends_with(".mat"))
-            throw UsageError(fmt::format("quadtune fly: --log is '{}', expected a name that "
-                                         "ends in .csv or .mat",
-                                         options->log),
-                             "--log");
-          refuse_one_file(
-              {{"--log", options->log}, {"--report", options->report}, {"-o", context.file}});
-          if (options->seeds > kMostSeeds)
-            throw UsageError(fmt::format("quadtune fly: --seeds is {}, expected at most {}; "
-                                         "quadtune campaign flies more",
-                                         options->seeds, kMostSeeds),
-                             "--seeds");
-          for (const auto& [name, file] :
-               {std::pair("--log", &options->log), std::pair("--report", &options->report)})
-            if (options->seeds > 1 && !file->empty())
-              throw UsageError(fmt::format("quadtune fly: {} cannot be combined with --seeds {} "
-                                           "because it records one flight; use --seed",
-                                           name, options->seeds),
-                               name);
-          options->flight.seed = context.seed;
-          PlannedFlight plan = plan_of_command(options->flight, "fly");
-          if (!options->log.empty() || !options->report.empty())
-            told_of_command("fly", [&] { keep_log(plan); });
-          for (const std::string& note : plan.notes) context.note("fly: note: " + note);
-          if (options->seeds > 1) {
-            fly_many(plan, static_cast<std::uint32_t>(options->seeds), context);
-            return;
-          }
-          const FlownFlight flight = fly_planned(plan, interrupted);
-          std::optional<Diagnosis> diagnosis;
-          if (!flight.passed) diagnosis = diagnose(plan, flight);
-          if (!options->log.empty()) {
-            write_file(options->log, log_bytes(flight.result.log, options->log));
-            context.written.push_back(options->log);
-          }
-          if (!options->report.empty()) {
-            write_file(options->report, html(report_of(flight, context.command, diagnosis)));
-            context.written.push_back(options->report);
-          }
-          if (context.json)
-            context.out << internal::readable(to_json(flight, diagnosis)) << "\n";
-          else
-            context.out << to_text(flight, diagnosis);
-          if (!flight.passed) throw AnswerIsNo("fly: " + reasons(flight).front());
-        };
-      }};
+  return {"fly", "V [--mission NAME|FILE] [options]",
+          "fly one mission in the nonlinear simulation, with a verdict",
+          "quadtune fly mambo --mission hover --report out/hover.html",
+          [](CommandLine& line) -> Action {
+            auto options = std::make_shared<Options>();
+            line.add_option("V", options->flight.vehicle, "a built-in vehicle or a vehicle file");
+            add_flight_options(line, options->flight);
+            line.add_count("--seeds", options->seeds, 1,
+                           "flights with the seeds --seed, --seed + 1, ...; pass if all pass; 1")
+                ->type_name("N");
+            line.add_option("--log", options->log, "write every period to a .csv or .mat file")
+                ->type_name("FILE");
+            line.add_option("--report", options->report, "write a page to look at: a .html file")
+                ->type_name("FILE");
+            return [options](Context& context) {
+              if (!options->report.empty() && !options->report.ends_with(".html"))
+                throw UsageError(fmt::format("quadtune fly: --report is '{}', expected a name that "
+                                             "ends in .html",
+                                             options->report),
+                                 "--report");
+              if (!options->log.empty() && !options->log.ends_with(".csv") &&
+                  !options->log.ends_with(".mat"))
+                throw UsageError(fmt::format("quadtune fly: --log is '{}', expected a name that "
+                                             "ends in .csv or .mat",
+                                             options->log),
+                                 "--log");
+              refuse_one_file(
+                  {{"--log", options->log}, {"--report", options->report}, {"-o", context.file}});
+              if (options->seeds > kMostSeeds)
+                throw UsageError(fmt::format("quadtune fly: --seeds is {}, expected at most {}; "
+                                             "quadtune campaign flies more",
+                                             options->seeds, kMostSeeds),
+                                 "--seeds");
+              for (const auto& [name, file] :
+                   {std::pair("--log", &options->log), std::pair("--report", &options->report)})
+                if (options->seeds > 1 && !file->empty())
+                  throw UsageError(
+                      fmt::format("quadtune fly: {} cannot be combined with --seeds {} "
+                                  "because it records one flight; use --seed",
+                                  name, options->seeds),
+                      name);
+              options->flight.seed = context.seed;
+              PlannedFlight plan = plan_of_command(options->flight, "fly");
+              if (!options->log.empty() || !options->report.empty())
+                told_of_command("fly", [&] { keep_log(plan); });
+              for (const std::string& note : plan.notes) context.note("fly: note: " + note);
+              if (options->seeds > 1) {
+                fly_many(plan, static_cast<std::uint32_t>(options->seeds), context);
+                return;
+              }
+              const FlownFlight flight = fly_planned(plan, interrupted);
+              std::optional<Diagnosis> diagnosis;
+              if (!flight.passed) diagnosis = diagnose(plan, flight);
+              if (!options->log.empty()) {
+                write_file(options->log, log_bytes(flight.result.log, options->log));
+                context.written.push_back(options->log);
+              }
+              if (!options->report.empty()) {
+                write_file(options->report, html(report_of(flight, context.command, diagnosis)));
+                context.written.push_back(options->report);
+              }
+              if (context.json)
+                context.out << internal::readable(to_json(flight, diagnosis)) << "\n";
+              else
+                context.out << to_text(flight, diagnosis);
+              if (!flight.passed) throw AnswerIsNo("fly: " + reasons(flight).front());
+            };
+          }};
 }
 
 }  // namespace quadtune::cli

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "print.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune::cli {
@@ -63,12 +64,12 @@ std::string problem_line(const LqrDesign& design) {
 // --- TOML ----------------------------------------------------------------------------------------
 
 /// A text of JSON is one of TOML.
-std::string quoted(const std::string& text) { return internal::json_text(internal::Json(text)); }
+std::string toml_text(const std::string& text) { return internal::json_text(internal::Json(text)); }
 
 std::string words(const std::vector<std::string>& names) {
   std::vector<std::string> all;
   all.reserve(names.size());
-  for (const std::string& name : names) all.push_back(quoted(name));
+  for (const std::string& name : names) all.push_back(toml_text(name));
   return fmt::format("[{}]", fmt::join(all, ", "));
 }
 
@@ -102,7 +103,7 @@ std::string name_of(const std::string& vehicle) {
 
 std::string trim_table(const PlantArguments& arguments) {
   std::string text =
-      fmt::format("[trim]\nat = {}\nyaw_rad = {}\n", quoted(arguments.at), arguments.yaw);
+      fmt::format("[trim]\nat = {}\nyaw_rad = {}\n", toml_text(arguments.at), arguments.yaw);
   const bool circle = arguments.at == "circle";
   if (circle || arguments.at == "line")
     text += fmt::format("speed_m_per_s = {}\n", arguments.speed);
@@ -200,20 +201,20 @@ std::string design_file(const GainMatchReport& report, const std::string& path,
       "# By {}\n# {}: greatest difference {:.3g} of its row's or column's largest, at {}\n"
       "name = {}\ndescription = {}\nvehicle = {}\n\n",
       internal::printable(command, kCommentLength), to_string(match.status), match.after,
-      match.worst, quoted(name_of(report.plant.vehicle.name)),
-      quoted("Weights whose gain is that of " + report.file),
-      quoted(vehicle_word(report.arguments.vehicle, path)));
+      match.worst, toml_text(name_of(report.plant.vehicle.name)),
+      toml_text("Weights whose gain is that of " + report.file),
+      toml_text(vehicle_word(report.arguments.vehicle, path)));
   text += trim_table(report.arguments);
   text += fmt::format("\n[lqr]\nconvention = {}\ninputs = {}\nstates = {}\nQ = {}\nR = {}\n",
-                      quoted(design.convention), quoted(to_string(design.input_kind)),
+                      toml_text(design.convention), toml_text(to_string(design.input_kind)),
                       words(design.states), diagonal_of(design.Q), diagonal_of(design.R));
   if (!design.integrals.empty())
     text += fmt::format("integral = {}\nQ_integral = {}\n", words(design.integrals),
                         diagonal_of(design.Q_integral));
-  text += fmt::format("method = {}\n", quoted(to_string(design.method)));
+  text += fmt::format("method = {}\n", toml_text(to_string(design.method)));
   if (design.dt > 0) text += fmt::format("dt_s = {}\n", design.dt);
-  text +=
-      fmt::format("\n[published]\nsource = {}\nK = {}\n", quoted(report.file), rows_of(report.K));
+  text += fmt::format("\n[published]\nsource = {}\nK = {}\n", toml_text(report.file),
+                      rows_of(report.K));
   if (!design.integrals.empty()) text += fmt::format("K_int = {}\n", rows_of(report.K_int));
   return text;
 }

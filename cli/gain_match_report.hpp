@@ -5,7 +5,7 @@
 #include <string>
 
 #include "plant_arguments.hpp"
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/tuning/match_gains.hpp"
 
 namespace quadtune::cli {

@@ -9,6 +9,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/convert.hpp"
 #include "quadtune/exports/export.hpp"
+#include "quadtune/internal/json.hpp"
 
 namespace quadtune::cli {
 namespace {

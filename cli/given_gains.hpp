@@ -10,7 +10,7 @@
 #include "quadtune/design.hpp"
 #include "quadtune/exports/content.hpp"
 #include "quadtune/gains.hpp"
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/workbench/given_gains.hpp"
 

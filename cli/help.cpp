@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
 #include <memory>
 #include <ostream>
 
+#include "command_line.hpp"
 #include "completion.hpp"
 #include "program.hpp"
 #include "quadtune/internal/json.hpp"
@@ -32,18 +32,16 @@ struct OptionText {
 };
 
 std::vector<OptionText> option_texts(const Verb& verb) {
-  CLI::App app;
-  app.set_help_flag();
-  (void)verb.define(app);
+  CommandLine line;
+  (void)verb.define(line);
   std::vector<OptionText> texts;
-  for (const CLI::Option* option : app.get_options()) {
-    if (option->get_positional()) continue;
-    std::string names = option->get_name(false, true);
-    std::replace(names.begin(), names.end(), ',', ' ');
-    if (option->get_items_expected_max() > 0) names += " " + option->get_type_name();
-    texts.push_back({names, option->get_description()});
+  for (const Option* option : line.options()) {
+    if (option->is_argument()) continue;
+    std::string names = fmt::format("{}", fmt::join(option->all_names(), " "));
+    if (option->takes_value()) names += " " + option->type_name();
+    texts.push_back({names, option->description()});
   }
-  if (!app.get_option_no_throw("-o"))
+  if (line.find("-o") == nullptr)
     texts.push_back({"-o FILE", "write the output to a file, whole or not at all"});
   texts.push_back({"--json", "print one JSON object instead of the text"});
   texts.push_back({"--quiet", "no notes on the error stream"});
@@ -158,11 +156,11 @@ Verb help_verb() {
     bool completion = false;
   };
   return {"help", "[COMMAND]", "show usage, with an example that works as printed",
-          "quadtune help lqr", [](CLI::App& app) -> Action {
+          "quadtune help lqr", [](CommandLine& line) -> Action {
             auto options = std::make_shared<Options>();
-            app.add_option("COMMAND", options->words, "the command to explain")->expected(0, 2);
-            app.add_flag("--man", options->man, "print the man page");
-            app.add_flag("--completion", options->completion, "print the bash completion");
+            line.add_words("COMMAND", options->words, 2, "the command to explain");
+            line.add_flag("--man", options->man, "print the man page");
+            line.add_flag("--completion", options->completion, "print the bash completion");
             return [options](Context& context) {
               const std::string name = fmt::format("{}", fmt::join(options->words, " "));
               if (context.json) {

@@ -4,12 +4,11 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <ostream>
 
+#include "command_line.hpp"
 #include "matrix_arguments.hpp"
-#include "number_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/internal/json.hpp"
@@ -89,26 +88,26 @@ Verb kalman_verb() {
       "design a steady-state Kalman filter",
       "quadtune kalman --A docs/examples/A.txt --C docs/examples/C.txt --Q docs/examples/Q.txt "
       "--R docs/examples/R.txt --sampled 0.01",
-      [](CLI::App& app) -> Action {
+      [](CommandLine& line) -> Action {
         auto options = std::make_shared<Options>();
-        app.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
-        app.add_option("--G", options->G, "where the process noise enters (nx x nw); identity")
+        line.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
+        line.add_option("--G", options->G, "where the process noise enters (nx x nw); identity")
             ->type_name("FILE");
-        app.add_option("--C", options->C, "measurements (ny x nx)")->type_name("FILE");
-        app.add_option("--Q", options->Q,
-                       "process noise: covariance per step, or density with --continuous and "
-                       "--sampled (nw x nw)")
+        line.add_option("--C", options->C, "measurements (ny x nx)")->type_name("FILE");
+        line.add_option("--Q", options->Q,
+                        "process noise: covariance per step, or density with --continuous and "
+                        "--sampled (nw x nw)")
             ->type_name("FILE");
-        app.add_option("--R", options->R, "measurement noise, likewise (ny x ny)")
+        line.add_option("--R", options->R, "measurement noise, likewise (ny x ny)")
             ->type_name("FILE");
-        app.add_option("--N", options->N, "cross-correlation (nw x ny); none")->type_name("FILE");
-        app.add_flag("--discrete", options->discrete, "A is discrete");
-        app.add_flag("--continuous", options->continuous, "A is continuous");
-        CLI::Option* dt = add_number(app, "--sampled", options->sampled,
+        line.add_option("--N", options->N, "cross-correlation (nw x ny); none")->type_name("FILE");
+        line.add_flag("--discrete", options->discrete, "A is discrete");
+        line.add_flag("--continuous", options->continuous, "A is continuous");
+        Option* dt = line.add_number("--sampled", options->sampled,
                                      "sample the continuous model every DT seconds")
-                              ->type_name("DT");
+                         ->type_name("DT");
         return [options, dt](Context& context) {
-          const bool sampled = dt->count() > 0;
+          const bool sampled = dt->was_given();
           check(*options, sampled);
           if (sampled) require_positive(options->sampled, "kalman", "--sampled");
           const KalmanResult result = solve(*options, sampled, context.in);

@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <ostream>
 
+#include "command_line.hpp"
 #include "plant_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
@@ -44,9 +44,9 @@ void print_text(const Linearization& model, Context& context) {
 Verb linearize_verb() {
   return {"linearize", "V [options]", "trim a vehicle and print its linear model",
           "quadtune linearize uquad --at hover --convention uquad --inputs rotor-speed",
-          [](CLI::App& app) -> Action {
+          [](CommandLine& line) -> Action {
             auto arguments = std::make_shared<PlantArguments>();
-            add_plant_options(app, *arguments);
+            add_plant_options(line, *arguments);
             return [arguments](Context& context) {
               if (arguments->vehicle.empty())
                 throw UsageError("quadtune linearize: expected a vehicle's name or file", "V");

@@ -2,12 +2,12 @@
 /// quadtune log: what is in a log, and what is odd about it.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
 #include <optional>
 #include <ostream>
 
+#include "command_line.hpp"
 #include "log_arguments.hpp"
 #include "log_report.hpp"
 #include "print.hpp"
@@ -46,10 +46,10 @@ void run(const Options& options, Context& context) {
 Verb log_verb() {
   return {"log", "FILE [--format NAME] [--columns LIST] [--rate HZ]",
           "what is in a log, what is odd about it, and which filter models it feeds",
-          "quadtune log docs/examples/flight.csv", [](CLI::App& app) -> Action {
+          "quadtune log docs/examples/flight.csv", [](CommandLine& line) -> Action {
             auto options = std::make_shared<Options>();
-            app.add_option("FILE", options->file, "a log; - is standard input");
-            add_log_options(app, options->log);
+            line.add_option("FILE", options->file, "a log; - is standard input");
+            add_log_options(line, options->log);
             return [options](Context& context) { run(*options, context); };
           }};
 }

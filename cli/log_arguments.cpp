@@ -3,10 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "number_arguments.hpp"
+#include "command_line.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -29,14 +28,14 @@ void require_format(const std::string& format, const std::string& verb) {
 
 }  // namespace
 
-void add_log_options(CLI::App& app, LogArguments& arguments) {
-  app.add_option("--format", arguments.format,
-                 "text, replay, ulog, mat, uquad-frames or uquad-log; found by the content")
+void add_log_options(CommandLine& line, LogArguments& arguments) {
+  line.add_option("--format", arguments.format,
+                  "text, replay, ulog, mat, uquad-frames or uquad-log; found by the content")
       ->type_name("NAME");
-  app.add_option("--columns", arguments.columns,
-                 "of a text, such as 't_s:1, t_us:2, height[m]:19'; * takes all others")
+  line.add_option("--columns", arguments.columns,
+                  "of a text, such as 't_s:1, t_us:2, height[m]:19'; * takes all others")
       ->type_name("LIST");
-  add_positive(app, "--rate", arguments.rate_hz, "of a text without time, rows a second")
+  line.add_positive("--rate", arguments.rate_hz, "of a text without time, rows a second")
       ->type_name("HZ");
 }
 

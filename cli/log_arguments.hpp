@@ -9,11 +9,9 @@
 #include "quadtune/logs/log_channels.hpp"
 #include "quadtune/logs/log_reader.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace quadtune::cli {
+
+class CommandLine;
 
 struct LogArguments {
   std::string format, columns;
@@ -21,7 +19,7 @@ struct LogArguments {
 };
 
 /// Adds --format, --columns and --rate.
-void add_log_options(CLI::App& app, LogArguments& arguments);
+void add_log_options(CommandLine& line, LogArguments& arguments);
 
 /// @param verb  For messages.
 /// @throws UsageError, InvalidInput  naming the option.

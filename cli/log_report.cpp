@@ -8,6 +8,7 @@
 
 #include "print.hpp"
 #include "program.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune::cli {

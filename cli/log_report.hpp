@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "quadtune/estimation/model_needs.hpp"
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/logs/log_survey.hpp"
 
 namespace quadtune::cli {

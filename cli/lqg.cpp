@@ -2,15 +2,14 @@
 /// quadtune lqg: state feedback and filter together, with what the sensors' noise makes of them.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <ostream>
 
+#include "command_line.hpp"
 #include "flight_arguments.hpp"
 #include "lqr_flown.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
-#include "number_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/internal/json.hpp"
@@ -126,43 +125,44 @@ void run(const Options& options, Context& context) {
 }  // namespace
 
 Verb lqg_verb() {
-  return {"lqg", "V [options]",
-          "state feedback and filter of a vehicle: predicted deviations, margins with the filter",
-          "quadtune lqg mambo --recover", [](CLI::App& app) -> Action {
-            auto options = std::make_shared<Options>();
-            options->common.verb = "lqg";
-            app.add_option("V", options->common.plant.vehicle, "built-in vehicle or vehicle file");
-            app.add_option("--Q", options->common.Q,
-                           "weights of the 12 states, then of the integrals; one number stands for "
-                           "all; default: Bryson's rule, softened until the margins are met")
-                ->type_name("FILE|LIST");
-            app.add_option("--R", options->common.R, "weights of the wrench, likewise")
-                ->type_name("FILE|LIST");
-            app.add_option("--integral", options->common.integral,
-                           "states to integrate, or none; default px,py,pz,yaw")
-                ->type_name("LIST");
-            add_number(app, "--dt", options->common.dt, "control period [s], default 0.005")
-                ->type_name("T");
-            add_flown_lqr_options(app, options->flown);
-            add_number(app, "--time", options->time, "time of the prediction [s], default 60")
-                ->type_name("S");
-            app.add_flag("--recover", options->recover,
-                         "raise the noise that the filter assumes of gyroscope and accelerometer "
-                         "where that gives larger margins (loop transfer recovery)");
-            add_number(app, "--noise-budget", options->noise_budget,
-                       "most by which --recover may multiply the rms of a command, default 1.5")
-                ->type_name("F");
-            return [options, owner = &app](Context& context) {
-              options->common.has_dt = owner->get_option("--dt")->count() > 0;
-              options->flown.given = given_flown_options(*owner);
-              if (!options->recover && owner->get_option("--noise-budget")->count() > 0)
-                throw UsageError(
-                    "quadtune lqg: --noise-budget came without --recover, expected "
-                    "both",
-                    "--noise-budget");
-              run(*options, context);
-            };
-          }};
+  return {
+      "lqg", "V [options]",
+      "state feedback and filter of a vehicle: predicted deviations, margins with the filter",
+      "quadtune lqg mambo --recover", [](CommandLine& line) -> Action {
+        auto options = std::make_shared<Options>();
+        options->common.verb = "lqg";
+        line.add_option("V", options->common.plant.vehicle, "built-in vehicle or vehicle file");
+        line.add_option("--Q", options->common.Q,
+                        "weights of the 12 states, then of the integrals; one number stands for "
+                        "all; default: Bryson's rule, softened until the margins are met")
+            ->type_name("FILE|LIST");
+        line.add_option("--R", options->common.R, "weights of the wrench, likewise")
+            ->type_name("FILE|LIST");
+        line.add_option("--integral", options->common.integral,
+                        "states to integrate, or none; default px,py,pz,yaw")
+            ->type_name("LIST");
+        line.add_number("--dt", options->common.dt, "control period [s], default 0.005")
+            ->type_name("T");
+        add_flown_lqr_options(line, options->flown);
+        line.add_number("--time", options->time, "time of the prediction [s], default 60")
+            ->type_name("S");
+        line.add_flag("--recover", options->recover,
+                      "raise the noise that the filter assumes of gyroscope and accelerometer "
+                      "where that gives larger margins (loop transfer recovery)");
+        line.add_number("--noise-budget", options->noise_budget,
+                        "most by which --recover may multiply the rms of a command, default 1.5")
+            ->type_name("F");
+        return [options, owner = &line](Context& context) {
+          options->common.has_dt = owner->was_given("--dt");
+          options->flown.given = given_flown_options(*owner);
+          if (!options->recover && owner->was_given("--noise-budget"))
+            throw UsageError(
+                "quadtune lqg: --noise-budget came without --recover, expected "
+                "both",
+                "--noise-budget");
+          run(*options, context);
+        };
+      }};
 }
 
 }  // namespace quadtune::cli

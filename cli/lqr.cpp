@@ -4,13 +4,13 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <memory>
 #include <optional>
 #include <ostream>
 
+#include "command_line.hpp"
 #include "flown_or_ideal.hpp"
 #include "flown_report.hpp"
 #include "given_gains.hpp"
@@ -20,7 +20,6 @@
 #include "lqr_schedule.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
-#include "number_arguments.hpp"
 #include "plant_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
@@ -229,7 +228,7 @@ constexpr const char* kIdealOptions[] = {"--at",       "--speed",  "--climb",   
 constexpr const char* kDynamicOptions[] = {"--change", "--past", "--integral"};
 
 /// Whether --structure asks for a matrix alone.
-bool asks_for_matrix(const std::string& structure, const CLI::App& app) {
+bool asks_for_matrix(const std::string& structure, const CommandLine& line) {
   const std::vector<std::string> known = {"dynamic", "matrix"};
   if (structure.empty() || structure == "dynamic") return false;
   if (structure != "matrix")
@@ -238,7 +237,7 @@ bool asks_for_matrix(const std::string& structure, const CLI::App& app) {
                     internal::printable(structure), internal::did_you_mean(structure, known)),
         "--structure");
   for (const char* name : kDynamicOptions)
-    if (app.get_option(name)->count() > 0)
+    if (line.was_given(name))
       throw UsageError(fmt::format("quadtune lqr: {} came with --structure matrix, expected none "
                                    "because that law integrates px,py,pz,yaw and does not "
                                    "remember its commands",
@@ -250,11 +249,11 @@ bool asks_for_matrix(const std::string& structure, const CLI::App& app) {
 /// Whether the design is on the plant that flies, as --plant says, or where it is silent the other
 /// options.
 /// @param implied_by  becomes the option of the ideal plant that decided, where --plant is silent
-bool on_flown_plant(const Options& options, const CLI::App& app, std::string& implied_by) {
-  const bool matrix = asks_for_matrix(options.structure, app);
+bool on_flown_plant(const Options& options, const CommandLine& line, std::string& implied_by) {
+  const bool matrix = asks_for_matrix(options.structure, line);
   std::string of_ideal;
   for (const std::string name : kIdealOptions)
-    if (of_ideal.empty() && app.get_option(name)->count() > 0 &&
+    if (of_ideal.empty() && line.was_given(name) &&
         !(matrix && (name == "--convention" || name == "--inputs")))
       of_ideal = name;
   const std::string of_flown =
@@ -281,11 +280,10 @@ bool on_flown_plant(const Options& options, const CLI::App& app, std::string& im
 }
 
 /// Refuses options of the other mode: taken in silence they would give another gain than was asked.
-void refuse_options(const CLI::App& app, const std::vector<std::string>& names,
+void refuse_options(const CommandLine& line, const std::vector<std::string>& names,
                     const std::string& why) {
   for (const std::string& name : names)
-    if (app.get_option(name)->count() > 0)
-      throw UsageError(fmt::format("quadtune lqr: {} {}", name, why), name);
+    if (line.was_given(name)) throw UsageError(fmt::format("quadtune lqr: {} {}", name, why), name);
 }
 
 bool any_matrix_option(const Options& options) { return !options.A.empty() || !options.B.empty(); }
@@ -298,61 +296,63 @@ Verb lqr_verb() {
       "design an LQR gain, for matrices or for a vehicle about a trim",
       "quadtune lqr uquad --convention uquad --Q 1,1,1,1e3,1e3,1e3,1,1,1,1,1,1 --R 0.01 "
       "--method discrete --dt 0.01",
-      [](CLI::App& app) -> Action {
+      [](CommandLine& line) -> Action {
         auto options = std::make_shared<Options>();
-        add_plant_options(app, options->vehicle.plant);
-        app.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
-        app.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");
-        app.add_option("--Q", options->vehicle.Q,
-                       "state weights: a matrix file, or with V a list, integrals last; one number "
-                       "stands for all; default with V: Bryson's rule, on the ideal plant 1")
+        add_plant_options(line, options->vehicle.plant);
+        line.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
+        line.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");
+        line.add_option(
+                "--Q", options->vehicle.Q,
+                "state weights: a matrix file, or with V a list, integrals last; one number "
+                "stands for all; default with V: Bryson's rule, on the ideal plant 1")
             ->type_name("FILE|LIST");
-        app.add_option("--R", options->vehicle.R,
-                       "input weights, likewise; > 0, or with --discrete >= 0 where R + B'SB is "
-                       "regular")
+        line.add_option("--R", options->vehicle.R,
+                        "input weights, likewise; > 0, or with --discrete >= 0 where R + B'SB is "
+                        "regular")
             ->type_name("FILE|LIST");
-        app.add_option("--N", options->N, "cross weights (nx x nu); none")->type_name("FILE");
-        app.add_flag("--continuous", options->continuous, "A and B are continuous (default)");
-        app.add_flag("--discrete", options->discrete, "A and B are discrete");
-        CLI::Option* sampled =
-            add_number(app, "--sampled", options->sampled,
-                       "continuous A, B, Q, R with the input held for DT seconds")
+        line.add_option("--N", options->N, "cross weights (nx x nu); none")->type_name("FILE");
+        line.add_flag("--continuous", options->continuous, "A and B are continuous (default)");
+        line.add_flag("--discrete", options->discrete, "A and B are discrete");
+        Option* sampled =
+            line.add_number("--sampled", options->sampled,
+                            "continuous A, B, Q, R with the input held for DT seconds")
                 ->type_name("DT");
-        app.add_option("--integral", options->vehicle.integral,
-                       "with V: states to integrate, or none; default px,py,pz,yaw, on the ideal "
-                       "plant none")
+        line.add_option("--integral", options->vehicle.integral,
+                        "with V: states to integrate, or none; default px,py,pz,yaw, on the ideal "
+                        "plant none")
             ->type_name("LIST");
-        app.add_option("--method", options->vehicle.method,
-                       "with V: continuous (default), discrete (weights per step) or sampled "
-                       "(exact cost)")
+        line.add_option("--method", options->vehicle.method,
+                        "with V: continuous (default), discrete (weights per step) or sampled "
+                        "(exact cost)")
             ->type_name("NAME");
-        add_number(app, "--dt", options->vehicle.dt,
-                   "with V: sample period [s], 0.005 on the flown plant")
+        line.add_number("--dt", options->vehicle.dt,
+                        "with V: sample period [s], 0.005 on the flown plant")
             ->type_name("T");
-        app.add_option("--plant", options->plant,
-                       "with V: flown (default) includes the rotors' lag, the sensors' delays and "
-                       "the estimator; ideal is the textbook plant with 12 states, which options "
-                       "from --at to --states, --method, --schedule and --evidence imply, of a "
-                       "matrix but for --convention and --inputs")
+        line.add_option("--plant", options->plant,
+                        "with V: flown (default) includes the rotors' lag, the sensors' delays and "
+                        "the estimator; ideal is the textbook plant with 12 states, which options "
+                        "from --at to --states, --method, --schedule and --evidence imply, of a "
+                        "matrix but for --convention and --inputs")
             ->type_name("NAME");
-        add_flown_lqr_options(app, options->flown);
-        app.add_option("--structure", options->structure,
-                       "flown plant: dynamic (default) remembers past commands and the rotors' "
-                       "lag; matrix is one on 12 states and one on 4 integrals, for programs that "
-                       "hold no more (K*.txt, controllerVars.m), in the words of --convention and "
-                       "--inputs")
+        add_flown_lqr_options(line, options->flown);
+        line.add_option("--structure", options->structure,
+                        "flown plant: dynamic (default) remembers past commands and the rotors' "
+                        "lag; matrix is one on 12 states and one on 4 integrals, for programs that "
+                        "hold no more (K*.txt, controllerVars.m), in the words of --convention and "
+                        "--inputs")
             ->type_name("NAME");
-        app.add_option("--schedule", options->schedule,
-                       "with V: gains over a grid, e.g. \"speed=0:0.5:10, yaw_rate=-2:1:2\" "
-                       "(first:step:last); also climb, and mass and density as ratios")
+        line.add_option("--schedule", options->schedule,
+                        "with V: gains over a grid, e.g. \"speed=0:0.5:10, yaw_rate=-2:1:2\" "
+                        "(first:step:last); also climb, and mass and density as ratios")
             ->type_name("GRID");
-        app.add_option("--evidence", options->evidence,
-                       "margins that are computed: none, essential (each loop) or full (and all at "
-                       "once); full where that takes about a second, less with a note otherwise")
+        line.add_option(
+                "--evidence", options->evidence,
+                "margins that are computed: none, essential (each loop) or full (and all at "
+                "once); full where that takes about a second, less with a note otherwise")
             ->type_name("HOW");
-        return [options, sampled, owner = &app](Context& context) {
+        return [options, sampled, owner = &line](Context& context) {
           const bool has_vehicle = !options->vehicle.plant.vehicle.empty();
-          options->vehicle.has_dt = owner->get_option("--dt")->count() > 0;
+          options->vehicle.has_dt = owner->was_given("--dt");
           if (has_vehicle && any_matrix_option(*options))
             throw UsageError(
                 "quadtune lqr: a vehicle and --A or --B came together, expected "
@@ -368,8 +368,8 @@ Verb lqr_verb() {
             std::string implied_by;
             if (on_flown_plant(*options, *owner, implied_by)) {
               if (options->structure == "matrix")
-                run_matrix_lqr(options->vehicle, options->flown,
-                               owner->get_option("--inputs")->count() > 0, context);
+                run_matrix_lqr(options->vehicle, options->flown, owner->was_given("--inputs"),
+                               context);
               else
                 run_flown_lqr(options->vehicle, options->flown, context);
               return;
@@ -399,7 +399,7 @@ Verb lqr_verb() {
                             "--past",   "--estimator",  "--sensors",  "--height", "--structure"},
                            "belongs to a vehicle, expected --discrete or --sampled DT with "
                            "matrices");
-            run_matrices(*options, sampled->count() > 0, context);
+            run_matrices(*options, sampled->was_given(), context);
           }
         };
       }};

@@ -4,16 +4,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <ostream>
 
+#include "command_line.hpp"
 #include "flight_arguments.hpp"
 #include "flown_report.hpp"
 #include "given_gains.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
-#include "number_arguments.hpp"
 #include "print.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -70,28 +69,28 @@ std::string law_text(const LqiReport& report) {
 
 }  // namespace
 
-void add_flown_lqr_options(CLI::App& app, FlownLqrArguments& arguments) {
-  app.add_option("--change", arguments.change,
-                 "flown plant: weights of the change of each command from one period to "
-                 "the next; none")
+void add_flown_lqr_options(CommandLine& line, FlownLqrArguments& arguments) {
+  line.add_option("--change", arguments.change,
+                  "flown plant: weights of the change of each command from one period to "
+                  "the next; none")
       ->type_name("LIST");
-  add_number(app, "--past", arguments.past,
-             "flown plant: control periods by which the law predicts; default: what meets the "
-             "margins with the smallest increase of the weights")
+  line.add_number("--past", arguments.past,
+                  "flown plant: control periods by which the law predicts; default: what meets the "
+                  "margins with the smallest increase of the weights")
       ->type_name("N");
-  app.add_option("--estimator", arguments.estimator,
-                 "flown plant: as for `quadtune fly`; default: what the sensors allow")
+  line.add_option("--estimator", arguments.estimator,
+                  "flown plant: as for `quadtune fly`; default: what the sensors allow")
       ->type_name("NAME");
-  app.add_option("--sensors", arguments.sensors, "flown plant: real (default) or ideal")
+  line.add_option("--sensors", arguments.sensors, "flown plant: real (default) or ideal")
       ->type_name("NAME");
-  add_number(app, "--height", arguments.height, "flown plant: height of the hover [m], default 1.1")
+  line.add_number("--height", arguments.height, "flown plant: height of the hover [m], default 1.1")
       ->type_name("M");
 }
 
-std::set<std::string> given_flown_options(const CLI::App& app) {
+std::set<std::string> given_flown_options(const CommandLine& line) {
   std::set<std::string> given;
   for (const char* name : kFlownOptions)
-    if (app.get_option(name)->count() > 0) given.insert(name);
+    if (line.was_given(name)) given.insert(name);
   return given;
 }
 

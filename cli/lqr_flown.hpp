@@ -8,15 +8,13 @@
 
 #include "lqr_arguments.hpp"
 #include "program.hpp"
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/workbench/flown_loop.hpp"
 #include "quadtune/workbench/lqi_report.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace quadtune::cli {
+
+class CommandLine;
 
 struct FlownLqrArguments {
   std::string change;  // list: weights of a command's change
@@ -27,11 +25,11 @@ struct FlownLqrArguments {
 };
 
 /// Adds --change, --past, --estimator, --sensors and --height.
-void add_flown_lqr_options(CLI::App& app, FlownLqrArguments& arguments);
+void add_flown_lqr_options(CommandLine& line, FlownLqrArguments& arguments);
 
 /// Which of those came.
-/// @param app  that parsed them
-[[nodiscard]] std::set<std::string> given_flown_options(const CLI::App& app);
+/// @param line  that parsed them
+[[nodiscard]] std::set<std::string> given_flown_options(const CommandLine& line);
 
 /// Runs a design for the flown plant whose options came from the command line.
 /// @throws UsageError  in place of OptionError; NoSolution of weights that are given names --Q

@@ -12,8 +12,9 @@
 #include "given_gains.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
-#include "number_arguments.hpp"
 #include "print.hpp"
+#include "quadtune/internal/json.hpp"
+#include "read_number.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "lqr_flown.hpp"
 #include "program.hpp"
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/workbench/flown_gains.hpp"
 #include "quadtune/workbench/matrix_report.hpp"
 

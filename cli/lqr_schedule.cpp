@@ -9,7 +9,6 @@
 #include <ostream>
 
 #include "matrix_arguments.hpp"
-#include "number_arguments.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
@@ -17,6 +16,7 @@
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/linearize/linearize.hpp"
 #include "quadtune/tuning/schedule.hpp"
+#include "read_number.hpp"
 
 namespace quadtune::cli {
 namespace {

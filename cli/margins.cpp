@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <memory>
@@ -12,6 +11,7 @@
 #include <ostream>
 
 #include "cascade_report.hpp"
+#include "command_line.hpp"
 #include "flight_arguments.hpp"
 #include "flown_or_ideal.hpp"
 #include "flown_report.hpp"
@@ -20,14 +20,15 @@
 #include "loop_figure.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
-#include "number_arguments.hpp"
 #include "plot_argument.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/control/cascade_law.hpp"
 #include "quadtune/discretize/delay.hpp"
 #include "quadtune/discretize/zoh.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/matrix_checks.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/workbench/flown_loop.hpp"
 #include "quadtune/workbench/flying_loop.hpp"
@@ -360,54 +361,54 @@ Verb margins_verb() {
       "--num LIST --den LIST [--delay S]   or   --A FILE --B FILE --K FILE [--discrete --dt T | "
       "--sampled DT]   or   V --gains FILE [--plant ideal]",
       "gain, phase, delay and disk margins of a loop under negative feedback",
-      "quadtune margins --num 25 --den 1,10,10,10", [](CLI::App& app) -> Action {
+      "quadtune margins --num 25 --den 1,10,10,10", [](CommandLine& line) -> Action {
         auto options = std::make_shared<Options>();
-        app.add_option("V", options->vehicle, "built-in vehicle or vehicle file");
-        app.add_option("--gains", options->gains,
-                       "with V: an export, a file of gains or a design file")
+        line.add_option("V", options->vehicle, "built-in vehicle or vehicle file");
+        line.add_option("--gains", options->gains,
+                        "with V: an export, a file of gains or a design file")
             ->type_name("FILE");
-        app.add_option("--num", options->num, "numerator, descending powers")->type_name("LIST");
-        app.add_option("--den", options->den, "denominator, descending powers")->type_name("LIST");
-        app.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
-        app.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");
-        app.add_option("--K", options->K, "gain of u = -K x (nu x nx)")->type_name("FILE");
-        app.add_option("--cut", options->cut,
-                       "with matrices: where the loop is cut, inputs (default) or states")
+        line.add_option("--num", options->num, "numerator, descending powers")->type_name("LIST");
+        line.add_option("--den", options->den, "denominator, descending powers")->type_name("LIST");
+        line.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
+        line.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");
+        line.add_option("--K", options->K, "gain of u = -K x (nu x nx)")->type_name("FILE");
+        line.add_option("--cut", options->cut,
+                        "with matrices: where the loop is cut, inputs (default) or states")
             ->type_name("PLACE");
-        app.add_flag("--continuous", options->continuous, "A and B are continuous (default)");
-        app.add_flag("--discrete", options->discrete, "A and B are discrete, with --dt");
-        CLI::Option* sampled = add_number(app, "--sampled", options->sampled,
+        line.add_flag("--continuous", options->continuous, "A and B are continuous (default)");
+        line.add_flag("--discrete", options->discrete, "A and B are discrete, with --dt");
+        Option* sampled = line.add_number("--sampled", options->sampled,
                                           "continuous A and B with the input held for DT seconds")
-                                   ->type_name("DT");
-        CLI::Option* dt = add_number(app, "--dt", options->dt,
+                              ->type_name("DT");
+        Option* dt = line.add_number("--dt", options->dt,
                                      "sample period [s]: the coefficients are of z, the matrices "
                                      "discrete")
-                              ->type_name("T");
-        add_number(app, "--delay", options->delay,
-                   "delay in the loop [s]; whole samples of a discrete one")
+                         ->type_name("T");
+        line.add_number("--delay", options->delay,
+                        "delay in the loop [s]; whole samples of a discrete one")
             ->type_name("S");
-        app.add_option(
-               "--plant", options->plant,
-               "with V: flown (default) includes the rotors' lag, the sensors' clocks and delays "
-               "and the estimator; ideal is the textbook plant with 12 states")
+        line.add_option(
+                "--plant", options->plant,
+                "with V: flown (default) includes the rotors' lag, the sensors' clocks and delays "
+                "and the estimator; ideal is the textbook plant with 12 states")
             ->type_name("NAME");
-        app.add_option("--estimator", options->estimator,
-                       "with V: as for `quadtune fly`; default: what the sensors allow")
+        line.add_option("--estimator", options->estimator,
+                        "with V: as for `quadtune fly`; default: what the sensors allow")
             ->type_name("NAME");
-        app.add_option("--sensors", options->sensors, "with V: real (default) or ideal")
+        line.add_option("--sensors", options->sensors, "with V: real (default) or ideal")
             ->type_name("NAME");
-        add_number(app, "--height", options->height, "with V: height of the hover [m], default 1.1")
+        line.add_number("--height", options->height, "with V: height of the hover [m], default 1.1")
             ->type_name("M");
-        std::vector<CLI::Option*> of_flown;
+        std::vector<const Option*> of_flown;
         for (const char* name : {"--estimator", "--sensors", "--height", "--plant"})
-          of_flown.push_back(app.get_option(name));
-        add_plot_option(app, options->plot);
+          of_flown.push_back(line.find(name));
+        add_plot_option(line, options->plot);
         return [options, dt, sampled, of_flown](Context& context) {
           std::string came;
-          for (const CLI::Option* option : of_flown)
-            if (came.empty() && option->count() > 0) came = option->get_name();
+          for (const Option* option : of_flown)
+            if (came.empty() && option->was_given()) came = option->name();
           require_flown(*options, came);
-          run(*options, dt->count() > 0, sampled->count() > 0, context);
+          run(*options, dt->was_given(), sampled->was_given(), context);
         };
       }};
 }

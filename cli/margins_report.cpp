@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "print.hpp"
+#include "quadtune/internal/json.hpp"
 
 namespace quadtune::cli {
 namespace {

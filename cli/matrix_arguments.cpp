@@ -9,10 +9,10 @@
 #include <optional>
 #include <system_error>
 
-#include "number_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/text_matrix.hpp"
+#include "read_number.hpp"
 
 namespace quadtune::cli {
 

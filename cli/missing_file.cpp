@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <vector>
 
+#include "command_line.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -24,9 +24,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The option that gave the path, or the folder in which it lies.
-const CLI::Option* option_of(const std::string& path, const CLI::App& app) {
-  for (const CLI::Option* option : app.get_options())
-    for (const std::string& value : option->results())
+const Option* option_of(const std::string& path, const CommandLine& line) {
+  for (const Option* option : line.options())
+    for (const std::string& value : option->values())
       if (value == path || path.starts_with(value + "/")) return option;
   return nullptr;
 }
@@ -84,12 +84,12 @@ bool is_missing(const FileError& error) {
   return std::string(error.what()) == error.path() + ": " + std::strerror(ENOENT);
 }
 
-FileError told_missing(const FileError& error, const CLI::App& app) {
+FileError told_missing(const FileError& error, const CommandLine& line) {
   std::string message = std::strerror(ENOENT);
   std::vector<std::string> known;
-  if (const CLI::Option* option = option_of(error.path(), app)) {
-    message += fmt::format(", expected for {}: {}", option->get_name(), option->get_description());
-    known = built_in_names(option->get_description());
+  if (const Option* option = option_of(error.path(), line)) {
+    message += fmt::format(", expected for {}: {}", option->name(), option->description());
+    known = built_in_names(option->description());
   }
   if (!known.empty()) message += fmt::format("; built in: {}", fmt::join(known, ", "));
   return {error.path(), message + what_is_there(error.path())};

@@ -8,18 +8,16 @@ namespace quadtune {
 class FileError;
 }
 
-namespace CLI {
-class App;
-}
-
 namespace quadtune::cli {
+
+class CommandLine;
 
 /// Whether a file is missing, and not unreadable.
 [[nodiscard]] bool is_missing(const FileError& error);
 
 /// What the option that named the file takes, and the names that are nearest: of its folder, and of
 /// what is built in.
-/// @param app  the verb's options, parsed
-[[nodiscard]] FileError told_missing(const FileError& error, const CLI::App& app);
+/// @param line  the verb's options, parsed
+[[nodiscard]] FileError told_missing(const FileError& error, const CommandLine& line);
 
 }  // namespace quadtune::cli

@@ -4,18 +4,18 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <ostream>
 
+#include "command_line.hpp"
 #include "flown_evidence.hpp"
 #include "mission_tuning_report.hpp"
-#include "number_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/built_in.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/utf8.hpp"
 #include "quadtune/version.hpp"
@@ -93,37 +93,35 @@ void require_design_name(const std::string& file, const std::string& verb) {
                      internal::printable(file)));
 }
 
-void add_mission_tuning_options(CLI::App& app, MissionTuningArguments& arguments) {
-  app.add_option("--mission", arguments.missions,
-                 "built-in missions or mission files that are flown; several: repeat the option")
-      ->type_name("NAME")
-      ->take_all()
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_option("--requirements", arguments.requirements,
-                 "cost, limits of missions and margins, what is uncertain (docs/formats.md)")
-      ->type_name("FILE");
-  add_number(app, "--budget", arguments.budget, "time of the search [s]; 60")->type_name("S");
-  add_count(app, "--evaluations", arguments.evaluations, 1, "designs that are tried at most")
-      ->type_name("N");
-  add_count(app, "--monte-carlo", arguments.draws, 1,
-            "draws of each mission for one evaluation, the same for all; as the requirements have "
-            "it, or 4")
-      ->type_name("N");
-  add_count(app, "--proof", arguments.proof, 2,
-            "fresh draws on which start and found are compared; 24, or what a quantile needs")
-      ->type_name("N");
-  app.add_option("--measure", arguments.measure, "of the draws: mean (default), quantile or worst")
+void add_mission_tuning_options(CommandLine& line, MissionTuningArguments& arguments) {
+  line.add_list("--mission", arguments.missions,
+                "built-in missions or mission files that are flown; several: repeat the option")
       ->type_name("NAME");
-  app.add_option("--estimator", arguments.estimator, "as `quadtune fly`")->type_name("NAME");
-  app.add_option("--sensors", arguments.sensors, "ideal, or real (default)")->type_name("KIND");
-  app.add_option("--wind", arguments.wind, "as `quadtune fly`")->type_name("WIND");
-  add_positive(app, "--duration", arguments.duration, "of each flight [s]; the mission's")
+  line.add_option("--requirements", arguments.requirements,
+                  "cost, limits of missions and margins, what is uncertain (docs/formats.md)")
+      ->type_name("FILE");
+  line.add_number("--budget", arguments.budget, "time of the search [s]; 60")->type_name("S");
+  line.add_count("--evaluations", arguments.evaluations, 1, "designs that are tried at most")
+      ->type_name("N");
+  line.add_count(
+          "--monte-carlo", arguments.draws, 1,
+          "draws of each mission for one evaluation, the same for all; as the requirements have "
+          "it, or 4")
+      ->type_name("N");
+  line.add_count("--proof", arguments.proof, 2,
+                 "fresh draws on which start and found are compared; 24, or what a quantile needs")
+      ->type_name("N");
+  line.add_option("--measure", arguments.measure, "of the draws: mean (default), quantile or worst")
+      ->type_name("NAME");
+  line.add_option("--estimator", arguments.estimator, "as `quadtune fly`")->type_name("NAME");
+  line.add_option("--sensors", arguments.sensors, "ideal, or real (default)")->type_name("KIND");
+  line.add_option("--wind", arguments.wind, "as `quadtune fly`")->type_name("WIND");
+  line.add_positive("--duration", arguments.duration, "of each flight [s]; the mission's")
       ->type_name("S");
-  app.add_option("-o", arguments.file, "a design file with what was found")->type_name("FILE");
-  app.add_flag("--force", arguments.force,
-               "write what was found whatever the answer is; the file says so");
-  app.add_option("--report", arguments.report, "write a page to look at: a .html file");
+  line.add_option("-o", arguments.file, "a design file with what was found")->type_name("FILE");
+  line.add_flag("--force", arguments.force,
+                "write what was found whatever the answer is; the file says so");
+  line.add_option("--report", arguments.report, "write a page to look at: a .html file");
 }
 
 std::string vehicle_text(const std::string& word) {

@@ -9,9 +9,11 @@
 
 #include "flight_arguments.hpp"
 #include "mission_requirements.hpp"
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 
 namespace quadtune::cli {
+
+class CommandLine;
 
 struct Context;
 
@@ -29,7 +31,7 @@ struct MissionTuningArguments {
 
 /// --mission, --requirements, --budget, --evaluations, --monte-carlo, --proof, --measure,
 /// --estimator, --sensors, --wind, --duration, -o, --force, --report.
-void add_mission_tuning_options(CLI::App& app, MissionTuningArguments& arguments);
+void add_mission_tuning_options(CommandLine& line, MissionTuningArguments& arguments);
 
 /// A vehicle's name or file as a text of TOML, for a design file that may be moved.
 /// @throws InvalidInput  if no TOML can hold it

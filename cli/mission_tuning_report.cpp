@@ -11,6 +11,7 @@
 
 #include "flight_story.hpp"
 #include "print.hpp"
+#include "quadtune/internal/json.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -3,7 +3,6 @@
 /// bounds.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -13,6 +12,7 @@
 
 #include "cascade_arguments.hpp"
 #include "cascade_report.hpp"
+#include "command_line.hpp"
 #include "flight_arguments.hpp"
 #include "flown_or_ideal.hpp"
 #include "flown_report.hpp"
@@ -21,7 +21,6 @@
 #include "lqr_matrix.hpp"
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
-#include "number_arguments.hpp"
 #include "plot_argument.hpp"
 #include "print.hpp"
 #include "program.hpp"
@@ -275,10 +274,10 @@ void run(const Options& options, const Given& given, Context& context) {
 // --- a vehicle -----------------------------------------------------------------------------------
 
 /// Refuses options of the other mode: taken in silence they would give other gains than were asked.
-void refuse_options(const CLI::App& app, const std::vector<std::string>& names, const char* why) {
+void refuse_options(const CommandLine& line, const std::vector<std::string>& names,
+                    const char* why) {
   for (const std::string& name : names)
-    if (app.get_option(name)->count() > 0)
-      throw UsageError(fmt::format("quadtune pid: {} {}", name, why), name);
+    if (line.was_given(name)) throw UsageError(fmt::format("quadtune pid: {} {}", name, why), name);
 }
 
 /// Options that only the rules of the loops take.
@@ -290,14 +289,14 @@ std::vector<std::string> loop_option_names() {
 }
 
 /// Whether --plant asks for the textbook plant, on which the loops are designed one by one.
-bool asks_for_ideal_plant(const CLI::App& app, const Options& options) {
+bool asks_for_ideal_plant(const CommandLine& line, const Options& options) {
   if (options.plant.empty() || asks_for_flown_plant(options.plant, "pid")) return false;
   if (options.method == "flown")
     throw UsageError(
         "quadtune pid: --method flown came with --plant ideal, expected --method loops, which "
         "knows of no sensors and no estimator",
         "--method");
-  refuse_options(app, {"--motor-lag"},
+  refuse_options(line, {"--motor-lag"},
                  "came with --plant ideal, expected none because rotors of the textbook plant do "
                  "not lag");
   return true;
@@ -319,41 +318,42 @@ std::optional<FlownLoop> flown_loop_of(const Vehicle& vehicle, const CascadeDesi
 
 /// Whether all gains are designed at once on the flown plant, which is the default, or loop by
 /// loop.
-bool designs_on_flown_plant(const CLI::App& app, const Options& options, const Vehicle& vehicle) {
+bool designs_on_flown_plant(const CommandLine& line, const Options& options,
+                            const Vehicle& vehicle) {
   static const std::vector<std::string> kMethods = {"flown", "loops"};
   if (!options.method.empty() && options.method != "loops" && options.method != "flown")
     throw UsageError(fmt::format("quadtune pid: --method is '{}', expected flown or loops{}",
                                  internal::printable(options.method),
                                  internal::did_you_mean(options.method, kMethods)),
                      "--method");
-  if (asks_for_ideal_plant(app, options) || options.method == "loops") return false;
+  if (asks_for_ideal_plant(line, options) || options.method == "loops") return false;
   const std::vector<std::string> names = loop_option_names();
   if (options.method.empty())
     return usually_on_flown_plant(vehicle) &&
            std::none_of(names.begin(), names.end(),
-                        [&](const std::string& name) { return app.get_option(name)->count() > 0; });
-  refuse_options(app, names, "belongs to --method loops, expected it");
+                        [&](const std::string& name) { return line.was_given(name); });
+  refuse_options(line, names, "belongs to --method loops, expected it");
   return true;
 }
 
-void run_vehicle(const CLI::App& app, const Options& options, Context& context) {
+void run_vehicle(const CommandLine& line, const Options& options, Context& context) {
   require_picture(options.plot, "pid");
-  refuse_options(app,
+  refuse_options(line,
                  {"--num", "--den", "--delay", "--type", "--crossover", "--phase-margin", "--Tf",
                   "--rule", "--tau-c", "--Mt-max", "--noise-gain-max"},
                  "belongs to a transfer function, expected --bandwidth, --Ms-max and the like with "
                  "a vehicle");
   const Vehicle vehicle = load_vehicle(options.vehicle);
   CascadeSpecification specification =
-      cascade_specification(app, options.cascade, options.Ms_max, vehicle);
-  const bool on_flown_plant = designs_on_flown_plant(app, options, vehicle);
-  const bool ideal = !on_flown_plant && asks_for_ideal_plant(app, options);
+      cascade_specification(line, options.cascade, options.Ms_max, vehicle);
+  const bool on_flown_plant = designs_on_flown_plant(line, options, vehicle);
+  const bool ideal = !on_flown_plant && asks_for_ideal_plant(line, options);
   if (ideal) specification.lag = 0;
   std::optional<FlownGains> flown;
   if (on_flown_plant) {
     FlownGainsOptions of_flown;
     of_flown.dt = specification.dt;
-    flown = told_of_period("pid", app.get_option("--dt")->count() > 0,
+    flown = told_of_period("pid", line.was_given("--dt"),
                            [&] { return flown_gains(vehicle, of_flown); });
   }
   const CascadeReport report =
@@ -425,57 +425,57 @@ Verb pid_verb() {
       "--rule NAME | --Ms-max M)",
       "PID gains for a vehicle's cascade or for a transfer function",
       "quadtune pid --num 1 --den 1,3,3,1 --type PI --crossover 0.5205 --phase-margin 60",
-      [](CLI::App& app) -> Action {
+      [](CommandLine& line) -> Action {
         auto options = std::make_shared<Options>();
-        app.add_option("V", options->vehicle, "a built-in vehicle's name or a vehicle file");
-        app.add_option(
-               "--method", options->method,
-               "flown (default but for a satellite receiver below 5 Hz without optical flow): all "
-               "gains at once on the flown plant; loops: loop by loop, implied by --bandwidth, "
-               "--Ms-max and the like")
+        line.add_option("V", options->vehicle, "a built-in vehicle's name or a vehicle file");
+        line.add_option(
+                "--method", options->method,
+                "flown (default but for a satellite receiver below 5 Hz without optical flow): all "
+                "gains at once on the flown plant; loops: loop by loop, implied by --bandwidth, "
+                "--Ms-max and the like")
             ->type_name("M");
-        app.add_option(
-               "--plant", options->plant,
-               "flown (default), or ideal: the textbook plant with 12 states, loop by loop; "
-               "the flown loop is told in both cases")
+        line.add_option(
+                "--plant", options->plant,
+                "flown (default), or ideal: the textbook plant with 12 states, loop by loop; "
+                "the flown loop is told in both cases")
             ->type_name("NAME");
-        add_cascade_options(app, options->cascade);
-        app.add_option("--num", options->num, "numerator of the plant, descending powers")
+        add_cascade_options(line, options->cascade);
+        line.add_option("--num", options->num, "numerator of the plant, descending powers")
             ->type_name("LIST");
-        app.add_option("--den", options->den, "denominator, descending powers")->type_name("LIST");
-        add_number(app, "--delay", options->delay, "delay of the plant [s]")->type_name("S");
-        app.add_option("--type", options->type, "P, PI, PD or PID (default)")->type_name("TYPE");
-        CLI::Option* crossover = add_number(app, "--crossover", options->crossover,
+        line.add_option("--den", options->den, "denominator, descending powers")->type_name("LIST");
+        line.add_number("--delay", options->delay, "delay of the plant [s]")->type_name("S");
+        line.add_option("--type", options->type, "P, PI, PD or PID (default)")->type_name("TYPE");
+        Option* crossover = line.add_number("--crossover", options->crossover,
                                             "where the loop's gain shall be 1 [rad/s]")
-                                     ->type_name("W");
-        CLI::Option* phase = add_number(app, "--phase-margin", options->phase_margin, "there [deg]")
-                                 ->type_name("DEG");
-        CLI::Option* Tf =
-            add_number(app, "--Tf", options->Tf, "time constant of the derivative's filter [s]; 0")
+                                ->type_name("W");
+        Option* phase = line.add_number("--phase-margin", options->phase_margin, "there [deg]")
+                            ->type_name("DEG");
+        Option* Tf =
+            line.add_number("--Tf", options->Tf, "time constant of the derivative's filter [s]; 0")
                 ->type_name("S");
-        app.add_option("--rule", options->rule,
-                       "amigo, simc, ziegler-nichols, cohen-coon or lambda")
+        line.add_option("--rule", options->rule,
+                        "amigo, simc, ziegler-nichols, cohen-coon or lambda")
             ->type_name("NAME");
-        CLI::Option* tau_c =
-            add_number(app, "--tau-c", options->tau_c,
-                       "with the rules simc and lambda: time constant of the closed loop [s]")
+        Option* tau_c =
+            line.add_number("--tau-c", options->tau_c,
+                            "with the rules simc and lambda: time constant of the closed loop [s]")
                 ->type_name("S");
-        CLI::Option* Ms = add_number(app, "--Ms-max", options->Ms_max,
+        Option* Ms = line.add_number("--Ms-max", options->Ms_max,
                                      "greatest integral gain with max |S| up to this; 1.4")
-                              ->type_name("M");
-        CLI::Option* Mt =
-            add_number(app, "--Mt-max", options->Mt_max, "and max |T| up to this")->type_name("M");
-        CLI::Option* noise =
-            add_number(app, "--noise-gain-max", options->noise_gain_max, "and max |C S| up to this")
+                         ->type_name("M");
+        Option* Mt =
+            line.add_number("--Mt-max", options->Mt_max, "and max |T| up to this")->type_name("M");
+        Option* noise =
+            line.add_number("--noise-gain-max", options->noise_gain_max, "and max |C S| up to this")
                 ->type_name("G");
-        add_plot_option(app, options->plot);
-        return [=, owner = &app](Context& context) {
+        add_plot_option(line, options->plot);
+        return [=, owner = &line](Context& context) {
           if (!options->vehicle.empty()) return run_vehicle(*owner, *options, context);
           refuse_options(*owner, {"--method", "--plant"}, "belongs to a vehicle, expected one");
           refuse_options(*owner, cascade_option_names(), "belongs to a vehicle, expected one");
           run(*options,
-              {crossover->count() > 0, phase->count() > 0, Tf->count() > 0, tau_c->count() > 0,
-               Ms->count() > 0, Mt->count() > 0, noise->count() > 0},
+              {crossover->was_given(), phase->was_given(), Tf->was_given(), tau_c->was_given(),
+               Ms->was_given(), Mt->was_given(), noise->was_given()},
               context);
         };
       }};

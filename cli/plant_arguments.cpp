@@ -1,36 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plant_arguments.hpp"
 
-#include <CLI/CLI.hpp>
-
-#include "number_arguments.hpp"
+#include "command_line.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/workbench/linearize_or_refuse.hpp"
 
 namespace quadtune::cli {
 
-void add_plant_options(CLI::App& app, PlantArguments& arguments) {
-  app.add_option("V", arguments.vehicle, "a built-in vehicle's name or a vehicle file");
-  app.add_option("--at", arguments.at, "steady flight: hover (default), line, circle or spin")
+void add_plant_options(CommandLine& line, PlantArguments& arguments) {
+  line.add_option("V", arguments.vehicle, "a built-in vehicle's name or a vehicle file");
+  line.add_option("--at", arguments.at, "steady flight: hover (default), line, circle or spin")
       ->type_name("FLIGHT");
-  add_number(app, "--speed", arguments.speed, "over the ground [m/s]; line and circle")
+  line.add_number("--speed", arguments.speed, "over the ground [m/s]; line and circle")
       ->type_name("V");
-  add_number(app, "--climb", arguments.climb, "upward [m/s]; line, circle and spin")
+  line.add_number("--climb", arguments.climb, "upward [m/s]; line, circle and spin")
       ->type_name("V");
-  add_number(app, "--radius", arguments.radius, "of the circle [m]; negative turns left")
+  line.add_number("--radius", arguments.radius, "of the circle [m]; negative turns left")
       ->type_name("R");
-  add_number(app, "--yaw-rate", arguments.yaw_rate,
-             "of a spin on the spot [rad/s]; negative turns left")
+  line.add_number("--yaw-rate", arguments.yaw_rate,
+                  "of a spin on the spot [rad/s]; negative turns left")
       ->type_name("RATE");
-  add_number(app, "--yaw", arguments.yaw, "heading from north, clockwise from above [rad]")
+  line.add_number("--yaw", arguments.yaw, "heading from north, clockwise from above [rad]")
       ->type_name("ANGLE");
-  app.add_option("--convention", arguments.convention, "ned (default), uquad or mambo")
+  line.add_option("--convention", arguments.convention, "ned (default), uquad or mambo")
       ->type_name("NAME");
-  app.add_option("--inputs", arguments.inputs,
-                 "rotor-speed (default), rotor-thrust, wrench or command")
+  line.add_option("--inputs", arguments.inputs,
+                  "rotor-speed (default), rotor-thrust, wrench or command")
       ->type_name("KIND");
-  app.add_option("--states", arguments.states, "full (default), no-position or names")
+  line.add_option("--states", arguments.states, "full (default), no-position or names")
       ->type_name("LIST");
 }
 

@@ -7,11 +7,9 @@
 #include "quadtune/linearize/linearize.hpp"
 #include "quadtune/model/vehicle.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace quadtune::cli {
+
+class CommandLine;
 
 struct PlantArguments {
   std::string vehicle;
@@ -28,7 +26,7 @@ struct PlantArguments {
 
 /// Adds V and --at, --speed, --climb, --radius, --yaw-rate, --yaw, --convention, --inputs,
 /// --states.
-void add_plant_options(CLI::App& app, PlantArguments& arguments);
+void add_plant_options(CommandLine& line, PlantArguments& arguments);
 
 /// How the model is to be written.
 /// @throws InvalidInput  naming the option, what came and what was expected.

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "command_line.hpp"
 #include "gnuplot.hpp"
 #include "program.hpp"
 
@@ -18,8 +18,8 @@ std::string ending(const PlotArgument& argument) {
 
 }  // namespace
 
-void add_plot_option(CLI::App& app, PlotArgument& argument) {
-  app.add_option("--plot", argument.file, "a picture to draw with gnuplot: a name in .svg or .png")
+void add_plot_option(CommandLine& line, PlotArgument& argument) {
+  line.add_option("--plot", argument.file, "a picture to draw with gnuplot: a name in .svg or .png")
       ->type_name("FILE");
 }
 

@@ -7,11 +7,9 @@
 
 #include "figure.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace quadtune::cli {
+
+class CommandLine;
 
 struct Context;
 
@@ -21,7 +19,7 @@ struct PlotArgument {
 };
 
 /// Adds --plot FILE.
-void add_plot_option(CLI::App& app, PlotArgument& argument);
+void add_plot_option(CommandLine& line, PlotArgument& argument);
 
 /// To be called before any work.
 /// @throws UsageError  for a file whose name ends otherwise than in .svg or .png

@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
@@ -17,11 +16,11 @@
 #include <ostream>
 #include <sstream>
 
+#include "command_line.hpp"
 #include "file_kinds.hpp"
 #include "library_messages.hpp"
 #include "message_text.hpp"
 #include "missing_file.hpp"
-#include "number_arguments.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/file_set.hpp"
 #include "quadtune/internal/json.hpp"
@@ -48,64 +47,6 @@ std::vector<std::string> verb_names() {
   return names;
 }
 
-/// Options that CLI11 could not place: the first is named, with the nearest that exists.
-[[noreturn]] void refuse_extras(const CLI::App& app, const std::string& verb) {
-  const std::string extra = app.remaining().front();
-  if (extra.empty() || extra[0] != '-')
-    throw UsageError(fmt::format("quadtune {}: unexpected argument '{}', expected: quadtune {} {}",
-                                 verb, extra, verb, find(verb)->usage),
-                     extra);
-  std::vector<std::string> known;
-  for (const CLI::Option* option : app.get_options())
-    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
-  const std::string name = extra.substr(0, extra.find('='));
-  throw UsageError(
-      fmt::format("quadtune {}: no option '{}'{}", verb, name, internal::did_you_mean(name, known)),
-      name);
-}
-
-[[noreturn]] void refuse_missing_value(const std::string& verb, const std::string& option) {
-  throw UsageError(fmt::format("quadtune {}: {} has no value, expected one", verb, option), option);
-}
-
-/// CLI11 would take the option that follows as the value: "-o --json" as a file "--json".
-void refuse_options_for_values(const CLI::App& app, const std::string& verb,
-                               const std::vector<std::string>& args) {
-  for (std::size_t i = 0; i + 1 < args.size(); ++i) {
-    if (!args[i].starts_with('-') || !args[i + 1].starts_with("--")) continue;
-    const CLI::Option* option = app.get_option_no_throw(args[i]);
-    if (option && option->get_items_expected_max() > 0) refuse_missing_value(verb, args[i]);
-  }
-}
-
-/// CLI11's refusals begin with the option; the rest of them is said here in the words of all
-/// others.
-[[noreturn]] void refuse_arguments(const CLI::ParseError& error, const std::string& verb,
-                                   const std::vector<std::string>& args) {
-  std::string what = error.what();
-  std::replace(what.begin(), what.end(), '\n', ' ');
-  std::string option = "command line";
-  std::string message = what;
-  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {  // "--dt: 1 required T missing"
-    option = what.substr(0, what.find(':'));
-    const auto times = std::count_if(args.begin(), args.end(), [&](const std::string& arg) {
-      return arg == option || arg.starts_with(option + "=");
-    });
-    if (times == 0)
-      throw UsageError(fmt::format("quadtune {}: more words came than it takes, expected: quadtune "
-                                   "{} {}",
-                                   verb, verb, find(verb)->usage),
-                       option);
-    if (times == 1) refuse_missing_value(verb, option);
-    message = fmt::format("{} came {} times, expected it once", option, times);
-  } else if (dynamic_cast<const CLI::ConversionError*>(&error)) {  // "…: --json = maybe"
-    const std::size_t start = what.find("--");
-    option = what.substr(std::min(start, what.size()), what.find(" =") - start);
-    message = fmt::format("{} came with a value, expected {} alone", option, option);
-  }
-  throw UsageError(fmt::format("quadtune {}: {}", verb, message), option);
-}
-
 /// Runs an action whose output goes into a file, written whole or not at all.
 void run_into_file(const Action& action, const std::string& file, Context& context) {
   std::ostringstream text;
@@ -129,11 +70,11 @@ void run_into_file(const Action& action, const std::string& file, Context& conte
 }
 
 /// "-" is standard output, too; but files are written beside what is printed there.
-void refuse_standard_output(const CLI::App& app, const std::string& verb) {
+void refuse_standard_output(const CommandLine& line, const std::string& verb) {
   const bool logs = verb == "fly" || verb == "campaign replay";  // the others read --log
   for (const std::string name : {"-o", "--report", "--plot", "--log"}) {
-    const CLI::Option* const option = app.get_option_no_throw(name);
-    if (option == nullptr || option->count() == 0 || option->results().back() != "-") continue;
+    const Option* const option = line.find(name);
+    if (option == nullptr || !option->was_given() || option->values().back() != "-") continue;
     if (name == "--log" && !logs) continue;
     throw UsageError(fmt::format("quadtune {}: {} is -, expected a name, because what is printed "
                                  "goes there; ./- is a file of that name",
@@ -143,60 +84,45 @@ void refuse_standard_output(const CLI::App& app, const std::string& verb) {
 }
 
 /// Standard input can be read once: the second reader would find it empty.
-void refuse_two_readers(const CLI::App& app, const std::string& verb) {
+void refuse_two_readers(const CommandLine& line, const std::string& verb) {
   std::string first;
-  for (const CLI::Option* option : app.get_options()) {
-    if (option->count() != 1 || option->results()[0] != "-") continue;
-    if (option->get_name() == "-o") continue;
+  for (const Option* option : line.options()) {
+    if (option->values().size() != 1 || option->values()[0] != "-") continue;
+    if (option->name() == "-o") continue;
     if (!first.empty())
       throw UsageError(fmt::format("quadtune {}: {} and {} are both '-', expected standard input "
                                    "for one, because it can be read once",
-                                   verb, first, option->get_name()),
-                       option->get_name());
-    first = option->get_name();
+                                   verb, first, option->name()),
+                       option->name());
+    first = option->name();
   }
 }
 
 void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& context) {
-  CLI::App app(verb.summary, "quadtune " + verb.name);
-  app.set_help_flag();
-  app.allow_extras();
+  CommandLine line(verb.name, verb.usage);
   bool help = false;
-  app.add_flag("--json", context.json, "print one JSON object");
-  app.add_flag("--quiet", context.quiet, "no notes on the error stream");
-  app.add_flag("-h,--help", help, "show this help");
+  line.add_flag("--json", context.json, "print one JSON object");
+  line.add_flag("--quiet", context.quiet, "no notes on the error stream");
+  line.add_flag("-h,--help", help, "show this help");
   // Part of the contract of every verb.
   std::uint64_t threads = 0;
-  add_count(app, "--threads", threads, 1, "threads to use; one for each processor if absent");
-  add_count(app, "--seed", context.seed, 0, "fixes everything random");
-  const Action action = verb.define(app);
+  line.add_count("--threads", threads, 1, "threads to use; one for each processor if absent");
+  line.add_count("--seed", context.seed, 0, "fixes everything random");
+  const Action action = verb.define(line);
   std::string file;
-  const bool prints = app.get_option_no_throw("-o") == nullptr;
-  if (prints) app.add_option("-o", file, "file to write instead");
+  const bool prints = line.find("-o") == nullptr;
+  if (prints) line.add_option("-o", file, "file to write instead");
   if (std::find(args.begin(), args.end(), "--help") != args.end() ||
       std::find(args.begin(), args.end(), "-h") != args.end()) {
     run_verb(*find("help"), {verb.name}, context);
     return;
   }
-  refuse_options_for_values(app, verb.name, args);
-  try {
-    std::vector<std::string> reversed(args.rbegin(), args.rend());
-    app.parse(reversed);
-  } catch (const CLI::ParseError& error) {
-    refuse_arguments(error, verb.name, args);
-  }
-  if (!app.remaining().empty()) refuse_extras(app, verb.name);
-  for (const CLI::Option* option : app.get_options())
-    for (const std::string& value : option->results())
-      if (value.empty())
-        throw UsageError(fmt::format("quadtune {}: {} is empty, expected a value", verb.name,
-                                     option->get_name()),
-                         option->get_name());
-  refuse_two_readers(app, verb.name);
+  line.parse(args);
+  refuse_two_readers(line, verb.name);
   if (prints && file == "-")
     file.clear();  // what is printed is all there is
   else
-    refuse_standard_output(app, verb.name);
+    refuse_standard_output(line, verb.name);
   context.threads = threads;
   try {
     if (file.empty())
@@ -204,7 +130,7 @@ void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& c
     else
       run_into_file(action, file, context);
   } catch (const FileError& error) {
-    if (is_missing(error)) throw told_missing(error, app);
+    if (is_missing(error)) throw told_missing(error, line);
     throw;
   }
 }

@@ -14,11 +14,9 @@
 #include "quadtune/errors.hpp"
 #include "stop_signals.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace quadtune::cli {
+
+class CommandLine;
 
 /// What the process ends with; documented in docs/cli.md.
 enum ExitStatus : int {
@@ -90,7 +88,7 @@ struct Verb {
   std::string usage;    ///< what follows the name, e.g. "V [options]"
   std::string summary;  ///< one line
   std::string example;  ///< a command that works as printed from the project's root
-  std::function<Action(CLI::App&)> define;  ///< adds the options, gives what to run
+  std::function<Action(CommandLine&)> define;  ///< adds the options, gives what to run
 };
 
 /// All verbs in the order in which the work flows.

@@ -3,12 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iterator>
 #include <optional>
 #include <utility>
 
+#include "command_line.hpp"
 #include "log_report.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -68,13 +68,14 @@ bool SensorLogArguments::given() const {
          !(log.format.empty() && log.columns.empty() && time.empty() && time_unit.empty());
 }
 
-void add_sensor_log_options(CLI::App& app, SensorLogArguments& arguments) {
-  add_log_options(app, arguments.log);
-  app.add_option("--time", arguments.time,
-                 "of a text, the column of times, by name or number; one called t, time, timestamp")
+void add_sensor_log_options(CommandLine& line, SensorLogArguments& arguments) {
+  add_log_options(line, arguments.log);
+  line.add_option(
+          "--time", arguments.time,
+          "of a text, the column of times, by name or number; one called t, time, timestamp")
       ->type_name("COLUMN");
-  app.add_option("--time-unit", arguments.time_unit,
-                 "s, ms, us or ns; the header's, else by the values")
+  line.add_option("--time-unit", arguments.time_unit,
+                  "s, ms, us or ns; the header's, else by the values")
       ->type_name("U");
 }
 

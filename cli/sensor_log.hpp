@@ -12,6 +12,8 @@
 
 namespace quadtune::cli {
 
+class CommandLine;
+
 struct SensorLogArguments {
   LogArguments log;
   std::string time;       ///< the column of a text that is its clock; empty: as the log says
@@ -21,7 +23,7 @@ struct SensorLogArguments {
 };
 
 /// Adds --format, --columns, --rate, --time and --time-unit.
-void add_sensor_log_options(CLI::App& app, SensorLogArguments& arguments);
+void add_sensor_log_options(CommandLine& line, SensorLogArguments& arguments);
 
 /// What messages call the file of that path.
 [[nodiscard]] std::string log_name(const std::string& path);

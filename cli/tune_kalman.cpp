@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <functional>
@@ -14,9 +13,9 @@
 #include <ostream>
 #include <set>
 
+#include "command_line.hpp"
 #include "log_arguments.hpp"
 #include "log_report.hpp"
-#include "number_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
@@ -24,8 +23,10 @@
 #include "quadtune/estimation/record_of_log.hpp"
 #include "quadtune/estimation/rigid_body_filter.hpp"
 #include "quadtune/exports/file_set.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "read_number.hpp"
 #include "tune_report.hpp"
 #include "tune_story.hpp"
 
@@ -339,16 +340,12 @@ void run(const Options& options, Context& context) {
   if (!passed) throw AnswerIsNo("tune: " + tuning.reasons.front());
 }
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("--model", options.model, "a built-in filter model, or a file")
+void add_options(CommandLine& line, Options& options) {
+  line.add_option("--model", options.model, "a built-in filter model, or a file")
       ->type_name("NAME|FILE");
-  const auto many = [&app](const char* name, std::vector<std::string>& into,
-                           const char* description, const char* type) {
-    app.add_option(name, into, description)
-        ->type_name(type)
-        ->take_all()
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  const auto many = [&line](const char* name, std::vector<std::string>& into,
+                            const char* description, const char* type) {
+    line.add_list(name, into, description)->type_name(type);
   };
   many("--log", options.logs, "a log; several: repeat the option", "FILE");
   many("--map", options.maps,
@@ -359,33 +356,33 @@ void add_options(CLI::App& app, Options& options) {
        "the channel of what a state truly was, or of the attitude as qw qx qy qz: the filter's "
        "errors are judged by it and told in its units",
        "STATE=CHANNEL");
-  app.add_option("--method", options.method,
-                 "ml: most likely; als: least squares of the innovations' autocovariances; ml")
+  line.add_option("--method", options.method,
+                  "ml: most likely; als: least squares of the innovations' autocovariances; ml")
       ->type_name("ml|als");
   many("--fix", options.fixed, "leave a parameter as it is", "NAME");
   many("--start", options.starts_at, "the variance that the search begins with", "NAME=NUMBER");
-  add_log_options(app, options.log);
-  add_number(app, "--holdout", options.holdout,
-             "share of each log, its end, that is kept for the verdict; 0.2")
+  add_log_options(line, options.log);
+  line.add_number("--holdout", options.holdout,
+                  "share of each log, its end, that is kept for the verdict; 0.2")
       ->type_name("SHARE");
-  add_number(app, "--gate", options.gate,
-             "refuse measurements whose squared innovation is more variances than this")
+  line.add_number("--gate", options.gate,
+                  "refuse measurements whose squared innovation is more variances than this")
       ->type_name("LIMIT");
-  add_number(app, "--student", options.student,
-             "degrees of freedom of measurement errors with long tails")
+  line.add_number("--student", options.student,
+                  "degrees of freedom of measurement errors with long tails")
       ->type_name("NU");
-  add_count(app, "--starts", options.starts, 1, "searches from different starts; 3")
+  line.add_count("--starts", options.starts, 1, "searches from different starts; 3")
       ->type_name("N");
-  add_positive(app, "--budget", options.budget,
-               "seconds after which the search ends with the best it has; no end")
+  line.add_positive("--budget", options.budget,
+                    "seconds after which the search ends with the best it has; no end")
       ->type_name("S");
-  app.add_flag("--profile", options.profile,
-               "intervals by the likelihood's profile, not by its curvature");
-  app.add_option("-o", options.file, "the tuned model, where the verdict is pass")
+  line.add_flag("--profile", options.profile,
+                "intervals by the likelihood's profile, not by its curvature");
+  line.add_option("-o", options.file, "the tuned model, where the verdict is pass")
       ->type_name("FILE");
-  app.add_option("--report", options.report, "write a page to look at: a .html file")
+  line.add_option("--report", options.report, "write a page to look at: a .html file")
       ->type_name("FILE");
-  app.add_flag("--force", options.force, "write it whatever the verdict; it says so");
+  line.add_flag("--force", options.force, "write it whatever the verdict; it says so");
 }
 
 }  // namespace
@@ -394,9 +391,9 @@ Verb tune_kalman_verb() {
   return {"tune kalman", "--model NAME|FILE --log FILE... [--map NAME=CHANNEL]...",
           "find a filter's noise covariances from logs, with a verdict",
           "quadtune tune kalman --model altitude --log docs/examples/bobbing.csv",
-          [](CLI::App& app) -> Action {
+          [](CommandLine& line) -> Action {
             auto options = std::make_shared<Options>();
-            add_options(app, *options);
+            add_options(line, *options);
             return [options](Context& context) { run(*options, context); };
           }};
 }

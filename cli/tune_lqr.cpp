@@ -3,19 +3,19 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <ostream>
 
+#include "command_line.hpp"
 #include "gain_match_report.hpp"
 #include "given_gains.hpp"
 #include "lqr_arguments.hpp"
 #include "matrix_arguments.hpp"
-#include "number_arguments.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/convert.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/tuning/match_gains.hpp"
 #include "tune_lqr_missions.hpp"
 
@@ -46,8 +46,8 @@ std::string list_of(const std::vector<Signal>& signals) {
 }
 
 /// What the command line leaves open is as the gains, or the design that they stand in, have it.
-void complete(const CLI::App& app, const GivenGains& given, LqrArguments& problem) {
-  const auto absent = [&app](const char* option) { return app.get_option(option)->count() == 0; };
+void complete(const CommandLine& line, const GivenGains& given, LqrArguments& problem) {
+  const auto absent = [&line](const char* option) { return !line.was_given(option); };
   PlantArguments& plant = problem.plant;
   if (absent("--convention")) plant.convention = given.gains.convention;
   if (absent("--inputs")) plant.inputs = to_string(given.gains.input_kind);
@@ -87,22 +87,22 @@ GainMatch match_or_refuse(const Plant& plant, const LqrDesign& design, const Ord
   }
 }
 
-void run(const CLI::App& app, Options options, Context& context) {
+void run(const CommandLine& line, Options options, Context& context) {
   if (options.problem.plant.vehicle.empty())
     refuse("V", "expected a vehicle, and --mission NAME or --match-gains FILE");
   if (options.gains.empty()) {
     options.missions.vehicle = options.problem.plant.vehicle;
-    options.problem.has_dt = app.get_option("--dt")->count() > 0;
-    if (app.get_option("--method")->count() == 0) options.problem.method.clear();
+    options.problem.has_dt = line.was_given("--dt");
+    if (!line.was_given("--method")) options.problem.method.clear();
     if (options.missions.missions.empty() && options.missions.requirements.empty())
       refuse("--mission",
              "expected --mission NAME or --requirements FILE to tune weights over missions, or "
              "--match-gains FILE to find those of a gain");
     for (const char* option : {"--tie", "--tolerance", "--starts"})
-      if (app.get_option(option)->count() > 0)
+      if (line.was_given(option))
         refuse(option, fmt::format("{} is for --match-gains, expected none", option));
-    if (options.problem.Q.empty() && options.problem.R.empty() &&
-        app.get_option("--inputs")->count() > 0 && options.problem.plant.inputs != "wrench")
+    if (options.problem.Q.empty() && options.problem.R.empty() && line.was_given("--inputs") &&
+        options.problem.plant.inputs != "wrench")
       refuse("--inputs",
              "--inputs came without --Q and --R, expected none or wrench because weights by "
              "Bryson's rule are of it");
@@ -112,7 +112,7 @@ void run(const CLI::App& app, Options options, Context& context) {
   for (const char* option :
        {"--mission", "--requirements", "--budget", "--evaluations", "--monte-carlo", "--proof",
         "--measure", "--estimator", "--sensors", "--wind", "--duration", "--separate", "--report"})
-    if (app.get_option(option)->count() > 0)
+    if (line.was_given(option))
       refuse(option, fmt::format("{} is for missions, expected none beside --match-gains", option));
   if (!(options.tolerance > 0))
     refuse("--tolerance",
@@ -124,7 +124,7 @@ void run(const CLI::App& app, Options options, Context& context) {
                        "the law feeds back its past commands, expected a matrix on the states and "
                        "their integrals, because weights are sought on the textbook plant");
   options.problem.verb = kVerb;
-  complete(app, given, options.problem);
+  complete(line, given, options.problem);
   const Plant plant = make_plant(options.problem.plant);
   require_states(given.gains, plant.model.plant.states,
                  convention(options.problem.plant.convention, "--convention"), options.gains);
@@ -161,41 +161,39 @@ void run(const CLI::App& app, Options options, Context& context) {
                     options.tolerance));
 }
 
-void add_options(CLI::App& app, Options& options) {
-  add_plant_options(app, options.problem.plant);
-  app.add_option("--match-gains", options.gains,
-                 "find weights whose gain is this one: an export, a file of gains, or a design "
-                 "with [published] gains; options that are absent are as there")
+void add_options(CommandLine& line, Options& options) {
+  add_plant_options(line, options.problem.plant);
+  line.add_option("--match-gains", options.gains,
+                  "find weights whose gain is this one: an export, a file of gains, or a design "
+                  "with [published] gains; options that are absent are as there")
       ->type_name("FILE");
-  app.add_option("--Q", options.problem.Q,
-                 "where the search begins: a list, integrals last; one number stands for all, 1 "
-                 "if absent; a weight of 0 stays 0")
+  line.add_option("--Q", options.problem.Q,
+                  "where the search begins: a list, integrals last; one number stands for all, 1 "
+                  "if absent; a weight of 0 stays 0")
       ->type_name("LIST");
-  app.add_option("--R", options.problem.R,
-                 "likewise of the inputs; its geometric mean stays, as a gain tells weights up to "
-                 "a factor")
+  line.add_option("--R", options.problem.R,
+                  "likewise of the inputs; its geometric mean stays, as a gain tells weights up to "
+                  "a factor")
       ->type_name("LIST");
-  app.add_option("--integral", options.problem.integral, "states to integrate")->type_name("LIST");
-  app.add_option("--method", options.problem.method,
-                 "continuous (default with --match-gains), discrete (weights per step) or sampled "
-                 "(exact cost; default over missions)")
+  line.add_option("--integral", options.problem.integral, "states to integrate")->type_name("LIST");
+  line.add_option("--method", options.problem.method,
+                  "continuous (default with --match-gains), discrete (weights per step) or sampled "
+                  "(exact cost; default over missions)")
       ->type_name("NAME");
-  add_number(app, "--dt", options.problem.dt, "sample period [s]")->type_name("T");
-  app.add_option("--tie", options.ties,
-                 "states, integrals as int_x, or inputs of one weight; several: repeat the option")
-      ->type_name("LIST")
-      ->take_all()
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  add_number(app, "--tolerance", options.tolerance,
-             "greatest difference of an entry, over its row's or column's largest, that counts as "
-             "matched; 0.001")
+  line.add_number("--dt", options.problem.dt, "sample period [s]")->type_name("T");
+  line.add_list("--tie", options.ties,
+                "states, integrals as int_x, or inputs of one weight; several: repeat the option")
+      ->type_name("LIST");
+  line.add_number(
+          "--tolerance", options.tolerance,
+          "greatest difference of an entry, over its row's or column's largest, that counts as "
+          "matched; 0.001")
       ->type_name("SHARE");
-  add_count(app, "--starts", options.starts, 1, "searches from different starts at most; 8")
+  line.add_count("--starts", options.starts, 1, "searches from different starts at most; 8")
       ->type_name("N");
-  add_mission_tuning_options(app, options.missions);
-  app.add_flag("--separate", options.separate,
-               "over missions: weights of x and y, roll and pitch each for itself");
+  add_mission_tuning_options(line, options.missions);
+  line.add_flag("--separate", options.separate,
+                "over missions: weights of x and y, roll and pitch each for itself");
 }
 
 }  // namespace
@@ -204,10 +202,10 @@ Verb tune_lqr_verb() {
   return {kVerb, "V --mission NAME [options]   or   V --match-gains FILE [options]",
           "search LQR weights over missions, or those whose gain is a given one",
           "quadtune tune lqr uquad --match-gains designs/uquad-hover.toml --R 0.01",
-          [](CLI::App& app) -> Action {
+          [](CommandLine& line) -> Action {
             auto options = std::make_shared<Options>();
-            add_options(app, *options);
-            return [options, owner = &app](Context& context) { run(*owner, *options, context); };
+            add_options(line, *options);
+            return [options, owner = &line](Context& context) { run(*owner, *options, context); };
           }};
 }
 

@@ -9,6 +9,7 @@
 
 #include "program.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/synthesis/diagonal_lqr.hpp"
 #include "quadtune/workbench/chosen_law.hpp"

@@ -2,15 +2,16 @@
 /// quadtune tune pid: gains of a PID cascade over missions.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
 
+#include "command_line.hpp"
 #include "flight_arguments.hpp"
 #include "mission_tuning.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/mambo.hpp"
+#include "quadtune/internal/json.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -203,15 +204,15 @@ Verb tune_pid_verb() {
   return {"tune pid", "V --mission NAME [options]",
           "search PID gains over missions, and prove them on fresh draws",
           "quadtune tune pid mambo --mission step-north --evaluations 100",
-          [](CLI::App& app) -> Action {
+          [](CommandLine& line) -> Action {
             auto options = std::make_shared<Options>();
-            app.add_option("V", options->tuning.vehicle, "a built-in vehicle or a vehicle file");
-            add_mission_tuning_options(app, options->tuning);
-            app.add_option("--gains", options->gains,
-                           "where it begins: designed (default), published or a file of gains")
+            line.add_option("V", options->tuning.vehicle, "a built-in vehicle or a vehicle file");
+            add_mission_tuning_options(line, options->tuning);
+            line.add_option("--gains", options->gains,
+                            "where it begins: designed (default), published or a file of gains")
                 ->type_name("WHICH");
-            app.add_flag("--separate", options->separate,
-                         "tune x and y, pitch and roll each for itself");
+            line.add_flag("--separate", options->separate,
+                          "tune x and y, pitch and roll each for itself");
             return [options](Context& context) {
               if (options->tuning.vehicle.empty())
                 throw UsageError("quadtune tune pid: expected a vehicle", "V");

@@ -10,6 +10,7 @@
 
 #include "print.hpp"
 #include "quadtune/estimation/filter_file.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune::cli {

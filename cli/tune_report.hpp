@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "quadtune/estimation/filter_record.hpp"
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/tuning/noise_tuning.hpp"
 
 namespace quadtune::cli {

@@ -5,13 +5,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <ostream>
 
+#include "command_line.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/exports/export.hpp"
@@ -331,10 +331,10 @@ Verb vehicle_verb() {
     std::string action, vehicle;
   };
   return {"vehicle", "list | show V | check FILE", "list, show or check vehicles",
-          "quadtune vehicle show mambo", [](CLI::App& app) -> Action {
+          "quadtune vehicle show mambo", [](CommandLine& line) -> Action {
             auto options = std::make_shared<Options>();
-            app.add_option("ACTION", options->action, "list, show or check");
-            app.add_option("V", options->vehicle, "a built-in vehicle's name or a vehicle file");
+            line.add_option("ACTION", options->action, "list, show or check");
+            line.add_option("V", options->vehicle, "a built-in vehicle's name or a vehicle file");
             return [options](Context& context) {
               const std::string& action = options->action;
               if (action != "list" && action != "show" && action != "check")

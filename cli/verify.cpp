@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <ostream>
 
+#include "command_line.hpp"
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/errors.hpp"
@@ -206,14 +206,14 @@ Verb verify_verb() {
   };
   return {"verify", "DIR [--vehicle V] [--design FILE]",
           "re-read an export as the flight program would and check everything",
-          "quadtune verify out/uquad-hover", [](CLI::App& app) -> Action {
+          "quadtune verify out/uquad-hover", [](CommandLine& line) -> Action {
             auto options = std::make_shared<Options>();
-            app.add_option("DIR", options->directory, "an export's directory");
-            app.add_option("--vehicle", options->vehicle,
-                           "the vehicle, where the manifest's is not built in")
+            line.add_option("DIR", options->directory, "an export's directory");
+            line.add_option("--vehicle", options->vehicle,
+                            "the vehicle, where the manifest's is not built in")
                 ->type_name("V");
-            app.add_option("--design", options->design,
-                           "the design file that the export was made from, to compare its hash")
+            line.add_option("--design", options->design,
+                            "the design file that the export was made from, to compare its hash")
                 ->type_name("FILE");
             return [options](Context& context) {
               if (options->directory.empty())

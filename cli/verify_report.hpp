@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "quadtune/exports/verify.hpp"
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/workbench/flown_check.hpp"
 

@@ -10,6 +10,7 @@
 #include "quadtune/exports/mambo.hpp"
 #include "quadtune/exports/uquad.hpp"
 #include "quadtune/exports/verify.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/version.hpp"
 #include "to_json.hpp"
 

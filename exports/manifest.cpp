@@ -10,6 +10,7 @@
 
 #include "export_text.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "to_json.hpp"
 

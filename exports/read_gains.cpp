@@ -15,6 +15,7 @@
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/mambo.hpp"
 #include "quadtune/exports/uquad.hpp"
+#include "quadtune/internal/json.hpp"
 #include "to_json.hpp"
 
 namespace quadtune {

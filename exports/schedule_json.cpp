@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/json.hpp"
 #include "schedule_parts.hpp"
 #include "to_json.hpp"
 

@@ -2,6 +2,7 @@
 // Sensors and battery with the keys of a vehicle file.
 #include <cmath>
 
+#include "quadtune/internal/json.hpp"
 #include "to_json.hpp"
 
 namespace quadtune::exports {

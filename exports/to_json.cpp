@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/json.hpp"
 
 namespace quadtune::exports {
 

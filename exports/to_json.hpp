@@ -9,7 +9,7 @@
 #include "quadtune/exports/stored_estimator.hpp"
 #include "quadtune/filter.hpp"
 #include "quadtune/gains.hpp"
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/model/vehicle.hpp"
 
 namespace quadtune::exports {

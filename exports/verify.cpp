@@ -17,6 +17,7 @@
 #include "quadtune/exports/mambo.hpp"
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/exports/uquad.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "to_json.hpp"
 

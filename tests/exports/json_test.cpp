@@ -7,6 +7,7 @@
 #include <random>
 
 #include "matrix_near.hpp"
+#include "quadtune/errors.hpp"
 
 namespace quadtune::internal {
 namespace {

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The options and arguments of one verb, and what was given for them.
+///
+/// CLI11 does the parsing behind this header: one source file includes it, since its headers take
+/// seconds to compile.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace quadtune::cli {
+
+/// One option, or one argument in a place.
+class Option {
+ public:
+  virtual ~Option() = default;
+
+  /// The word that stands for the value in the help, e.g. "FILE".
+  virtual Option* type_name(const std::string& word) = 0;
+
+  /// Whether it was on the command line that was parsed.
+  [[nodiscard]] bool was_given() const { return !values().empty(); }
+  /// What was given, in order; a flag has "true".
+  [[nodiscard]] virtual const std::vector<std::string>& values() const = 0;
+
+  [[nodiscard]] virtual std::string name() const = 0;                    ///< "--dt" or "V"
+  [[nodiscard]] virtual std::vector<std::string> all_names() const = 0;  ///< "-h", "--help"
+  [[nodiscard]] virtual std::string type_name() const = 0;
+  [[nodiscard]] virtual std::string description() const = 0;
+  [[nodiscard]] virtual bool takes_value() const = 0;  ///< false: a flag
+  [[nodiscard]] virtual bool is_argument() const = 0;  ///< has a place, and no dashes
+};
+
+/// Options are bound to variables, which keep their values where an option is not given.
+class CommandLine {
+ public:
+  /// @param verb   its name, for messages, e.g. "tune lqr"; its usage, e.g. "V [options]"
+  explicit CommandLine(std::string verb = {}, std::string usage = {});
+  ~CommandLine();
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+
+  /// An option whose name begins with a dash, or an argument.
+  Option* add_option(const std::string& name, std::string& value, const std::string& description);
+  /// An option that may be repeated; each time it takes one word.
+  Option* add_list(const std::string& name, std::vector<std::string>& values,
+                   const std::string& description);
+  /// An argument of up to `max` words.
+  Option* add_words(const std::string& name, std::vector<std::string>& words, int max,
+                    const std::string& description);
+  /// An option without a value, e.g. "-h,--help".
+  Option* add_flag(const std::string& names, bool& value, const std::string& description);
+  /// An option that takes a finite number, as read_number() reads it.
+  Option* add_number(const std::string& name, double& value, const std::string& description);
+  /// An option that takes a number greater than 0.
+  Option* add_positive(const std::string& name, std::optional<double>& value,
+                       const std::string& description);
+  /// An option that takes a whole number of at least `min`.
+  Option* add_count(const std::string& name, std::uint64_t& value, std::uint64_t min,
+                    const std::string& description);
+
+  /// Sets the variables.
+  /// @throws UsageError  naming the option or argument, what was given and what was expected
+  void parse(const std::vector<std::string>& args);
+
+  /// Whether an option was given. @pre it was added: another name is an error of the program.
+  [[nodiscard]] bool was_given(std::string_view name) const;
+  /// The option of that name, if there is one.
+  [[nodiscard]] const Option* find(std::string_view name) const;
+  /// Options and arguments, in the order in which they were added.
+  [[nodiscard]] std::vector<const Option*> options() const;
+
+ private:
+  struct Parser;
+  std::unique_ptr<Parser> parser_;
+};
+
+}  // namespace quadtune::cli
