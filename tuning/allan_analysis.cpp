@@ -4,13 +4,13 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "allan_covariance.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/tails.hpp"
 #include "quadtune/tuning/allan.hpp"
 
 namespace quadtune {
@@ -31,7 +31,7 @@ constexpr double kLowQuantile = 0.025, kHighQuantile = 0.975;
 constexpr double kOneSided = 1.6449;  // standard deviations of a 95 % bound
 
 double chi_squared_quantile(double degrees, double probability) {
-  return quantile(boost::math::chi_squared(degrees), probability);
+  return internal::chi_squared_quantile(probability, degrees);
 }
 
 /// 95 % interval of √variance for an estimate with `edf` degrees of freedom.

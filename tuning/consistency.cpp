@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/tails.hpp"
 #include "small_samples.hpp"
-#include "tails.hpp"
 
 namespace quadtune {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tails.hpp"
+#include "quadtune/internal/tails.hpp"
 
 namespace quadtune::internal {
 namespace {

@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <numeric>
 #include <random>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/tails.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune {
@@ -231,7 +231,7 @@ Estimated paired_difference(const std::vector<double>& first, const std::vector<
   for (std::size_t i = 0; i < first.size(); ++i) mean += (second[i] - first[i]) / n;
   for (std::size_t i = 0; i < first.size(); ++i)
     squares += std::pow(second[i] - first[i] - mean, 2);
-  const double t = boost::math::quantile(boost::math::students_t(n - 1), 0.975);
+  const double t = internal::student_quantile(0.975, n - 1);
   const double width = t * std::sqrt(squares / (n - 1) / n);
   return {mean, mean - width, mean + width};
 }

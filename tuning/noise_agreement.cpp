@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/tails.hpp"
 #include "quadtune/tuning/autocovariance_fit.hpp"
-#include "tails.hpp"
 
 namespace quadtune {
 namespace {

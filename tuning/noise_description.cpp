@@ -8,7 +8,7 @@
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 
-#include "tails.hpp"
+#include "quadtune/internal/tails.hpp"
 
 namespace quadtune::internal {
 namespace {

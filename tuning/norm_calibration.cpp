@@ -10,9 +10,10 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <numeric>
+
+#include "quadtune/internal/tails.hpp"
 
 namespace quadtune {
 namespace {
@@ -321,7 +322,7 @@ NormSolution norm_calibration(const NormProblem& problem) {
   calibration.residual_after = problem.norm * std::sqrt(after / double(J.rows()));
   const auto degrees = static_cast<double>(J.rows() - numbers);
   result.noise = std::sqrt(after / degrees);
-  calibration.quantile = quantile(boost::math::students_t(degrees), 0.975);
+  calibration.quantile = internal::student_quantile(0.975, degrees);
   for (const Matrix& seen : {J_start, J}) {
     const Eigen::JacobiSVD<Matrix> svd(seen, Eigen::ComputeThinV);
     const Vector& singular = svd.singularValues();

@@ -3,11 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <vector>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/tails.hpp"
 
 namespace quadtune {
 
@@ -35,9 +35,8 @@ RunningSize running_size(const FilterRun& run, Index output, int window, double 
   const auto width = static_cast<std::size_t>(window);
   for (std::size_t first = 0; first + width <= instants.size(); ++first)
     result.value(instants[first + width / 2]) = (sums[first + width] - sums[first]) / window;
-  const boost::math::chi_squared distribution(window);
-  result.low = boost::math::quantile(distribution, 0.5 - 0.5 * confidence) / window;
-  result.high = boost::math::quantile(distribution, 0.5 + 0.5 * confidence) / window;
+  result.low = internal::chi_squared_quantile(0.5 - 0.5 * confidence, window) / window;
+  result.high = internal::chi_squared_quantile(0.5 + 0.5 * confidence, window) / window;
   return result;
 }
 

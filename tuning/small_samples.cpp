@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tails.hpp"
+#include "quadtune/internal/tails.hpp"
 
 namespace quadtune::internal {
 namespace {

@@ -9,9 +9,9 @@
 #include <functional>
 
 #include "quadtune/estimation/inertial_filter.hpp"
+#include "quadtune/internal/tails.hpp"
 #include "quadtune/model/rigid_body.hpp"
 #include "quadtune/model/rotation.hpp"
-#include "tails.hpp"
 
 namespace quadtune {
 namespace {

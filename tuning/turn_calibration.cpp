@@ -10,10 +10,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <memory>
 
+#include "quadtune/internal/tails.hpp"
 #include "turn_residuals.hpp"
 
 namespace quadtune {
@@ -341,7 +341,7 @@ void Fitter::finish(SensorCalibration& result) {
   Vector residuals;
   const Matrix J = jacobian(residuals);
   const Matrix covariance = covariance_of(J);
-  result.quantile = quantile(boost::math::students_t(degrees_of(J, covariance)), 0.975);
+  result.quantile = internal::student_quantile(0.975, degrees_of(J, covariance));
   name_open(covariance, result);
   if (!result.unseen.empty()) return;
   const double scale = samples_.front().scale;

@@ -2,17 +2,14 @@
 #include "quadtune/workbench/error_quantiles.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <cstddef>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/tails.hpp"
 
 namespace quadtune {
 namespace {
-
-using boost::math::chi_squared;
-using boost::math::complement;
 
 /// ‖e‖² at one instant, as scale · χ² with as many degrees of freedom as give its mean and variance
 /// (Satterthwaite): exact for axes of equal variance.
@@ -30,7 +27,7 @@ struct SquaredNorm {
   [[nodiscard]] double exceeds(double size) const {
     if (!(scale > 0)) return 0;
     const double x = size * size / scale;
-    return x > 1400 ? 0 : boost::math::cdf(complement(chi_squared(freedom), x));
+    return x > 1400 ? 0 : internal::chi_squared_above(x, freedom);
   }
 };
 
@@ -98,8 +95,7 @@ double rarely_exceeded(const std::vector<double>& variances, double share) {
   }
   const SquaredNorm norm(sum, squares);
   if (!(norm.scale > 0)) return 0;
-  return std::sqrt(norm.scale *
-                   boost::math::quantile(complement(chi_squared(norm.freedom), share)));
+  return std::sqrt(norm.scale * internal::chi_squared_exceeded(share, norm.freedom));
 }
 
 ErrorSize error_size(const std::vector<ErrorCovariance>& axes, const std::vector<double>& times,
@@ -141,8 +137,7 @@ ErrorSize error_size(const std::vector<ErrorCovariance>& axes, const std::vector
   size.samples = variance > 0 ? 2 * mean * mean / variance : 1;
   size.samples = std::max(size.samples, 1.0);
   size.rms_rarely =
-      size.rms *
-      std::sqrt(boost::math::quantile(complement(chi_squared(size.samples), share)) / size.samples);
+      size.rms * std::sqrt(internal::chi_squared_exceeded(share, size.samples) / size.samples);
 
   // P(max > L) = max_t P(‖e(t)‖ > L) + ∫ (L/σ)² P(‖e(t)‖ > L) dt/τ
   std::vector<double> rates;

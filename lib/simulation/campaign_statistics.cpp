@@ -4,9 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/beta.hpp>
 #include <boost/math/distributions/binomial.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -16,6 +14,7 @@
 #include <utility>
 
 #include "quadtune/internal/in_parallel.hpp"
+#include "quadtune/internal/tails.hpp"
 
 namespace quadtune {
 namespace {
@@ -84,7 +83,7 @@ Estimated mean_of(std::span<const double> x, double& deviation) {
   for (const double value : x) squares += (value - mean) * (value - mean);
   deviation = x.size() > 1 ? std::sqrt(squares / (n - 1)) : kNaN;
   if (x.size() < 2 || !std::isfinite(mean)) return {mean, -kInfinity, kInfinity};
-  const double t = boost::math::quantile(boost::math::students_t(n - 1), 1 - kTail);
+  const double t = internal::student_quantile(1 - kTail, n - 1);
   const double width = t * deviation / std::sqrt(n);
   return {mean, mean - width, mean + width};
 }

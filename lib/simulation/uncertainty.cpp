@@ -6,11 +6,11 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/tails.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/matrix_checks.hpp"
 #include "quadtune/simulation/random.hpp"
@@ -41,18 +41,15 @@ std::size_t index_of(const std::string& name, const std::string& where) {
                          internal::printable(name), near));
 }
 
-double below(double z) { return boost::math::cdf(boost::math::normal(), z); }
-
 /// The share of the standard normal distribution between `low` and `high` that lies below z, from
 /// the tail where it has digits.
 double within(double low, double high, double z) {
-  const boost::math::normal normal;
   const bool upper = low > 0;
   const double a = upper ? -high : low, b = upper ? -low : high;
-  const double from = below(a), to = below(b);
-  const double share = below(upper ? -z : z);
+  const double from = internal::normal_below(a), to = internal::normal_below(b);
+  const double share = internal::normal_below(upper ? -z : z);
   const double q = from + share * (to - from);
-  const double x = q <= 0 ? a : q >= 1 ? b : boost::math::quantile(normal, q);
+  const double x = q <= 0 ? a : q >= 1 ? b : internal::normal_quantile(q);
   return std::clamp(upper ? -x : x, low, high);
 }
 
@@ -177,7 +174,7 @@ std::string to_string(DistributionKind kind) {
 
 double value_at(const Distribution& d, double z) {
   if (d.kind == DistributionKind::uniform)
-    return std::min(d.second, d.first + below(z) * (d.second - d.first));
+    return std::min(d.second, d.first + internal::normal_below(z) * (d.second - d.first));
   if (d.second == 0) return d.first;
   if (std::isfinite(d.least) || std::isfinite(d.most)) {
     const Cut cut = cut_of(d);

@@ -9,7 +9,7 @@
 #include <limits>
 #include <random>
 
-#include "tails.hpp"
+#include "quadtune/internal/tails.hpp"
 
 namespace quadtune::internal {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "filter_models.hpp"
 #include "quadtune/estimation/filter_file.hpp"
-#include "tails.hpp"
+#include "quadtune/internal/tails.hpp"
 
 namespace quadtune {
 namespace {

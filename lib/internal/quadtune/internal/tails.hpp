@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Tails and quantiles of distributions for numbers that a log made: where a number is none, or has
-/// left the range of a double, the answer is NaN or the limit, and nothing throws.
+/// Probabilities and quantiles of distributions. Boost.Math computes them, compiled here alone: its
+/// headers take a compiler 20 seconds. Nothing throws: NaN gives NaN, and a number beyond the range
+/// of double gives the limit.
 #pragma once
 
 namespace quadtune::internal {
@@ -11,6 +12,7 @@ namespace quadtune::internal {
 [[nodiscard]] double student_above(double t, double degrees);
 [[nodiscard]] double chi_squared_above(double x, double degrees);
 /// Probability of at most x; NaN for NaN.
+[[nodiscard]] double normal_below(double z);
 [[nodiscard]] double chi_squared_below(double x, double degrees);
 
 /// Probability of a value as far from its expectation on its side, twice.
@@ -20,5 +22,10 @@ namespace quadtune::internal {
 [[nodiscard]] double normal_exceeded(double p);
 [[nodiscard]] double student_exceeded(double p, double degrees);
 [[nodiscard]] double chi_squared_exceeded(double p, double degrees);
+
+/// What is not exceeded with this probability, 0 < p < 1.
+[[nodiscard]] double normal_quantile(double p);
+[[nodiscard]] double student_quantile(double p, double degrees);
+[[nodiscard]] double chi_squared_quantile(double p, double degrees);
 
 }  // namespace quadtune::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tails.hpp"
+#include "quadtune/internal/tails.hpp"
 
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
@@ -43,6 +43,11 @@ double chi_squared_above(double x, double degrees) {
   return boost::math::cdf(boost::math::complement(ChiSquared(degrees), std::max(x, 0.0)));
 }
 
+double normal_below(double z) {
+  if (std::isnan(z)) return z;
+  return boost::math::cdf(Normal(), z);
+}
+
 double chi_squared_below(double x, double degrees) {
   if (std::isnan(x)) return x;
   if (x > far_beyond(degrees)) return 1;
@@ -64,6 +69,16 @@ double student_exceeded(double p, double degrees) {
 
 double chi_squared_exceeded(double p, double degrees) {
   return boost::math::quantile(boost::math::complement(ChiSquared(degrees), p));
+}
+
+double normal_quantile(double p) { return boost::math::quantile(Normal(), p); }
+
+double student_quantile(double p, double degrees) {
+  return boost::math::quantile(Student(degrees), p);
+}
+
+double chi_squared_quantile(double p, double degrees) {
+  return boost::math::quantile(ChiSquared(degrees), p);
 }
 
 }  // namespace quadtune::internal
