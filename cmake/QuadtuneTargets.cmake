@@ -91,6 +91,8 @@ function(quadtune_library name)
   target_compile_definitions(${target} PUBLIC ${QUADTUNE_EIGEN_ALIGNMENT})
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC}
                                   PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:quadtune_flags>)
+  target_sources(${target} PRIVATE $<TARGET_OBJECTS:quadtune_eigen>)
+  target_precompile_headers(${target} REUSE_FROM quadtune_eigen)
   quadtune_keeps_to_itself(${target})
   install(TARGETS ${target} EXPORT quadtune-targets FILE_SET HEADERS)
   target_link_libraries(quadtune_all INTERFACE ${target})
@@ -102,15 +104,8 @@ function(quadtune_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;LABELS" ${ARGN})
   set(target test_${name})
   add_executable(${target} ${ARG_SOURCES})
-  target_link_libraries(${target} PRIVATE ${ARG_LINK} quadtune_test_support quadtune_flags)
-  # The libraries under test are optimized as always; the tests themselves need not be, and compile
-  # in three quarters of the time.
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1> $<$<CONFIG:Debug>:-Og>)
-  # UBSan looks for undefined behaviour of what is tested; in the tests' own copies of Eigen's
-  # templates it takes a quarter of the time to compile.
-  if(QUADTUNE_SANITIZE MATCHES undefined)
-    target_compile_options(${target} PRIVATE -fno-sanitize=undefined)
-  endif()
+  target_link_libraries(${target} PRIVATE ${ARG_LINK} quadtune_test_support quadtune_test_flags)
+  target_precompile_headers(${target} REUSE_FROM quadtune_test_support)
   add_dependencies(${target} quadtune_mat) # which a MAT file loads
   # Threads of OpenBLAS would fight for the processors with the tests that run beside.
   set(properties TIMEOUT 1800 ENVIRONMENT OPENBLAS_NUM_THREADS=1)

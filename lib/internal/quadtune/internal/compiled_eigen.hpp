@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Eigen's decompositions of dynamic matrices, declared as instantiated elsewhere. A compiler takes
+/// between 3 and 30 seconds for each of them, and without these declarations every source file that
+/// uses one compiles it again.
+///
+/// The definitions are in lib/compiled_eigen/. Every library links its own copy of them: a program
+/// that uses the libraries may bring slower ones, compiled for any machine.
+///
+/// Only precompiled.hpp includes this header. A build without precompiled headers takes longer and
+/// gives the same results.
+#pragma once
+
+#include <Eigen/Dense>
+
+// Each list is a macro of what precedes a declaration: `extern template` here, `template` in
+// lib/compiled_eigen/. Member templates are listed by name because the instantiation of a class
+// does not contain them.
+
+#define QUADTUNE_EIGEN_PRODUCT(declaration, Lhs, Rhs)                                             \
+  declaration struct general_matrix_matrix_product<Index, double, Lhs, false, double, Rhs, false, \
+                                                   ColMajor, 1>;
+
+#define QUADTUNE_EIGEN_VECTOR_PRODUCT(declaration, Lhs, Rhs)                         \
+  declaration struct general_matrix_vector_product<                                  \
+      Index, double, const_blas_data_mapper<double, Index, Lhs>, Lhs, false, double, \
+      const_blas_data_mapper<double, Index, Rhs>, false, Specialized>;               \
+  declaration struct general_matrix_vector_product<                                  \
+      Index, double, const_blas_data_mapper<double, Index, Lhs>, Lhs, false, double, \
+      const_blas_data_mapper<double, Index, Rhs>, false, BuiltIn>;
+
+#define QUADTUNE_EIGEN_TRIANGULAR_PRODUCT(declaration, Mode, Lhs)                            \
+  declaration struct product_triangular_matrix_matrix<double, Index, Mode, true, Lhs, false, \
+                                                      ColMajor, false, ColMajor, 1>;
+
+#define QUADTUNE_EIGEN_PRODUCTS(declaration)                                                       \
+  namespace Eigen::internal {                                                                      \
+  declaration struct gebp_kernel<double, double, Index, blas_data_mapper<double, Index, ColMajor>, \
+                                 gebp_traits<double, double>::mr, gebp_traits<double, double>::nr, \
+                                 false, false>;                                                    \
+  QUADTUNE_EIGEN_PRODUCT(declaration, ColMajor, ColMajor)                                          \
+  QUADTUNE_EIGEN_PRODUCT(declaration, ColMajor, RowMajor)                                          \
+  QUADTUNE_EIGEN_PRODUCT(declaration, RowMajor, ColMajor)                                          \
+  QUADTUNE_EIGEN_PRODUCT(declaration, RowMajor, RowMajor)                                          \
+  QUADTUNE_EIGEN_VECTOR_PRODUCT(declaration, ColMajor, ColMajor)                                   \
+  QUADTUNE_EIGEN_VECTOR_PRODUCT(declaration, ColMajor, RowMajor)                                   \
+  QUADTUNE_EIGEN_VECTOR_PRODUCT(declaration, RowMajor, ColMajor)                                   \
+  QUADTUNE_EIGEN_VECTOR_PRODUCT(declaration, RowMajor, RowMajor)                                   \
+  QUADTUNE_EIGEN_TRIANGULAR_PRODUCT(declaration, Lower, ColMajor)                                  \
+  QUADTUNE_EIGEN_TRIANGULAR_PRODUCT(declaration, UnitLower, ColMajor)                              \
+  QUADTUNE_EIGEN_TRIANGULAR_PRODUCT(declaration, Upper, RowMajor)                                  \
+  QUADTUNE_EIGEN_TRIANGULAR_PRODUCT(declaration, UnitUpper, RowMajor)                              \
+  }
+
+#define QUADTUNE_EIGEN_TRIANGULAR_SOLVE(declaration, Mode, Order)                          \
+  declaration struct triangular_solve_matrix<double, Index, OnTheLeft, Mode, false, Order, \
+                                             ColMajor, 1>;                                 \
+  declaration struct triangular_solve_vector<double, double, Index, OnTheLeft, Mode, false, Order>;
+
+#define QUADTUNE_EIGEN_FACTORIZATIONS(declaration)                                               \
+  namespace Eigen::internal {                                                                    \
+  QUADTUNE_EIGEN_TRIANGULAR_SOLVE(declaration, UnitLower, ColMajor)                              \
+  QUADTUNE_EIGEN_TRIANGULAR_SOLVE(declaration, Lower, ColMajor)                                  \
+  QUADTUNE_EIGEN_TRIANGULAR_SOLVE(declaration, Upper, ColMajor)                                  \
+  QUADTUNE_EIGEN_TRIANGULAR_SOLVE(declaration, Upper, RowMajor)                                  \
+  QUADTUNE_EIGEN_TRIANGULAR_SOLVE(declaration, UnitUpper, RowMajor)                              \
+  }                                                                                              \
+  namespace Eigen {                                                                              \
+  declaration class PartialPivLU<MatrixXd>;                                                      \
+  declaration class PartialPivLU<MatrixXcd>;                                                     \
+  declaration class HouseholderQR<MatrixXd>;                                                     \
+  declaration class ColPivHouseholderQR<MatrixXd>;                                               \
+  declaration void ColPivHouseholderQR<MatrixXd>::_solve_impl(const MatrixXd&, MatrixXd&) const; \
+  declaration void ColPivHouseholderQR<MatrixXd>::_solve_impl(const VectorXd&, VectorXd&) const; \
+  declaration class ColPivHouseholderQR<MatrixXcd>;                                              \
+  declaration class CompleteOrthogonalDecomposition<MatrixXd>;                                   \
+  declaration class LLT<MatrixXd, Lower>;                                                        \
+  declaration LLT<MatrixXd, Lower>& LLT<MatrixXd, Lower>::compute(const EigenBase<MatrixXd>&);   \
+  declaration class LDLT<MatrixXd, Lower>;                                                       \
+  declaration LDLT<MatrixXd, Lower>& LDLT<MatrixXd, Lower>::compute(const EigenBase<MatrixXd>&); \
+  }
+
+#define QUADTUNE_EIGEN_EIGENVALUES(declaration)                                                    \
+  namespace Eigen {                                                                                \
+  declaration class HessenbergDecomposition<MatrixXd>;                                             \
+  declaration class RealSchur<MatrixXd>;                                                           \
+  declaration RealSchur<MatrixXd>& RealSchur<MatrixXd>::compute(const EigenBase<MatrixXd>&, bool); \
+  declaration class EigenSolver<MatrixXd>;                                                         \
+  declaration EigenSolver<MatrixXd>& EigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&,    \
+                                                                    bool);                         \
+  declaration class ComplexSchur<MatrixXcd>;                                                       \
+  declaration ComplexSchur<MatrixXcd>& ComplexSchur<MatrixXcd>::compute(                           \
+      const EigenBase<MatrixXcd>&, bool);                                                          \
+  declaration class ComplexEigenSolver<MatrixXcd>;                                                 \
+  declaration ComplexEigenSolver<MatrixXcd>& ComplexEigenSolver<MatrixXcd>::compute(               \
+      const EigenBase<MatrixXcd>&, bool);                                                          \
+  declaration class SelfAdjointEigenSolver<MatrixXd>;                                              \
+  declaration SelfAdjointEigenSolver<MatrixXd>& SelfAdjointEigenSolver<MatrixXd>::compute(         \
+      const EigenBase<MatrixXd>&, int);                                                            \
+  }
+
+#define QUADTUNE_EIGEN_SINGULAR_VALUES(declaration) \
+  namespace Eigen {                                 \
+  declaration class JacobiSVD<MatrixXd>;            \
+  declaration class JacobiSVD<MatrixXcd>;           \
+  declaration class BDCSVD<MatrixXd>;               \
+  }
+
+QUADTUNE_EIGEN_PRODUCTS(extern template)
+QUADTUNE_EIGEN_FACTORIZATIONS(extern template)
+QUADTUNE_EIGEN_EIGENVALUES(extern template)
+QUADTUNE_EIGEN_SINGULAR_VALUES(extern template)
