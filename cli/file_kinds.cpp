@@ -2,17 +2,17 @@
 #include "file_kinds.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/imu_calibration_file.hpp"
 #include "quadtune/exports/manifest.hpp"
+#include "quadtune/internal/joined.hpp"
+#include "quadtune/internal/json_value.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
 
@@ -61,7 +61,12 @@ const FileKind kOtherJson = {"JSON, but neither gains nor an export", {}};
 const FileKind kPage = {"a page to look at", {}};
 
 const FileKind* kind_of_json(const std::string& text) {
-  const auto json = nlohmann::json::parse(text, nullptr, false);
+  internal::Json json;
+  try {
+    json = internal::Json::parse(text);
+  } catch (const internal::JsonError&) {
+    return nullptr;
+  }
   if (!json.is_object()) return nullptr;
   const std::string format = json.contains("format") && json["format"].is_string()
                                  ? json["format"].get<std::string>()
@@ -159,7 +164,7 @@ std::string who_takes(const std::vector<std::string>& args, const std::string& w
     if (std::find(takers.begin(), takers.end(), place) != takers.end()) continue;
     if (takers.empty()) return fmt::format("; this is {}, which no command reads", kind->words);
     return fmt::format("; this is {}; it is read by: quadtune {}", kind->words,
-                       fmt::join(takers, ", "));
+                       internal::joined(takers, ", "));
   }
   return "";
 }

@@ -29,9 +29,8 @@ constexpr const char* kCompared[][2] = {{"command.T", "T"},
 
 Json flight_json(const std::string& name, const FlownFlight& flight) {
   const EstimateError error = estimate_error(flight.result.log);
-  const Json told = to_json(flight);  // items() keeps a reference to it
   Json json = {{"name", name}};
-  for (const auto& [key, value] : told.items()) json[key] = value;
+  json.update(to_json(flight));
   json["estimate_error_m"] = {
       {"mean_absolute", error.mean_absolute}, {"max", error.max}, {"final", error.final}};
   return json;

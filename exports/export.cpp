@@ -5,6 +5,7 @@
 #include <openssl/opensslv.h>
 
 #include <algorithm>
+#include <nlohmann/json_fwd.hpp>  // its version
 
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/mambo.hpp"

@@ -2,7 +2,6 @@
 #include "quadtune/exports/manifest.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 
 #include "export_text.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "to_json.hpp"
@@ -128,9 +128,9 @@ ExportKind export_kind(const std::string& name, const std::string& where) {
     if (to_string(kind) == name) return kind;
     known.push_back(to_string(kind));
   }
-  throw InvalidInput(where,
-                     fmt::format("no export '{}', expected {}{}", name, fmt::join(known, ", "),
-                                 internal::did_you_mean(name, known)));
+  throw InvalidInput(
+      where, fmt::format("no export '{}', expected {}{}", name, internal::joined(known, ", "),
+                         internal::did_you_mean(name, known)));
 }
 
 std::string manifest_text(const Manifest& manifest) {
@@ -179,9 +179,9 @@ Manifest parse_manifest(const std::string& text, const std::string& origin) {
   const Json& versions = member(json, "versions", origin);
   if (!versions.is_object())
     throw InvalidInput(path("versions"), "is no object, expected a version for each program");
-  for (const auto& [name, version] : versions.items())
-    manifest.versions.emplace_back(name,
-                                   internal::string_from_json(version, path("versions." + name)));
+  for (const std::string& name : versions.keys())
+    manifest.versions.emplace_back(
+        name, internal::string_from_json(versions[name], path("versions." + name)));
   manifest.inputs = files_from_json(member(json, "inputs", origin), path("inputs"));
   manifest.files = files_from_json(member(json, "files", origin), path("files"));
   if (json.contains("gains"))

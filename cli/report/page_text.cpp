@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "quadtune/exports/file_set.hpp"
-#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/dump_json.hpp"
 #include "quadtune/internal/utf8.hpp"
 
 namespace quadtune::cli {
@@ -52,7 +52,7 @@ std::string html_text(std::string_view text) {
 }
 
 std::string script_json(const nlohmann::json& value) {
-  const std::string text = internal::json_text(value, /*ascii=*/true);
+  const std::string text = internal::dump_json(value, /*ascii=*/true);
   std::string result;
   result.reserve(text.size());
   // These three stand in strings only, where their escapes mean the same.

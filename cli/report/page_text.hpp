@@ -15,7 +15,7 @@ namespace quadtune::cli {
 [[nodiscard]] std::string html_text(std::string_view text);
 
 /// JSON as the content of a `<script>` element: ASCII only, no `<`, `>` or `&`, so that neither
-/// `</script>` nor `<!--` can stand in it. Otherwise as internal::json_text(); what is not finite
+/// `</script>` nor `<!--` can stand in it. Otherwise as internal::dump_json(); what is not finite
 /// is null.
 [[nodiscard]] std::string script_json(const nlohmann::json& value);
 

@@ -10,11 +10,11 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <random>
 #include <thread>
 
 #include "quadtune/exports/file_set.hpp"
-#include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
 #include "sanitized.hpp"
 #include "source_folder.hpp"
@@ -24,7 +24,7 @@ namespace quadtune {
 namespace {
 
 namespace fs = std::filesystem;
-using internal::Json;
+using Json = nlohmann::ordered_json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;

@@ -10,7 +10,6 @@
 #include <sstream>
 
 #include "designed_mambo.hpp"
-#include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
 #include "sanitized.hpp"
 #include "source_folder.hpp"
@@ -19,7 +18,7 @@
 namespace quadtune {
 namespace {
 
-using internal::Json;
+using Json = nlohmann::ordered_json;
 using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;

@@ -4,9 +4,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "quadtune/internal/json.hpp"
 #include "quadtune/logs/flight_log.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/simulation/mission.hpp"
@@ -18,7 +18,7 @@
 namespace quadtune {
 namespace {
 
-using internal::Json;
+using Json = nlohmann::ordered_json;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::ProgramResult;

@@ -7,7 +7,6 @@
 #include <sstream>
 #include <string>
 
-#include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
 #include "source_folder.hpp"
 #include "temporary_directory.hpp"
@@ -15,7 +14,7 @@
 namespace quadtune {
 namespace {
 
-using internal::Json;
+using Json = nlohmann::ordered_json;
 using ::testing::HasSubstr;
 using testing::ProgramResult;
 using testing::run_program;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 
 #include "matrix_near.hpp"
 #include "quadtune/design.hpp"
@@ -19,7 +20,7 @@
 namespace quadtune {
 namespace {
 
-using internal::Json;
+using Json = nlohmann::ordered_json;
 using ::testing::HasSubstr;
 using testing::MatrixNear;
 using ::testing::Not;

@@ -4,13 +4,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
 
 namespace quadtune {
 namespace {
 
-using internal::Json;
+using Json = nlohmann::ordered_json;
 using ::testing::HasSubstr;
 using testing::ProgramResult;
 using testing::run_program;

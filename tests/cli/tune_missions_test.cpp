@@ -8,10 +8,10 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "program.hpp"
-#include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
 #include "sanitized.hpp"
 #include "temporary_directory.hpp"
@@ -19,7 +19,7 @@
 namespace quadtune {
 namespace {
 
-using internal::Json;
+using Json = nlohmann::ordered_json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::ProgramResult;

@@ -10,12 +10,12 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <thread>
 
 #include "golden.hpp"
 #include "quadtune/estimation/filter_file.hpp"
-#include "quadtune/internal/json.hpp"
 #include "quadtune/simulation/random.hpp"
 #include "run_program.hpp"
 #include "shared_data.hpp"
@@ -24,7 +24,7 @@
 namespace quadtune {
 namespace {
 
-using internal::Json;
+using Json = nlohmann::ordered_json;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::ProgramResult;

@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
 
-#include "quadtune/internal/json.hpp"
 #include "run_program.hpp"
 #include "source_folder.hpp"
 #include "temporary_directory.hpp"
@@ -17,7 +17,7 @@
 namespace quadtune {
 namespace {
 
-using internal::Json;
+using Json = nlohmann::ordered_json;
 using ::testing::DoubleNear;
 using ::testing::HasSubstr;
 using ::testing::Not;

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "export_models.hpp"
 #include "matrix_near.hpp"
@@ -12,14 +13,13 @@
 #include "quadtune/estimation/general_filter_settings.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/read_gains.hpp"
-#include "quadtune/internal/json.hpp"
 #include "quadtune/model/sensors.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
 namespace {
 
-using internal::Json;
+using Json = nlohmann::ordered_json;
 using ::testing::HasSubstr;
 using testing::MatrixNear;
 using testing::TemporaryDirectory;

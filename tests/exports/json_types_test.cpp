@@ -3,18 +3,18 @@
 #include <gmock/gmock.h>
 
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "export_models.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/manifest.hpp"
 #include "quadtune/exports/schedule_table.hpp"
-#include "quadtune/internal/json.hpp"
 
 namespace quadtune {
 namespace {
 
-using internal::Json;
+using Json = nlohmann::ordered_json;
 using Pointer = Json::json_pointer;
 using Reader = std::function<void(const std::string&)>;
 

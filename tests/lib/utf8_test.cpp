@@ -43,8 +43,8 @@ TEST(JsonText, IsUtf8WhateverItsNamesAre) {
     const Json json = {{name, {name, 1.5, {{"inner", name}}}}};
     for (const std::string& text : {json_text(json), readable(json), json_text(json, true)}) {
       const Json back = Json::parse(text);
-      EXPECT_EQ(back.begin().key(), valid_utf8(name));
-      EXPECT_EQ(back.begin().value()[2]["inner"], valid_utf8(name));
+      EXPECT_EQ(back.keys()[0], valid_utf8(name));
+      EXPECT_EQ(back[back.keys()[0]][2]["inner"], valid_utf8(name));
       EXPECT_EQ(visible_text(text), text);
     }
   }

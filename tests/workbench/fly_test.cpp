@@ -4,11 +4,11 @@
 
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "quadtune/errors.hpp"
-#include "quadtune/internal/json.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "run_program.hpp"
 #include "same_bits.hpp"
@@ -17,7 +17,7 @@
 namespace quadtune {
 namespace {
 
-using internal::Json;
+using Json = nlohmann::ordered_json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;

@@ -4,21 +4,13 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "quadtune/internal/json_fwd.hpp"
+#include "quadtune/internal/json_value.hpp"
 #include "quadtune/lti.hpp"
 
 namespace quadtune::internal {
-
-/// Text of a JSON value on one line. All JSON is written through this, because names of files and
-/// of what is in them need not be UTF-8, which JSON has to be. What a terminal would obey instead
-/// of show is written as \uNNNN.
-/// @param ascii  whether to write everything but ASCII so
-[[nodiscard]] std::string json_text(const Json& json, bool ascii = false);
-[[nodiscard]] std::string json_text(const nlohmann::json& json, bool ascii = false);
 
 /// @param name  what the message calls the number.
 /// @throws InvalidInput  if it is not finite.
@@ -59,9 +51,5 @@ namespace quadtune::internal {
 [[nodiscard]] Eigen::VectorXcd poles_from_json(const Json& json, const std::string& where);
 
 [[nodiscard]] std::vector<Signal> signals_from_json(const Json& json, const std::string& where);
-
-/// Text of a JSON value with two blanks of indent. Arrays of plain values, and plain objects in an
-/// array, stand on one line, so that a matrix stands row under row.
-[[nodiscard]] std::string readable(const Json& json);
 
 }  // namespace quadtune::internal
