@@ -12,6 +12,7 @@
 
 #include "print.hpp"
 #include "program.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 
 namespace quadtune::cli {
@@ -86,8 +87,8 @@ std::string temperature_text(const SensorCalibration& c) {
     if (c.d_error(i) > 0)
       axes.push_back(
           fmt::format("{} {}", "xyz"[i], with_interval(c.d(i), c.quantile * c.d_error(i))));
-  return fmt::format("{} raw/degC about {:.2f} degC, added to raw - b", fmt::join(axes, ", "),
-                     c.t0);
+  return fmt::format("{} raw/degC about {:.2f} degC, added to raw - b",
+                     internal::joined(axes, ", "), c.t0);
 }
 
 /// How many of the made-up sensor's numbers the intervals hold.

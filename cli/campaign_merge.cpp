@@ -2,7 +2,6 @@
 #include "campaign_merge.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <set>
 
@@ -11,6 +10,7 @@
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/in_parallel.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/logs/flight_log.hpp"
 #include "quadtune/simulation/campaign_table.hpp"
@@ -41,7 +41,7 @@ std::vector<CampaignRecord> all_records(const CampaignPlan& plan, const std::str
     throw InvalidInput(
         path, fmt::format("shard{} {}{} {} not complete, expected all {}: `quadtune campaign work "
                           "{} --shard {}` flies what is missing",
-                          missing.size() + more == 1 ? "" : "s", fmt::join(missing, ", "),
+                          missing.size() + more == 1 ? "" : "s", internal::joined(missing, ", "),
                           more > 0 ? fmt::format(" and {} more", more) : "",
                           missing.size() + more == 1 ? "is" : "are", plan.shards, path, first));
   }

@@ -318,7 +318,7 @@ Json parse_plan(const std::string& text, const std::string& where) {
   Json json;
   try {
     json = Json::parse(text);
-  } catch (const Json::exception&) {
+  } catch (const internal::JsonError&) {
     throw InvalidInput(where,
                        "is no plan of a campaign: it is not JSON, expected what `campaign init` "
                        "wrote");
@@ -403,7 +403,7 @@ CampaignPlan plan_of(const Json& json, const std::filesystem::path& folder,
       PlannedFlight flight =
           told_of_command("campaign", [&] { return plan_flight(options, vehicle, mission, law); });
       of.setup = std::move(flight.setup);
-      take(member(design, "estimators", where).at(m), where, of.setup.mambo_estimator);
+      take(member(design, "estimators", where)[m], where, of.setup.mambo_estimator);
       flight.setup = {};
       plan.words.push_back(std::move(flight));
       campaign.cases.push_back(std::move(of));
@@ -434,7 +434,7 @@ CampaignPlan load_plan(const std::filesystem::path& folder) {
     plan.hash = sha256(text);
     validate(plan.campaign, path);
     return plan;
-  } catch (const Json::exception&) {
+  } catch (const internal::JsonError&) {
     throw InvalidInput(path,
                        "was changed since it was written: something in it is of another "
                        "kind than `campaign init` writes");

@@ -2,7 +2,6 @@
 #include "campaign_report.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "campaign_scripts.hpp"
 #include "flight_story.hpp"
 #include "print.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/version.hpp"
 #include "report/campaign_page.hpp"
@@ -103,7 +103,7 @@ std::string sensitivities_text(const CaseStatistics& of) {
   }
   if (words.empty()) return "";
   return fmt::format("  depends on             figure               rank correlation\n{}\n",
-                     fmt::join(words, "\n"));
+                     internal::joined(words, "\n"));
 }
 
 std::string case_text(const CampaignPlan& plan, std::size_t index, const CaseStatistics& of,

@@ -2,13 +2,13 @@
 #include "cascade_report.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "print.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 
 namespace quadtune::cli {
@@ -90,7 +90,7 @@ std::string bound_text(const CascadeReport& report) {
     text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", to_string(loop.axis),
                         loop.design.binding.empty()
                             ? "nothing"
-                            : fmt::format("{}", fmt::join(loop.design.binding, ", ")));
+                            : fmt::format("{}", internal::joined(loop.design.binding, ", ")));
   return text;
 }
 

@@ -2,7 +2,6 @@
 #include "completion.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -11,6 +10,7 @@
 #include "command_line.hpp"
 #include "program.hpp"
 #include "quadtune/estimation/filter_file.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/simulation/mission.hpp"
 #include "quadtune/version.hpp"
@@ -111,11 +111,12 @@ Offer offer_of(const Verb& verb) {
 
 /// "words=…; values=…" of one verb, as bash has it; values by the word before the cursor.
 std::string case_of(const Offer& offer) {
-  std::string text = fmt::format("words=\"{}\" values=\"{}\"; case \"$before\" in",
-                                 fmt::join(offer.options, " "), fmt::join(offer.arguments, " "));
+  std::string text =
+      fmt::format("words=\"{}\" values=\"{}\"; case \"$before\" in",
+                  internal::joined(offer.options, " "), internal::joined(offer.arguments, " "));
   for (const auto& [option, values] : offer.values)
-    text += fmt::format(" {}) values=\"{}\" ;;", option, fmt::join(values, " "));
-  return text + fmt::format(" {}) ;; -*) values=\"\" ;; esac", fmt::join(offer.flags, "|"));
+    text += fmt::format(" {}) values=\"{}\" ;;", option, internal::joined(values, " "));
+  return text + fmt::format(" {}) ;; -*) values=\"\" ;; esac", internal::joined(offer.flags, "|"));
 }
 
 }  // namespace
@@ -147,7 +148,7 @@ std::string bash_completion() {
       continue;
     }
     cases += fmt::format("    {}) kinds=\"{}\"; case \"${{COMP_WORDS[2]}}\" in\n", first,
-                         fmt::join(kinds, " "));
+                         internal::joined(kinds, " "));
     for (const Verb& kind : verbs())
       if (kind.name.starts_with(first + " "))
         cases += fmt::format("      {}) {} ;;\n", kind.name.substr(first.size() + 1),
@@ -175,7 +176,7 @@ std::string bash_completion() {
       "  esac\n"
       "}}\n"
       "complete -F _quadtune quadtune\n",
-      kVersion, fmt::join(names, " "), cases);
+      kVersion, internal::joined(names, " "), cases);
 }
 
 }  // namespace quadtune::cli

@@ -14,6 +14,7 @@
 #include "lqr_matrix.hpp"
 #include "margins_report.hpp"
 #include "print.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/mixer.hpp"
@@ -117,7 +118,7 @@ std::string problem_text(const DesignOutcome& outcome) {
       outcome.gains->sign_law == SignLaw::set_point_minus_state ? "+" : "-",
       lqr.integrals.empty()
           ? ""
-          : fmt::format(" + K_int integral(x_sp - x) of {}", fmt::join(lqr.integrals, " ")));
+          : fmt::format(" + K_int integral(x_sp - x) of {}", internal::joined(lqr.integrals, " ")));
 }
 
 std::string evidence_text(const RiccatiResult& riccati) {

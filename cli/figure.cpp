@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "label_placement.hpp"
+#include "quadtune/internal/joined.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -508,7 +509,7 @@ std::string gnuplot_script(const Figure& figure, PictureFormat format) {
   text += key +
           "unset border\nunset tics\nset xrange [0:1]\nset yrange [0:1]\nset margins 0,0,0,0\n"
           "plot NaN notitle" +
-          fmt::format("{}", fmt::join(entries, "")) +
+          fmt::format("{}", internal::joined(entries, "")) +
           "\nset border 15 lw 1.5 lc rgb '#404040'\nset tics nomirror out scale 0.5\n";
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
     const double left = width * static_cast<double>(i % columns);

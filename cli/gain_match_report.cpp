@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "print.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 
@@ -53,12 +54,13 @@ std::string kalman_line(const GainMatch& match) {
 }
 
 std::string problem_line(const LqrDesign& design) {
-  return fmt::format("LQR, {} weights{}, convention {}, inputs {}{}", to_string(design.method),
-                     design.dt > 0 ? fmt::format(", {:.6g} ms", 1e3 * design.dt) : "",
-                     design.convention, fmt::join(design.inputs, " "),
-                     design.integrals.empty()
-                         ? ""
-                         : fmt::format(", integral of {}", fmt::join(design.integrals, " ")));
+  return fmt::format(
+      "LQR, {} weights{}, convention {}, inputs {}{}", to_string(design.method),
+      design.dt > 0 ? fmt::format(", {:.6g} ms", 1e3 * design.dt) : "", design.convention,
+      internal::joined(design.inputs, " "),
+      design.integrals.empty()
+          ? ""
+          : fmt::format(", integral of {}", internal::joined(design.integrals, " ")));
 }
 
 // --- TOML ----------------------------------------------------------------------------------------
@@ -70,7 +72,7 @@ std::string words(const std::vector<std::string>& names) {
   std::vector<std::string> all;
   all.reserve(names.size());
   for (const std::string& name : names) all.push_back(toml_text(name));
-  return fmt::format("[{}]", fmt::join(all, ", "));
+  return fmt::format("[{}]", internal::joined(all, ", "));
 }
 
 std::string row_of(const Eigen::Ref<const Eigen::RowVectorXd>& row) {
@@ -82,7 +84,7 @@ std::string diagonal_of(const Eigen::MatrixXd& M) { return row_of(M.diagonal().t
 std::string rows_of(const Eigen::MatrixXd& M) {
   std::vector<std::string> rows;
   for (Eigen::Index i = 0; i < M.rows(); ++i) rows.push_back("\n  " + row_of(M.row(i)));
-  return fmt::format("[{}\n]", fmt::join(rows, ","));
+  return fmt::format("[{}\n]", internal::joined(rows, ","));
 }
 
 /// A built-in vehicle's name, or the way from the design file to the vehicle's.
@@ -171,7 +173,7 @@ std::string to_text(const GainMatchReport& report) {
                               "geometric mean of R is as it came",
                               report.tolerance));
   if (!match.unseen.empty())
-    text += section("not seen", fmt::format("{}", fmt::join(match.unseen, "\n")));
+    text += section("not seen", fmt::format("{}", internal::joined(match.unseen, "\n")));
   text += section(
       "difference",
       fmt::format("{} at the start, {} left, at {}: given {:.8g}, found {:.8g}; tolerance {:.3g}\n"

@@ -2,13 +2,13 @@
 #include "given_gains.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/convert.hpp"
 #include "quadtune/exports/export.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 
 namespace quadtune::cli {
@@ -24,9 +24,10 @@ std::vector<std::string> names_of(const std::vector<Signal>& signals) {
 void require_same(const std::vector<std::string>& have, const std::vector<std::string>& want,
                   const std::string& what, const std::string& path) {
   if (std::is_permutation(have.begin(), have.end(), want.begin(), want.end())) return;
-  throw InvalidInput(path, fmt::format("the gains have the {} '{}', expected '{}' as the problem "
-                                       "has, because a gain has no meaning without its others",
-                                       what, fmt::join(have, " "), fmt::join(want, " ")));
+  throw InvalidInput(path,
+                     fmt::format("the gains have the {} '{}', expected '{}' as the problem "
+                                 "has, because a gain has no meaning without its others",
+                                 what, internal::joined(have, " "), internal::joined(want, " ")));
 }
 
 /// Columns of M, named by `from`, in the order of `to`.
@@ -66,9 +67,10 @@ OrderedGains in_order_of(const Gains& gains, const Vehicle& vehicle, const LqrDe
                                    to_string(gains.input_kind), to_string(design.input_kind)));
   const Gains turned = in_convention(gains, convention(design.convention, "--convention"));
   if (std::ssize(turned.inputs) != std::ssize(design.inputs))
-    throw InvalidInput(path, fmt::format("the gains have {} inputs ({}), expected {} ({})",
-                                         turned.inputs.size(), names(turned.inputs),
-                                         design.inputs.size(), fmt::join(design.inputs, " ")));
+    throw InvalidInput(
+        path, fmt::format("the gains have {} inputs ({}), expected {} ({})", turned.inputs.size(),
+                          names(turned.inputs), design.inputs.size(),
+                          internal::joined(design.inputs, " ")));
   return {ordered(turned.K, turned.states, design.states, "states", path),
           ordered(turned.K_int, turned.integrals, design.integrals, "integrals", path)};
 }

@@ -2,7 +2,6 @@
 /// quadtune help: usage of the program or of a verb, the man page and the bash completion, all from
 /// the one table of verbs.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -12,6 +11,7 @@
 #include "command_line.hpp"
 #include "completion.hpp"
 #include "program.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/version.hpp"
@@ -37,7 +37,7 @@ std::vector<OptionText> option_texts(const Verb& verb) {
   std::vector<OptionText> texts;
   for (const Option* option : line.options()) {
     if (option->is_argument()) continue;
-    std::string names = fmt::format("{}", fmt::join(option->all_names(), " "));
+    std::string names = fmt::format("{}", internal::joined(option->all_names(), " "));
     if (option->takes_value()) names += " " + option->type_name();
     texts.push_back({names, option->description()});
   }
@@ -162,7 +162,7 @@ Verb help_verb() {
             line.add_flag("--man", options->man, "print the man page");
             line.add_flag("--completion", options->completion, "print the bash completion");
             return [options](Context& context) {
-              const std::string name = fmt::format("{}", fmt::join(options->words, " "));
+              const std::string name = fmt::format("{}", internal::joined(options->words, " "));
               if (context.json) {
                 if (options->man || options->completion)
                   throw UsageError(

@@ -7,6 +7,7 @@
 
 #include "matrix_arguments.hpp"
 #include "program.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 
 namespace quadtune::cli {
@@ -16,14 +17,14 @@ namespace {
 void read_weights(const LqrArguments& arguments, LqrDesign& design) {
   std::vector<std::string> weighted = design.states;
   for (const std::string& name : design.integrals) weighted.push_back("int_" + name);
-  const Eigen::MatrixXd Q =
-      diagonal_weights(arguments.Q.empty() ? "1" : arguments.Q, weighted.size(),
-                       fmt::format("states: {}", fmt::join(weighted, " ")), arguments.verb, "--Q");
+  const Eigen::MatrixXd Q = diagonal_weights(
+      arguments.Q.empty() ? "1" : arguments.Q, weighted.size(),
+      fmt::format("states: {}", internal::joined(weighted, " ")), arguments.verb, "--Q");
   const auto nx = static_cast<Eigen::Index>(design.states.size());
   design.Q = Q.topLeftCorner(nx, nx);
   design.Q_integral = Q.bottomRightCorner(Q.rows() - nx, Q.rows() - nx);
   design.R = diagonal_weights(arguments.R.empty() ? "1" : arguments.R, design.inputs.size(),
-                              fmt::format("inputs: {}", fmt::join(design.inputs, " ")),
+                              fmt::format("inputs: {}", internal::joined(design.inputs, " ")),
                               arguments.verb, "--R");
 }
 
@@ -38,7 +39,7 @@ std::vector<std::string> read_integrals(const LqrArguments& arguments,
     if (std::find(states.begin(), states.end(), name) == states.end())
       throw UsageError(
           fmt::format("quadtune {}: --integral: no state '{}', expected some of {}{}", verb, name,
-                      fmt::join(states, " "), internal::did_you_mean(name, states)),
+                      internal::joined(states, " "), internal::did_you_mean(name, states)),
           "--integral");
     if (std::count(names.begin(), names.end(), name) > 1)
       throw UsageError(

@@ -2,7 +2,6 @@
 #include "lqr_flown.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <cmath>
 #include <ostream>
@@ -14,6 +13,7 @@
 #include "margins_report.hpp"
 #include "matrix_arguments.hpp"
 #include "print.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/workbench/chosen_law.hpp"
@@ -118,12 +118,12 @@ LqiDesign lqi_design(const LqrArguments& common, const FlownLqrArguments& argume
     for (const std::string& name : design.integrals) weighted.push_back("int_" + name);
     const Eigen::VectorXd Q =
         diagonal_weights(common.Q, weighted.size(),
-                         fmt::format("states: {}", fmt::join(weighted, " ")), verb, "--Q")
+                         fmt::format("states: {}", internal::joined(weighted, " ")), verb, "--Q")
             .diagonal();
     design.Q = Q.head(12);
     design.Q_integral = Q.tail(Q.size() - 12);
   }
-  const std::string of_inputs = fmt::format("inputs: {}", fmt::join(inputs, " "));
+  const std::string of_inputs = fmt::format("inputs: {}", internal::joined(inputs, " "));
   if (!common.R.empty()) {
     design.R = diagonal_weights(common.R, inputs.size(), of_inputs, verb, "--R").diagonal();
     if (!(design.R->minCoeff() > 0))

@@ -2,7 +2,6 @@
 #include "missing_file.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -13,6 +12,7 @@
 #include "command_line.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/vehicle.hpp"
@@ -73,9 +73,9 @@ std::string what_is_there(const fs::path& path) {
   std::vector<std::string> names;
   for (const Entry& entry : entries)
     if (names.size() < kNamed) names.push_back(internal::printable(entry.name));
-  return fmt::format("; {} has {}{}",
-                     folder == "." ? "this folder" : internal::printable(folder.string(), 100),
-                     fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
+  return fmt::format(
+      "; {} has {}{}", folder == "." ? "this folder" : internal::printable(folder.string(), 100),
+      internal::joined(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
 }  // namespace
@@ -91,7 +91,7 @@ FileError told_missing(const FileError& error, const CommandLine& line) {
     message += fmt::format(", expected for {}: {}", option->name(), option->description());
     known = built_in_names(option->description());
   }
-  if (!known.empty()) message += fmt::format("; built in: {}", fmt::join(known, ", "));
+  if (!known.empty()) message += fmt::format("; built in: {}", internal::joined(known, ", "));
   return {error.path(), message + what_is_there(error.path())};
 }
 

@@ -2,13 +2,13 @@
 #include "mission_requirements.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
@@ -143,7 +143,7 @@ std::vector<DesignLimit> margin_limits(const MissionRequirements& requirements,
       throw InvalidInput(
           requirements.where,
           fmt::format("no loop '{}', expected some of {}{}", internal::printable(name),
-                      fmt::join(known, ", "), internal::did_you_mean(name, known)));
+                      internal::joined(known, ", "), internal::did_you_mean(name, known)));
   std::vector<DesignLimit> all;
   for (std::size_t i = 0; i < loops.size(); ++i) {
     const auto own = requirements.loops.find(loops[i].name);

@@ -2,7 +2,6 @@
 #include "mission_tuning_report.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 
 #include "flight_story.hpp"
 #include "print.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 
 namespace quadtune::cli {
@@ -475,13 +475,14 @@ std::string to_text(const Report& report) {
     std::vector<std::string> lines;
     for (const TunedLimit& one : report.widened)
       lines.push_back(fmt::format("{}: {}, {}", one.mission, one.limit.label, in_words(one.limit)));
-    text += section("widened", fmt::format("{}", fmt::join(lines, "\n")));
+    text += section("widened", fmt::format("{}", internal::joined(lines, "\n")));
   }
   text += section("margins", margins_text(report));
   text += section("flown", flown_text(report));
   if (!r.binding.empty())
-    text += section("binding", fmt::format("{}", fmt::join(binding_words(r), "\n")));
-  if (!r.broken.empty()) text += section("broken", fmt::format("{}", fmt::join(r.broken, "\n")));
+    text += section("binding", fmt::format("{}", internal::joined(binding_words(r), "\n")));
+  if (!r.broken.empty())
+    text += section("broken", fmt::format("{}", internal::joined(r.broken, "\n")));
   return text + section("verdict",
                         fmt::format("{}: {}\n{}{} evaluations in {:.3g} s, ended by {}",
                                     r.accepted ? "better" : "the start stays", r.reason,
@@ -546,7 +547,8 @@ GainsPage page_of(const Report& report, const MissionTrial& trial, const Mission
   GainsPage page;
   std::vector<std::string> missions;
   for (const TrialMission& mission : report.request.missions) missions.push_back(mission.name);
-  page.title = fmt::format("{} over {}", report.tuning.vehicle.name, fmt::join(missions, ", "));
+  page.title =
+      fmt::format("{} over {}", report.tuning.vehicle.name, internal::joined(missions, ", "));
   page.verdict = r.accepted ? ReportVerdict::pass : ReportVerdict::fail;
   page.counts = fmt::format("Cost {:.4g} \u2192 {:.4g}", outcome_before(report).cost,
                             outcome_after(report).cost);
@@ -559,9 +561,11 @@ GainsPage page_of(const Report& report, const MissionTrial& trial, const Mission
   if (!r.accepted) page.reasons.push_back("The start stays: " + r.reason + ".");
   if (r.repaired) page.reasons.push_back("It keeps all limits, as the start does not.");
   if (!r.binding.empty())
-    page.reasons.push_back(fmt::format("What binds: {}.", fmt::join(binding_words(r), "; ")));
+    page.reasons.push_back(
+        fmt::format("What binds: {}.", internal::joined(binding_words(r), "; ")));
   if (!r.broken.empty())
-    page.reasons.push_back(fmt::format("Broken all the same: {}.", fmt::join(r.broken, ", ")));
+    page.reasons.push_back(
+        fmt::format("Broken all the same: {}.", internal::joined(r.broken, ", ")));
   page.columns = {"start", found_word(report)};
   if (report.tuning.rival) page.columns.push_back(report.tuning.rival->name);
   page.tables = {missions_table(report), margins_table(report)};
@@ -576,16 +580,16 @@ GainsPage page_of(const Report& report, const MissionTrial& trial, const Mission
   page.about = {
       {"start", report.tuning.law},
       {"cost", fmt::format("{}; each as a share of the start\u2019s, mission by mission",
-                           fmt::join(cost, " + "))},
+                           internal::joined(cost, " + "))},
       {"measure", fmt::format("{} of {} draws", measure_of(report), report.request.draws)},
       {"search", fmt::format("{} evaluations in {:.3g} s, ended by {}", r.evaluations, r.seconds,
                              to_string(r.end))},
-      {"searched", fmt::format("{}", fmt::join(report.tuning.names, "; "))}};
+      {"searched", fmt::format("{}", internal::joined(report.tuning.names, "; "))}};
   std::vector<std::string> varied;
   for (const auto& number : report.request.uncertainty.numbers) varied.push_back(number.quantity);
   page.about.emplace_back(
       "drawn", varied.empty() ? "noise and wind"
-                              : fmt::format("{}; noise and wind", fmt::join(varied, ", ")));
+                              : fmt::format("{}; noise and wind", internal::joined(varied, ", ")));
   return page;
 }
 

@@ -24,6 +24,7 @@
 #include "plot_argument.hpp"
 #include "print.hpp"
 #include "program.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -150,7 +151,7 @@ Found by_rule(const ContinuousTransferFunction& plant, PidType type, const Optio
   if (std::find(kRules.begin(), kRules.end(), options.rule) == kRules.end())
     throw UsageError(
         fmt::format("quadtune pid: --rule is '{}', expected one of {}{}", options.rule,
-                    fmt::join(kRules, ", "), internal::did_you_mean(options.rule, kRules)),
+                    internal::joined(kRules, ", "), internal::did_you_mean(options.rule, kRules)),
         "--rule");
   const bool takes_tau_c = options.rule == "simc" || options.rule == "lambda";
   if (has_tau_c && !takes_tau_c)
@@ -184,10 +185,11 @@ Found by_bounds(const ContinuousTransferFunction& plant, PidType type, const Opt
   if (!optimum.solved())
     throw NoSolution(fmt::format("pid: {}: {}", to_string(optimum.status), optimum.culprit),
                      "--Ms-max");
-  return {optimum.gains, fmt::format("{} of the greatest Ki; bound by {}", options.type,
-                                     optimum.binding.empty()
-                                         ? "nothing"
-                                         : fmt::format("{}", fmt::join(optimum.binding, ", ")))};
+  return {optimum.gains,
+          fmt::format("{} of the greatest Ki; bound by {}", options.type,
+                      optimum.binding.empty()
+                          ? "nothing"
+                          : fmt::format("{}", internal::joined(optimum.binding, ", ")))};
 }
 
 // --- what came out -------------------------------------------------------------------------------

@@ -1,8 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What most source files of the program include, parsed once for all of them, as
-/// quadtune/internal/precompiled.hpp is for the libraries.
+/// quadtune/internal/precompiled.hpp is for the libraries. Whoever changes one of these headers
+/// compiles the whole program again.
 #pragma once
 
-#include <nlohmann/json.hpp>
-
+#include "command_line.hpp"
+#include "print.hpp"
+#include "program.hpp"
+#include "quadtune/internal/joined.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/precompiled.hpp"
+#include "quadtune/workbench/design.hpp"
+#include "quadtune/workbench/flight_plan.hpp"
+#include "quadtune/workbench/flown_loop.hpp"
+#include "quadtune/workbench/given_gains.hpp"

@@ -2,7 +2,6 @@
 #include "program.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -23,6 +22,7 @@
 #include "missing_file.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/file_set.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -155,11 +155,12 @@ void run_program(const std::vector<std::string>& args, Context& context) {
     verb = find(args[0] + " " + kind);
     words = 2;
     if (!verb)
-      throw UsageError(fmt::format("quadtune {}: {}, expected {}{}", args[0],
-                                   kind.empty() ? "a word is missing"
-                                                : "'" + internal::printable(kind) + "' came",
-                                   fmt::join(kinds, " or "), internal::did_you_mean(kind, kinds)),
-                       args[0]);
+      throw UsageError(
+          fmt::format(
+              "quadtune {}: {}, expected {}{}", args[0],
+              kind.empty() ? "a word is missing" : "'" + internal::printable(kind) + "' came",
+              internal::joined(kinds, " or "), internal::did_you_mean(kind, kinds)),
+          args[0]);
   }
   if (!verb) {
     const std::string what = args[0][0] == '-' ? "option" : "command";

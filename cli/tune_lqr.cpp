@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune tune lqr: weights of an LQR problem, over missions or those whose gain is a given one.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <memory>
@@ -15,6 +14,7 @@
 #include "program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/convert.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/tuning/match_gains.hpp"
 #include "tune_lqr_missions.hpp"
@@ -42,7 +42,7 @@ std::string list_of(const std::vector<Signal>& signals) {
   std::vector<std::string> words;
   words.reserve(signals.size());
   for (const Signal& signal : signals) words.push_back(signal.name);
-  return fmt::format("{}", fmt::join(words, ","));
+  return fmt::format("{}", internal::joined(words, ","));
 }
 
 /// What the command line leaves open is as the gains, or the design that they stand in, have it.

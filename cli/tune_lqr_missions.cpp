@@ -2,13 +2,13 @@
 #include "tune_lqr_missions.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "program.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/synthesis/diagonal_lqr.hpp"
@@ -209,7 +209,7 @@ class LqrTuning {
     const auto list = [](const Eigen::MatrixXd& M) {
       std::vector<double> numbers;
       for (Eigen::Index i = 0; i < M.rows(); ++i) numbers.push_back(M(i, i));
-      return fmt::format("[{}]", fmt::join(numbers, ", "));
+      return fmt::format("[{}]", internal::joined(numbers, ", "));
     };
     std::string text = fmt::format(
         "# {}\nname = \"tuned-{}\"\nvehicle = {}\n\n[trim]\nat = \"hover\"\nyaw_rad = {}\n\n"
@@ -218,10 +218,10 @@ class LqrTuning {
         vehicle_text(plant_.vehicle.file.empty() ? plant_.vehicle.name
                                                  : plant_.vehicle.file.string()),
         problem_.plant.yaw, found.convention, to_string(found.input_kind),
-        fmt::join(found.states, "\", \""), list(found.Q), list(found.R));
+        internal::joined(found.states, "\", \""), list(found.Q), list(found.R));
     if (!found.integrals.empty())
       text += fmt::format("integral = [\"{}\"]\nQ_integral = {}\n",
-                          fmt::join(found.integrals, "\", \""), list(found.Q_integral));
+                          internal::joined(found.integrals, "\", \""), list(found.Q_integral));
     return text + fmt::format("method = \"{}\"\ndt_s = {}\n\n[[export]]\nto = \"json\"\n",
                               to_string(found.method), found.dt);
   }

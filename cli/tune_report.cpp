@@ -2,7 +2,6 @@
 #include "tune_report.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 
 #include "print.hpp"
 #include "quadtune/estimation/filter_file.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 
@@ -392,7 +392,7 @@ std::string to_text(const TuneReport& report) {
   text += section("fit", fit_line(report.tuning));
   text += section("noise", parameter_table(report));
   if (!fit.unseen.empty())
-    text += section("not seen", fmt::format("{}", fmt::join(fit.unseen, "\n")));
+    text += section("not seen", fmt::format("{}", internal::joined(fit.unseen, "\n")));
   text += section("likelihood", likelihood_line(fit));
   if (!report.tuning.after.outputs.empty())
     text += section("innovations", innovation_table(report.tuning));
@@ -413,7 +413,7 @@ std::string to_text(const TuneReport& report) {
   if (report.tuning.agreement)
     text += section("compared", agreement_table(*report.tuning.agreement, fit));
   if (!report.tuning.warnings.empty())
-    text += section("warning", fmt::format("{}", fmt::join(report.tuning.warnings, "\n")));
+    text += section("warning", fmt::format("{}", internal::joined(report.tuning.warnings, "\n")));
   std::string verdict = to_string(report.tuning.verdict);
   for (const std::string& reason : report.tuning.reasons) verdict += "\n" + reason;
   return text + section("verdict", verdict);

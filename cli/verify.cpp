@@ -3,7 +3,6 @@
 #include "quadtune/exports/verify.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -16,6 +15,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/manifest.hpp"
 #include "quadtune/exports/read_gains.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
@@ -81,7 +81,7 @@ void require_input(const std::string& name, const Manifest& manifest) {
     throw UsageError(
         fmt::format("quadtune verify: --design is '{}', expected one of the manifest's "
                     "inputs: {}",
-                    internal::printable(name), fmt::join(names, ", ")),
+                    internal::printable(name), internal::joined(names, ", ")),
         "--design");
 }
 
@@ -136,7 +136,7 @@ void require_export(const std::string& directory) {
   const std::vector<std::string> below = exports_below(directory);
   if (!below.empty())
     throw FileError(directory, fmt::format("has no {}, expected one export of those in it: {}",
-                                           kManifestName, fmt::join(below, ", ")));
+                                           kManifestName, internal::joined(below, ", ")));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # What would be compiled again for every source file, compiled once: headers, and the instantiations
-# of Eigen's decompositions. docs/decisions/0006-short-build.md says what each saves.
+# of Eigen's decompositions. docs/decisions/0005-short-build.md says what each saves.
 #
 # GCC uses a precompiled header only where its options are those of the source file, so there is one
 # for each kind of target: libraries (quadtune_eigen), program (quadtune_cli) and tests

@@ -2,13 +2,13 @@
 #include "quadtune/exports/diff.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/convert.hpp"
+#include "quadtune/internal/joined.hpp"
 
 namespace quadtune {
 namespace {
@@ -26,10 +26,11 @@ void require_same_signals(const std::vector<Signal>& a, const std::vector<Signal
   const std::vector<std::string> first = only_in(a, b);
   const std::vector<std::string> second = only_in(b, a);
   if (!first.empty() || !second.empty())
-    throw InvalidInput("diff", fmt::format("the gains have different {} (only in the first: {}; "
-                                           "only in the second: {}), expected the same, because "
-                                           "a gain has no meaning without its others",
-                                           what, fmt::join(first, " "), fmt::join(second, " ")));
+    throw InvalidInput(
+        "diff", fmt::format("the gains have different {} (only in the first: {}; "
+                            "only in the second: {}), expected the same, because "
+                            "a gain has no meaning without its others",
+                            what, internal::joined(first, " "), internal::joined(second, " ")));
   for (const Signal& x : a)
     for (const Signal& y : b)
       if (x.name == y.name && x.unit != y.unit)

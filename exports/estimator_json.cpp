@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The numbers of the general filter with their units in the keys.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "to_json.hpp"
@@ -176,8 +176,9 @@ StoredEstimator estimator_from_json(const Json& json, const std::string& where) 
   estimator.name = internal::string_from_json(internal::member(json, "name", where), named);
   if (std::find(kNames.begin(), kNames.end(), estimator.name) == kNames.end())
     throw InvalidInput(
-        named, fmt::format("is '{}', expected one of {}{}", estimator.name, fmt::join(kNames, ", "),
-                           internal::did_you_mean(estimator.name, {kNames.begin(), kNames.end()})));
+        named,
+        fmt::format("is '{}', expected one of {}{}", estimator.name, internal::joined(kNames, ", "),
+                    internal::did_you_mean(estimator.name, {kNames.begin(), kNames.end()})));
   if (estimator.name != "general") return estimator;
   GeneralFilterSettings& settings = estimator.general.emplace();
   Reading reading(json, where);

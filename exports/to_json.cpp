@@ -383,12 +383,13 @@ namespace {
 Json parsed(const std::string& text, const std::string& origin) {
   try {
     return Json::parse(text);
-  } catch (const Json::parse_error& error) {
-    const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
+  } catch (const internal::JsonError& error) {
+    if (error.out_of_range())  // 1e999
+      throw InvalidInput(origin, std::string("has a number beyond a double: ") + error.what());
+    const auto end =
+        text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte(), text.size()));
     throw InvalidInput(fmt::format("{}:{}", origin, 1 + std::count(text.begin(), end, '\n')),
                        "is not JSON: " + std::string(error.what()));
-  } catch (const Json::out_of_range& error) {  // 1e999
-    throw InvalidInput(origin, std::string("has a number beyond a double: ") + error.what());
   }
 }
 

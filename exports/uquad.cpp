@@ -2,7 +2,6 @@
 #include "quadtune/exports/uquad.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "export_text.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/matrix_checks.hpp"
 #include "uquad_numbers.hpp"
 
@@ -46,15 +46,15 @@ std::vector<int> columns(const std::vector<Signal>& signals,
 
 std::string in_words(const UquadFileSet& set) {
   if (set.integral.empty())
-    return fmt::format("{} ({})", set.proportional, fmt::join(set.states, " "));
+    return fmt::format("{} ({})", set.proportional, internal::joined(set.states, " "));
   return fmt::format("{} + {} ({}; integrals {})", set.proportional, set.integral,
-                     fmt::join(set.states, " "), fmt::join(set.integrals, " "));
+                     internal::joined(set.states, " "), internal::joined(set.integrals, " "));
 }
 
 std::string all_in_words() {
   std::vector<std::string> words;
   for (const UquadFileSet& set : uquad_file_sets()) words.push_back(in_words(set));
-  return fmt::format("{}", fmt::join(words, ", "));
+  return fmt::format("{}", internal::joined(words, ", "));
 }
 
 const UquadFileSet& set_of_path(const std::filesystem::path& path) {
@@ -79,7 +79,7 @@ const UquadFileSet& set_of_directory(const std::filesystem::path& directory) {
     throw InvalidInput(directory.string(),
                        fmt::format("has the gains of several builds ({}), expected one; name the "
                                    "file instead of the directory",
-                                   fmt::join(found, ", ")));
+                                   internal::joined(found, ", ")));
   return *present.front();
 }
 

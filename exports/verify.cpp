@@ -2,7 +2,6 @@
 #include "quadtune/exports/verify.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include "quadtune/exports/mambo.hpp"
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/exports/uquad.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "to_json.hpp"
@@ -72,7 +72,7 @@ VerifyCheck check_no_others(const fs::path& directory, const Manifest& manifest)
   if (others.empty()) return {"no other gain files", true, "none"};
   return {"no other gain files", false,
           fmt::format("{} not listed in the manifest, but a flight program would load it",
-                      fmt::join(others, ", "))};
+                      internal::joined(others, ", "))};
 }
 
 // Inputs are told by their names alone: which of them are at hand, and are these as they were?
@@ -101,10 +101,10 @@ VerifyCheck check_inputs(const Manifest& manifest, const std::vector<InputAtHand
         sha256(other->bytes), input.size, input.sha256);
     return check;
   }
-  if (!same.empty()) check.detail = fmt::format("{} as listed", fmt::join(same, ", "));
+  if (!same.empty()) check.detail = fmt::format("{} as listed", internal::joined(same, ", "));
   if (!missing.empty())
     check.detail += fmt::format("{}not at hand, so not compared: {}", same.empty() ? "" : "; ",
-                                fmt::join(missing, ", "));
+                                internal::joined(missing, ", "));
   if (check.detail.empty()) check.detail = "the manifest lists none";
   return check;
 }

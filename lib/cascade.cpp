@@ -2,9 +2,9 @@
 #include "quadtune/cascade.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 
@@ -42,9 +42,9 @@ CascadeAxis cascade_axis(const std::string& name, const std::string& where) {
   for (const CascadeAxis axis : kAllCascadeAxes)
     if (name == to_string(axis)) return axis;
   const std::vector<std::string> known = cascade_axis_names();
-  throw InvalidInput(where,
-                     fmt::format("no loop '{}', expected {}{}", internal::printable(name),
-                                 fmt::join(known, ", "), internal::did_you_mean(name, known)));
+  throw InvalidInput(
+      where, fmt::format("no loop '{}', expected {}{}", internal::printable(name),
+                         internal::joined(known, ", "), internal::did_you_mean(name, known)));
 }
 
 PidLoop cascade_loop(CascadeAxis axis) {
@@ -70,9 +70,9 @@ PidMethod pid_method(const std::string& name, const std::string& where) {
     known.push_back(to_string(method));
     if (known.back() == name) return method;
   }
-  throw InvalidInput(where,
-                     fmt::format("no method '{}', expected {}{}", internal::printable(name),
-                                 fmt::join(known, ", "), internal::did_you_mean(name, known)));
+  throw InvalidInput(
+      where, fmt::format("no method '{}', expected {}{}", internal::printable(name),
+                         internal::joined(known, ", "), internal::did_you_mean(name, known)));
 }
 
 }  // namespace quadtune

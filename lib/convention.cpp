@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 
 namespace quadtune {
@@ -114,9 +115,9 @@ const Convention& convention(const std::string& name, const std::string& where) 
     if (candidate.name == name) return candidate;
     known.push_back(candidate.name);
   }
-  throw InvalidInput(where,
-                     fmt::format("no convention '{}', expected {}{}", name, fmt::join(known, ", "),
-                                 internal::did_you_mean(name, known)));
+  throw InvalidInput(
+      where, fmt::format("no convention '{}', expected {}{}", name, internal::joined(known, ", "),
+                         internal::did_you_mean(name, known)));
 }
 
 std::vector<Signal> input_signals(const Convention& convention, InputKind kind, int rotors,
@@ -169,9 +170,9 @@ InputKind input_kind(const std::string& name, const std::string& where) {
     if (to_string(kind) == name) return kind;
     known.push_back(to_string(kind));
   }
-  throw InvalidInput(where,
-                     fmt::format("no inputs '{}', expected {}{}", name, fmt::join(known, ", "),
-                                 internal::did_you_mean(name, known)));
+  throw InvalidInput(
+      where, fmt::format("no inputs '{}', expected {}{}", name, internal::joined(known, ", "),
+                         internal::did_you_mean(name, known)));
 }
 
 std::string to_string(SignLaw law) {
@@ -184,9 +185,9 @@ SignLaw sign_law(const std::string& name, const std::string& where) {
     if (to_string(law) == name) return law;
     known.push_back(to_string(law));
   }
-  throw InvalidInput(where,
-                     fmt::format("no sign law '{}', expected {}{}", name, fmt::join(known, " or "),
-                                 internal::did_you_mean(name, known)));
+  throw InvalidInput(
+      where, fmt::format("no sign law '{}', expected {}{}", name, internal::joined(known, " or "),
+                         internal::did_you_mean(name, known)));
 }
 
 }  // namespace quadtune

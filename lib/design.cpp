@@ -15,6 +15,7 @@
 #include "quadtune/estimation/tuned_noise.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
 #include "quadtune/gains.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
@@ -28,7 +29,7 @@ using internal::TomlKey;
 using internal::TomlTable;
 
 std::string joined(const std::vector<std::string>& words) {
-  return fmt::format("{}", fmt::join(words, " "));
+  return fmt::format("{}", internal::joined(words, " "));
 }
 
 // "lqr.Q": how messages call a key of a design.
@@ -411,8 +412,9 @@ std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& des
     const std::string where = table.where("to");
     if (std::find(known.begin(), known.end(), request.to) == known.end())
       throw InvalidInput(
-          where, fmt::format("no export to '{}', expected {}{}", internal::printable(request.to),
-                             fmt::join(known, ", "), internal::did_you_mean(request.to, known)));
+          where,
+          fmt::format("no export to '{}', expected {}{}", internal::printable(request.to),
+                      internal::joined(known, ", "), internal::did_you_mean(request.to, known)));
     for (const ExportRequest& earlier : exports)
       if (earlier.to == request.to)
         throw InvalidInput(where, "export to '" + request.to + "' stands twice, expected once");
@@ -469,7 +471,7 @@ Vehicle read_vehicle(const TomlTable& file, const std::filesystem::path& folder)
   throw InvalidInput(file.where("vehicle"),
                      fmt::format("no vehicle '{}' and no such file, expected {} or a vehicle file "
                                  "beside the design{}",
-                                 internal::printable(word), fmt::join(known, ", "),
+                                 internal::printable(word), internal::joined(known, ", "),
                                  internal::did_you_mean(word, known)));
 }
 
@@ -493,9 +495,9 @@ LqrMethod lqr_method(const std::string& name, const std::string& where) {
     if (to_string(method) == name) return method;
     known.push_back(to_string(method));
   }
-  throw InvalidInput(where,
-                     fmt::format("no method '{}', expected {}{}", internal::printable(name),
-                                 fmt::join(known, ", "), internal::did_you_mean(name, known)));
+  throw InvalidInput(
+      where, fmt::format("no method '{}', expected {}{}", internal::printable(name),
+                         internal::joined(known, ", "), internal::did_you_mean(name, known)));
 }
 
 namespace {

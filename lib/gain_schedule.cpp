@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 
 namespace quadtune {
@@ -118,9 +119,9 @@ ScheduleQuantity schedule_quantity(const std::string& name, const std::string& w
     known.push_back(to_string(quantity));
     if (known.back() == name) return quantity;
   }
-  throw InvalidInput(where,
-                     fmt::format("no axis '{}', expected one of {}{}", name, fmt::join(known, ", "),
-                                 internal::did_you_mean(name, known)));
+  throw InvalidInput(
+      where, fmt::format("no axis '{}', expected one of {}{}", name, internal::joined(known, ", "),
+                         internal::did_you_mean(name, known)));
 }
 
 std::string unit(ScheduleQuantity quantity) {

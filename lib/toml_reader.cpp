@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 
@@ -123,8 +124,9 @@ void TomlTable::refuse_unknown(const TomlNode::Entry& entry,
   std::vector<std::string> names;
   names.reserve(known.size());
   for (const TomlKey& key : known) names.push_back(key.name());
-  throw InvalidInput(place, fmt::format("{}, expected one of {}{}", message, fmt::join(names, ", "),
-                                        did_you_mean(entry.key, names)));
+  throw InvalidInput(place,
+                     fmt::format("{}, expected one of {}{}", message, internal::joined(names, ", "),
+                                 did_you_mean(entry.key, names)));
 }
 
 double TomlTable::checked(const TomlNode& node, const std::string& what, const Range& range) const {

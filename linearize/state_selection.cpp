@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/linearize/linearize.hpp"
 
@@ -22,7 +23,7 @@ Eigen::Index find(const std::vector<std::string>& known, const std::string& name
   const auto found = std::find(known.begin(), known.end(), name);
   if (found == known.end())
     throw InvalidInput(where, fmt::format("no state '{}' in convention '{}', expected some of {}{}",
-                                          name, convention.name, fmt::join(known, " "),
+                                          name, convention.name, internal::joined(known, " "),
                                           internal::did_you_mean(name, known)));
   return found - known.begin();
 }
@@ -64,7 +65,7 @@ std::vector<Eigen::Index> selected_states(const Convention& convention,
   }
   if (selection.names.empty())
     throw InvalidInput(where, fmt::format("the list of states is empty, expected some of {}",
-                                          fmt::join(known, " ")));
+                                          internal::joined(known, " ")));
   for (const std::string& name : selection.names) {
     const Eigen::Index i = find(known, name, convention, where);
     if (std::find(selected.begin(), selected.end(), i) != selected.end())

@@ -2,13 +2,13 @@
 #include "quadtune/synthesis/diagonal_lqr.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <cmath>
 #include <utility>
 
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/matrix_checks.hpp"
 
 namespace quadtune {
@@ -65,7 +65,7 @@ DiagonalLqr::DiagonalLqr(const ContinuousLti& plant, const LqrDesign& design)
 LqrWeights DiagonalLqr::weights(const Eigen::Ref<const VectorXd>& w) const {
   if (w.size() != size())
     throw InvalidInput(kWhere, fmt::format("{} weights came, expected {} ({})", w.size(), size(),
-                                           fmt::join(names_, " ")));
+                                           internal::joined(names_, " ")));
   LqrWeights sum{MatrixXd::Zero(states(), states()), MatrixXd::Zero(inputs_, inputs_), {}};
   for (Index i = 0; i < size(); ++i) {
     if (!(w(i) >= 0) || !std::isfinite(w(i)))

@@ -2,7 +2,6 @@
 #include "quadtune/synthesis/pid_cascade.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +14,7 @@
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/in_parallel.hpp"
+#include "quadtune/internal/joined.hpp"
 
 namespace quadtune {
 namespace {
@@ -372,7 +372,7 @@ PidCascade assess_cascade(const CascadeVehicle& vehicle, const CascadeSpecificat
     if (!given)
       throw InvalidInput(
           kWhere, fmt::format("the gains have no loop '{}', expected all of {}", to_string(axis),
-                              fmt::join(cascade_axis_names(), ", ")));
+                              internal::joined(cascade_axis_names(), ", ")));
     CascadeAxisDesign loop;
     loop.axis = axis;
     loop.design.status = CascadeLoopStatus::solved;

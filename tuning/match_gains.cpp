@@ -2,7 +2,6 @@
 #include "quadtune/tuning/match_gains.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include "gain_optimality.hpp"
 #include "gain_search.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/matrix_checks.hpp"
@@ -39,7 +39,7 @@ void check(const MatrixXd& K, const DiagonalLqr& problem, const VectorXd& w0,
   if (K.isZero(0)) throw InvalidInput(kWhere, "the gain is 0, expected one that feeds back");
   if (w0.size() != problem.size())
     throw InvalidInput(kWhere, fmt::format("{} weights came, expected {} ({})", w0.size(),
-                                           problem.size(), fmt::join(problem.names(), " ")));
+                                           problem.size(), internal::joined(problem.names(), " ")));
   for (Index i = 0; i < w0.size(); ++i)
     if (!std::isfinite(w0(i)) || w0(i) < 0 || (w0(i) == 0 && i >= problem.states()))
       throw InvalidInput(kWhere, fmt::format("the weight of {} is {}, expected {}",
@@ -75,9 +75,10 @@ std::vector<std::vector<int>> groups_of(const std::vector<std::string>& names,
     for (const std::string& name : tie) {
       const auto found = std::find(names.begin(), names.end(), name);
       if (found == names.end())
-        throw InvalidInput(kWhere, fmt::format("no weight of '{}' to tie, expected some of: {}{}",
-                                               internal::printable(name), fmt::join(names, " "),
-                                               internal::did_you_mean(name, names)));
+        throw InvalidInput(kWhere,
+                           fmt::format("no weight of '{}' to tie, expected some of: {}{}",
+                                       internal::printable(name), internal::joined(names, " "),
+                                       internal::did_you_mean(name, names)));
       const auto index = static_cast<std::size_t>(found - names.begin());
       if (tied[index])
         throw InvalidInput(kWhere, fmt::format("'{}' is tied twice, expected once", name));
@@ -189,7 +190,7 @@ void tell_weights(const GainTarget& target, const VectorXd& w0, const GainPoint&
       if (i >= target.problem.states())
         knowledge.share_of_R(g) += 1 / static_cast<double>(target.problem.inputs());
     }
-    knowledge.names.push_back(fmt::format("{}", fmt::join(names, " = ")));
+    knowledge.names.push_back(fmt::format("{}", internal::joined(names, " = ")));
     knowledge.values(g) = best.w(group.front());
     knowledge.fixed.push_back(w0(group.front()) == 0);
   }

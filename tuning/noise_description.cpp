@@ -2,12 +2,12 @@
 #include "noise_description.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/tails.hpp"
 
 namespace quadtune::internal {
@@ -45,7 +45,7 @@ void name_direction(const VectorXd& direction, const std::vector<int>& free,
   words.reserve(main.size());
   for (const Index q : main)
     words.push_back(fmt::format("{:+.2f} log {}", direction(q), parameter(q).name));
-  unseen.push_back(fmt::format("not seen: {}", fmt::join(words, " ")));
+  unseen.push_back(fmt::format("not seen: {}", internal::joined(words, " ")));
 }
 
 }  // namespace

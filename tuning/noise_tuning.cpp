@@ -2,7 +2,6 @@
 #include "quadtune/tuning/noise_tuning.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -13,6 +12,7 @@
 #include "held_out.hpp"
 #include "noise_description.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 
 namespace quadtune {
 namespace {
@@ -463,7 +463,7 @@ class Tuner {
                     distance_from_one(tuning_.after) < distance_from_one(tuning_.before)
                         ? "more consistent but "
                         : "",
-                    held_out ? " on the stretch held out" : "", fmt::join(worse, "; ")));
+                    held_out ? " on the stretch held out" : "", internal::joined(worse, "; ")));
   }
 
   /// How far the sizes of innovations and of errors are from what they should be.

@@ -3,7 +3,6 @@
 
 #include <ceres/ceres.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
@@ -13,6 +12,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/tails.hpp"
 
 namespace quadtune {
@@ -174,10 +174,10 @@ std::vector<Pose> poses_to_hold() {
           for (std::size_t k = 0; k < 3; ++k)
             if (signs[k] != 0)
               parts.push_back(std::string(1, "xyz"[k]) + (signs[k] > 0 ? " up" : " down"));
-          poses.push_back(
-              {Vector3d(x, y, z).normalized(),
-               (faces > 1 ? "halfway between " : "") + fmt::format("{}", fmt::join(parts, " and ")),
-               faces});
+          poses.push_back({Vector3d(x, y, z).normalized(),
+                           (faces > 1 ? "halfway between " : "") +
+                               fmt::format("{}", internal::joined(parts, " and ")),
+                           faces});
         }
   return poses;
 }
@@ -241,9 +241,10 @@ void refuse(SensorCalibration& calibration, const Matrix& J, int parameters) {
                 "{} poses came, expected at least {}, because {} numbers are fitted and one "
                 "more pose must check them",
                 J.rows(), parameters + 1, parameters)
-          : fmt::format("{} poses do not tell {}", J.rows(), fmt::join(calibration.unseen, ", "));
+          : fmt::format("{} poses do not tell {}", J.rows(),
+                        internal::joined(calibration.unseen, ", "));
   if (!calibration.missing.empty())
-    text += fmt::format("; missing poses: {}", fmt::join(calibration.missing, ", "));
+    text += fmt::format("; missing poses: {}", internal::joined(calibration.missing, ", "));
   calibration.culprit = text;
 }
 

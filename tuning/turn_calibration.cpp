@@ -3,7 +3,6 @@
 
 #include <ceres/ceres.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -13,6 +12,7 @@
 #include <cmath>
 #include <memory>
 
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/tails.hpp"
 #include "turn_residuals.hpp"
 
@@ -333,8 +333,9 @@ void Fitter::name_open(const Matrix& covariance, SensorCalibration& result) cons
     if (axis[i]) result.missing.push_back(fmt::format("a turn about {0} with {0} level", "xyz"[i]));
   if (result.unseen.empty()) return;
   result.status = CalibrationStatus::not_observable;
-  result.culprit = fmt::format("{} turns do not tell {}; missing: {}", samples_.size(),
-                               fmt::join(result.unseen, ", "), fmt::join(result.missing, ", "));
+  result.culprit =
+      fmt::format("{} turns do not tell {}; missing: {}", samples_.size(),
+                  internal::joined(result.unseen, ", "), internal::joined(result.missing, ", "));
 }
 
 void Fitter::finish(SensorCalibration& result) {

@@ -2,10 +2,11 @@
 #include "uniform_stretches.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "quadtune/internal/joined.hpp"
 
 namespace quadtune::internal {
 namespace {
@@ -82,7 +83,7 @@ std::string why_parted(const FilterModel& model, const std::vector<FilterRecord>
       }
       ++i;
     }
-  return fmt::format("{}", fmt::join(words, ", "));
+  return fmt::format("{}", internal::joined(words, ", "));
 }
 
 }  // namespace

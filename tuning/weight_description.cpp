@@ -2,13 +2,14 @@
 #include "weight_description.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "quadtune/internal/joined.hpp"
 
 namespace quadtune::internal {
 namespace {
@@ -53,12 +54,12 @@ std::string in_words(const VectorXd& direction, const std::vector<Index>& main,
   }
   if (up.size() + down.size() == main.size())
     return fmt::format(
-        "a factor common to {}{}", fmt::join(up, " "),
-        down.empty() ? "" : fmt::format(", its inverse to {}", fmt::join(down, " ")));
+        "a factor common to {}{}", internal::joined(up, " "),
+        down.empty() ? "" : fmt::format(", its inverse to {}", internal::joined(down, " ")));
   std::vector<std::string> words;
   words.reserve(main.size());
   for (const Index g : main) words.push_back(fmt::format("{:+.2f} log {}", direction(g), name(g)));
-  return fmt::format("the direction {}", fmt::join(words, " "));
+  return fmt::format("the direction {}", internal::joined(words, " "));
 }
 
 /// Marks who takes part in directions that are not seen, and names those.

@@ -2,12 +2,12 @@
 #include "quadtune/workbench/flight_plan.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/sensor_words.hpp"
@@ -42,9 +42,10 @@ void require_estimator(const std::string& name) {
   static const std::vector<std::string> words = {"mambo", "mambo-original", "mambo-raw",
                                                  "uquad", "general",        "truth"};
   if (std::find(words.begin(), words.end(), name) == words.end())
-    throw OptionError("estimator", fmt::format("estimator: no estimator '{}', expected {}{}",
-                                               internal::printable(name), fmt::join(words, ", "),
-                                               internal::did_you_mean(name, words)));
+    throw OptionError(
+        "estimator",
+        fmt::format("estimator: no estimator '{}', expected {}{}", internal::printable(name),
+                    internal::joined(words, ", "), internal::did_you_mean(name, words)));
 }
 
 void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& flight) {

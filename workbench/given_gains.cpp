@@ -2,12 +2,12 @@
 #include "quadtune/workbench/given_gains.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "quadtune/convention.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/exports/schedule_table.hpp"
+#include "quadtune/internal/joined.hpp"
 
 namespace quadtune {
 namespace {
@@ -17,9 +17,10 @@ Gains published_gains(const Design& design, const std::string& path) {
   const PublishedGains& published = *design.published;
   if (published.K.rows() != std::ssize(lqr.inputs))
     throw InvalidInput(
-        path, fmt::format("published.K has {} rows, expected {} (inputs: {}) because "
-                          "weights are found from the whole gain",
-                          published.K.rows(), lqr.inputs.size(), fmt::join(lqr.inputs, " ")));
+        path,
+        fmt::format("published.K has {} rows, expected {} (inputs: {}) because "
+                    "weights are found from the whole gain",
+                    published.K.rows(), lqr.inputs.size(), internal::joined(lqr.inputs, " ")));
   Gains gains;
   gains.K = published.K;
   gains.K_int = published.K_int;

@@ -2,7 +2,6 @@
 #include "quadtune/workbench/matrix_report.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/QR>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include "quadtune/convention.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/convert.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/workbench/flown_check.hpp"
 #include "quadtune/workbench/flying_loop.hpp"
 #include "quadtune/workbench/linearize_or_refuse.hpp"
@@ -50,8 +50,8 @@ void require(const Vehicle& vehicle, const LqiDesign& design) {
            "none because it does not remember its commands");
   if (design.integrals != standard_integrals())
     refuse(fmt::format("the integrals of a law that is a matrix are '{}'",
-                       fmt::join(design.integrals, " ")),
-           fmt::format("{}", fmt::join(standard_integrals(), " ")));
+                       internal::joined(design.integrals, " ")),
+           fmt::format("{}", internal::joined(standard_integrals(), " ")));
 }
 
 /// Entries that only rounding of the maps has made.

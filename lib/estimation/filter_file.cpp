@@ -3,7 +3,6 @@
 #include "quadtune/estimation/filter_file.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -11,6 +10,7 @@
 #include "quadtune/estimation/inertial_filter.hpp"
 #include "quadtune/estimation/rigid_body_filter.hpp"
 #include "quadtune/internal/built_in.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
@@ -100,7 +100,7 @@ class TermReader {
       throw InvalidInput(
           table.where("kind"),
           fmt::format("kind in {} is '{}', expected '{}'{}", table.title(), kind,
-                      fmt::join(known, "' or '"), internal::did_you_mean(kind, known)));
+                      internal::joined(known, "' or '"), internal::did_you_mean(kind, known)));
     }
   }
 
@@ -121,7 +121,7 @@ class TermReader {
         throw InvalidInput(
             table.where("entries", chosen.size()),
             fmt::format("'{}' in entries of {} is none, expected one of {}{}", name, table.title(),
-                        fmt::join(known, ", "), internal::did_you_mean(name, known)));
+                        internal::joined(known, ", "), internal::did_you_mean(name, known)));
       chosen.push_back(static_cast<int>(found - known.begin()));
     }
     return chosen;
@@ -131,7 +131,7 @@ class TermReader {
     std::vector<std::string> names;
     names.reserve(chosen.size());
     for (const int i : chosen) names.push_back(entries_[static_cast<std::size_t>(i)].name);
-    return fmt::format("{}.{}", prefix_, fmt::join(names, "-"));
+    return fmt::format("{}.{}", prefix_, internal::joined(names, "-"));
   }
 
   int add_parameter(const TomlTable& table, const std::string& name, double variance) {
@@ -268,8 +268,8 @@ std::string dynamics_of(const TomlTable& file) {
   if (std::find(known.begin(), known.end(), dynamics) == known.end())
     throw InvalidInput(
         file.where("dynamics"),
-        fmt::format("dynamics is '{}', expected '{}'{}", dynamics, fmt::join(known, "' or '"),
-                    internal::did_you_mean(dynamics, known)));
+        fmt::format("dynamics is '{}', expected '{}'{}", dynamics,
+                    internal::joined(known, "' or '"), internal::did_you_mean(dynamics, known)));
   return dynamics;
 }
 
@@ -357,7 +357,7 @@ FilterModel load_filter_model(const std::string& name) {
     throw InvalidInput(
         "filter model",
         fmt::format("no model '{}', expected {} or a file{}", internal::printable(name),
-                    fmt::join(known, ", "), internal::did_you_mean(name, known)));
+                    internal::joined(known, ", "), internal::did_you_mean(name, known)));
   return parse_filter_model(internal::read_text_file(name, internal::kTomlLimit), name);
 }
 

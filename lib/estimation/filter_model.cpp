@@ -2,7 +2,6 @@
 #include "quadtune/estimation/filter_model.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -11,6 +10,7 @@
 #include <set>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/matrix_checks.hpp"
 
@@ -133,8 +133,8 @@ int parameter_index(const FilterModel& model, const std::string& name, const std
   const auto found = std::find(known.begin(), known.end(), name);
   if (found == known.end())
     throw InvalidInput(
-        where, fmt::format("no parameter '{}', expected one of {}{}", name, fmt::join(known, ", "),
-                           internal::did_you_mean(name, known)));
+        where, fmt::format("no parameter '{}', expected one of {}{}", name,
+                           internal::joined(known, ", "), internal::did_you_mean(name, known)));
   return static_cast<int>(found - known.begin());
 }
 

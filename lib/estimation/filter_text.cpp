@@ -7,6 +7,7 @@
 
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
+#include "quadtune/internal/joined.hpp"
 
 namespace quadtune {
 namespace {
@@ -31,7 +32,7 @@ void put_matrix(std::string& text, const std::string& key, const MatrixXd& M) {
   if (M.size() == 0) return;
   std::vector<std::string> rows;
   for (Index i = 0; i < M.rows(); ++i) rows.push_back(numbers(M.row(i)));
-  text += fmt::format("{} = [{}]\n", key, fmt::join(rows, ", "));
+  text += fmt::format("{} = [{}]\n", key, internal::joined(rows, ", "));
 }
 
 void put_signals(std::string& text, const std::string& key, const std::vector<Signal>& signals) {
@@ -40,7 +41,7 @@ void put_signals(std::string& text, const std::string& key, const std::vector<Si
   words.reserve(signals.size());
   for (const Signal& s : signals)
     words.push_back(quoted(s.unit.empty() ? s.name : fmt::format("{} [{}]", s.name, s.unit)));
-  text += fmt::format("{} = [{}]\n", key, fmt::join(words, ", "));
+  text += fmt::format("{} = [{}]\n", key, internal::joined(words, ", "));
 }
 
 /// The parts of one covariance, in tables of that name.
@@ -68,7 +69,7 @@ class TermWriter {
     std::vector<std::string> names;
     names.reserve(chosen.size());
     for (const int i : chosen) names.push_back(quoted(entries_[static_cast<std::size_t>(i)].name));
-    text_ += fmt::format("\n[[{}]]\nentries = [{}]\n", table_, fmt::join(names, ", "));
+    text_ += fmt::format("\n[[{}]]\nentries = [{}]\n", table_, internal::joined(names, ", "));
   }
 
   void put_parameter(const NoiseParameter& p) {

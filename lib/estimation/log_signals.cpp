@@ -2,7 +2,6 @@
 #include "quadtune/estimation/log_signals.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +10,7 @@
 
 #include "own_log.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune {
@@ -82,9 +82,10 @@ FedSignals read_own_log(const std::string& path, const FilterModel& model,
     std::vector<std::string> outputs;
     for (const Signal& signal : signals)
       if (is_output(signal.name)) outputs.push_back(signal.name);
-    throw InvalidInput(path, fmt::format("this flight log has nothing for {} of the model '{}', "
-                                         "expected --map {}=CHANNEL",
-                                         fmt::join(outputs, ", "), model.name, outputs.front()));
+    throw InvalidInput(path,
+                       fmt::format("this flight log has nothing for {} of the model '{}', "
+                                   "expected --map {}=CHANNEL",
+                                   internal::joined(outputs, ", "), model.name, outputs.front()));
   };
   if (asked && std::none_of(chosen.begin(), chosen.end(),
                             [&](const auto& one) { return is_output(one.first); }))

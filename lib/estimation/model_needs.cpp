@@ -2,7 +2,6 @@
 #include "quadtune/estimation/model_needs.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -10,6 +9,7 @@
 #include "logs/log_titles.hpp"
 #include "own_log.hpp"
 #include "quadtune/estimation/filter_file.hpp"
+#include "quadtune/internal/joined.hpp"
 
 namespace quadtune {
 namespace {
@@ -165,7 +165,7 @@ std::string list_of(const ModelNeeds& needs) {
     items.resize(kMostListed);
     items.push_back(fmt::format("{} more", more));
   }
-  return fmt::format("{}", fmt::join(items, ", "));
+  return fmt::format("{}", internal::joined(items, ", "));
 }
 
 }  // namespace
@@ -204,7 +204,7 @@ std::string to_text(const ModelNeeds& needs) {
   if (needs.feeds) {
     std::vector<std::string> channels;
     for (const auto& use : needs.uses) channels.push_back(use.second);
-    std::string text = fmt::format("{}: fed by {}", needs.model, fmt::join(channels, ", "));
+    std::string text = fmt::format("{}: fed by {}", needs.model, internal::joined(channels, ", "));
     return needs.missing.empty()
                ? text
                : text + (needs.own_log ? "; " : "; --map the measurements that are there, ") +
@@ -216,7 +216,8 @@ std::string to_text(const ModelNeeds& needs) {
   for (std::size_t i = 0; i < std::min(needs.missing.size(), kMostListed); ++i) {
     const MissingSignal& one = needs.missing[i];
     if (!one.candidates.empty())
-      text += fmt::format("\n  {} may be {}", one.signal.name, fmt::join(one.candidates, ", "));
+      text +=
+          fmt::format("\n  {} may be {}", one.signal.name, internal::joined(one.candidates, ", "));
   }
   return text;
 }

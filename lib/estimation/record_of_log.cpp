@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "record_truth.hpp"
@@ -59,7 +60,7 @@ class Builder {
       if (found == known_.end())
         throw InvalidInput(
             name_, fmt::format("the model '{}' has no '{}', expected one of {}{}", model_.name,
-                               internal::printable(use.signal), fmt::join(known_, ", "),
+                               internal::printable(use.signal), internal::joined(known_, ", "),
                                internal::did_you_mean(use.signal, known_)));
       const auto k = static_cast<std::size_t>(found - known_.begin());
       if (of_signal_[k] != nullptr)

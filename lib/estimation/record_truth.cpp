@@ -2,7 +2,6 @@
 #include "record_truth.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +13,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/angles.hpp"
 #include "quadtune/estimation/inertial_filter.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/rigid_body.hpp"
@@ -100,7 +100,7 @@ std::vector<const ChannelUse*> together(const std::array<const char*, count>& na
     if (found[i] == nullptr)
       throw InvalidInput(name, fmt::format("a truth for {} is missing, expected all of {} because "
                                            "an attitude is told by all of them",
-                                           names[i], fmt::join(names, ", ")));
+                                           names[i], internal::joined(names, ", ")));
   return found;
 }
 
@@ -222,9 +222,10 @@ void add_truths(const FilterModel& model, const std::vector<ChannelUse>& truths,
   for (std::size_t i = 0; i < truths.size(); ++i) {
     const std::string& signal = truths[i].signal;
     if (std::find(known.begin(), known.end(), signal) == known.end())
-      throw InvalidInput(name, fmt::format("the model '{}' has no state '{}', expected one of {}{}",
-                                           model.name, printable(signal), fmt::join(known, ", "),
-                                           did_you_mean(signal, known)));
+      throw InvalidInput(
+          name, fmt::format("the model '{}' has no state '{}', expected one of {}{}", model.name,
+                            printable(signal), internal::joined(known, ", "),
+                            did_you_mean(signal, known)));
     if (std::any_of(truths.begin(), truths.begin() + static_cast<std::ptrdiff_t>(i),
                     [&](const ChannelUse& other) { return other.signal == signal; }))
       throw InvalidInput(name,

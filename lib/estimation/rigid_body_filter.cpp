@@ -2,7 +2,6 @@
 #include "quadtune/estimation/rigid_body_filter.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <cmath>
 #include <limits>
@@ -10,6 +9,7 @@
 #include "extended_run.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/model/vehicle.hpp"
 
@@ -193,8 +193,8 @@ FilterSensor rigid_body_sensor(const std::string& name, const std::string& where
     std::vector<std::string> names;
     for (const KnownSensor& sensor : known_sensors()) names.emplace_back(sensor.name);
     throw InvalidInput(
-        where, fmt::format("no sensor '{}', expected one of {}{}", name, fmt::join(names, ", "),
-                           internal::did_you_mean(name, names)));
+        where, fmt::format("no sensor '{}', expected one of {}{}", name,
+                           internal::joined(names, ", "), internal::did_you_mean(name, names)));
   }
   FilterSensor sensor;
   sensor.name = name;

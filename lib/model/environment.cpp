@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 
@@ -79,7 +80,7 @@ Wind wind_of_words(const std::string& words, const std::string& where) {
       throw InvalidInput(
           where, fmt::format("no wind '{}', expected calm, light, moderate, severe or a list like "
                              "north=3,gust_east=2,gust_at=5 with {}{}",
-                             internal::printable(entry), fmt::join(known, ", "),
+                             internal::printable(entry), internal::joined(known, ", "),
                              internal::did_you_mean(key, known)));
     if (std::find(given.begin(), given.end(), target) != given.end())
       throw InvalidInput(where, fmt::format("'{}' came twice, expected it once", key));

@@ -8,6 +8,7 @@
 #include "cascade_reader.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/built_in.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
@@ -377,7 +378,7 @@ Vehicle load_vehicle(const std::string& name_or_path) {
     const std::vector<std::string> known = built_in_vehicles();
     throw InvalidInput("vehicle",
                        fmt::format("no vehicle '{}', expected {} or a vehicle file{}",
-                                   internal::printable(name_or_path), fmt::join(known, ", "),
+                                   internal::printable(name_or_path), internal::joined(known, ", "),
                                    internal::did_you_mean(name_or_path, known)));
   }
   Vehicle vehicle =

@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 
 namespace quadtune {
 namespace {
@@ -178,7 +179,8 @@ void write_campaign_csv(const fs::path& target, const Campaign& campaign,
   const auto failed = [&] { throw FileError(target.string(), std::strerror(errno)); };
   if (!file) failed();
   fmt::memory_buffer text;
-  fmt::format_to(std::back_inserter(text), "{}\n", fmt::join(campaign_columns(campaign), ","));
+  fmt::format_to(std::back_inserter(text), "{}\n",
+                 internal::joined(campaign_columns(campaign), ","));
   const auto put = [&](double x) {
     text.push_back(',');
     if (!std::isnan(x)) fmt::format_to(std::back_inserter(text), "{}", x);

@@ -15,6 +15,7 @@
 #include "quadtune/delay_limit.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/in_parallel.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/mixer.hpp"
@@ -32,9 +33,9 @@ Enum of_name(const std::string& name, const std::vector<Enum>& all, const std::s
     if (to_string(value) == name) return value;
     known.push_back(to_string(value));
   }
-  throw InvalidInput(where,
-                     fmt::format("no {} '{}', expected {}{}", what, internal::printable(name),
-                                 fmt::join(known, ", "), internal::did_you_mean(name, known)));
+  throw InvalidInput(
+      where, fmt::format("no {} '{}', expected {}{}", what, internal::printable(name),
+                         internal::joined(known, ", "), internal::did_you_mean(name, known)));
 }
 
 int lagging_rotors(const FlightSetup& setup) {

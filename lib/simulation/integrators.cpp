@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 
@@ -30,9 +31,9 @@ Integrator integrator(const std::string& name, const std::string& where) {
     if (to_string(one) == name) return one;
     known.push_back(to_string(one));
   }
-  throw InvalidInput(where,
-                     fmt::format("no integrator '{}', expected {}{}", internal::printable(name),
-                                 fmt::join(known, ", "), internal::did_you_mean(name, known)));
+  throw InvalidInput(
+      where, fmt::format("no integrator '{}', expected {}{}", internal::printable(name),
+                         internal::joined(known, ", "), internal::did_you_mean(name, known)));
 }
 
 }  // namespace quadtune

@@ -8,6 +8,7 @@
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/built_in.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
@@ -43,7 +44,7 @@ std::size_t read_choice(const TomlTable& table, const std::string& key,
   if (at == known.end())
     throw InvalidInput(table.where(key),
                        fmt::format("{} in {} is '{}', expected '{}'{}", key, table.title(),
-                                   internal::printable(word), fmt::join(known, "' or '"),
+                                   internal::printable(word), internal::joined(known, "' or '"),
                                    internal::did_you_mean(word, known)));
   return static_cast<std::size_t>(at - known.begin());
 }
@@ -405,7 +406,7 @@ std::string kind_of(const TomlTable& file) {
   }
   if (kind.empty())
     throw InvalidInput(file.where(), fmt::format("the file has nothing to do, expected one of {}",
-                                                 fmt::join(kind_names(), ", ")));
+                                                 internal::joined(kind_names(), ", ")));
   return kind;
 }
 
@@ -525,7 +526,7 @@ Mission load_mission(const std::string& name_or_path) {
     const bool eight = name_or_path.starts_with("figure") || name_or_path.starts_with("eight");
     throw InvalidInput("mission",
                        fmt::format("no mission '{}', expected {} or a mission file{}",
-                                   internal::printable(name_or_path), fmt::join(known, ", "),
+                                   internal::printable(name_or_path), internal::joined(known, ", "),
                                    eight ? "; did you mean 'lemniscate'?"
                                          : internal::did_you_mean(name_or_path, known)));
   }

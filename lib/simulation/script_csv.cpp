@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/text_matrix.hpp"
@@ -69,7 +70,7 @@ std::array<Eigen::Index, 5> find_columns(std::string_view header, const std::str
     if (at == known.end())
       throw InvalidInput(where, fmt::format("column '{}' is not known, expected some of {}, "
                                             "separated by commas{}",
-                                            printable(names[i]), fmt::join(known, ", "),
+                                            printable(names[i]), internal::joined(known, ", "),
                                             did_you_mean(names[i], known)));
     Eigen::Index& column = columns[static_cast<std::size_t>(at - known.begin())];
     if (column >= 0)

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/tails.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -139,9 +140,10 @@ void check_correlation(const Uncertainty& uncertainty, const std::string& where)
     for (Eigen::Index i = 0; i < n; ++i)
       if (v(i) > 0.3 * v.maxCoeff())
         culprits.push_back(uncertainty.numbers[static_cast<std::size_t>(i)].quantity);
-    throw InvalidInput(where, fmt::format("the correlations of {} have the eigenvalue {:.3g}, "
-                                          "expected a positive definite matrix",
-                                          fmt::join(culprits, ", "), eigen.eigenvalues()(0)));
+    throw InvalidInput(where,
+                       fmt::format("the correlations of {} have the eigenvalue {:.3g}, "
+                                   "expected a positive definite matrix",
+                                   internal::joined(culprits, ", "), eigen.eigenvalues()(0)));
   }
 }
 

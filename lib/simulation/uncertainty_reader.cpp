@@ -2,13 +2,13 @@
 #include "quadtune/internal/uncertainty_reader.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 
@@ -46,11 +46,12 @@ Distribution read_distribution(const TomlTable& vary, const UncertainQuantity& q
   for (const std::string& kind : kinds)
     if (vary.has(kind)) present.push_back(kind);
   if (present.size() != 1)
-    throw InvalidInput(vary.where(),
-                       fmt::format("{} has {}, expected one of {}", vary.title(),
-                                   present.empty() ? "no distribution"
-                                                   : fmt::format("{}", fmt::join(present, " and ")),
-                                   fmt::join(kinds, ", ")));
+    throw InvalidInput(
+        vary.where(),
+        fmt::format("{} has {}, expected one of {}", vary.title(),
+                    present.empty() ? "no distribution"
+                                    : fmt::format("{}", internal::joined(present, " and ")),
+                    internal::joined(kinds, ", ")));
   const TomlTable table = vary.table(present[0]);
   if (present[0] == "fitted") return read_fitted(table, quantity, folder);
   const double nominal = quantity.kind == QuantityKind::ratio ? 1 : 0;
@@ -82,11 +83,11 @@ std::size_t position_of(const Uncertainty& uncertainty, const std::string& name,
     if (number.quantity == name) return known.size();
     known.push_back(number.quantity);
   }
-  throw InvalidInput(where,
-                     fmt::format("'{}' does not vary, expected {}{}", printable(name),
-                                 known.empty() ? "a [[vary]] for it"
-                                               : fmt::format("some of {}", fmt::join(known, ", ")),
-                                 did_you_mean(name, known)));
+  throw InvalidInput(
+      where, fmt::format("'{}' does not vary, expected {}{}", printable(name),
+                         known.empty() ? "a [[vary]] for it"
+                                       : fmt::format("some of {}", internal::joined(known, ", ")),
+                         did_you_mean(name, known)));
 }
 
 void read_correlation(const TomlTable& table, Uncertainty& uncertainty) {

@@ -67,6 +67,10 @@ TEST(Tails, AreThoseOfTheirDistributions) {
   EXPECT_NEAR(chi_squared_exceeded(0.05, 1), 3.841458820694124, 1e-10);
   EXPECT_NEAR(chi_squared_above(3.841458820694124, 1), 0.05, 1e-12);
   EXPECT_NEAR(chi_squared_below(3.841458820694124, 1), 0.95, 1e-12);
+  EXPECT_NEAR(normal_below(1.959963984540054), 0.975, 1e-12);
+  EXPECT_NEAR(normal_quantile(0.975), 1.959963984540054, 1e-12);
+  EXPECT_NEAR(student_quantile(0.975, 10), 2.2281388519649385, 1e-10);
+  EXPECT_NEAR(chi_squared_quantile(0.95, 1), 3.841458820694124, 1e-10);
 }
 
 // What a log makes of them is told, not thrown.

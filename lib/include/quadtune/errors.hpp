@@ -15,8 +15,7 @@ class InvalidInput : public std::invalid_argument {
  public:
   /// @param where    "file:line", an option, or the function and argument; may be empty.
   /// @param message  What came, what was expected and why, without a final full stop.
-  InvalidInput(const std::string& where, const std::string& message)
-      : std::invalid_argument(where.empty() ? message : where + ": " + message), where_(where) {}
+  InvalidInput(const std::string& where, const std::string& message);
 
   /// @return  the place alone, as it stands at the start of what().
   [[nodiscard]] const std::string& where() const { return where_; }

@@ -28,6 +28,25 @@
       Index, double, const_blas_data_mapper<double, Index, Lhs>, Lhs, false, double, \
       const_blas_data_mapper<double, Index, Rhs>, false, BuiltIn>;
 
+// The complex ones that frequency responses need.
+#define QUADTUNE_EIGEN_COMPLEX_PRODUCTS(declaration)                                              \
+  declaration struct gebp_kernel<std::complex<double>, std::complex<double>, Index,               \
+                                 blas_data_mapper<std::complex<double>, Index, ColMajor>,         \
+                                 gebp_traits<std::complex<double>, std::complex<double>>::mr,     \
+                                 gebp_traits<std::complex<double>, std::complex<double>>::nr,     \
+                                 false, false>;                                                   \
+  declaration struct general_matrix_vector_product<                                               \
+      Index, std::complex<double>, const_blas_data_mapper<std::complex<double>, Index, RowMajor>, \
+      RowMajor, false, std::complex<double>,                                                      \
+      const_blas_data_mapper<std::complex<double>, Index, ColMajor>, false>;                      \
+  declaration struct general_matrix_vector_product<                                               \
+      Index, std::complex<double>, const_blas_data_mapper<std::complex<double>, Index, RowMajor>, \
+      RowMajor, false, double, const_blas_data_mapper<double, Index, ColMajor>, false>;           \
+  declaration struct general_matrix_vector_product<                                               \
+      Index, std::complex<double>, const_blas_data_mapper<std::complex<double>, Index, ColMajor>, \
+      ColMajor, false, std::complex<double>,                                                      \
+      const_blas_data_mapper<std::complex<double>, Index, RowMajor>, false>;
+
 #define QUADTUNE_EIGEN_TRIANGULAR_PRODUCT(declaration, Mode, Lhs)                            \
   declaration struct product_triangular_matrix_matrix<double, Index, Mode, true, Lhs, false, \
                                                       ColMajor, false, ColMajor, 1>;
@@ -37,6 +56,11 @@
   declaration struct gebp_kernel<double, double, Index, blas_data_mapper<double, Index, ColMajor>, \
                                  gebp_traits<double, double>::mr, gebp_traits<double, double>::nr, \
                                  false, false>;                                                    \
+  declaration void evaluateProductBlockingSizesHeuristic<double, double, 1, Index>(Index&, Index&, \
+                                                                                   Index&, Index); \
+  declaration void evaluateProductBlockingSizesHeuristic<double, double, 4, Index>(Index&, Index&, \
+                                                                                   Index&, Index); \
+  QUADTUNE_EIGEN_COMPLEX_PRODUCTS(declaration)                                                     \
   QUADTUNE_EIGEN_PRODUCT(declaration, ColMajor, ColMajor)                                          \
   QUADTUNE_EIGEN_PRODUCT(declaration, ColMajor, RowMajor)                                          \
   QUADTUNE_EIGEN_PRODUCT(declaration, RowMajor, ColMajor)                                          \
@@ -56,8 +80,21 @@
                                              ColMajor, 1>;                                 \
   declaration struct triangular_solve_vector<double, double, Index, OnTheLeft, Mode, false, Order>;
 
+// Reflections of a Householder sequence, applied in blocks.
+#define QUADTUNE_EIGEN_REFLECTIONS(declaration)                                                   \
+  declaration void make_block_householder_triangular_factor(                                      \
+      Matrix<double, Dynamic, Dynamic, RowMajor>&, const Block<MatrixXd>&,                        \
+      const Block<const VectorXd, Dynamic, 1>&);                                                  \
+  declaration void make_block_householder_triangular_factor(                                      \
+      Matrix<double, Dynamic, Dynamic, RowMajor>&, const Block<MatrixXd>&,                        \
+      const VectorBlock<const VectorXd>&);                                                        \
+  declaration void apply_block_householder_on_the_left(Block<MatrixXd>&, const Block<MatrixXd>&,  \
+                                                       const VectorBlock<const VectorXd>&, bool); \
+  declaration double rcond_invmatrix_L1_norm_estimate(const PartialPivLU<MatrixXd>&);
+
 #define QUADTUNE_EIGEN_FACTORIZATIONS(declaration)                                               \
   namespace Eigen::internal {                                                                    \
+  QUADTUNE_EIGEN_REFLECTIONS(declaration)                                                        \
   QUADTUNE_EIGEN_TRIANGULAR_SOLVE(declaration, UnitLower, ColMajor)                              \
   QUADTUNE_EIGEN_TRIANGULAR_SOLVE(declaration, Lower, ColMajor)                                  \
   QUADTUNE_EIGEN_TRIANGULAR_SOLVE(declaration, Upper, ColMajor)                                  \

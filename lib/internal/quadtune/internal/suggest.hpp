@@ -2,47 +2,20 @@
 /// "did you mean …?"
 #pragma once
 
-#include <algorithm>
+#include <cstddef>
 #include <string>
 #include <vector>
 
 namespace quadtune::internal {
 
 /// Number of single-letter insertions, deletions and replacements between two words.
-inline std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replace = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({replace, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row[b.size()];
-}
+[[nodiscard]] std::size_t edit_distance(const std::string& a, const std::string& b);
 
 /// The known word nearest to `word`, or "" when none is near enough to be meant.
-inline std::string nearest(const std::string& word, const std::vector<std::string>& known) {
-  std::string best;
-  if (word.size() < 4) return best;
-  std::size_t least = (word.size() + 1) / 3 + 1;  // a third of the letters may be wrong
-  for (const std::string& candidate : known) {
-    const std::size_t distance = edit_distance(word, candidate);
-    if (distance < least) {
-      least = distance;
-      best = candidate;
-    }
-  }
-  return best;
-}
+[[nodiscard]] std::string nearest(const std::string& word, const std::vector<std::string>& known);
 
 /// "; did you mean 'lqr'?" or "".
-inline std::string did_you_mean(const std::string& word, const std::vector<std::string>& known) {
-  const std::string best = nearest(word, known);
-  return best.empty() ? "" : "; did you mean '" + best + "'?";
-}
+[[nodiscard]] std::string did_you_mean(const std::string& word,
+                                       const std::vector<std::string>& known);
 
 }  // namespace quadtune::internal
