@@ -2,6 +2,7 @@
 #include "tune_lqr_missions.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -209,7 +210,7 @@ class LqrTuning {
     const auto list = [](const Eigen::MatrixXd& M) {
       std::vector<double> numbers;
       for (Eigen::Index i = 0; i < M.rows(); ++i) numbers.push_back(M(i, i));
-      return fmt::format("[{}]", internal::joined(numbers, ", "));
+      return fmt::format("[{}]", fmt::join(numbers, ", "));
     };
     std::string text = fmt::format(
         "# {}\nname = \"tuned-{}\"\nvehicle = {}\n\n[trim]\nat = \"hover\"\nyaw_rad = {}\n\n"
