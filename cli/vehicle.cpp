@@ -3,6 +3,7 @@
 #include "quadtune/model/vehicle.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/SVD>
 #include <algorithm>
@@ -14,7 +15,6 @@
 #include "print.hpp"
 #include "program.hpp"
 #include "quadtune/exports/export.hpp"
-#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/linearize/trim.hpp"
@@ -121,7 +121,7 @@ std::string motors_text(const MotorCommand& motor) {
     text += fmt::format(", up to {} s of jitter", number(motor.delay_jitter));
   const bool turned = std::any_of(motor.direction.begin(), motor.direction.end(),
                                   [](int sign) { return sign < 0; });
-  if (turned) text += fmt::format("; signs {}", internal::joined(motor.direction, " "));
+  if (turned) text += fmt::format("; signs {}", fmt::join(motor.direction, " "));
   return text;
 }
 

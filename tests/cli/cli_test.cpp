@@ -36,15 +36,15 @@ using testing::TemporaryDirectory;
 const std::string kSource = testing::source_folder();
 
 /// Runs with --json and parses what came.
-internal::Json json_of(std::vector<std::string> args) {
+nlohmann::ordered_json json_of(std::vector<std::string> args) {
   args.push_back("--json");
   const ProgramResult result = run_program(args);
   EXPECT_EQ(result.status, 0) << result.err;
-  return internal::Json::parse(result.out);
+  return nlohmann::ordered_json::parse(result.out);
 }
 
-Eigen::MatrixXd matrix(const internal::Json& json, const char* key) {
-  return internal::matrix_from_json(json.at(key), key);
+Eigen::MatrixXd matrix(const nlohmann::ordered_json& json, const char* key) {
+  return internal::matrix_from_json(internal::Json::parse(json.at(key).dump()), key);
 }
 
 /// Examples run as printed from the project's root; what they write goes to a temporary directory.
@@ -117,7 +117,7 @@ TEST(Help, ListsEveryVerbAndEveryOption) {
 }
 
 TEST(Help, TellsScriptsTheSameAsPeople) {
-  const internal::Json all = json_of({"help"});
+  const nlohmann::ordered_json all = json_of({"help"});
   EXPECT_EQ(all["version"], kVersion);
   ASSERT_EQ(all["commands"].size(), cli::verbs().size());
   for (std::size_t i = 0; i < cli::verbs().size(); ++i) {
@@ -126,7 +126,7 @@ TEST(Help, TellsScriptsTheSameAsPeople) {
     EXPECT_EQ(all["commands"][i], json_of(words_of(verb.name, {"--help"})));
     EXPECT_EQ(all["commands"][i]["example"], verb.example);
     const std::string text = run_program(help_of(verb.name)).out;
-    for (const internal::Json& option : all["commands"][i]["options"])
+    for (const nlohmann::ordered_json& option : all["commands"][i]["options"])
       EXPECT_THAT(text, HasSubstr(option["option"].get<std::string>()));
   }
   EXPECT_EQ(run_program({"help", "--man", "--json"}).status, 2);
@@ -146,7 +146,7 @@ TEST(Help, OfAFirstWordIsThatOfAllItsKinds) {
 }
 
 TEST(Linearize, GivesThePublicHoverModelOfTheUquad) {
-  const internal::Json json = json_of(
+  const nlohmann::ordered_json json = json_of(
       {"linearize", "uquad", "--at", "hover", "--convention", "uquad", "--inputs", "rotor-speed"});
   const ContinuousLti reference = testing::uquad_hover();
   EXPECT_THAT(matrix(json, "A"), MatrixNear(reference.A, 1e-12));
@@ -159,8 +159,9 @@ TEST(Linearize, GivesThePublicHoverModelOfTheUquad) {
 
 TEST(Lqr, OfMatricesGivesKeysOfTheContract) {
   const std::string examples = kSource + "/docs/examples/";
-  const internal::Json json = json_of({"lqr", "--A", examples + "A.txt", "--B", examples + "B.txt",
-                                       "--Q", examples + "Q.txt", "--R", examples + "R.txt"});
+  const nlohmann::ordered_json json =
+      json_of({"lqr", "--A", examples + "A.txt", "--B", examples + "B.txt", "--Q",
+               examples + "Q.txt", "--R", examples + "R.txt"});
   for (const char* key :
        {"status", "K", "S", "poles", "residual", "rcond", "iterations", "culprit"})
     EXPECT_TRUE(json.contains(key)) << key;
@@ -240,7 +241,7 @@ TEST(Output, LeavesDevicesAndLinksWhatTheyAre) {
 }
 
 TEST(Lqr, OfTheUquadMatchesTheConvergedRow) {
-  const internal::Json json =
+  const nlohmann::ordered_json json =
       json_of({"lqr", "uquad", "--convention", "uquad", "--Q", "1,1,1,1e3,1e3,1e3,1,1,1,1,1,1",
                "--R", "0.01", "--method", "discrete", "--dt", "0.01"});
   Eigen::RowVectorXd row(12);
@@ -262,20 +263,21 @@ TEST(Kalman, SampledKeepsTheMeaningOfDensities) {
 
 TEST(Discretize, TustinOfTheDoubleIntegrator) {
   const std::string examples = kSource + "/docs/examples/";
-  const internal::Json json = json_of({"discretize", "--A", examples + "A.txt", "--B",
-                                       examples + "B.txt", "--dt", "0.1", "--method", "tustin"});
+  const nlohmann::ordered_json json =
+      json_of({"discretize", "--A", examples + "A.txt", "--B", examples + "B.txt", "--dt", "0.1",
+               "--method", "tustin"});
   EXPECT_THAT(matrix(json, "A"), MatrixNear((Eigen::Matrix2d() << 1, 0.1, 0, 1).finished(), 1e-15));
   EXPECT_EQ(json["method"], "tustin");
 }
 
 TEST(Vehicle, ShowsDerivedHoverSpeed) {
-  const internal::Json json = json_of({"vehicle", "show", "uquad"});
+  const nlohmann::ordered_json json = json_of({"vehicle", "show", "uquad"});
   EXPECT_NEAR(json["derived"]["hover_speed_rad_s"].get<double>(), 316.103650939028, 1e-9);
   EXPECT_EQ(json_of({"vehicle", "list"})["vehicles"].size(), 4u);
 }
 
 /// The lines of a table of JSON as TOML; tables within it are left out.
-std::string toml_lines(const internal::Json& table) {
+std::string toml_lines(const nlohmann::ordered_json& table) {
   std::string text;
   for (const auto& [key, value] : table.items())
     if (!value.is_object() && !(value.is_array() && (value.empty() || value.front().is_object())))
@@ -284,13 +286,13 @@ std::string toml_lines(const internal::Json& table) {
 }
 
 /// A vehicle file with what `vehicle show --json` printed.
-std::string toml_of(const internal::Json& vehicle) {
+std::string toml_of(const nlohmann::ordered_json& vehicle) {
   std::string text = toml_lines(vehicle);
   for (const char* table : {"environment", "body", "motor", "flight"})
     if (vehicle.contains(table))
       text += std::string("[") + table + "]\n" + toml_lines(vehicle[table]);
   if (vehicle.contains("published_cascade")) {
-    const internal::Json& cascade = vehicle["published_cascade"];
+    const nlohmann::ordered_json& cascade = vehicle["published_cascade"];
     text += "[published_cascade]\n" + toml_lines(cascade);
     for (const auto& [name, loop] : cascade.items())
       if (loop.is_object()) text += "[published_cascade." + name + "]\n" + toml_lines(loop);
@@ -299,7 +301,7 @@ std::string toml_of(const internal::Json& vehicle) {
     for (const auto& [name, sensor] : vehicle["sensors"].items())
       text += "[sensors." + name + "]\n" + toml_lines(sensor);
   if (vehicle.contains("battery")) text += "[battery]\n" + toml_lines(vehicle["battery"]);
-  for (internal::Json rotor : vehicle["rotors"]) {
+  for (nlohmann::ordered_json rotor : vehicle["rotors"]) {
     if (rotor.contains("Ct"))
       rotor.erase("thrust_a2_N_s2_per_rad2");  // a file has one or the other
     if (rotor.contains("Cq")) rotor.erase("torque_d2_N_m_s2_per_rad2");
@@ -310,11 +312,12 @@ std::string toml_of(const internal::Json& vehicle) {
 
 TEST(Vehicle, ShowsTheKeysOfAVehicleFile) {
   const TemporaryDirectory folder;
-  const internal::Json list = json_of({"vehicle", "list"});
+  const nlohmann::ordered_json list = json_of({"vehicle", "list"});
   const auto compare = [&](const std::string& name) {
-    internal::Json shown = json_of({"vehicle", "show", name});
+    nlohmann::ordered_json shown = json_of({"vehicle", "show", name});
     const std::string text = toml_of(shown);
-    internal::Json again = json_of({"vehicle", "show", folder.write("again.toml", text).string()});
+    nlohmann::ordered_json again =
+        json_of({"vehicle", "show", folder.write("again.toml", text).string()});
     // A file may say what another leaves open.
     shown.erase("assumed");
     again.erase("assumed");
@@ -356,8 +359,9 @@ TEST(Vehicle, LeavesOutWhatTheFileLeavesOut) {
       "torque_d2_N_m_s2_per_rad2 = 1\n[motor]\ncommand = \"speed\"\nmin_rad_s = 1\n"
       "max_rad_s = 9\n[[rotors]]\nposition_m = [1, 0, 0]\nspin = \"cw\"\n"
       "[[rotors]]\nposition_m = [-1, 0, 0]\nspin = \"ccw\"\n";
-  const internal::Json shown = json_of({"vehicle", "show", folder.write("v.toml", text).string()});
-  const auto keys = [](const internal::Json& table) {
+  const nlohmann::ordered_json shown =
+      json_of({"vehicle", "show", folder.write("v.toml", text).string()});
+  const auto keys = [](const nlohmann::ordered_json& table) {
     std::vector<std::string> names;
     for (const auto& [key, value] : table.items()) names.push_back(key);
     return names;
@@ -427,9 +431,9 @@ TEST_F(DesignTest, VerifyAnswersNoToATrimThatTheVehicleDoesNotHave) {
   ASSERT_EQ(design("uquad-hover.toml", "out").status, 0);
   const std::string text = folder_.read("out/manifest.json");
   const auto verify_with = [&](const std::vector<std::pair<const char*, double>>& changes) {
-    internal::Json manifest = internal::Json::parse(text);
+    nlohmann::ordered_json manifest = nlohmann::ordered_json::parse(text);
     for (const auto& [entry, value] : changes)
-      manifest["gains"][internal::Json::json_pointer(entry)] = value;
+      manifest["gains"][nlohmann::ordered_json::json_pointer(entry)] = value;
     folder_.write("out/manifest.json", manifest.dump());
     const ProgramResult result = run_program({"verify", (folder_.path() / "out").string()});
     EXPECT_EQ(result.status, 1) << result.err;

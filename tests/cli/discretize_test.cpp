@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "matrix_near.hpp"
 #include "quadtune/internal/json.hpp"
@@ -19,26 +20,26 @@ using testing::ProgramResult;
 using testing::run_program;
 using testing::TemporaryDirectory;
 
-internal::Json json_of(std::vector<std::string> args) {
+nlohmann::ordered_json json_of(std::vector<std::string> args) {
   args.insert(args.begin(), "discretize");
   args.insert(args.end(), {"--json", "--quiet"});
   const ProgramResult result = run_program(args);
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(result.err, "");
-  return internal::Json::parse(result.out);
+  return nlohmann::ordered_json::parse(result.out);
 }
 
-MatrixXd matrix(const internal::Json& json, const char* key) {
-  return internal::matrix_from_json(json.at(key), key);
+MatrixXd matrix(const nlohmann::ordered_json& json, const char* key) {
+  return internal::matrix_from_json(internal::Json::parse(json.at(key).dump()), key);
 }
 
-MatrixXd vector(const internal::Json& json, const char* key) {
-  return internal::vector_from_json(json.at(key), key).transpose();
+MatrixXd vector(const nlohmann::ordered_json& json, const char* key) {
+  return internal::vector_from_json(internal::Json::parse(json.at(key).dump()), key).transpose();
 }
 
 TEST(DiscretizeCommand, SamplesTransferFunctionsByEveryMethod) {
   const auto num = [](const std::string& method) {
-    const internal::Json json =
+    const nlohmann::ordered_json json =
         json_of({"--num", "2", "--den", "1,0,0", "--dt", "0.5", "--method", method});
     EXPECT_EQ(json["method"], method);
     EXPECT_EQ(json["dt"], 0.5);
@@ -57,7 +58,7 @@ TEST(DiscretizeCommand, SamplesTransferFunctionsByEveryMethod) {
 }
 
 TEST(DiscretizeCommand, PrewarpsTustin) {
-  const internal::Json json = json_of(
+  const nlohmann::ordered_json json = json_of(
       {"--num", "1", "--den", "1,0", "--dt", "0.1", "--method", "tustin", "--prewarp", "10"});
   const double half = std::tan(0.5) / 10;  // h/2
   EXPECT_THAT(vector(json, "num"), MatrixNear(MatrixXd{{half, half}}, 1e-16));
@@ -68,7 +69,8 @@ TEST(DiscretizeCommand, GoesThereAndBack) {
   const std::string A = folder.write("A", "0 1\n-4 -1\n").string();
   const std::string B = folder.write("B", "0\n2\n").string();
   for (const std::string method : {"zoh", "tustin"}) {
-    const internal::Json there = json_of({"--A", A, "--B", B, "--dt", "0.1", "--method", method});
+    const nlohmann::ordered_json there =
+        json_of({"--A", A, "--B", B, "--dt", "0.1", "--method", method});
     std::vector<std::string> args = {"--dt", "0.1", "--method", method, "--inverse"};
     for (const char* key : {"A", "B", "C", "D"}) {
       std::string rows;
@@ -79,14 +81,14 @@ TEST(DiscretizeCommand, GoesThereAndBack) {
       args.insert(args.end(),
                   {std::string("--") + key, folder.write(std::string("d") + key, rows).string()});
     }
-    const internal::Json back = json_of(args);
+    const nlohmann::ordered_json back = json_of(args);
     EXPECT_TRUE(back["inverse"].get<bool>());
     EXPECT_THAT(matrix(back, "A"), MatrixNear(MatrixXd{{0, 1}, {-4, -1}}, 1e-13)) << method;
     EXPECT_THAT(matrix(back, "B"), MatrixNear(MatrixXd{{0}, {2}}, 1e-13)) << method;
     EXPECT_THAT(matrix(back, "C"), MatrixNear(MatrixXd::Identity(2, 2), 1e-13)) << method;
     EXPECT_THAT(matrix(back, "D"), MatrixNear(MatrixXd::Zero(2, 1), 1e-13)) << method;
   }
-  const internal::Json fraction =
+  const nlohmann::ordered_json fraction =
       json_of({"--num", "1", "--den", "1,-0.5", "--delay", "0.2", "--dt", "0.1", "--inverse"});
   EXPECT_THAT(vector(fraction, "den"), MatrixNear(MatrixXd{{1, std::log(2) / 0.1}}, 1e-13));
   EXPECT_EQ(fraction["delay_s"], 0.2);
@@ -96,7 +98,7 @@ TEST(DiscretizeCommand, DelaysBecomeStatesWithNames) {
   const TemporaryDirectory folder;
   const std::string A = folder.write("A", "-1 0\n0 -2\n").string();
   const std::string B = folder.write("B", "1 0\n0 2\n").string();
-  const internal::Json json = json_of(
+  const nlohmann::ordered_json json = json_of(
       {"--A", A, "--B", B, "--dt", "0.1", "--input-delay", "0.1", "--output-delay", "0,0.03"});
   EXPECT_EQ(json["states"],
             (std::vector<std::string>{"x1", "x2", "y2[k-0.3]", "u1[k-1]", "u2[k-1]"}));
@@ -104,7 +106,7 @@ TEST(DiscretizeCommand, DelaysBecomeStatesWithNames) {
   const ProgramResult text =
       run_program({"discretize", "--A", A, "--B", B, "--dt", "0.1", "--input-delay", "0.1,0"});
   EXPECT_THAT(text.out, HasSubstr("x1 x2 u1[k-1]"));
-  const internal::Json late =
+  const nlohmann::ordered_json late =
       json_of({"--num", "1", "--den", "1,1", "--dt", "0.1", "--delay", "0.25"});
   EXPECT_EQ(late["delay_samples"], 2);
   EXPECT_EQ(vector(late, "den").cols(), 3);
@@ -120,7 +122,8 @@ TEST(DiscretizeCommand, WarnsOfFastPolesUnlessQuiet) {
   args.insert(args.end(), {"--json", "--quiet"});
   const ProgramResult quiet = run_program(args);
   EXPECT_EQ(quiet.err, "");
-  EXPECT_EQ(internal::Json::parse(quiet.out)["warnings"], std::vector<std::string>{warning});
+  EXPECT_EQ(nlohmann::ordered_json::parse(quiet.out)["warnings"],
+            std::vector<std::string>{warning});
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ using testing::run_program;
 using testing::TemporaryDirectory;
 
 Eigen::MatrixXd matrix_of(const json& value) {
-  return internal::matrix_from_json(internal::Json(value), "test");
+  return internal::matrix_from_json(internal::Json::parse(value.dump()), "test");
 }
 
 TEST(LqrOfVehicle, HasItsMarginsInTheFlownLoop) {

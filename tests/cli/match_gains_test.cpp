@@ -81,7 +81,8 @@ TEST_F(MatchGainsVerb, RecoversTheWeightsOfAnExport) {
   EXPECT_EQ(json["integrals"], Json::parse("[\"x\", \"y\", \"z\", \"theta\"]"));
   Eigen::VectorXd Q = Eigen::VectorXd::Ones(12);
   Q.segment(3, 3).setConstant(1e3);
-  const Eigen::MatrixXd found = internal::matrix_from_json(json["Q"], "Q");
+  const Eigen::MatrixXd found =
+      internal::matrix_from_json(internal::Json::parse(json["Q"].dump()), "Q");
   EXPECT_THAT((found.diagonal().cwiseQuotient(Q)).eval(),
               MatrixNear(Eigen::VectorXd::Ones(12).eval(), 1e-7));
   EXPECT_NEAR(number(weight(json, "Q_integral(theta)")["value"]), 1, 1e-8);

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "export_models.hpp"
@@ -294,7 +295,7 @@ TEST(Verify, NoticesAnotherTrimInGainsJson) {
     const TemporaryDirectory directory;
     write_export(directory.path(), ExportKind::json, uquad_content());
     forge(directory, kGainsJsonName, Forgery::hash, [&](const std::string& text) {
-      internal::Json json = internal::Json::parse(text);
+      nlohmann::ordered_json json = nlohmann::ordered_json::parse(text);
       json["gains"][key][3] = 0.5;
       return json.dump();
     });
@@ -317,7 +318,7 @@ TEST(Verify, NoticesOtherWeightsUnderAMendedHash) {
   const TemporaryDirectory directory;
   write_export(directory.path(), ExportKind::json, uquad_content());
   forge(directory, kGainsJsonName, Forgery::hash, [](const std::string& text) {
-    internal::Json json = internal::Json::parse(text);
+    nlohmann::ordered_json json = nlohmann::ordered_json::parse(text);
     json["weights"]["Q"][1][1] = 3;
     return json.dump();
   });
@@ -358,7 +359,7 @@ TEST(Verify, NoticesAnotherCascade) {
               ElementsAre("closed loop of the cascade is stable",
                           "poles of the cascade are those of the manifest"));
   forge(directory, kGainsJsonName, Forgery::hash, [](const std::string& text) {
-    internal::Json json = internal::Json::parse(text);
+    nlohmann::ordered_json json = nlohmann::ordered_json::parse(text);
     json["cascade"]["loops"][3]["Kp"] = 0.02;
     return json.dump();
   });
