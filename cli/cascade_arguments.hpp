@@ -30,7 +30,7 @@ void add_cascade_options(CommandLine& line, CascadeArguments& arguments);
 /// The options' names, for refusals.
 [[nodiscard]] const std::vector<std::string>& cascade_option_names();
 
-/// @param line  the one that parsed them; tells which options came, --Ms-max among them
+/// @param line  after parse(): which of the options, and whether --Ms-max, were given
 /// @throws UsageError  naming the option
 [[nodiscard]] CascadeSpecification cascade_specification(const CommandLine& line,
                                                          const CascadeArguments& arguments,

@@ -22,9 +22,9 @@ class Option {
   /// The word that stands for the value in the help, e.g. "FILE".
   virtual Option* type_name(const std::string& word) = 0;
 
-  /// Whether it was on the command line that was parsed.
+  /// Whether the parsed command line has it.
   [[nodiscard]] bool was_given() const { return !values().empty(); }
-  /// What was given, in order; a flag has "true".
+  /// Its values in the order of the command line; a flag has "true".
   [[nodiscard]] virtual const std::vector<std::string>& values() const = 0;
 
   [[nodiscard]] virtual std::string name() const = 0;                    ///< "--dt" or "V"
@@ -38,7 +38,9 @@ class Option {
 /// Options are bound to variables, which keep their values where an option is not given.
 class CommandLine {
  public:
-  /// @param verb   its name, for messages, e.g. "tune lqr"; its usage, e.g. "V [options]"
+  /// Both parameters are for messages.
+  /// @param verb   e.g. "tune lqr"
+  /// @param usage  what follows it, e.g. "V [options]"
   explicit CommandLine(std::string verb = {}, std::string usage = {});
   ~CommandLine();
   CommandLine(const CommandLine&) = delete;
@@ -67,7 +69,8 @@ class CommandLine {
   /// @throws UsageError  naming the option or argument, what was given and what was expected
   void parse(const std::vector<std::string>& args);
 
-  /// Whether an option was given. @pre it was added: another name is an error of the program.
+  /// Whether the parsed command line has the option.
+  /// @throws std::logic_error  if no option of that name was added
   [[nodiscard]] bool was_given(std::string_view name) const;
   /// The option of that name, if there is one.
   [[nodiscard]] const Option* find(std::string_view name) const;

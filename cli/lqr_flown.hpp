@@ -27,8 +27,8 @@ struct FlownLqrArguments {
 /// Adds --change, --past, --estimator, --sensors and --height.
 void add_flown_lqr_options(CommandLine& line, FlownLqrArguments& arguments);
 
-/// Which of those came.
-/// @param line  that parsed them
+/// Which of those were given.
+/// @param line  after parse()
 [[nodiscard]] std::set<std::string> given_flown_options(const CommandLine& line);
 
 /// Runs a design for the flown plant whose options came from the command line.

@@ -17,7 +17,7 @@ class CommandLine;
 
 /// What the option that named the file takes, and the names that are nearest: of its folder, and of
 /// what is built in.
-/// @param line  the verb's options, parsed
+/// @param line  the verb's options, after parse()
 [[nodiscard]] FileError told_missing(const FileError& error, const CommandLine& line);
 
 }  // namespace quadtune::cli

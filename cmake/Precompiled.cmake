@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-# What would be compiled again for every source file, compiled once: headers, and the instantiations
-# of Eigen's decompositions. docs/decisions/0005-short-build.md says what each saves.
+# Headers that most source files include, and the instantiations of Eigen's decompositions, are
+# compiled once: docs/decisions/0005-short-build.md.
 #
 # GCC uses a precompiled header only where its options are those of the source file, so there is one
 # for each kind of target: libraries (quadtune_eigen), program (quadtune_cli) and tests
-# (quadtune_test_support). A source file with options of its own leaves it out.
+# (quadtune_test_support). A source file with options of its own is compiled without it.
 add_library(quadtune_eigen OBJECT
   lib/compiled_eigen/eigenvalues.cpp
   lib/compiled_eigen/factorizations.cpp

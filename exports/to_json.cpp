@@ -386,6 +386,7 @@ Json parsed(const std::string& text, const std::string& origin) {
   } catch (const internal::JsonError& error) {
     if (error.out_of_range())  // 1e999
       throw InvalidInput(origin, std::string("has a number beyond a double: ") + error.what());
+    if (error.byte() == 0) throw InvalidInput(origin, error.what());
     const auto end =
         text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte(), text.size()));
     throw InvalidInput(fmt::format("{}:{}", origin, 1 + std::count(text.begin(), end, '\n')),

@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <utility>
 
 #include "quadtune/internal/dump_json.hpp"
 #include "quadtune/internal/utf8.hpp"
@@ -16,7 +19,8 @@ namespace {
 
 using Library = nlohmann::ordered_json;
 
-Library to_library(const Json& json);
+// A text of a million brackets would overflow the stack where values are copied and destroyed.
+constexpr int kMaxDepth = 500;
 
 Json from_library(const Library& json) {
   switch (json.type()) {
@@ -155,7 +159,12 @@ Json Json::object() {
 
 Json Json::parse(const std::string& text) {
   try {
-    return from_library(Library::parse(text));
+    return from_library(Library::parse(text, [](int depth, Library::parse_event_t, Library&) {
+      if (depth > kMaxDepth)
+        throw JsonError(
+            fmt::format("nests arrays and objects more than {} deep, expected fewer", kMaxDepth));
+      return true;
+    }));
   } catch (const Library::parse_error& error) {
     throw JsonError(error.what(), error.byte);
   } catch (const Library::out_of_range& error) {
@@ -234,14 +243,20 @@ bool Json::boolean() const {
 
 std::int64_t Json::integer() const {
   if (kind_ == Kind::integer) return number_.integer;
-  return kind_ == Kind::natural ? static_cast<std::int64_t>(number_.natural)
-                                : static_cast<std::int64_t>(real());
+  if (kind_ == Kind::natural && std::in_range<std::int64_t>(number_.natural))
+    return static_cast<std::int64_t>(number_.natural);
+  constexpr double kExact = 9007199254740992;  // 2^53: beyond it a double is no single integer
+  const double value =
+      kind_ == Kind::real ? number_.real : std::numeric_limits<double>::quiet_NaN();
+  if (!(std::abs(value) <= kExact) || value != std::floor(value)) refuse("a whole number");
+  return static_cast<std::int64_t>(value);
 }
 
 std::uint64_t Json::natural() const {
   if (kind_ == Kind::natural) return number_.natural;
-  return kind_ == Kind::integer ? static_cast<std::uint64_t>(number_.integer)
-                                : static_cast<std::uint64_t>(real());
+  const std::int64_t value = integer();
+  if (value < 0) refuse("a whole number of at least 0");
+  return static_cast<std::uint64_t>(value);
 }
 
 double Json::real() const {

@@ -98,6 +98,28 @@ TEST(JsonValue, RefusesTextThatIsNotJson) {
   }
 }
 
+// A million brackets: copying or destroying such a value would overflow the stack.
+TEST(JsonValue, RefusesWhatIsNestedTooDeep) {
+  const auto nested = [](std::size_t depth) {
+    return std::string(depth, '[') + std::string(depth, ']');
+  };
+  EXPECT_EQ(json_text(Json::parse(nested(400))), nested(400));
+  for (const std::size_t depth : {600U, 1000000U})
+    EXPECT_THAT([&] { (void)Json::parse(nested(depth)); },
+                ThrowsMessage<JsonError>(HasSubstr("more than 500 deep")));
+}
+
+TEST(JsonValue, RefusesNumbersThatATypeCannotHold) {
+  EXPECT_EQ(Json(2.0).get<int>(), 2);
+  EXPECT_EQ(Json::parse("18446744073709551615").get<std::uint64_t>(),
+            std::numeric_limits<std::uint64_t>::max());
+  for (const char* text : {"2.5", "1e300", "4294967297", "18446744073709551615"})
+    EXPECT_THROW((void)Json::parse(text).get<int>(), JsonError) << text;
+  for (const char* text : {"-1", "-1.0", "0.5", "1e300"})
+    EXPECT_THROW((void)Json::parse(text).get<std::uint64_t>(), JsonError) << text;
+  EXPECT_THROW((void)Json(std::nan("")).get<int>(), JsonError);
+}
+
 TEST(JsonValue, RefusesWhatIsOfAnotherKind) {
   const Json json = {{"text", "x"}, {"number", 1}, {"list", {1, 2}}};
   EXPECT_THAT([&] { (void)json["text"].get<double>(); },

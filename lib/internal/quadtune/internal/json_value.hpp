@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A JSON value: null, a boolean, a number, a text, an array or an object whose members keep their
-/// order. nlohmann::json reads and writes the text, in json_value.cpp alone: what its headers make
-/// of one verb takes a compiler as long as the verb itself.
+/// A JSON value: null, a boolean, a number, a text, an array, or an object whose members keep their
+/// order. nlohmann::json reads and writes the text, in json_value.cpp alone: its templates double
+/// the time that a verb takes to compile.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace quadtune::internal {
@@ -38,7 +38,7 @@ class Json {
  public:
   Json() = default;
   Json(std::nullptr_t) {}
-  template <std::same_as<bool> B>  // of nothing that only converts to bool, such as a pointer
+  template <std::same_as<bool> B>  // a template, so that pointers do not convert to bool
   Json(B value) : kind_(Kind::boolean) {
     number_.boolean = value;
   }
@@ -67,7 +67,8 @@ class Json {
 
   [[nodiscard]] static Json array(std::initializer_list<Json> entries = {});
   [[nodiscard]] static Json object();
-  /// @throws JsonError  unless the text is JSON
+  /// @throws JsonError  if the text is not JSON, has a number beyond the range of double, or nests
+  ///                    arrays and objects more than 500 deep
   [[nodiscard]] static Json parse(const std::string& text);
 
   [[nodiscard]] bool is_null() const { return kind_ == Kind::null; }
@@ -124,7 +125,8 @@ class Json {
   /// Replaces or adds the members of another object.
   void update(const Json& other);
 
-  /// @throws JsonError  if it is of another kind
+  /// The value as a bool, a std::string, or a number; 2.0 is a whole number, too.
+  /// @throws JsonError  if it is of another kind, or a number that T cannot hold
   template <class T>
   [[nodiscard]] T get() const {
     if constexpr (std::same_as<T, bool>)
@@ -132,9 +134,9 @@ class Json {
     else if constexpr (std::same_as<T, std::string>)
       return text();
     else if constexpr (std::unsigned_integral<T>)
-      return static_cast<T>(natural());
+      return held<T>(natural());
     else if constexpr (std::signed_integral<T>)
-      return static_cast<T>(integer());
+      return held<T>(integer());
     else
       return static_cast<T>(real());
   }
@@ -153,6 +155,11 @@ class Json {
   [[nodiscard]] std::uint64_t natural() const;
   [[nodiscard]] double real() const;
   [[noreturn]] void refuse(const char* expected) const;
+  template <class T, class Integer>
+  [[nodiscard]] T held(Integer value) const {
+    if (!std::in_range<T>(value)) refuse("a smaller whole number");
+    return static_cast<T>(value);
+  }
 
   Kind kind_ = Kind::null;
   union {
