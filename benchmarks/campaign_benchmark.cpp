@@ -20,15 +20,15 @@
 #include <string_view>
 #include <vector>
 
-#include "campaign_records.hpp"
-#include "designed_mambo.hpp"
 #include "machine.hpp"
+#include "plants/designed_mambo.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/uncertainty_reader.hpp"
 #include "quadtune/simulation/campaign.hpp"
 #include "quadtune/simulation/campaign_shard.hpp"
 #include "quadtune/simulation/campaign_statistics.hpp"
 #include "quadtune/simulation/campaign_table.hpp"
+#include "simulation/campaign/campaign_records.hpp"
 #include "temporary_directory.hpp"
 #include "wall_time.hpp"
 

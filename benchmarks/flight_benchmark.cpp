@@ -18,8 +18,8 @@
 #include <string_view>
 #include <vector>
 
-#include "designed_mambo.hpp"
 #include "machine.hpp"
+#include "plants/designed_mambo.hpp"
 #include "quadtune/simulation/flight.hpp"
 #include "quadtune/simulation/packed_body.hpp"
 #include "quadtune/simulation/plant.hpp"

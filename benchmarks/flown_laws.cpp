@@ -13,11 +13,11 @@
 
 #include "quadtune/errors.hpp"
 #include "quadtune/model/mixer.hpp"
-#include "quadtune/workbench/chosen_law.hpp"
-#include "quadtune/workbench/design.hpp"
-#include "quadtune/workbench/fly.hpp"
-#include "quadtune/workbench/near_hover.hpp"
-#include "quadtune/workbench/standard_lqr.hpp"
+#include "quadtune/workbench/design/chosen_law.hpp"
+#include "quadtune/workbench/design/design.hpp"
+#include "quadtune/workbench/design/near_hover.hpp"
+#include "quadtune/workbench/design/standard_lqr.hpp"
+#include "quadtune/workbench/flight/fly.hpp"
 
 namespace quadtune {
 namespace {

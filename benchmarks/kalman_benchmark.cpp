@@ -12,11 +12,11 @@
 #include <string>
 #include <string_view>
 
-#include "filter_models.hpp"
 #include "kalman_coverage.hpp"
 #include "kalman_peers.hpp"
 #include "kalman_problems.hpp"
 #include "machine.hpp"
+#include "plants/filter_models.hpp"
 #include "quadtune/estimation/nonlinear_filter.hpp"
 #include "quadtune/tuning/innovation_likelihood.hpp"
 #include "quadtune/tuning/noise_fit.hpp"

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "filter_models.hpp"
+#include "plants/filter_models.hpp"
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/tuning/noise_fit.hpp"
 #include "wall_time.hpp"

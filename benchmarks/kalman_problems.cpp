@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "filter_models.hpp"
+#include "plants/filter_models.hpp"
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/model/rigid_body.hpp"
 #include "quadtune/model/vehicle.hpp"

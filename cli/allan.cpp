@@ -11,17 +11,17 @@
 #include <ostream>
 #include <utility>
 
-#include "allan_figure.hpp"
-#include "allan_units.hpp"
-#include "command_line.hpp"
-#include "plot_argument.hpp"
-#include "print.hpp"
-#include "program.hpp"
+#include "arguments/plot_argument.hpp"
+#include "arguments/sensor_log.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/tuning/made_up_imu.hpp"
-#include "sensor_log.hpp"
+#include "report/logs/allan_units.hpp"
+#include "report/plots/allan_figure.hpp"
+#include "report/text/print.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -7,16 +7,16 @@
 #include <optional>
 #include <ostream>
 
-#include "calibration_report.hpp"
-#include "command_line.hpp"
-#include "matrix_arguments.hpp"
-#include "program.hpp"
+#include "arguments/matrix_arguments.hpp"
+#include "arguments/sensor_log.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/imu_calibration_file.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/tuning/made_up_imu.hpp"
-#include "sensor_log.hpp"
+#include "report/logs/calibration_report.hpp"
 
 namespace quadtune::cli {
 namespace {

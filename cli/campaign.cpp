@@ -14,17 +14,17 @@
 #include <memory>
 #include <ostream>
 
-#include "campaign_merge.hpp"
-#include "campaign_plan.hpp"
-#include "campaign_report.hpp"
-#include "campaign_scripts.hpp"
-#include "command_line.hpp"
-#include "flight_story.hpp"
-#include "program.hpp"
+#include "campaign/campaign_merge.hpp"
+#include "campaign/campaign_plan.hpp"
+#include "campaign/campaign_scripts.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/logs/flight_log.hpp"
+#include "report/flights/campaign_report.hpp"
+#include "report/flights/flight_story.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -9,25 +9,25 @@
 #include <optional>
 #include <ostream>
 
-#include "certify_report.hpp"
-#include "command_line.hpp"
-#include "flight_arguments.hpp"
-#include "flown_or_ideal.hpp"
-#include "print.hpp"
-#include "program.hpp"
+#include "arguments/flight_arguments.hpp"
+#include "arguments/read_number.hpp"
+#include "laws/flown_or_ideal.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/manifest.hpp"
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/tuning/uncertain_vehicle.hpp"
-#include "quadtune/workbench/chosen_law.hpp"
-#include "quadtune/workbench/flown_box.hpp"
-#include "quadtune/workbench/flown_check.hpp"
-#include "quadtune/workbench/flying_loop.hpp"
-#include "read_number.hpp"
-#include "refusal.hpp"
-#include "verify_report.hpp"
+#include "quadtune/workbench/design/chosen_law.hpp"
+#include "quadtune/workbench/flown/flown_box.hpp"
+#include "quadtune/workbench/flown/flown_check.hpp"
+#include "quadtune/workbench/flown/flying_loop.hpp"
+#include "report/gains/verify_report.hpp"
+#include "report/loops/certify_report.hpp"
+#include "report/text/print.hpp"
 
 namespace quadtune::cli {
 namespace {

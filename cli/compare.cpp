@@ -6,13 +6,13 @@
 #include <memory>
 #include <ostream>
 
-#include "command_line.hpp"
-#include "flight_arguments.hpp"
-#include "flight_difference.hpp"
-#include "flight_story.hpp"
-#include "program.hpp"
+#include "arguments/flight_arguments.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
+#include "report/flights/flight_difference.hpp"
+#include "report/flights/flight_story.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -8,18 +8,18 @@
 #include <optional>
 #include <ostream>
 
-#include "command_line.hpp"
-#include "design_flights.hpp"
-#include "design_report.hpp"
-#include "flight_story.hpp"
-#include "program.hpp"
+#include "laws/trusted_covariances.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
-#include "quadtune/workbench/export_content.hpp"
-#include "trusted_covariances.hpp"
-#include "verify_report.hpp"
+#include "quadtune/workbench/design/export_content.hpp"
+#include "report/flights/design_flights.hpp"
+#include "report/flights/flight_story.hpp"
+#include "report/gains/design_report.hpp"
+#include "report/gains/verify_report.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -8,12 +8,12 @@
 #include <memory>
 #include <ostream>
 
-#include "command_line.hpp"
-#include "given_gains.hpp"
-#include "print.hpp"
-#include "program.hpp"
+#include "laws/given_gains.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
+#include "report/text/print.hpp"
 
 namespace quadtune::cli {
 namespace {

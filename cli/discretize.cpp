@@ -10,15 +10,15 @@
 #include <optional>
 #include <ostream>
 
-#include "command_line.hpp"
-#include "flown_or_ideal.hpp"
-#include "matrix_arguments.hpp"
-#include "method_comparison.hpp"
-#include "print.hpp"
-#include "program.hpp"
+#include "arguments/matrix_arguments.hpp"
+#include "laws/flown_or_ideal.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/discretize/sample_time.hpp"
 #include "quadtune/discretize/to_continuous.hpp"
 #include "quadtune/internal/json.hpp"
+#include "report/loops/method_comparison.hpp"
+#include "report/text/print.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -8,18 +8,18 @@
 #include <memory>
 #include <ostream>
 
-#include "command_line.hpp"
-#include "export_report.hpp"
-#include "given_gains.hpp"
-#include "program.hpp"
+#include "laws/given_gains.hpp"
+#include "laws/trusted_covariances.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/exports/convert.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/workbench/cascade_report.hpp"
-#include "quadtune/workbench/export_content.hpp"
-#include "quadtune/workbench/flying_loop.hpp"
-#include "refusal.hpp"
-#include "trusted_covariances.hpp"
+#include "quadtune/workbench/design/cascade_report.hpp"
+#include "quadtune/workbench/design/export_content.hpp"
+#include "quadtune/workbench/flown/flying_loop.hpp"
+#include "report/gains/export_report.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include "command_line.hpp"
-#include "flight_arguments.hpp"
-#include "flight_story.hpp"
-#include "program.hpp"
+#include "arguments/flight_arguments.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/logs/flight_log.hpp"
+#include "report/flights/flight_story.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -8,9 +8,9 @@
 #include <memory>
 #include <ostream>
 
-#include "command_line.hpp"
-#include "completion.hpp"
-#include "program.hpp"
+#include "program/command_line.hpp"
+#include "program/completion.hpp"
+#include "program/program.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"

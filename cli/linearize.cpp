@@ -7,11 +7,11 @@
 #include <memory>
 #include <ostream>
 
-#include "command_line.hpp"
-#include "plant_arguments.hpp"
-#include "print.hpp"
-#include "program.hpp"
+#include "arguments/plant_arguments.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/internal/json.hpp"
+#include "report/text/print.hpp"
 
 namespace quadtune::cli {
 namespace {

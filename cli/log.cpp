@@ -7,14 +7,14 @@
 #include <optional>
 #include <ostream>
 
-#include "command_line.hpp"
-#include "log_arguments.hpp"
-#include "log_report.hpp"
-#include "print.hpp"
-#include "program.hpp"
+#include "arguments/log_arguments.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/estimation/model_needs.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/logs/log_survey.hpp"
+#include "report/logs/log_report.hpp"
+#include "report/text/print.hpp"
 
 namespace quadtune::cli {
 namespace {

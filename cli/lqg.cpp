@@ -5,15 +5,15 @@
 #include <memory>
 #include <ostream>
 
-#include "command_line.hpp"
-#include "flight_arguments.hpp"
-#include "lqr_flown.hpp"
-#include "margins_report.hpp"
-#include "matrix_arguments.hpp"
-#include "print.hpp"
-#include "program.hpp"
+#include "arguments/flight_arguments.hpp"
+#include "arguments/matrix_arguments.hpp"
+#include "laws/lqr_flown.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/workbench/lqg_report.hpp"
+#include "quadtune/workbench/design/lqg_report.hpp"
+#include "report/loops/margins_report.hpp"
+#include "report/text/print.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -10,24 +10,24 @@
 #include <optional>
 #include <ostream>
 
-#include "command_line.hpp"
-#include "flown_or_ideal.hpp"
-#include "flown_report.hpp"
-#include "given_gains.hpp"
-#include "lqr_arguments.hpp"
-#include "lqr_flown.hpp"
-#include "lqr_matrix.hpp"
-#include "lqr_schedule.hpp"
-#include "margins_report.hpp"
-#include "matrix_arguments.hpp"
-#include "plant_arguments.hpp"
-#include "print.hpp"
-#include "program.hpp"
+#include "arguments/lqr_arguments.hpp"
+#include "arguments/matrix_arguments.hpp"
+#include "arguments/plant_arguments.hpp"
+#include "laws/flown_or_ideal.hpp"
+#include "laws/given_gains.hpp"
+#include "laws/lqr_flown.hpp"
+#include "laws/lqr_matrix.hpp"
+#include "laws/lqr_schedule.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/synthesis/state_feedback.hpp"
-#include "quadtune/workbench/flying_loop.hpp"
+#include "quadtune/workbench/flown/flying_loop.hpp"
+#include "report/loops/flown_report.hpp"
+#include "report/loops/margins_report.hpp"
+#include "report/text/print.hpp"
 
 namespace quadtune::cli {
 namespace {

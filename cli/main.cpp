@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "fold_text.hpp"
-#include "program.hpp"
-#include "standard_streams.hpp"
+#include "program/fold_text.hpp"
+#include "program/program.hpp"
+#include "program/standard_streams.hpp"
 
 int main(int argc, char** argv) {
   using namespace quadtune::cli;

@@ -10,19 +10,14 @@
 #include <optional>
 #include <ostream>
 
-#include "cascade_report.hpp"
-#include "command_line.hpp"
-#include "flight_arguments.hpp"
-#include "flown_or_ideal.hpp"
-#include "flown_report.hpp"
-#include "given_gains.hpp"
-#include "looks_sampled.hpp"
-#include "loop_figure.hpp"
-#include "margins_report.hpp"
-#include "matrix_arguments.hpp"
-#include "plot_argument.hpp"
-#include "print.hpp"
-#include "program.hpp"
+#include "arguments/flight_arguments.hpp"
+#include "arguments/matrix_arguments.hpp"
+#include "arguments/plot_argument.hpp"
+#include "laws/flown_or_ideal.hpp"
+#include "laws/given_gains.hpp"
+#include "laws/looks_sampled.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/control/cascade_law.hpp"
 #include "quadtune/discretize/delay.hpp"
 #include "quadtune/discretize/zoh.hpp"
@@ -30,8 +25,13 @@
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/matrix_checks.hpp"
 #include "quadtune/model/vehicle.hpp"
-#include "quadtune/workbench/flown_loop.hpp"
-#include "quadtune/workbench/flying_loop.hpp"
+#include "quadtune/workbench/flown/flown_loop.hpp"
+#include "quadtune/workbench/flown/flying_loop.hpp"
+#include "report/loops/cascade_report.hpp"
+#include "report/loops/flown_report.hpp"
+#include "report/loops/margins_report.hpp"
+#include "report/plots/loop_figure.hpp"
+#include "report/text/print.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -4,13 +4,13 @@
 /// compiles the whole program again.
 #pragma once
 
-#include "command_line.hpp"
-#include "print.hpp"
-#include "program.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/precompiled.hpp"
-#include "quadtune/workbench/design.hpp"
-#include "quadtune/workbench/flight_plan.hpp"
-#include "quadtune/workbench/flown_loop.hpp"
-#include "quadtune/workbench/given_gains.hpp"
+#include "quadtune/workbench/design/design.hpp"
+#include "quadtune/workbench/design/given_gains.hpp"
+#include "quadtune/workbench/flight/flight_plan.hpp"
+#include "quadtune/workbench/flown/flown_loop.hpp"
+#include "report/text/print.hpp"

@@ -13,10 +13,10 @@
 #include <ostream>
 #include <set>
 
-#include "command_line.hpp"
-#include "log_arguments.hpp"
-#include "log_report.hpp"
-#include "program.hpp"
+#include "arguments/log_arguments.hpp"
+#include "arguments/read_number.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/estimation/log_signals.hpp"
@@ -26,9 +26,9 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
-#include "read_number.hpp"
-#include "tune_report.hpp"
-#include "tune_story.hpp"
+#include "report/logs/log_report.hpp"
+#include "report/logs/tune_report.hpp"
+#include "report/logs/tune_story.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -6,18 +6,18 @@
 #include <memory>
 #include <ostream>
 
-#include "command_line.hpp"
-#include "gain_match_report.hpp"
-#include "given_gains.hpp"
-#include "lqr_arguments.hpp"
-#include "matrix_arguments.hpp"
-#include "program.hpp"
+#include "arguments/lqr_arguments.hpp"
+#include "arguments/matrix_arguments.hpp"
+#include "laws/given_gains.hpp"
+#include "missions/tune_lqr_missions.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/convert.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/tuning/match_gains.hpp"
-#include "tune_lqr_missions.hpp"
+#include "report/gains/gain_match_report.hpp"
 
 namespace quadtune::cli {
 namespace {

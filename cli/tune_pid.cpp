@@ -5,10 +5,10 @@
 #include <cmath>
 #include <memory>
 
-#include "command_line.hpp"
-#include "flight_arguments.hpp"
-#include "mission_tuning.hpp"
-#include "program.hpp"
+#include "arguments/flight_arguments.hpp"
+#include "missions/mission_tuning.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/mambo.hpp"
 #include "quadtune/internal/json.hpp"

@@ -11,9 +11,8 @@
 #include <memory>
 #include <ostream>
 
-#include "command_line.hpp"
-#include "print.hpp"
-#include "program.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -21,6 +20,7 @@
 #include "quadtune/model/assumed_values.hpp"
 #include "quadtune/model/mixer.hpp"
 #include "quadtune/model/plausibility.hpp"
+#include "report/text/print.hpp"
 
 namespace quadtune::cli {
 namespace {

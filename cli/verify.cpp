@@ -9,9 +9,8 @@
 #include <memory>
 #include <ostream>
 
-#include "command_line.hpp"
-#include "print.hpp"
-#include "program.hpp"
+#include "program/command_line.hpp"
+#include "program/program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/manifest.hpp"
 #include "quadtune/exports/read_gains.hpp"
@@ -20,12 +19,13 @@
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
 #include "quadtune/version.hpp"
-#include "quadtune/workbench/cascade_report.hpp"
-#include "quadtune/workbench/export_content.hpp"
-#include "quadtune/workbench/flown_check.hpp"
-#include "quadtune/workbench/flying_loop.hpp"
-#include "verify_evidence.hpp"
-#include "verify_report.hpp"
+#include "quadtune/workbench/design/cascade_report.hpp"
+#include "quadtune/workbench/design/export_content.hpp"
+#include "quadtune/workbench/flown/flown_check.hpp"
+#include "quadtune/workbench/flown/flying_loop.hpp"
+#include "report/gains/verify_evidence.hpp"
+#include "report/gains/verify_report.hpp"
+#include "report/text/print.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <nlohmann/json_fwd.hpp>  // its version
 
+#include "json/to_json.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/mambo.hpp"
 #include "quadtune/exports/uquad.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/version.hpp"
-#include "to_json.hpp"
 
 namespace quadtune {
 namespace {

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "cascade_reader.hpp"
+#include "control/cascade_reader.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/estimation/tuned_noise.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "extended_run.hpp"
+#include "estimation/extended_run.hpp"
 
 #include <fmt/format.h>
 

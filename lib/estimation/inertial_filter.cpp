@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "extended_run.hpp"
+#include "estimation/extended_run.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/model/rigid_body_jacobian.hpp"
 

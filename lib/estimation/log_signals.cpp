@@ -8,7 +8,7 @@
 #include <cmath>
 #include <memory>
 
-#include "own_log.hpp"
+#include "estimation/own_log.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/text_file.hpp"

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "estimation/own_log.hpp"
 #include "logs/log_titles.hpp"
-#include "own_log.hpp"
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/internal/joined.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "own_log.hpp"
+#include "estimation/own_log.hpp"
 
 #include <fmt/format.h>
 

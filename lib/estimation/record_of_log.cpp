@@ -9,11 +9,11 @@
 #include <limits>
 #include <optional>
 
+#include "estimation/record_truth.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
-#include "record_truth.hpp"
 
 namespace quadtune {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "record_truth.hpp"
+#include "estimation/record_truth.hpp"
 
 #include <fmt/format.h>
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "extended_run.hpp"
+#include "estimation/extended_run.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
 #include "quadtune/internal/joined.hpp"

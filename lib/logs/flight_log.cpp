@@ -7,8 +7,8 @@
 #include <string_view>
 #include <unordered_set>
 
+#include "logs/formats/unicode.hpp"
 #include "logs/log_checks.hpp"
-#include "logs/unicode.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/text_file.hpp"
 

@@ -7,13 +7,13 @@
 #include <string>
 #include <utility>
 
-#include "logs/foreign_formats.hpp"
-#include "logs/mat_reader.hpp"
-#include "logs/replay_reader.hpp"
-#include "logs/text_reader.hpp"
-#include "logs/ulog_reader.hpp"
-#include "logs/unicode.hpp"
-#include "logs/uquad_reader.hpp"
+#include "logs/formats/foreign_formats.hpp"
+#include "logs/formats/replay_reader.hpp"
+#include "logs/formats/text_reader.hpp"
+#include "logs/formats/ulog_reader.hpp"
+#include "logs/formats/unicode.hpp"
+#include "logs/formats/uquad_reader.hpp"
+#include "logs/mat/mat_reader.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "logs/byte_stream.hpp"
+#include "logs/formats/byte_stream.hpp"
 #include "quadtune/logs/log_reader.hpp"
 
 namespace quadtune::internal {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sensor_file.hpp"
+#include "model/sensor_file.hpp"
 
 #include <fmt/format.h>
 

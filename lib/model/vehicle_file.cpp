@@ -5,7 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "cascade_reader.hpp"
+#include "control/cascade_reader.hpp"
+#include "model/sensor_file.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/built_in.hpp"
 #include "quadtune/internal/joined.hpp"
@@ -14,7 +15,6 @@
 #include "quadtune/internal/toml_reader.hpp"
 #include "quadtune/model/inertia.hpp"
 #include "quadtune/model/vehicle.hpp"
-#include "sensor_file.hpp"
 
 namespace quadtune {
 namespace {

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <tuple>
 
-#include "closed_loop_parts.hpp"
 #include "quadtune/control/allocation.hpp"
 #include "quadtune/control/cascaded_pid.hpp"
 #include "quadtune/control/scheduled_feedback.hpp"
@@ -21,6 +20,7 @@
 #include "quadtune/model/mixer.hpp"
 #include "quadtune/simulation/air.hpp"
 #include "quadtune/simulation/pack.hpp"
+#include "simulation/loop/closed_loop_parts.hpp"
 
 namespace quadtune {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flight_recorder.hpp"
+#include "simulation/flight_recorder.hpp"
 
 #include <fmt/format.h>
 
-#include "closed_loop_parts.hpp"
 #include "quadtune/simulation/air.hpp"
+#include "simulation/loop/closed_loop_parts.hpp"
 
 namespace quadtune::internal {
 

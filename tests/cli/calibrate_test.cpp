@@ -12,13 +12,13 @@
 #include <string>
 #include <vector>
 
+#include "log_files/ulog_writer.hpp"
 #include "matrix_near.hpp"
 #include "quadtune/exports/imu_calibration_file.hpp"
 #include "quadtune/tuning/made_up_imu.hpp"
 #include "run_program.hpp"
 #include "shared_data.hpp"
 #include "temporary_directory.hpp"
-#include "ulog_writer.hpp"
 
 namespace quadtune {
 namespace {

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "designed_mambo.hpp"
+#include "plants/designed_mambo.hpp"
 #include "run_program.hpp"
 #include "sanitized.hpp"
 #include "source_folder.hpp"

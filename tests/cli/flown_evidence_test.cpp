@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Tuned gains whose flown loop is unstable are rejected.
-#include "flown_evidence.hpp"
+#include "missions/flown_evidence.hpp"
 
 #include <gmock/gmock.h>
 
-#include "quadtune/workbench/chosen_law.hpp"
+#include "quadtune/workbench/design/chosen_law.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "log_files/ulog_writer.hpp"
 #include "run_program.hpp"
 #include "source_folder.hpp"
 #include "temporary_directory.hpp"
-#include "ulog_writer.hpp"
 
 namespace quadtune {
 namespace {

@@ -10,7 +10,7 @@
 #include "matrix_near.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/model/vehicle.hpp"
-#include "quadtune/workbench/flown_lqi.hpp"
+#include "quadtune/workbench/flown/flown_lqi.hpp"
 #include "run_json.hpp"
 #include "run_program.hpp"
 #include "sanitized.hpp"

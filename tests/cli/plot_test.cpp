@@ -10,12 +10,12 @@
 #include <fstream>
 #include <sstream>
 
-#include "comparison_figure.hpp"
-#include "gnuplot.hpp"
-#include "label_placement.hpp"
-#include "loop_figure.hpp"
-#include "loop_panels.hpp"
+#include "program/gnuplot.hpp"
 #include "quadtune/errors.hpp"
+#include "report/plots/comparison_figure.hpp"
+#include "report/plots/label_placement.hpp"
+#include "report/plots/loop_figure.hpp"
+#include "report/plots/loop_panels.hpp"
 #include "run_program.hpp"
 #include "source_folder.hpp"
 #include "temporary_directory.hpp"

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "lqr_schedule.hpp"
+#include "laws/lqr_schedule.hpp"
 #include "quadtune/exports/schedule_table.hpp"
 #include "run_program.hpp"
 #include "sanitized.hpp"

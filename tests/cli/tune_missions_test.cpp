@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "program.hpp"
+#include "program/program.hpp"
 #include "run_program.hpp"
 #include "sanitized.hpp"
 #include "temporary_directory.hpp"

@@ -6,8 +6,8 @@
 #include <random>
 
 #include "matrix_near.hpp"
+#include "plants/random_plant.hpp"
 #include "quadtune/errors.hpp"
-#include "random_plant.hpp"
 
 namespace quadtune {
 namespace {

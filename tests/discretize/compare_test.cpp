@@ -7,10 +7,10 @@
 #include <cmath>
 #include <complex>
 
+#include "methods/sections.hpp"
 #include "quadtune/discretize/matched.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/frequency_response.hpp"
-#include "sections.hpp"
 
 namespace quadtune {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quadtune/discretize/discretize.hpp"
 
-#include "hover_model.hpp"
 #include "matrix_near.hpp"
+#include "plants/hover_model.hpp"
 #include "quadtune/discretize/backward_euler.hpp"
 #include "quadtune/discretize/euler.hpp"
 #include "quadtune/discretize/foh.hpp"

@@ -4,11 +4,11 @@
 #include <Eigen/LU>
 #include <random>
 
-#include "hover_model.hpp"
 #include "matrix_near.hpp"
+#include "plants/hover_model.hpp"
+#include "plants/random_plant.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
-#include "random_plant.hpp"
 
 namespace quadtune {
 namespace {

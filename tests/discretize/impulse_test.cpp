@@ -5,9 +5,9 @@
 #include <random>
 
 #include "matrix_near.hpp"
+#include "plants/random_plant.hpp"
 #include "quadtune/discretize/matrix_exponential.hpp"
 #include "quadtune/errors.hpp"
-#include "random_plant.hpp"
 
 namespace quadtune {
 namespace {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "matrix_near.hpp"
+#include "plants/random_plant.hpp"
 #include "quadtune/discretize/discretize.hpp"
-#include "random_plant.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {

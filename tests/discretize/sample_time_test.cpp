@@ -6,8 +6,8 @@
 #include <cmath>
 #include <complex>
 
-#include "hover_model.hpp"
 #include "matrix_near.hpp"
+#include "plants/hover_model.hpp"
 #include "quadtune/discretize/euler.hpp"
 #include "quadtune/discretize/tustin.hpp"
 #include "quadtune/errors.hpp"

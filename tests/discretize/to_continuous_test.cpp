@@ -4,12 +4,12 @@
 #include <cmath>
 #include <random>
 
-#include "hover_model.hpp"
 #include "matrix_near.hpp"
+#include "plants/hover_model.hpp"
+#include "plants/random_plant.hpp"
 #include "quadtune/discretize/tustin.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
-#include "random_plant.hpp"
 
 namespace quadtune {
 namespace {

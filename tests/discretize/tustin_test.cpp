@@ -9,9 +9,9 @@
 #include <random>
 
 #include "matrix_near.hpp"
+#include "plants/slicot_example.hpp"
 #include "quadtune/errors.hpp"
 #include "shared_data.hpp"
-#include "slicot_example.hpp"
 
 namespace quadtune {
 namespace {

@@ -7,8 +7,8 @@
 #include <random>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "hover_model.hpp"
 #include "matrix_near.hpp"
+#include "plants/hover_model.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
 

@@ -5,12 +5,12 @@
 #include <limits>
 #include <random>
 
-#include "extended_hold.hpp"
-#include "hover_model.hpp"
 #include "matrix_near.hpp"
+#include "plants/extended_hold.hpp"
+#include "plants/hover_model.hpp"
+#include "plants/slicot_example.hpp"
 #include "quadtune/errors.hpp"
 #include "shared_data.hpp"
-#include "slicot_example.hpp"
 
 namespace quadtune {
 namespace {

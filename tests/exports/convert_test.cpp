@@ -3,8 +3,8 @@
 
 #include <gmock/gmock.h>
 
-#include "export_models.hpp"
 #include "matrix_near.hpp"
+#include "plants/export_models.hpp"
 #include "quadtune/errors.hpp"
 
 namespace quadtune {

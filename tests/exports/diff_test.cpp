@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "export_models.hpp"
+#include "plants/export_models.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/convert.hpp"
 #include "quadtune/exports/uquad.hpp"

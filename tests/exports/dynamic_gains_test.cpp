@@ -7,8 +7,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "export_models.hpp"
 #include "matrix_near.hpp"
+#include "plants/export_models.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/general_filter_settings.hpp"
 #include "quadtune/exports/export.hpp"

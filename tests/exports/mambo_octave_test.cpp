@@ -8,8 +8,8 @@
 #include <map>
 #include <sstream>
 
-#include "export_models.hpp"
 #include "matrix_near.hpp"
+#include "plants/export_models.hpp"
 #include "quadtune/exports/digital_filter.hpp"
 #include "quadtune/exports/mambo.hpp"
 #include "temporary_directory.hpp"

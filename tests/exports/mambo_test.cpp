@@ -5,8 +5,8 @@
 
 #include <limits>
 
-#include "export_models.hpp"
 #include "matrix_near.hpp"
+#include "plants/export_models.hpp"
 #include "quadtune/errors.hpp"
 
 namespace quadtune {

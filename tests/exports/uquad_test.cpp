@@ -8,8 +8,8 @@
 #include <limits>
 #include <random>
 
-#include "export_models.hpp"
 #include "matrix_near.hpp"
+#include "plants/export_models.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
 #include "shared_data.hpp"

@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "export_models.hpp"
 #include "matrix_near.hpp"
+#include "plants/export_models.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/uquad.hpp"

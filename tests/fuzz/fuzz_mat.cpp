@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// In this process, so that the fuzzer sees what the child does: the guard is for what it misses.
 #include "fuzz_log.hpp"
-#include "logs/mat_content.hpp"
+#include "logs/mat/mat_content.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t kMost = std::size_t{1} << 22U;

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <string>
 
-#include "hostile_samples.hpp"
-#include "ulog_writer.hpp"
+#include "log_files/hostile_samples.hpp"
+#include "log_files/ulog_writer.hpp"
 
 namespace {
 

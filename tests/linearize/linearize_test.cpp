@@ -10,12 +10,12 @@
 #include <random>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "hover_model.hpp"
 #include "integrate.hpp"
 #include "matrix_near.hpp"
+#include "plants/hover_model.hpp"
+#include "plants/sample_vehicles.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/model/rigid_body.hpp"
-#include "sample_vehicles.hpp"
 
 namespace quadtune {
 namespace {

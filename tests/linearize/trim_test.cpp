@@ -9,9 +9,9 @@
 
 #include "integrate.hpp"
 #include "matrix_near.hpp"
+#include "plants/sample_vehicles.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/model/rigid_body.hpp"
-#include "sample_vehicles.hpp"
 
 namespace quadtune {
 namespace {

@@ -6,8 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "hostile_samples.hpp"
 #include "kinds.hpp"
+#include "log_files/hostile_samples.hpp"
 #include "quadtune/exports/file_set.hpp"
 #include "run_program.hpp"
 

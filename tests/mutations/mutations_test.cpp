@@ -11,7 +11,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "program.hpp"
+#include "program/program.hpp"
 #include "run_cases.hpp"
 #include "sanitized.hpp"
 #include "temporary_directory.hpp"

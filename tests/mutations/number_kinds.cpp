@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "hostile_samples.hpp"
 #include "kinds.hpp"
+#include "log_files/hostile_samples.hpp"
 #include "random.hpp"
 
 namespace quadtune::mutations {

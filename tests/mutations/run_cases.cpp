@@ -20,7 +20,7 @@
 #include <string_view>
 #include <typeinfo>
 
-#include "program.hpp"
+#include "program/program.hpp"
 
 namespace quadtune::mutations {
 namespace {

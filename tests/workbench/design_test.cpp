@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A design in memory is that of a file, to the last bit.
-#include "quadtune/workbench/design.hpp"
+#include "quadtune/workbench/design/design.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -10,7 +10,7 @@
 
 #include "quadtune/errors.hpp"
 #include "quadtune/model/vehicle.hpp"
-#include "quadtune/workbench/export_content.hpp"
+#include "quadtune/workbench/design/export_content.hpp"
 #include "same_bits.hpp"
 #include "sanitized.hpp"
 #include "source_folder.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Each cause of a failed flight, made on purpose.
-#include "quadtune/workbench/diagnosis.hpp"
+#include "quadtune/workbench/flight/diagnosis.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What an error exceeds in one flight of many, against closed forms and simulated errors.
-#include "quadtune/workbench/error_quantiles.hpp"
+#include "quadtune/workbench/flight/error_quantiles.hpp"
 
 #include <gtest/gtest.h>
 

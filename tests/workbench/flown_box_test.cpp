@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The flown loop for vehicles of a box.
-#include "quadtune/workbench/flown_box.hpp"
+#include "quadtune/workbench/flown/flown_box.hpp"
 
 #include <gmock/gmock.h>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/tuning/uncertain_vehicle.hpp"
-#include "quadtune/workbench/chosen_law.hpp"
-#include "quadtune/workbench/flown_gains.hpp"
+#include "quadtune/workbench/design/chosen_law.hpp"
+#include "quadtune/workbench/flown/flown_gains.hpp"
 
 namespace quadtune {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The loop of a flight as it flies, and designs that are refused by it.
-#include "quadtune/workbench/flown_loop.hpp"
+#include "quadtune/workbench/flown/flown_loop.hpp"
 
 #include <gmock/gmock.h>
 
@@ -8,10 +8,10 @@
 #include <complex>
 #include <string>
 
-#include "designed_mambo.hpp"
+#include "plants/designed_mambo.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/model/vehicle.hpp"
-#include "quadtune/workbench/design.hpp"
+#include "quadtune/workbench/design/design.hpp"
 
 namespace quadtune {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// One law at several control periods on the flown plant.
-#include "quadtune/workbench/flown_periods.hpp"
+#include "quadtune/workbench/flown/flown_periods.hpp"
 
 #include <gmock/gmock.h>
 
 #include "quadtune/errors.hpp"
-#include "quadtune/workbench/chosen_law.hpp"
-#include "quadtune/workbench/flown_gains.hpp"
-#include "quadtune/workbench/standard_lqr.hpp"
+#include "quadtune/workbench/design/chosen_law.hpp"
+#include "quadtune/workbench/design/standard_lqr.hpp"
+#include "quadtune/workbench/flown/flown_gains.hpp"
 
 namespace quadtune {
 namespace {

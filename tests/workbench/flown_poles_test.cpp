@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "quadtune/model/vehicle.hpp"
-#include "quadtune/workbench/flown_lqi.hpp"
-#include "quadtune/workbench/lqi_report.hpp"
+#include "quadtune/workbench/design/lqi_report.hpp"
+#include "quadtune/workbench/flown/flown_lqi.hpp"
 #include "sanitized.hpp"
 
 namespace quadtune {

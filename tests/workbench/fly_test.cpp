@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// One call flies what the program flies.
-#include "quadtune/workbench/fly.hpp"
+#include "quadtune/workbench/flight/fly.hpp"
 
 #include <gmock/gmock.h>
 

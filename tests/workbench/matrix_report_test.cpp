@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Gains of a given structure for programs that hold matrices alone.
-#include "quadtune/workbench/matrix_report.hpp"
+#include "quadtune/workbench/design/matrix_report.hpp"
 
 #include <gmock/gmock.h>
 
@@ -10,8 +10,8 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/uquad.hpp"
 #include "quadtune/linearize/linearize.hpp"
-#include "quadtune/workbench/chosen_law.hpp"
-#include "quadtune/workbench/fly.hpp"
+#include "quadtune/workbench/design/chosen_law.hpp"
+#include "quadtune/workbench/flight/fly.hpp"
 #include "sanitized.hpp"
 #include "source_folder.hpp"
 

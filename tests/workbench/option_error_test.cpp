@@ -8,9 +8,9 @@
 
 #include "quadtune/errors.hpp"
 #include "quadtune/model/vehicle.hpp"
-#include "quadtune/workbench/chosen_law.hpp"
-#include "quadtune/workbench/design.hpp"
-#include "quadtune/workbench/fly.hpp"
+#include "quadtune/workbench/design/chosen_law.hpp"
+#include "quadtune/workbench/design/design.hpp"
+#include "quadtune/workbench/flight/fly.hpp"
 
 namespace quadtune {
 namespace {

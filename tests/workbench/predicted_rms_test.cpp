@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The covariance of the flown loop, against flights and against what is known of it.
-#include "quadtune/workbench/predicted_rms.hpp"
+#include "quadtune/workbench/flight/predicted_rms.hpp"
 
 #include <gmock/gmock.h>
 
@@ -12,8 +12,8 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/simulation/flight.hpp"
-#include "quadtune/workbench/flown_lqi.hpp"
-#include "quadtune/workbench/lqi_report.hpp"
+#include "quadtune/workbench/design/lqi_report.hpp"
+#include "quadtune/workbench/flown/flown_lqi.hpp"
 #include "sanitized.hpp"
 
 namespace quadtune {

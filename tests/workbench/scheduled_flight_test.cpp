@@ -12,9 +12,9 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/linearize/linearize.hpp"
 #include "quadtune/tuning/schedule.hpp"
-#include "quadtune/workbench/chosen_law.hpp"
-#include "quadtune/workbench/fly.hpp"
-#include "quadtune/workbench/standard_lqr.hpp"
+#include "quadtune/workbench/design/chosen_law.hpp"
+#include "quadtune/workbench/design/standard_lqr.hpp"
+#include "quadtune/workbench/flight/fly.hpp"
 #include "same_flight.hpp"
 
 namespace quadtune {

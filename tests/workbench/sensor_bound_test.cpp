@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What sensors can know, against closed forms, the Riccati solver, and published numbers.
-#include "quadtune/workbench/sensor_bound.hpp"
+#include "quadtune/workbench/flight/sensor_bound.hpp"
 
 #include <gmock/gmock.h>
 
@@ -11,7 +11,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/synthesis/kalman.hpp"
-#include "quadtune/workbench/flight_plan.hpp"
+#include "quadtune/workbench/flight/flight_plan.hpp"
 
 namespace quadtune {
 namespace {

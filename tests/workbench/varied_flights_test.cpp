@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "quadtune/workbench/fly.hpp"
+#include "quadtune/workbench/flight/fly.hpp"
 #include "sanitized.hpp"
 
 namespace quadtune {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Limits that the sensors cannot keep are widened, and nothing else.
-#include "quadtune/workbench/widened_limits.hpp"
+#include "quadtune/workbench/flight/widened_limits.hpp"
 
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <string>
 
-#include "quadtune/workbench/fly.hpp"
+#include "quadtune/workbench/flight/fly.hpp"
 
 namespace quadtune {
 namespace {

@@ -3,8 +3,8 @@
 /// every lane gets the same bytes however many there are and whatever the C library is.
 ///
 /// Errors stay below 2 units in the last place, those of tan, asin, acos and atan2 below 4 and
-/// those of pow below 3 (1 + |y log x|) (tests/lib/pack_math_test.cpp). Coefficients: [Cephes],
-/// [fdlibm].
+/// those of pow below 3 (1 + |y log x|) (tests/lib/model/pack_math_test.cpp). Coefficients:
+/// [Cephes], [fdlibm].
 #pragma once
 
 #include <limits>

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Options that say what is flown, for `fly`, `compare` and those that fly; and whose mistake a
+/// word is that they do not know: the command line's or a file's.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "program/program.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/workbench/flight/flight_plan.hpp"
+
+namespace quadtune::cli {
+
+class CommandLine;
+
+/// Adds V and all of these but --seed, which every verb has.
+void add_flight_options(CommandLine& line, FlightOptions& options);
+
+/// Runs a function whose options came from the command line.
+/// @throws UsageError  in place of OptionError
+template <class Function>
+auto told_of_command(const std::string& verb, Function&& function) {
+  try {
+    return function();
+  } catch (const OptionError& error) {
+    throw UsageError(fmt::format("quadtune {}: --{}", verb, error.what()), "--" + error.option());
+  }
+}
+
+/// The same; a control period of --dt may be too short for the estimator.
+/// @param has_dt  whether --dt came
+template <class Function>
+auto told_of_period(const std::string& verb, bool has_dt, Function&& function) {
+  try {
+    return told_of_command(verb, function);
+  } catch (const InvalidInput& error) {
+    if (!has_dt || error.where() != "estimator general") throw;
+    throw UsageError(fmt::format("quadtune {}: --dt: {}", verb, error.what()), "--dt");
+  }
+}
+
+/// The same for options that came from a file.
+/// @param where  "file:line"
+/// @throws InvalidInput  in place of OptionError
+template <class Function>
+auto told_of_file(const std::string& where, Function&& function) {
+  try {
+    return function();
+  } catch (const OptionError& error) {
+    throw InvalidInput(where, error.what());
+  }
+}
+
+/// The flight that a command line asks for.
+/// @param verb  for messages
+/// @throws UsageError, InvalidInput, FileError, NoSolution
+[[nodiscard]] PlannedFlight plan_of_command(const FlightOptions& options, const std::string& verb);
+
+}  // namespace quadtune::cli

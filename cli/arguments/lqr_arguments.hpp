@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Options of an LQR problem about a vehicle's trim.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "arguments/plant_arguments.hpp"
+#include "quadtune/design.hpp"
+#include "quadtune/lti.hpp"
+
+namespace quadtune::cli {
+
+struct LqrArguments {
+  PlantArguments plant;
+  std::string Q, R;      // lists; 1 if empty
+  std::string integral;  // names, or "none"
+  std::string method = "continuous";
+  double dt = 0;             // [s]
+  bool has_dt = false;       // whether --dt came
+  std::string verb = "lqr";  // that asks, for messages
+};
+
+/// The names of --integral, each a state of the model and named once; "none" gives none.
+/// @throws UsageError  naming the option, what came and what was expected.
+[[nodiscard]] std::vector<std::string> read_integrals(const LqrArguments& arguments,
+                                                      const std::vector<std::string>& states);
+
+/// The problem for a model with these states and inputs.
+/// @throws UsageError  naming the option, what came and what was expected.
+[[nodiscard]] LqrDesign make_design(const LqrArguments& arguments,
+                                    const std::vector<Signal>& states,
+                                    const std::vector<Signal>& inputs);
+
+}  // namespace quadtune::cli

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "arguments/plot_argument.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "program/command_line.hpp"
+#include "program/gnuplot.hpp"
+#include "program/program.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+std::string ending(const PlotArgument& argument) {
+  return std::filesystem::path(argument.file).extension().string();
+}
+
+}  // namespace
+
+void add_plot_option(CommandLine& line, PlotArgument& argument) {
+  line.add_option("--plot", argument.file, "a picture to draw with gnuplot: a name in .svg or .png")
+      ->type_name("FILE");
+}
+
+void require_picture(const PlotArgument& argument, const std::string& verb) {
+  if (argument.file.empty() || ending(argument) == ".svg" || ending(argument) == ".png") return;
+  throw UsageError(fmt::format("quadtune {}: --plot is '{}', expected a name that ends in .svg or "
+                               ".png",
+                               verb, argument.file),
+                   "--plot");
+}
+
+void draw(const PlotArgument& argument, const std::function<Figure()>& figure, Context& context) {
+  if (argument.file.empty()) return;
+  const PictureFormat format = ending(argument) == ".png" ? PictureFormat::png : PictureFormat::svg;
+  write_file(argument.file, run_gnuplot(gnuplot_script(figure(), format), argument.file));
+  context.written.push_back(argument.file);
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "arguments/sensor_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+#include "program/command_line.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "report/logs/log_report.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+std::optional<double> ticks_of(const std::string& unit) {
+  if (unit == "s") return 1;
+  if (unit == "ms") return 1e3;
+  if (unit == "us") return 1e6;
+  if (unit == "ns") return 1e9;
+  return std::nullopt;
+}
+
+[[noreturn]] void refuse(const std::string& verb, const char* option, const std::string& why) {
+  throw UsageError(fmt::format("quadtune {}: {}", verb, why), option);
+}
+
+LogOptions options_of(const SensorLogArguments& arguments, const std::string& verb) {
+  LogOptions options = log_options(arguments.log, verb);
+  const std::string& unit = arguments.time_unit;
+  const std::optional<double> ticks = ticks_of(unit.empty() ? "s" : unit);
+  if (!ticks)
+    refuse(verb, "--time-unit",
+           fmt::format("the unit of time is '{}', expected --time-unit s, ms, us or ns",
+                       internal::printable(unit)));
+  if (arguments.time.empty()) {
+    if (!unit.empty()) refuse(verb, "--time-unit", "--time-unit came without --time");
+    return options;
+  }
+  if (options.rate_hz > 0)
+    refuse(verb, "--rate",
+           "--rate and --time both came, expected one of --rate HZ and --time COLUMN");
+  if (!options.columns.empty())
+    refuse(verb, "--columns",
+           "--columns and --time both came, expected one of them: --columns 't_us:2, *' names a "
+           "clock too");
+  options.columns = {{"t", unit, arguments.time, *ticks}, {}};
+  return options;
+}
+
+void require_timed(const LogSeries& series, const std::string& file, const std::string& verb) {
+  if (series.name.empty()) return;
+  if (!series.timed)
+    refuse(verb, "--rate",
+           fmt::format("no sample rate came, expected one of --rate HZ and --time COLUMN: {} "
+                       "names no time",
+                       file));
+  require_usable(series, file);
+}
+
+}  // namespace
+
+bool SensorLogArguments::given() const {
+  return log.rate_hz.has_value() ||
+         !(log.format.empty() && log.columns.empty() && time.empty() && time_unit.empty());
+}
+
+void add_sensor_log_options(CommandLine& line, SensorLogArguments& arguments) {
+  add_log_options(line, arguments.log);
+  line.add_option(
+          "--time", arguments.time,
+          "of a text, the column of times, by name or number; one called t, time, timestamp")
+      ->type_name("COLUMN");
+  line.add_option("--time-unit", arguments.time_unit,
+                  "s, ms, us or ns; the header's, else by the values")
+      ->type_name("U");
+}
+
+std::string log_name(const std::string& path) { return path == "-" ? "standard input" : path; }
+
+SensorLog read_sensors(const std::string& path, const std::vector<std::string>& names,
+                       const std::vector<std::string>& optional,
+                       const SensorLogArguments& arguments, const std::string& verb,
+                       Context& context) {
+  std::vector<ChannelPlace> places;
+  std::vector<std::string> files;
+  for (const std::string& name : names) places.push_back(channel_place(name, path));
+  if (!optional.empty()) files.push_back(path);
+  for (const ChannelPlace& place : places)
+    if (std::find(files.begin(), files.end(), place.file) == files.end())
+      files.push_back(place.file);
+  SensorLog result;
+  result.series.resize(names.size());
+  LogOptions options = options_of(arguments, verb);
+  for (const std::string& file : files) {
+    std::vector<std::string> here;
+    for (const ChannelPlace& place : places)
+      if (place.file == file) here.push_back(place.channel);
+    LogChannels log =
+        read_channels(file, here, options, file == path ? optional : std::vector<std::string>{});
+    options.epoch_s = log.epoch_s;  // of one clock: that of the first file
+    for (const LogSeries& series : log.series) require_timed(series, log_name(file), verb);
+    auto next = log.series.begin();
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (places[i].file != file) continue;
+      result.series[i] = std::move(*next++);
+      if (file != path) result.series[i].name += '@' + file;
+    }
+    std::move(next, log.series.end(), std::back_inserter(result.series));
+    for (std::string& line : tell_log_warnings(log.condition, log_name(file), verb, context))
+      result.warnings.push_back(std::move(line));
+  }
+  return result;
+}
+
+JoinedSeries join(const std::vector<const LogSeries*>& series, const std::string& where) {
+  const Samples& first = series.front()->time;
+  std::vector<std::size_t> at(series.size(), 0), rows;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    bool all = true;
+    for (std::size_t k = 0; k < series.size(); ++k) {
+      const Samples& time = series[k]->time;
+      while (at[k] < time.size() && time[at[k]] < first[i]) ++at[k];
+      all = all && at[k] < time.size() && time[at[k]] == first[i];
+    }
+    if (all) rows.insert(rows.end(), at.begin(), at.end());
+  }
+  const std::size_t count = rows.size() / series.size();
+  if (2 * count < first.size()) {
+    const auto other = std::max_element(series.begin(), series.end(), [&](auto* a, auto* b) {
+      return std::llabs(std::ssize(a->time) - std::ssize(first)) <
+             std::llabs(std::ssize(b->time) - std::ssize(first));
+    });
+    throw InvalidInput(
+        where, fmt::format("only {} of {} samples of '{}' have one of all others at the same time "
+                           "('{}' has {} samples), expected sensors of one table",
+                           count, first.size(), internal::printable(series.front()->name),
+                           internal::printable((*other)->name), (*other)->time.size()));
+  }
+  JoinedSeries result;
+  result.t.resize(static_cast<Eigen::Index>(count));
+  result.values.resize(std::ssize(series), static_cast<Eigen::Index>(count));
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t k = 0; k < series.size(); ++k) {
+      const std::size_t row = rows[i * series.size() + k];
+      result.t(static_cast<Eigen::Index>(i)) = series[k]->time[row];
+      result.values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i)) =
+          series[k]->values[row];
+    }
+  return result;
+}
+
+double even_period(const LogSeries& series, const std::string& where) {
+  const Samples& t = series.time;
+  Samples steps(t.size() - 1);
+  for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = t[i + 1] - t[i];
+  Samples sorted = steps;
+  const auto middle = sorted.begin() + std::ssize(sorted) / 2;
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    if (steps[i] >= 1.5 * *middle)
+      throw InvalidInput(
+          where, fmt::format("'{}' has a gap: sample {}, at {:.9g} s, comes {:.6g} s after the one "
+                             "before, expected {:.6g} s (the median), because means over a gap "
+                             "would be of another length",
+                             internal::printable(series.name), i + 2, t[i + 1], steps[i], *middle));
+  return (t.back() - t.front()) / static_cast<double>(t.size() - 1);
+}
+
+}  // namespace quadtune::cli

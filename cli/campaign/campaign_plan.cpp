@@ -1,0 +1,449 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "campaign/campaign_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "arguments/flight_arguments.hpp"
+#include "campaign/campaign_file.hpp"
+#include "program/program.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/export.hpp"
+#include "quadtune/exports/read_gains.hpp"
+#include "quadtune/exports/schedule_table.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/internal/toml_reader.hpp"
+#include "quadtune/version.hpp"
+#include "quadtune/workbench/design/chosen_law.hpp"
+#include "quadtune/workbench/flight/fly.hpp"
+#include "quadtune/workbench/flown/flown_loop.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+using internal::finite_or_null;
+using internal::Json;
+using internal::member;
+
+constexpr char kFormat[] = "quadtune campaign plan";
+constexpr int kFormatVersion = 2;
+constexpr char kPlanHashName[] = "plan.sha256";
+constexpr std::size_t kLimit = std::size_t{64} << 20;
+/// Simulated time of a shard where the file does not say how many there are [s]: some minutes of
+/// one processor.
+constexpr double kShardTime = 3e6;
+
+// --- the parts of a plan as JSON ---
+
+double number_or(const Json& json, double fallback) {
+  return json.is_null() ? fallback : json.get<double>();
+}
+
+Json to_json(const Uncertainty& uncertainty) {
+  Json numbers = Json::array();
+  for (const UncertainNumber& number : uncertainty.numbers) {
+    const Distribution& d = number.distribution;
+    numbers.push_back({{"quantity", number.quantity},
+                       {"distribution", to_string(d.kind)},
+                       {"first", d.first},
+                       {"second", d.second},
+                       {"least", finite_or_null(d.least)},
+                       {"most", finite_or_null(d.most)}});
+  }
+  return {{"numbers", numbers},
+          {"correlation", internal::matrix_to_json(uncertainty.correlation, "correlation")}};
+}
+
+Uncertainty uncertainty_of(const Json& json, const std::string& where) {
+  Uncertainty uncertainty;
+  for (const Json& entry : member(json, "numbers", where)) {
+    UncertainNumber number;
+    number.quantity = member(entry, "quantity", where).get<std::string>();
+    const std::string kind = member(entry, "distribution", where).get<std::string>();
+    Distribution& d = number.distribution;
+    for (const DistributionKind known :
+         {DistributionKind::normal, DistributionKind::uniform, DistributionKind::log_normal})
+      if (to_string(known) == kind) d.kind = known;
+    d.first = member(entry, "first", where).get<double>();
+    d.second = member(entry, "second", where).get<double>();
+    d.least = number_or(member(entry, "least", where), d.least);
+    d.most = number_or(member(entry, "most", where), d.most);
+    uncertainty.numbers.push_back(number);
+  }
+  uncertainty.correlation =
+      internal::matrix_from_json(member(json, "correlation", where), where + ".correlation");
+  return uncertainty;
+}
+
+Json to_json(const CascadeController& cascade) {
+  Json loops = Json::array();
+  for (const PidLoop& loop : cascade.gains.loops)
+    loops.push_back({{"name", loop.name}, {"Kp", loop.Kp}, {"Ki", loop.Ki}, {"Kd", loop.Kd}});
+  return {{"dt_s", cascade.gains.dt},
+          {"integrator", to_string(cascade.method)},
+          {"attitude_limit", finite_or_null(cascade.attitude_limit)},
+          {"integrator_limit", finite_or_null(cascade.integrator_limit)},
+          {"back_calculation", cascade.back_calculation},
+          {"velocity_feed_forward", cascade.velocity_feed_forward},
+          {"conditional_integration", cascade.conditional_integration},
+          {"loops", loops}};
+}
+
+CascadeController cascade_of(const Json& json, const std::string& where) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  CascadeController cascade;
+  cascade.gains.dt = member(json, "dt_s", where).get<double>();
+  cascade.method = pid_method(member(json, "integrator", where).get<std::string>(), where);
+  cascade.attitude_limit = number_or(member(json, "attitude_limit", where), kInfinity);
+  cascade.integrator_limit = number_or(member(json, "integrator_limit", where), kInfinity);
+  cascade.back_calculation = member(json, "back_calculation", where).get<double>();
+  cascade.velocity_feed_forward = member(json, "velocity_feed_forward", where).get<bool>();
+  cascade.conditional_integration = member(json, "conditional_integration", where).get<bool>();
+  for (const Json& entry : member(json, "loops", where)) {
+    PidLoop loop =
+        cascade_loop(cascade_axis(member(entry, "name", where).get<std::string>(), where));
+    loop.Kp = member(entry, "Kp", where).get<double>();
+    loop.Ki = member(entry, "Ki", where).get<double>();
+    loop.Kd = member(entry, "Kd", where).get<double>();
+    cascade.gains.loops.push_back(loop);
+  }
+  return cascade;
+}
+
+/// What plan_flight() decides from the law beside the setup's words.
+Json to_json(const MamboEstimatorSettings<double>& estimator) {
+  return {{"attitude_time_constant", estimator.attitude_time_constant},
+          {"altitude_Q", estimator.altitude_Q},
+          {"altitude_R", estimator.altitude_R},
+          {"velocity_Q", estimator.velocity_Q},
+          {"velocity_R", estimator.velocity_R}};
+}
+void take(const Json& json, const std::string& where, MamboEstimatorSettings<double>& estimator) {
+  estimator.attitude_time_constant = member(json, "attitude_time_constant", where).get<double>();
+  estimator.altitude_Q = member(json, "altitude_Q", where).get<double>();
+  estimator.altitude_R = member(json, "altitude_R", where).get<double>();
+  estimator.velocity_Q = member(json, "velocity_Q", where).get<double>();
+  estimator.velocity_R = member(json, "velocity_R", where).get<double>();
+}
+
+Json to_json(const FlightOptions& arguments) {
+  Json json = {{"estimator", arguments.estimator},
+               {"sensors", arguments.sensors},
+               {"flow", arguments.flow},
+               {"wind", arguments.wind},
+               {"allocation", arguments.allocation},
+               {"take_off", arguments.take_off},
+               {"solver", arguments.solver},
+               {"dynamic_environment", arguments.dynamic_environment}};
+  if (arguments.flow_rate) json["flow_rate_Hz"] = *arguments.flow_rate;
+  if (arguments.duration) json["duration_s"] = *arguments.duration;
+  if (arguments.step) json["step_s"] = *arguments.step;
+  return json;
+}
+FlightOptions arguments_of(const Json& json, const std::string& where) {
+  FlightOptions arguments;
+  arguments.estimator = member(json, "estimator", where).get<std::string>();
+  arguments.sensors = member(json, "sensors", where).get<std::string>();
+  arguments.flow = member(json, "flow", where).get<std::string>();
+  arguments.wind = member(json, "wind", where).get<std::string>();
+  arguments.allocation = member(json, "allocation", where).get<std::string>();
+  arguments.take_off = member(json, "take_off", where).get<std::string>();
+  arguments.solver = member(json, "solver", where).get<std::string>();
+  arguments.dynamic_environment = member(json, "dynamic_environment", where).get<bool>();
+  if (json.contains("flow_rate_Hz")) arguments.flow_rate = json["flow_rate_Hz"].get<double>();
+  if (json.contains("duration_s")) arguments.duration = json["duration_s"].get<double>();
+  if (json.contains("step_s")) arguments.step = json["step_s"].get<double>();
+  return arguments;
+}
+
+// --- making a plan ---
+
+/// A name of no vehicle was written in the file.
+Vehicle vehicle_of(const CampaignRequest& request) {
+  try {
+    return load_vehicle(request.vehicle);
+  } catch (const InvalidInput& error) {
+    if (error.where() == "vehicle") throw InvalidInput(request.vehicle_where, error.what());
+    throw;
+  }
+}
+
+/// Thousands of flights that fall are not flown.
+void require_stable(const PlannedFlight& plan, const CampaignDesign& design) {
+  const std::optional<FlownLoop> loop = hover_loop(plan);
+  if (!loop || !loop->grows()) return;
+  throw NoSolution(
+      fmt::format("{}: the design '{}' does not stabilize the vehicle '{}' as it flies, with the "
+                  "estimator {}: {}; {}",
+                  design.where, design.name, plan.setup.vehicle.name, plan.estimator,
+                  in_words(*loop), what_helps(plan, *loop)),
+      design.where);
+}
+
+class PlanMaker {
+ public:
+  PlanMaker(const std::filesystem::path& file, std::uint32_t shards)
+      : request_(read_campaign(file)), shards_(shards) {}
+
+  std::vector<FileContent> make() {
+    const Vehicle vehicle = vehicle_of(request_);
+    Json json = {{"format", kFormat},
+                 {"format_version", kFormatVersion},
+                 {"version", std::string(kVersion)},
+                 {"name", request_.name},
+                 {"flights", request_.flights},
+                 {"seed", request_.seed},
+                 {"shards", shard_count()},
+                 {"keep", {{"failures", request_.keep.failures}, {"sample", request_.keep.sample}}},
+                 {"uncertainty", to_json(request_.uncertainty)},
+                 {"vehicle", {{"origin", request_.vehicle}, {"text", vehicle.text}}}};
+    add_missions(json);
+    json["designs"] = Json::array();
+    for (const CampaignDesign& design : request_.designs) add_design(json, design, vehicle);
+    json["inputs"] = Json::array();
+    for (const FileContent& file : files_)
+      json["inputs"].push_back({{"file", file.name}, {"sha256", sha256(file.bytes)}});
+    const std::string text = internal::readable(json) + "\n";
+    files_.push_back({kPlanName, text});
+    files_.push_back({kPlanHashName, sha256(text) + "\n"});
+    return std::move(files_);
+  }
+
+ private:
+  std::uint32_t shard_count() const {
+    std::uint32_t shards = shards_ > 0 ? shards_ : request_.shards;
+    if (shards == 0) {
+      double time = 0;  // of one draw
+      for (const CampaignMission& m : request_.missions)
+        time += m.arguments.duration.value_or(m.mission.duration);
+      time *= static_cast<double>(request_.flights * request_.designs.size());
+      shards = static_cast<std::uint32_t>(
+          std::clamp(std::ceil(time / kShardTime), 1.0, static_cast<double>(request_.flights)));
+    }
+    if (shards > request_.flights)
+      throw UsageError(fmt::format("quadtune campaign: --shards is {}, expected at most {} as "
+                                   "there are no more flights",
+                                   shards, request_.flights),
+                       "--shards");
+    return shards;
+  }
+
+  void add_missions(Json& json) {
+    json["missions"] = Json::array();
+    for (const CampaignMission& m : request_.missions) {
+      Json entry = {
+          {"name", m.mission.name}, {"text", m.mission.text}, {"flown", to_json(m.arguments)}};
+      const auto table = internal::TomlTable::parse(m.mission.text, m.mission.name);
+      if (const auto csv = table.maybe_table("csv")) {
+        // Its references lie beside it; in the plan, beside the plan.
+        const std::string name = csv->word("file");
+        const std::string bytes =
+            internal::read_file((m.mission.file.parent_path() / name).string(), kScriptFileLimit);
+        for (const FileContent& file : files_)
+          if (file.name == name && file.bytes != bytes)
+            throw InvalidInput(m.where, fmt::format("another mission has references of the name "
+                                                    "'{}', expected another name",
+                                                    name));
+        if (std::none_of(files_.begin(), files_.end(),
+                         [&](const FileContent& file) { return file.name == name; }))
+          files_.push_back({name, bytes});
+      }
+      json["missions"].push_back(std::move(entry));
+    }
+  }
+
+  /// The law does not depend on the mission; what it decides of the estimator may.
+  void add_design(Json& json, const CampaignDesign& design, const Vehicle& vehicle) {
+    Json entry = {{"name", design.name}};
+    FlightOptions arguments;
+    arguments.vehicle = request_.vehicle;
+    arguments.gains = design.gains;
+    arguments.controller = design.controller;
+    arguments.integrator = design.integrator;
+    const ChosenLaw law =
+        told_of_file(design.where, [&] { return choose_law(arguments, vehicle, "campaign"); });
+    entry["law"] = law.words;
+    Controller controller = law.controller;
+    if (law.estimator) {
+      ExportContent content;
+      content.vehicle = vehicle;
+      content.estimator = law.estimator;
+      const std::string name = fmt::format("estimator-{}.json", design.name);
+      entry["estimator"] = name;
+      files_.push_back({name, gains_json_text(content)});
+    }
+    entry["estimators"] = Json::array();
+    for (const CampaignMission& m : request_.missions) {
+      FlightOptions flown = m.arguments;
+      flown.integrator = design.integrator;
+      const PlannedFlight plan =
+          told_of_file(m.where, [&] { return plan_flight(flown, vehicle, m.mission, law); });
+      require_stable(plan, design);
+      controller = plan.setup.controller;  // with the integrator that was asked for
+      entry["estimators"].push_back(to_json(plan.setup.mambo_estimator));
+    }
+    if (const auto* cascade = std::get_if<CascadeController>(&controller)) {
+      entry["cascade"] = to_json(*cascade);
+    } else {
+      const auto& feedback = std::get<StateFeedbackController>(controller);
+      ExportContent content;
+      content.vehicle = vehicle;
+      content.gains = feedback.gains;
+      const std::string name = fmt::format("gains-{}.json", design.name);
+      entry["gains"] = name;
+      entry["dt_s"] = feedback.dt;
+      files_.push_back({name, gains_json_text(content)});
+      if (feedback.schedule) {
+        const std::string table = fmt::format("schedule-{}.json", design.name);
+        entry["schedule"] = table;
+        files_.push_back({table, schedule_text(*feedback.schedule, TableFormat::json)});
+      }
+    }
+    json["designs"].push_back(std::move(entry));
+  }
+
+  CampaignRequest request_;
+  std::uint32_t shards_;
+  std::vector<FileContent> files_;
+};
+
+// --- reading it back ---
+
+Json parse_plan(const std::string& text, const std::string& where) {
+  Json json;
+  try {
+    json = Json::parse(text);
+  } catch (const internal::JsonError&) {
+    throw InvalidInput(where,
+                       "is no plan of a campaign: it is not JSON, expected what `campaign init` "
+                       "wrote");
+  }
+  if (!json.is_object() || !json.contains("format") || json["format"] != kFormat)
+    throw InvalidInput(where, "is no plan of a campaign, expected what `campaign init` wrote");
+  if (!json.contains("version") || json["version"] != std::string(kVersion) ||
+      !json.contains("format_version") || json["format_version"] != kFormatVersion)
+    throw InvalidInput(
+        where, fmt::format("was written by version {}, this is {}: expected the same, because "
+                           "another may fly differently",
+                           json.contains("version") ? internal::json_text(json["version"]) : "\"\"",
+                           kVersion));
+  return json;
+}
+
+void check_inputs(const Json& json, const std::filesystem::path& folder, const std::string& where) {
+  const Json& inputs = member(json, "inputs", where);
+  if (!inputs.is_array())
+    throw InvalidInput(where, "was changed since it was written: inputs is no list, expected one");
+  for (const Json& input : inputs) {
+    const auto name = member(input, "file", where).get<std::string>();
+    const std::string path = (folder / std::filesystem::path(name).filename()).string();
+    if (sha256_of_file(path) != member(input, "sha256", where).get<std::string>())
+      throw InvalidInput(path,
+                         "was changed since the plan was written, expected it as it was; a "
+                         "changed campaign needs a folder of its own");
+  }
+}
+
+/// A number of the plan that counts: a conversion alone would take -1.5 for four thousand million.
+std::uint32_t count_of(const Json& json, const char* key, std::uint32_t least, std::uint32_t most,
+                       const std::string& where) {
+  const Json& value = member(json, key, where);
+  if (!value.is_number_unsigned() || value.get<std::uint64_t>() < least ||
+      value.get<std::uint64_t>() > most)
+    throw InvalidInput(where, fmt::format("was changed since it was written: {} is {}, expected {} "
+                                          "to {}",
+                                          key, internal::json_text(value), least, most));
+  return value.get<std::uint32_t>();
+}
+
+CampaignPlan plan_of(const Json& json, const std::filesystem::path& folder,
+                     const std::string& where) {
+  constexpr std::uint32_t kMost = std::numeric_limits<std::int32_t>::max();
+  CampaignPlan plan;
+  plan.name = member(json, "name", where).get<std::string>();
+  const Json& keep = member(json, "keep", where);
+  plan.keep = {static_cast<int>(count_of(keep, "failures", 0, kMost, where)),
+               static_cast<int>(count_of(keep, "sample", 0, kMost, where))};
+  Campaign& campaign = plan.campaign;
+  campaign.flights = count_of(json, "flights", 1, kMost, where);
+  plan.shards = count_of(json, "shards", 1, campaign.flights, where);
+  campaign.seed = count_of(json, "seed", 0, kMost, where);
+  campaign.uncertainty = uncertainty_of(member(json, "uncertainty", where), where);
+  const Json& body = member(json, "vehicle", where);
+  const Vehicle vehicle = parse_vehicle(member(body, "text", where).get<std::string>(),
+                                        member(body, "origin", where).get<std::string>());
+  const Json& missions = member(json, "missions", where);
+  for (const Json& design : member(json, "designs", where)) {
+    ChosenLaw law;
+    law.words = member(design, "law", where).get<std::string>();
+    if (design.contains("cascade"))
+      law.controller = cascade_of(design["cascade"], where);
+    else if (design.contains("schedule"))
+      law.controller = scheduled_controller(
+          vehicle, read_schedule(folder / design["schedule"].get<std::string>()),
+          member(design, "dt_s", where).get<double>());
+    else
+      law.controller = feedback_controller(
+          read_gains(folder / member(design, "gains", where).get<std::string>()),
+          member(design, "dt_s", where).get<double>());
+    if (design.contains("estimator"))
+      law.estimator = read_laws(folder / design["estimator"].get<std::string>()).estimator;
+    for (std::size_t m = 0; m < missions.size(); ++m) {
+      CampaignCase of;
+      of.design = member(design, "name", where).get<std::string>();
+      of.mission = member(missions[m], "name", where).get<std::string>();
+      const Mission mission =
+          parse_mission(member(missions[m], "text", where).get<std::string>(), of.mission, folder);
+      const FlightOptions options = arguments_of(member(missions[m], "flown", where), where);
+      PlannedFlight flight =
+          told_of_command("campaign", [&] { return plan_flight(options, vehicle, mission, law); });
+      of.setup = std::move(flight.setup);
+      take(member(design, "estimators", where)[m], where, of.setup.mambo_estimator);
+      flight.setup = {};
+      plan.words.push_back(std::move(flight));
+      campaign.cases.push_back(std::move(of));
+    }
+  }
+  return plan;
+}
+
+}  // namespace
+
+std::vector<FileContent> plan_files(const std::filesystem::path& file, std::uint32_t shards) {
+  return PlanMaker(file, shards).make();
+}
+
+CampaignPlan load_plan(const std::filesystem::path& folder) {
+  const std::string path = (folder / kPlanName).string();
+  const std::string text = internal::read_text_file(path, kLimit);
+  const Json json = parse_plan(text, path);
+  const std::string written =
+      internal::read_text_file((folder / kPlanHashName).string(), std::size_t{1} << 10);
+  if (written != sha256(text) + "\n")
+    throw InvalidInput(path,
+                       "was changed since it was written, expected it as it was; a changed "
+                       "campaign needs a folder of its own");
+  try {
+    check_inputs(json, folder, path);
+    CampaignPlan plan = plan_of(json, folder, path);
+    plan.hash = sha256(text);
+    validate(plan.campaign, path);
+    return plan;
+  } catch (const internal::JsonError&) {
+    throw InvalidInput(path,
+                       "was changed since it was written: something in it is of another "
+                       "kind than `campaign init` writes");
+  }
+}
+
+CampaignFolder folder_of(const CampaignPlan& plan, const std::filesystem::path& folder) {
+  return {folder, plan.hash, plan.campaign.flights,
+          static_cast<std::uint32_t>(plan.campaign.cases.size()), plan.shards};
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "laws/trusted_covariances.hpp"
+
+#include <fmt/format.h>
+
+#include "program/program.hpp"
+#include "program/refusal.hpp"
+
+namespace quadtune::cli {
+
+void require_tuned(const DesignOutcome& outcome, bool force, Context& context) {
+  const std::string file = outcome.design.file.string();
+  for (const std::string& doubt : doubtful_covariances(outcome.design)) {
+    if (!force)
+      throw Refusal(
+          fmt::format("{}: {}; quadtune design --force takes it all the same", file, doubt), file);
+    context.note("design: warning: " + doubt);
+  }
+}
+
+}  // namespace quadtune::cli

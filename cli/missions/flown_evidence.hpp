@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The flown loops of the gains that a tuning starts from and finds, and what an unstable one means
+/// for its result.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "quadtune/simulation/flight.hpp"
+#include "quadtune/tuning/mission_search.hpp"
+#include "quadtune/workbench/flight/flight_plan.hpp"
+#include "quadtune/workbench/flown/flown_loop.hpp"
+
+namespace quadtune::cli {
+
+/// Flown loops with the sensors and the estimator of the first mission.
+struct FlownEvidence {
+  std::optional<FlownLoop> before, after, rival;  ///< none without a controller or a flown plant
+  std::string why;                                ///< why there is no flown plant, or empty
+};
+
+/// @param first  plan of the first mission; its controller is replaced
+[[nodiscard]] FlownEvidence flown_evidence(const PlannedFlight& first,
+                                           const std::optional<Controller>& before,
+                                           const std::optional<Controller>& after,
+                                           const std::optional<Controller>& rival);
+
+/// Rejects what was found if its flown loop is unstable: the start stays, and the reason names the
+/// mode that grows.
+void reject_unstable(const FlownEvidence& evidence, const Eigen::VectorXd& start,
+                     MissionSearchResult& result);
+
+}  // namespace quadtune::cli

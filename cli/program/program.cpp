@@ -1,0 +1,401 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "program/program.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <istream>
+#include <new>
+#include <ostream>
+#include <sstream>
+
+#include "program/command_line.hpp"
+#include "program/file_kinds.hpp"
+#include "program/library_messages.hpp"
+#include "program/message_text.hpp"
+#include "program/missing_file.hpp"
+#include "program/refusal.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/file_set.hpp"
+#include "quadtune/internal/joined.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/internal/utf8.hpp"
+#include "quadtune/version.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+const Verb* find(const std::string& name) {
+  const auto& all = verbs();
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const Verb& verb) { return verb.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+/// First words.
+std::vector<std::string> verb_names() {
+  std::vector<std::string> names;
+  for (const Verb& verb : verbs()) names.push_back(verb.name.substr(0, verb.name.find(' ')));
+  return names;
+}
+
+/// Runs an action whose output goes into a file, written whole or not at all.
+void run_into_file(const Action& action, const std::string& file, Context& context) {
+  std::ostringstream text;
+  const bool json = context.json || file.ends_with(".json");  // what reads it goes by the name
+  Context into{context.in,      text, context.err,     json,         context.quiet,
+               context.written, file, context.threads, context.seed, context.command};
+  // An answer that is no was printed as well.
+  const auto write = [&] {
+    context.written = into.written;
+    write_file(file, text.str());
+  };
+  try {
+    action(into);
+  } catch (const Refusal&) {
+    throw;
+  } catch (const AnswerIsNo&) {
+    write();
+    throw;
+  }
+  write();
+}
+
+/// "-" is standard output, too; but files are written beside what is printed there.
+void refuse_standard_output(const CommandLine& line, const std::string& verb) {
+  const bool logs = verb == "fly" || verb == "campaign replay";  // the others read --log
+  for (const std::string name : {"-o", "--report", "--plot", "--log"}) {
+    const Option* const option = line.find(name);
+    if (option == nullptr || !option->was_given() || option->values().back() != "-") continue;
+    if (name == "--log" && !logs) continue;
+    throw UsageError(fmt::format("quadtune {}: {} is -, expected a name, because what is printed "
+                                 "goes there; ./- is a file of that name",
+                                 verb, name),
+                     name);
+  }
+}
+
+/// Standard input can be read once: the second reader would find it empty.
+void refuse_two_readers(const CommandLine& line, const std::string& verb) {
+  std::string first;
+  for (const Option* option : line.options()) {
+    if (option->values().size() != 1 || option->values()[0] != "-") continue;
+    if (option->name() == "-o") continue;
+    if (!first.empty())
+      throw UsageError(fmt::format("quadtune {}: {} and {} are both '-', expected standard input "
+                                   "for one, because it can be read once",
+                                   verb, first, option->name()),
+                       option->name());
+    first = option->name();
+  }
+}
+
+void run_verb(const Verb& verb, const std::vector<std::string>& args, Context& context) {
+  CommandLine line(verb.name, verb.usage);
+  bool help = false;
+  line.add_flag("--json", context.json, "print one JSON object");
+  line.add_flag("--quiet", context.quiet, "no notes on the error stream");
+  line.add_flag("-h,--help", help, "show this help");
+  // Part of the contract of every verb.
+  std::uint64_t threads = 0;
+  line.add_count("--threads", threads, 1, "threads to use; one for each processor if absent");
+  line.add_count("--seed", context.seed, 0, "fixes everything random");
+  const Action action = verb.define(line);
+  std::string file;
+  const bool prints = line.find("-o") == nullptr;
+  if (prints) line.add_option("-o", file, "file to write instead");
+  if (std::find(args.begin(), args.end(), "--help") != args.end() ||
+      std::find(args.begin(), args.end(), "-h") != args.end()) {
+    run_verb(*find("help"), {verb.name}, context);
+    return;
+  }
+  line.parse(args);
+  refuse_two_readers(line, verb.name);
+  if (prints && file == "-")
+    file.clear();  // what is printed is all there is
+  else
+    refuse_standard_output(line, verb.name);
+  context.threads = threads;
+  try {
+    if (file.empty())
+      action(context);
+    else
+      run_into_file(action, file, context);
+  } catch (const FileError& error) {
+    if (is_missing(error)) throw told_missing(error, line);
+    throw;
+  }
+}
+
+void run_program(const std::vector<std::string>& args, Context& context) {
+  if (args.empty() || args[0] == "--help" || args[0] == "-h") {
+    run_verb(*find("help"), {}, context);
+    return;
+  }
+  if (args[0] == "--version") {
+    context.out << "quadtune " << kVersion << "\n";
+    return;
+  }
+  const Verb* verb = find(args[0]);
+  std::size_t words = 1;
+  if (const auto kinds = kinds_of(args[0]); !verb && !kinds.empty()) {
+    const std::string kind = args.size() > 1 ? args[1] : "";
+    if (kind == "--help" || kind == "-h") {
+      run_verb(*find("help"), {args[0]}, context);
+      return;
+    }
+    verb = find(args[0] + " " + kind);
+    words = 2;
+    if (!verb)
+      throw UsageError(
+          fmt::format(
+              "quadtune {}: {}, expected {}{}", args[0],
+              kind.empty() ? "a word is missing" : "'" + internal::printable(kind) + "' came",
+              internal::joined(kinds, " or "), internal::did_you_mean(kind, kinds)),
+          args[0]);
+  }
+  if (!verb) {
+    const std::string what = args[0][0] == '-' ? "option" : "command";
+    throw UsageError(fmt::format("quadtune: no {} '{}'{}", what, args[0],
+                                 args[0] == "synthesise" || args[0] == "synthesize"
+                                     ? "; did you mean 'lqr'?"
+                                     : internal::did_you_mean(args[0], verb_names())),
+                     args[0]);
+  }
+  run_verb(*verb, {args.begin() + static_cast<std::ptrdiff_t>(words), args.end()}, context);
+}
+
+/// After an error the user must know which directories were replaced already.
+std::string what_is_written(const WrittenFiles& written) {
+  std::string text;
+  for (const std::string& directory : written)
+    text += fmt::format("; {} is written and complete", directory);
+  return text;
+}
+
+std::string error_json(int status, const std::string& message, const std::string& where) {
+  return internal::json_text(internal::Json{
+      {"error",
+       {{"code", status}, {"message", error_line(message)}, {"where", error_line(where)}}}});
+}
+
+/// As a POSIX shell takes it for one word.
+std::string shell_word(const std::string& word) {
+  constexpr const char* kPlain =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./:=,@%+-";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+/// The command line as it is written into files. What may not change a byte of them is left out:
+/// how many threads worked, and what is printed beside.
+std::string recorded_command(const std::vector<std::string>& args) {
+  std::string command = "quadtune";
+  for (std::size_t i = 0; i < args.size(); ++i) {
+    const std::string& arg = args[i];
+    if (arg == "--threads") ++i;  // and its value
+    if (arg == "--threads" || arg.starts_with("--threads=") || arg == "--quiet" || arg == "--json")
+      continue;
+    command += " " + shell_word(arg);
+  }
+  return command;
+}
+
+/// One line on the error stream and, for scripts, one object on the output.
+int fail(const Context& context, int status, const std::string& message, const std::string& where) {
+  if (status == kInterrupted) take_last_words();
+  context.err << error_line(message) << "\n";
+  if (context.json && !context.answered) context.out << error_json(status, message, where) << "\n";
+  context.out.flush();
+  return status;
+}
+
+/// Of the process: a signal may come at any time.
+std::atomic<bool> json_asked{false};
+
+void tell_if_interrupted(const WrittenFiles& written) {
+  const std::string message = Interrupted().what() + what_is_written(written);
+  set_last_words(error_line(message), json_asked ? error_json(kInterrupted, message, "") : "");
+}
+
+int fail_inside(const Context& context, const std::string& what) {
+  return fail(context, kInternal,
+              fmt::format("quadtune: an error in quadtune itself: {}; please report it, with the "
+                          "command and its input{}",
+                          what, what_is_written(context.written)),
+              "");
+}
+
+/// Tells of the exception that is being handled.
+/// @return  the exit status
+int tell_exception(const Context& context, const std::vector<std::string>& args) {
+  context.out.flush();  // an error comes after what it is about
+  try {
+    throw;
+  } catch (const Refusal& error) {
+    return fail(context, kAnswerIsNo, error.what(), error.where());
+  } catch (const AnswerIsNo& error) {
+    context.err << error_line(error.what()) << "\n";
+    return kAnswerIsNo;
+  } catch (const std::exception&) {
+    // What fails after a signal mostly fails by it: a child that has ended, a read cut short.
+    if (interrupted())
+      return fail(context, kInterrupted, Interrupted().what() + what_is_written(context.written),
+                  "");
+  } catch (...) {
+    // Not even that: told below.
+  }
+  try {
+    throw;
+  } catch (const UsageError& error) {
+    return fail(context, kUsage, error.what(), error.where());
+  } catch (const InvalidInput& error) {
+    // What an option says is the command line; what a file says is the input.
+    const bool option = error.where().starts_with("--");
+    return fail(context, option ? kUsage : kBadInput, error.what() + who_takes(args, error.where()),
+                error.where());
+  } catch (const FileError& error) {
+    return fail(context, kFile,
+                error.what() + what_is_written(context.written) + who_takes(args, error.path()),
+                error.path());
+  } catch (const NoSolution& error) {
+    return fail(context, kNoSolution, error.what(), error.where());
+  } catch (const Interrupted& error) {
+    return fail(context, kInterrupted, error.what() + what_is_written(context.written), "");
+  } catch (const std::bad_alloc&) {
+    return fail(context, kBadInput, "not enough memory for a problem of this size", "");
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(context, kFile,
+                fmt::format("{}: {}{}", error.path1().string(), error.code().message(),
+                            what_is_written(context.written)),
+                error.path1().string());
+  } catch (const std::exception& error) {
+    return fail_inside(context, error.what());
+  } catch (...) {
+    return fail_inside(context, "an exception without a text");
+  }
+}
+
+/// The run that a call of std::terminate() ends.
+std::atomic<const Context*> running{nullptr};
+
+[[noreturn]] void end_after_last_words() {
+  static std::atomic<bool> begun{false};
+  if (begun.exchange(true)) ::_exit(kInternal);  // telling it fails as well
+  const Context* const context = running.load();
+  if (context == nullptr) ::_exit(kInternal);
+  std::string what = "std::terminate() was called";
+  try {
+    if (std::current_exception()) throw;
+  } catch (const std::exception& error) {
+    what = error.what();
+  } catch (...) {
+    what = "an exception without a text";
+  }
+  const int status = fail_inside(*context, what);
+  context->out.flush();
+  context->err.flush();
+  ::_exit(status);
+}
+
+}  // namespace
+
+void write_file(const std::string& file, const std::string& bytes,
+                const std::function<bool()>& stop) {
+  std::filesystem::path path = std::filesystem::absolute(file);
+  std::error_code ignored;  // what cannot be looked at, write_files() names with its reason
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::is_directory(status))
+    throw FileError(file, "is a directory, expected the name of a file to write");
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    // A device or a pipe is written to, not replaced.
+    std::ofstream stream(path, std::ios::binary);
+    stream << bytes << std::flush;
+    if (!stream) throw FileError(file, "could not be written");
+    return;
+  }
+  // What a link points to is replaced, not the link.
+  if (std::filesystem::is_symlink(std::filesystem::symlink_status(path, ignored)) &&
+      std::filesystem::exists(status))
+    path = std::filesystem::canonical(path, ignored);
+  const WritingFiles writing;
+  write_files(path.parent_path(), {{path.filename().string(), bytes}}, {}, stop);
+}
+
+void Context::note(const std::string& line) const {
+  if (quiet || !noted.insert(line).second) return;
+  out.flush();
+  err << internal::visible_text(line) << "\n";
+}
+
+void WrittenFiles::push_back(const std::string& name) {
+  names_.push_back(name);
+  tell_if_interrupted(*this);
+}
+
+void install_last_handler() { std::set_terminate(end_after_last_words); }
+
+int run(const std::vector<std::string>& args, std::istream& in, std::ostream& out,
+        std::ostream& err, std::size_t width) {
+  const auto asks = [&](const char* option) {
+    return std::find(args.begin(), args.end(), option) != args.end();
+  };
+  const bool for_programs = asks("--json") || asks("--man") || asks("--completion");
+  silence_libraries();
+  VisibleText visible(out, for_programs ? 0 : width);
+  std::ostream shown(&visible);
+  Context context{in, shown, err};
+  running.store(&context);
+  const int status = [&] {
+    try {
+      context.json = asks("--json");
+      json_asked = context.json;
+      tell_if_interrupted(context.written);
+      context.command = recorded_command(args);
+      run_program(args, context);
+      shown.flush();
+      if (shown) return int{kDone};
+      throw FileError("standard output", "could not be written");
+    } catch (...) {
+      return tell_exception(context, args);
+    }
+  }();
+  running.store(nullptr);
+  return status;
+}
+
+std::vector<std::string> kinds_of(const std::string& first) {
+  std::vector<std::string> kinds;
+  for (const Verb& verb : verbs())
+    if (verb.name.starts_with(first + " ")) kinds.push_back(verb.name.substr(first.size() + 1));
+  return kinds;
+}
+
+const std::vector<Verb>& verbs() {
+  static const std::vector<Verb> all = [] {
+    std::vector<Verb> list = {
+        design_verb(),    vehicle_verb(),    linearize_verb(),   lqr_verb(),      lqg_verb(),
+        kalman_verb(),    discretize_verb(), margins_verb(),     pid_verb(),      fly_verb(),
+        compare_verb(),   log_verb(),        tune_kalman_verb(), tune_pid_verb(), tune_lqr_verb(),
+        calibrate_verb(), allan_verb(),      export_verb(),      verify_verb(),   certify_verb(),
+        diff_verb(),      help_verb()};
+    const std::vector<Verb> campaign = campaign_verbs();
+    const auto log =
+        std::find_if(list.begin(), list.end(), [](const Verb& verb) { return verb.name == "log"; });
+    list.insert(log, campaign.begin(), campaign.end());
+    return list;
+  }();
+  return all;
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The program as a function: arguments and streams in, exit status out.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <iosfwd>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "program/stop_signals.hpp"
+#include "quadtune/errors.hpp"
+
+namespace quadtune::cli {
+
+class CommandLine;
+
+/// What the process ends with; documented in docs/cli.md.
+enum ExitStatus : int {
+  kDone = 0,
+  kAnswerIsNo = 1,
+  kUsage = 2,
+  kBadInput = 3,
+  kNoSolution = 4,
+  kFile = 5,
+  kInternal = 6,
+  kInterrupted = 130,
+};
+
+/// The command line is wrong.
+class UsageError : public std::runtime_error {
+ public:
+  /// @param where  the option or argument concerned, e.g. "--dt", for scripts.
+  UsageError(const std::string& message, std::string where)
+      : std::runtime_error(message), where_(std::move(where)) {}
+
+  [[nodiscard]] const std::string& where() const { return where_; }
+
+ private:
+  std::string where_;
+};
+
+/// The answer is no: a verification or a gate failed. What failed has been printed already.
+class AnswerIsNo : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Exports, logs, pictures and tables that are complete, as an error that follows names them.
+class WrittenFiles {
+ public:
+  void push_back(const std::string& name);
+  [[nodiscard]] auto begin() const { return names_.begin(); }
+  [[nodiscard]] auto end() const { return names_.end(); }
+
+ private:
+  std::vector<std::string> names_;
+};
+
+/// Where a verb reads and writes, and how.
+struct Context {
+  std::istream& in;
+  std::ostream& out;
+  std::ostream& err;
+  bool json = false;
+  bool quiet = false;
+  WrittenFiles written = {};
+  std::string file = {};     ///< that -o names, where `out` goes into it; else empty
+  std::size_t threads = 0;   ///< to use; 0: one for each processor
+  std::uint64_t seed = 1;    ///< of everything random
+  std::string command = {};  ///< the command line that decides what is written
+  bool answered = false;     ///< the JSON object is on `out`: an error that follows adds no second
+  mutable std::set<std::string> noted = {};
+
+  /// One line on the error stream that is not an error; silent with --quiet, and said once.
+  void note(const std::string& line) const;
+};
+
+/// Runs a verb whose options have been parsed.
+using Action = std::function<void(Context&)>;
+
+/// One verb: a row of the table from which help, man page and completion are made.
+struct Verb {
+  std::string name;     ///< one word, or two: "tune lqr" is one kind of tuning
+  std::string usage;    ///< what follows the name, e.g. "V [options]"
+  std::string summary;  ///< one line
+  std::string example;  ///< a command that works as printed from the project's root
+  std::function<Action(CommandLine&)> define;  ///< adds the options, gives what to run
+};
+
+/// All verbs in the order in which the work flows.
+[[nodiscard]] const std::vector<Verb>& verbs();
+
+/// The second words of the verbs of two words that begin with `first`; none where there is no such.
+[[nodiscard]] std::vector<std::string> kinds_of(const std::string& first);
+
+/// Runs `quadtune ARGS…` and returns its exit status. No exception leaves it. What it prints is fit
+/// for a terminal: visible_text().
+/// @param width  of the terminal that `out` is [characters], for which text is folded; 0: none
+int run(const std::vector<std::string>& args, std::istream& in, std::ostream& out,
+        std::ostream& err, std::size_t width = 0);
+
+/// For main(): what would end the process by std::terminate() is told as any other error, and ends
+/// it with kInternal.
+void install_last_handler();
+
+/// Writes one file whole or not at all; a missing directory is made. A link stays one, and a device
+/// or a pipe is written to as it is.
+/// @param stop  asked before it is put in place; none: it is written although a signal came
+/// @throws FileError, Interrupted  as write_files()
+void write_file(const std::string& file, const std::string& bytes,
+                const std::function<bool()>& stop = interrupted);
+
+Verb design_verb();
+Verb vehicle_verb();
+Verb linearize_verb();
+Verb lqg_verb();
+Verb lqr_verb();
+Verb kalman_verb();
+Verb discretize_verb();
+Verb margins_verb();
+Verb pid_verb();
+Verb fly_verb();
+Verb compare_verb();
+std::vector<Verb> campaign_verbs();
+Verb log_verb();
+Verb tune_kalman_verb();
+Verb tune_pid_verb();
+Verb tune_lqr_verb();
+Verb calibrate_verb();
+Verb allan_verb();
+Verb export_verb();
+Verb verify_verb();
+Verb certify_verb();
+Verb diff_verb();
+Verb help_verb();
+
+}  // namespace quadtune::cli

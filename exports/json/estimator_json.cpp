@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+// The numbers of the general filter with their units in the keys.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "json/to_json.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/suggest.hpp"
+
+namespace quadtune::exports {
+namespace {
+
+constexpr std::array<const char*, 3> kNames = {"general", "mambo", "uquad"};
+
+/// Writes the fields that it is shown.
+class Writing {
+ public:
+  Writing(Json& json, std::string where) : json_(json), where_(std::move(where)) {}
+
+  void number(const char* key, double value) {
+    json_[key] = internal::number_to_json(value, where_ + "." + key);
+  }
+  /// Left out where it is not finite, which then is its value.
+  void number_unless(double /*if_absent*/, const char* key, double value) {
+    if (std::isfinite(value)) number(key, value);
+  }
+  template <int n>
+  void vector(const char* key, const Eigen::Matrix<double, n, 1>& value) {
+    json_[key] = internal::vector_to_json(value, where_ + "." + key);
+  }
+  template <class Part, class Fields>
+  void part(const char* key, const Part& value, const Fields& fields) {
+    Json json = Json::object();
+    Writing inner(json, where_ + "." + key);
+    fields(inner, value);
+    json_[key] = std::move(json);
+  }
+  template <class Part, class Fields>
+  void part(const char* key, const std::optional<Part>& value, const Fields& fields) {
+    if (value) part(key, *value, fields);
+  }
+
+ private:
+  Json& json_;
+  std::string where_;
+};
+
+/// Reads the same fields back.
+class Reading {
+ public:
+  Reading(const Json& json, std::string where) : json_(json), where_(std::move(where)) {}
+
+  void number(const char* key, double& value) {
+    value = internal::number_from_json(internal::member(json_, key, where_), where_ + "." + key);
+  }
+  void number_unless(double if_absent, const char* key, double& value) {
+    value = if_absent;
+    if (json_.contains(key)) number(key, value);
+  }
+  template <int n>
+  void vector(const char* key, Eigen::Matrix<double, n, 1>& value) {
+    const std::string here = where_ + "." + key;
+    const Eigen::VectorXd read =
+        internal::vector_from_json(internal::member(json_, key, where_), here);
+    if (read.size() != n)
+      throw InvalidInput(here, fmt::format("has {} numbers, expected {}", read.size(), n));
+    value = read;
+  }
+  template <class Part, class Fields>
+  void part(const char* key, Part& value, const Fields& fields) {
+    Reading inner(internal::member(json_, key, where_), where_ + "." + key);
+    fields(inner, value);
+  }
+  template <class Part, class Fields>
+  void part(const char* key, std::optional<Part>& value, const Fields& fields) {
+    if (json_.contains(key)) part(key, value.emplace(), fields);
+  }
+
+ private:
+  const Json& json_;
+  std::string where_;
+};
+
+/// Shows every number of the filter to `archive`, which writes or reads it. The control period and
+/// the start are those of the flight.
+template <class Archive, class Settings>
+void each_field(Archive& archive, Settings& settings) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  archive.number("gravity_m_per_s2", settings.gravity);
+  archive.part("gyroscope", settings.gyroscope, [](auto& a, auto& aid) {
+    a.number("lag_s", aid.lag);
+    a.vector("scale", aid.scale);
+    a.vector("density_rad_per_s_per_sqrt_Hz", aid.density);
+    a.vector("variance_rad2_per_s2", aid.variance);
+    a.number("bias_walk_rad_per_s_per_sqrt_s", aid.walk);
+  });
+  archive.part("accelerometer", settings.accelerometer, [](auto& a, auto& aid) {
+    a.number("lag_s", aid.lag);
+    a.vector("scale", aid.scale);
+    a.vector("density_m_per_s2_per_sqrt_Hz", aid.density);
+    a.vector("variance_m2_per_s4", aid.variance);
+    a.number("bias_walk_m_per_s2_per_sqrt_s", aid.walk);
+  });
+  archive.part("flow", settings.flow, [](auto& a, auto& flow) {
+    a.number("lag_s", flow.lag);
+    a.number("variance_rad2_per_s2", flow.variance);
+    a.vector("scale", flow.scale);
+    a.vector("mean_square", flow.mean_square);
+    a.number("least_height_m", flow.least_height);
+  });
+  const auto aid_in = [](const char* variance) {
+    return [variance](auto& a, auto& aid) {
+      a.number("lag_s", aid.lag);
+      a.number(variance, aid.variance);
+      a.number("scale", aid.scale);
+    };
+  };
+  archive.part("range", settings.range, [&](auto& a, auto& range) {
+    aid_in("variance_m2")(a, range.aid);
+    a.number("least_m", range.least);
+    a.number_unless(kInfinity, "greatest_m", range.greatest);
+    a.number("least_cosine_of_tilt", range.least_cosine);
+  });
+  archive.part("pressure", settings.pressure, [&](auto& a, auto& pressure) {
+    aid_in("variance_m2")(a, pressure.aid);
+    a.number("zero_Pa", pressure.zero);
+    a.number_unless(kUnknown, "fall_Pa_per_m", pressure.fall);
+    a.number("walk_m_per_sqrt_s", pressure.walk);
+  });
+  archive.part("heading", settings.heading, [&](auto& a, auto& heading) {
+    aid_in("variance_rad2")(a, heading.aid);
+    a.number("declination_rad", heading.declination);
+    a.number("dip", heading.dip);
+  });
+  archive.part("gps_position", settings.gps_position, aid_in("variance_m2"));
+  archive.part("gps_velocity", settings.gps_velocity, aid_in("variance_m2_per_s2"));
+  archive.part("vision", settings.vision, aid_in("variance_m2"));
+  archive.part("start", settings.start, [](auto& a, auto& start) {
+    a.number("position_m", start.position);
+    a.number("velocity_m_per_s", start.velocity);
+    a.number("tilt_rad", start.tilt);
+    a.number("yaw_rad", start.yaw);
+    a.number("gyro_bias_rad_per_s", start.gyro_bias);
+    a.number("force_bias_m_per_s2", start.force_bias);
+    a.number("pressure_height_m", start.pressure_height);
+  });
+  archive.number("gate", settings.gate);
+  archive.number("recovery_time_s", settings.recovery_time);
+  archive.number("standing_velocity_m_per_s", settings.standing_velocity);
+  archive.number("lift_off_velocity_m_per_s", settings.lift_off_velocity);
+  archive.number("angular_acceleration_rad_per_s2", settings.angular_acceleration);
+  archive.number("jerk_m_per_s3", settings.jerk);
+}
+
+}  // namespace
+
+Json estimator_to_json(const StoredEstimator& estimator) {
+  Json json;
+  json["name"] = estimator.name;
+  if (!estimator.general) return json;
+  json["dt_s"] = internal::number_to_json(estimator.general->dt, "estimator.dt_s");
+  Writing writing(json, "estimator");
+  each_field(writing, *estimator.general);
+  return json;
+}
+
+StoredEstimator estimator_from_json(const Json& json, const std::string& where) {
+  StoredEstimator estimator;
+  const std::string named = where + ".name";
+  estimator.name = internal::string_from_json(internal::member(json, "name", where), named);
+  if (std::find(kNames.begin(), kNames.end(), estimator.name) == kNames.end())
+    throw InvalidInput(
+        named,
+        fmt::format("is '{}', expected one of {}{}", estimator.name, internal::joined(kNames, ", "),
+                    internal::did_you_mean(estimator.name, {kNames.begin(), kNames.end()})));
+  if (estimator.name != "general") return estimator;
+  GeneralFilterSettings& settings = estimator.general.emplace();
+  Reading reading(json, where);
+  reading.number("dt_s", settings.dt);
+  each_field(reading, settings);
+  validate(settings, where);
+  return estimator;
+}
+
+}  // namespace quadtune::exports

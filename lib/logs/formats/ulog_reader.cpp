@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: Apache-2.0
+// Source: PX4 User Guide, "ULog File Format".
+#include "logs/formats/ulog_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "logs/formats/log_lines.hpp"
+#include "logs/formats/ulog_formats.hpp"
+#include "logs/log_clock.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/text_file.hpp"
+
+namespace quadtune::internal {
+namespace {
+
+using std::string_view_literals::operator""sv;
+
+constexpr std::string_view kMagic = "ULog\x01\x12\x35"sv;
+constexpr std::size_t kHeaderSize = 16;  // magic, version, time
+constexpr std::size_t kMessageHeader = 3;
+constexpr std::string_view kKnownTypes = "ABCDFILMOPQRS";
+constexpr std::string_view kSync = "\x2f\x73\x13\x20\x25\x0c\xbb\x12"sv;
+constexpr std::size_t kMostChannels = 200000;
+constexpr std::size_t kMostGroups = 10000;
+constexpr std::size_t kBlockValues = 4096;
+constexpr double kTicks = 1e6;           // microseconds
+constexpr std::size_t kTopicNumber = 2;  // [bytes] before a record
+constexpr std::uint64_t kLastTime = std::numeric_limits<std::int64_t>::max();  // [us]
+constexpr std::uint64_t kFarFromStart = 1'000'000;        // [us]: no logger is that quick
+constexpr std::uint64_t kOtherClock = 1'000'000'000'000;  // [us] = 1e6 s
+constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
+
+template <typename Number>
+Number number_at(std::string_view bytes, std::size_t at) {
+  Number value;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
+class UlogReader final : public LogReader {
+ public:
+  UlogReader(ByteStream stream, const LogOptions& options)
+      : LogReader("ulog"), stream_(std::move(stream)), clock_(options.epoch_s) {
+    if (!is_ulog(stream_.peek(kMagic.size())))
+      throw InvalidInput(stream_.name(), "does not begin as a ULog does, expected one");
+    const std::string_view header = stream_.peek(kHeaderSize);
+    if (header.size() < kHeaderSize)
+      throw InvalidInput(stream_.name(), "has no whole header, expected a ULog; is it cut short?");
+    latest_ = number_at<std::uint64_t>(header, kMagic.size() + 1);
+    stream_.skip(kHeaderSize);
+  }
+
+  // A block ends where another topic comes, so that the file's order is kept.
+  bool next(LogBlock& block) override {
+    block.time.clear();
+    block.values.clear();
+    std::optional<std::size_t> group;
+    while (block.values.size() < kBlockValues && block.rows() < kBlockValues) {
+      const std::optional<Message> message = next_message();
+      if (!message) break;
+      if (message->type == 'D') {
+        const Topic* const topic = topic_of(message->body);
+        if (topic != nullptr && group && topic->group != *group) break;  // stays for the next block
+        if (topic != nullptr && !is_stray(*topic, message->body)) {
+          // Anew: looking ahead may have moved it.
+          const std::string_view whole = stream_.peek(kMessageHeader + message->body.size());
+          add_row(topic->layout, whole.substr(kMessageHeader + kTopicNumber), block);
+          group = topic->group;
+        }
+      } else {
+        take(*message);
+      }
+      stream_.skip(kMessageHeader + message->body.size());
+    }
+    block.group = group.value_or(0);
+    if (block.time.empty()) report_strays();
+    return !block.time.empty();
+  }
+
+  [[nodiscard]] std::int64_t epoch_s() const override { return clock_.epoch_s(); }
+
+ private:
+  struct Message {
+    char type;
+    std::string_view body;
+  };
+  struct Topic {
+    std::size_t group;
+    UlogLayout layout;
+  };
+
+  void tear(const std::string& why) {
+    condition_.torn = fmt::format("{}: {} at offset {}", stream_.name(), why, stream_.offset());
+  }
+  void skip(const std::string& why) {
+    skip_record(condition_,
+                fmt::format("{}: {} at offset {}", stream_.name(), why, stream_.offset()));
+  }
+
+  // The message at the stream's place, which it does not leave yet.
+  std::optional<Message> next_message() {
+    while (condition_.torn.empty()) {
+      if (stream_.offset() == border()) ++borders_passed_;
+      const std::string_view head = stream_.peek(kMessageHeader);
+      if (head.empty()) {
+        if (border() != kNowhere)
+          tear(fmt::format("the file ends before the data that are appended at {}", border()));
+        return std::nullopt;
+      }
+      if (head.size() < kMessageHeader) {
+        tear("the file ends within a message");
+        return std::nullopt;
+      }
+      const std::size_t size = number_at<std::uint16_t>(head, 0);
+      const char type = head[2];
+      if (stream_.offset() + kMessageHeader + size > border()) {
+        // The log was cut off, by a crash, where data were appended later.
+        skip("a message is cut by appended data");
+        stream_.skip(border() - stream_.offset());
+        continue;
+      }
+      if (kKnownTypes.find(type) == std::string_view::npos) {
+        pass_unknown(size, type);
+        continue;
+      }
+      const std::string_view message = stream_.peek(kMessageHeader + size);
+      if (message.size() < kMessageHeader + size) {
+        tear("the file ends within a message");
+        return std::nullopt;
+      }
+      return Message{type, message.substr(kMessageHeader)};
+    }
+    return std::nullopt;
+  }
+
+  // A message of a kind that came after this reader, or no message: then the next mark that the
+  // logger set now and then is looked for.
+  void pass_unknown(std::size_t size, char type) {
+    const std::size_t length = kMessageHeader + size;
+    const std::string_view with_next = stream_.peek(length + kMessageHeader);
+    const bool at_end = with_next.size() == length;
+    skip(fmt::format("a message of unknown type {:#04x}", static_cast<unsigned char>(type)));
+    if (at_end || (with_next.size() == length + kMessageHeader &&
+                   kKnownTypes.find(with_next[length + 2]) != std::string_view::npos)) {
+      stream_.skip(length);
+      return;
+    }
+    while (true) {
+      const std::string_view window =
+          stream_.peek(std::min<std::uint64_t>(ByteStream::kWindow, border() - stream_.offset()));
+      const std::size_t mark = window.find(kSync);
+      if (mark != std::string_view::npos) {
+        stream_.skip(mark + kSync.size());
+        return;
+      }
+      if (window.size() < kSync.size() || stream_.offset() + window.size() == border() ||
+          window.size() < ByteStream::kWindow) {
+        tear("nothing that can be read follows");
+        return;
+      }
+      stream_.skip(window.size() - kSync.size() + 1);
+    }
+  }
+
+  [[nodiscard]] std::uint64_t border() const {
+    return borders_passed_ < borders_.size() ? borders_[borders_passed_] : kNowhere;
+  }
+
+  void take(const Message& message) {
+    switch (message.type) {
+      case 'B':
+        take_flags(message.body);
+        return;
+      case 'F':
+        if (const std::string problem = formats_.add(message.body); !problem.empty()) skip(problem);
+        return;
+      case 'A':
+        subscribe(message.body);
+        return;
+      case 'R':
+        if (message.body.size() >= 2) topics_.erase(number_at<std::uint16_t>(message.body, 0));
+        return;
+      case 'O':
+        ++condition_.dropouts;
+        if (message.body.size() >= 2)
+          condition_.dropout_s += 1e-3 * number_at<std::uint16_t>(message.body, 0);
+        return;
+      default:
+        return;  // information, parameters, texts, marks
+    }
+  }
+
+  void take_flags(std::string_view body) {
+    constexpr std::size_t kFlags = 8;  // compatible ones, then incompatible ones
+    constexpr std::size_t kSize = 2 * kFlags + 3 * sizeof(std::uint64_t);
+    if (body.size() < kSize) {
+      skip("flags without their offsets");
+      return;
+    }
+    for (std::size_t i = 0; i < kFlags; ++i)
+      if ((static_cast<unsigned char>(body[kFlags + i]) & (i == 0 ? 0xfeU : 0xffU)) != 0)
+        throw InvalidInput(stream_.name(),
+                           "has flags that a reader must know and this one does not, expected no "
+                           "more than appended data: it is of a later kind of ULog");
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto offset = number_at<std::uint64_t>(body, 2 * kFlags + 8 * i);
+      if (offset == 0) break;
+      const std::uint64_t before =
+          borders_.empty() ? stream_.offset() + kMessageHeader + body.size() : borders_.back() + 1;
+      if (offset < before) {
+        skip(fmt::format("appended data at {}, which is before their place", offset));
+        break;
+      }
+      borders_.push_back(offset);
+    }
+  }
+
+  void subscribe(std::string_view body) {
+    if (body.size() < 4) {
+      skip("a subscription without a topic");
+      return;
+    }
+    const auto instance = static_cast<unsigned char>(body[0]);
+    const auto id = number_at<std::uint16_t>(body, 1);
+    const std::string topic(body.substr(3));
+    Topic entry{groups().size(), {}};
+    if (const std::string problem = formats_.layout(topic, entry.layout); !problem.empty()) {
+      skip(fmt::format("topic '{}': {}", printable(topic), problem));
+      return;
+    }
+    const std::string name = instance == 0 ? topic : fmt::format("{}.{}", topic, instance);
+    const auto same = std::find_if(groups().begin(), groups().end(),
+                                   [&](const LogGroup& group) { return group.name == name; });
+    const auto place = static_cast<std::size_t>(same - groups().begin());
+    if (same != groups().end() &&
+        (same->channels != entry.layout.channels || same->timed != entry.layout.timed)) {
+      skip(fmt::format("topic '{}' comes again with other fields", printable(name)));
+      return;
+    }
+    entry.group = place;
+    if (same == groups().end()) {
+      channels_ += entry.layout.channels.size() + 1;
+      if (channels_ > kMostChannels || groups().size() == kMostGroups)
+        throw InvalidInput(stream_.name(),
+                           fmt::format("has more than {} channels or {} topics, expected fewer",
+                                       kMostChannels, kMostGroups));
+      add_group({name, entry.layout.channels, entry.layout.timed});
+    }
+    topics_.insert_or_assign(id, std::move(entry));
+  }
+
+  // The topic of a record that can be read.
+  const Topic* topic_of(std::string_view body) {
+    if (body.size() < kTopicNumber) {
+      skip("a record without a topic");
+      return nullptr;
+    }
+    const auto number = number_at<std::uint16_t>(body, 0);
+    const auto found = topics_.find(number);
+    if (found == topics_.end()) {
+      skip(fmt::format("a record of topic {}, which is not subscribed", number));
+      return nullptr;
+    }
+    const UlogLayout& layout = found->second.layout;
+    const std::string_view record = body.substr(kTopicNumber);
+    if (record.size() < layout.least || record.size() > layout.most) {
+      skip(fmt::format("a record of {} bytes, expected {}", record.size(), layout.most));
+      return nullptr;
+    }
+    if (layout.timed && ulog_whole(layout.timestamp, record) > kLastTime) {
+      skip("a record at no time");
+      return nullptr;
+    }
+    return &found->second;
+  }
+
+  // PX4 leaves a time at 0 that it never set; only where logging began at 0 it is one.
+  bool is_stray(const Topic& topic, std::string_view body) {
+    if (!topic.layout.timed) return false;
+    const std::uint64_t ticks = ulog_whole(topic.layout.timestamp, body.substr(kTopicNumber));
+    if (ticks != 0) {
+      latest_ = ticks;
+      return false;
+    }
+    if (latest_ < kFarFromStart) {
+      if (!ahead_) ahead_ = next_time();
+      if (*ahead_ < kOtherClock) return false;
+    }
+    if (strays_++ == 0) first_stray_ = groups()[topic.group].name;
+    return true;
+  }
+
+  // Of the next record with a time that is not 0, as far as one can look ahead [us]; else 0.
+  std::uint64_t next_time() {
+    const std::string_view ahead = stream_.peek(ByteStream::kWindow);
+    for (std::size_t at = 0; at + kMessageHeader <= ahead.size();) {
+      const std::size_t size = number_at<std::uint16_t>(ahead, at);
+      const std::string_view body = ahead.substr(at + kMessageHeader, size);
+      if (ahead[at + 2] == 'D' && body.size() == size && size > kTopicNumber) {
+        const auto topic = topics_.find(number_at<std::uint16_t>(body, 0));
+        if (topic != topics_.end() && topic->second.layout.timed &&
+            size - kTopicNumber >= topic->second.layout.least)
+          if (const std::uint64_t time =
+                  ulog_whole(topic->second.layout.timestamp, body.substr(kTopicNumber));
+              time != 0)
+            return time;
+      }
+      at += kMessageHeader + size;
+    }
+    return 0;
+  }
+
+  void report_strays() {
+    if (strays_ == 0) return;
+    condition_.notes.push_back(
+        fmt::format("{} {} at time 0, which was never set, and left out, the first of '{}'",
+                    strays_, strays_ == 1 ? "record is" : "records are", printable(first_stray_)));
+    strays_ = 0;
+  }
+
+  void add_row(const UlogLayout& layout, std::string_view record, LogBlock& block) {
+    const auto time = [&] {
+      const std::uint64_t ticks = ulog_whole(layout.timestamp, record);
+      return clock_.seconds({static_cast<std::int64_t>(ticks), 0}, kTicks);
+    };
+    block.time.push_back(layout.timed ? time() : std::numeric_limits<double>::quiet_NaN());
+    for (const UlogLeaf& leaf : layout.leaves) block.values.push_back(ulog_value(leaf, record));
+  }
+
+  ByteStream stream_;
+  LogClock clock_;
+  UlogFormats formats_;
+  std::unordered_map<std::uint16_t, Topic> topics_;  // by the number that records name them with
+  std::vector<std::uint64_t> borders_;               // where appended data begin
+  std::size_t borders_passed_ = 0;
+  std::size_t channels_ = 0;            // of all groups
+  std::uint64_t latest_ = 0;            // time that was read and is not 0, the header's first [us]
+  std::optional<std::uint64_t> ahead_;  // next_time() of the first record at 0
+  std::uint64_t strays_ = 0;            // records whose time was never set
+  std::string first_stray_;             // the group of the first
+};
+
+}  // namespace
+
+bool is_ulog(std::string_view bytes) { return bytes.starts_with(kMagic); }
+
+std::unique_ptr<LogReader> open_ulog(ByteStream stream, const LogOptions& options) {
+  return std::make_unique<UlogReader>(std::move(stream), options);
+}
+
+}  // namespace quadtune::internal

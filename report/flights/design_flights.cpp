@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/flights/design_flights.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "quadtune/internal/json.hpp"
+#include "report/flights/flight_story.hpp"
+
+namespace quadtune::cli {
+
+using internal::Json;
+
+namespace {
+
+/// Why it failed is found out by flying it again.
+std::optional<Diagnosis> diagnosis_of(const FlownFlight& flight) {
+  if (flight.passed) return std::nullopt;
+  return diagnose(flight.plan, flight);
+}
+
+Json told(const FlownFlight& flight) { return to_json(flight, diagnosis_of(flight)); }
+
+std::string name_of_flight(const FlownFlight& flight) {
+  const std::string& mission = flight.plan.setup.mission.name;
+  if (flight.variant == "gust")
+    return fmt::format("{} with a gust of {:g} m/s", mission, kGustSpeed);
+  if (flight.variant == "load")
+    return fmt::format("{} with a load of {:g} % of the mass picked up", mission, 100 * kLoadShare);
+  return mission;
+}
+
+std::string seeds_of(const FlownFlight& flight) {
+  if (flight.seeds.size() < 2) return "";
+  const auto passed = std::count_if(flight.seeds.begin(), flight.seeds.end(),
+                                    [](const SeedVerdict& seed) { return seed.passed; });
+  return fmt::format(" ({} of {} seeds)", passed, flight.seeds.size());
+}
+
+std::string text_of(const FlownFlight& flight) {
+  const MetricValues& metrics = flight.result.metrics;
+  std::string text =
+      fmt::format("{}: {}{}; {:.4g} s flown", name_of_flight(flight),
+                  flight.passed ? "pass" : "FAIL", seeds_of(flight), flight.result.end_time);
+  for (const Metric metric :
+       {Metric::settling_time, Metric::tracking_rms, Metric::tilt_max, Metric::energy})
+    if (std::isfinite(metrics[metric]))
+      text += fmt::format(", {} {:.3g} {}", label_of(metric), metrics[metric], unit_of(metric));
+  text += "\n  " + circumstances(flight.plan);
+  if (flight.loop)
+    text += fmt::format("\n  flown loop: largest |z| {:.6f}: {}", std::abs(flight.loop->mode.z),
+                        in_words(*flight.loop));
+  for (const WidenedLimit& widened : flight.plan.widened)
+    if (flight.variant.empty()) text += fmt::format("\n  {}: {}", widened.label, in_words(widened));
+  for (const std::string& reason : reasons(flight)) text += "\n  " + reason;
+  if (const std::optional<Diagnosis> diagnosis = diagnosis_of(flight))
+    text += fmt::format("\n  why: {}\n  next: {}", diagnosis->why, diagnosis->next);
+  return text;
+}
+
+}  // namespace
+
+Json missions_json(const DesignOutcome& outcome) {
+  Json json = Json::array();
+  for (const FlownFlight& flight : outcome.flights) json.push_back(told(flight));
+  for (const FlownFlight& flight : outcome.disturbed) json.push_back(told(flight));
+  return json;
+}
+
+std::string missions_text(const DesignOutcome& outcome) {
+  std::string text;
+  for (const std::vector<FlownFlight>* flights : {&outcome.flights, &outcome.disturbed})
+    for (const FlownFlight& flight : *flights) text += (text.empty() ? "" : "\n") + text_of(flight);
+  return text;
+}
+
+std::vector<std::string> notes_of_flights(const DesignOutcome& outcome) {
+  std::vector<std::string> notes;
+  for (const std::vector<FlownFlight>* flights : {&outcome.flights, &outcome.disturbed})
+    for (const FlownFlight& flight : *flights)
+      for (const std::string& note : flight.plan.notes)
+        if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+  return notes;
+}
+
+}  // namespace quadtune::cli

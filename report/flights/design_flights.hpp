@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The missions by which a design proved itself, as text and JSON.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "quadtune/internal/json_fwd.hpp"
+#include "quadtune/workbench/design/design.hpp"
+
+namespace quadtune::cli {
+
+[[nodiscard]] internal::Json missions_json(const DesignOutcome& outcome);
+/// One line a mission, and why where it failed.
+[[nodiscard]] std::string missions_text(const DesignOutcome& outcome);
+/// What a reader must know of the flights, e.g. of sensors that were assumed: each once.
+[[nodiscard]] std::vector<std::string> notes_of_flights(const DesignOutcome& outcome);
+
+}  // namespace quadtune::cli

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Weights that were found for a gain: as text, as JSON and as a design file.
+#pragma once
+
+#include <string>
+
+#include "arguments/plant_arguments.hpp"
+#include "quadtune/internal/json_fwd.hpp"
+#include "quadtune/tuning/match_gains.hpp"
+
+namespace quadtune::cli {
+
+struct GainMatchReport {
+  const Plant& plant;
+  const PlantArguments& arguments;
+  const std::string& file;  ///< of the gains
+  const Eigen::MatrixXd& K;
+  const Eigen::MatrixXd& K_int;
+  const GainMatch& match;
+  double tolerance;
+};
+
+[[nodiscard]] internal::Json to_json(const GainMatchReport& report);
+[[nodiscard]] std::string to_text(const GainMatchReport& report);
+
+/// A design file with the weights, and with the given gain as the published one, so that
+/// `quadtune design` tells how near it comes.
+/// @param path     it will be written to: a vehicle file is named from there
+/// @param command  for the first line
+[[nodiscard]] std::string design_file(const GainMatchReport& report, const std::string& path,
+                                      const std::string& command);
+
+}  // namespace quadtune::cli

@@ -1,0 +1,596 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/gains/mission_tuning_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "quadtune/internal/joined.hpp"
+#include "quadtune/internal/json.hpp"
+#include "report/flights/flight_story.hpp"
+#include "report/text/print.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+using internal::finite_or_null;
+using internal::Json;
+using Report = MissionTuningReport;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// What the column of the best point is called.
+std::string found_word(const Report& report) {
+  return report.result.accepted ? "found" : "not taken";
+}
+
+/// What counts of the draws: "mean", "0.9 quantile", "worst".
+std::string measure_of(const Report& report) {
+  const TrialRequest& request = report.request;
+  return request.measure == RobustMeasure::quantile ? fmt::format("{:g} quantile", request.share)
+                                                    : to_string(request.measure);
+}
+
+/// On fresh draws, where there was a proof.
+bool proved(const Report& report) { return !report.result.proof_before.costs.empty(); }
+const TrialOutcome& outcome_before(const Report& report) {
+  return proved(report) ? report.result.proof_before : report.result.before;
+}
+const TrialOutcome& outcome_after(const Report& report) {
+  return proved(report) ? report.result.proof_after : report.result.after;
+}
+
+/// A figure of a mission, with its values at start, at the best point and of the rival.
+struct Figure {
+  std::size_t mission = 0;
+  Metric metric = Metric::duration;
+  std::vector<double> values;
+};
+
+/// What is told of missions: figures that some flight has; after the usual ones those of the cost
+/// and of limits.
+std::vector<Figure> figures_of(const Report& report) {
+  std::vector<const TrialOutcome*> outcomes = {&outcome_before(report), &outcome_after(report)};
+  if (report.rival) outcomes.push_back(&*report.rival);
+  std::vector<Figure> figures;
+  for (std::size_t m = 0; m < report.request.missions.size(); ++m) {
+    std::vector<Metric> told = {Metric::tracking_rms, Metric::tracking_max, Metric::settling_time,
+                                Metric::overshoot,    Metric::tilt_max,     Metric::saturation_time,
+                                Metric::energy};
+    const auto tell = [&](Metric metric) {
+      if (std::find(told.begin(), told.end(), metric) == told.end()) told.push_back(metric);
+    };
+    for (const CostTerm& term : report.request.cost)
+      if (term.weight > 0) tell(term.metric);
+    for (const Limit& limit : report.request.missions[m].limits) tell(limit.metric);
+    for (const Metric metric : told) {
+      Figure figure{m, metric, {}};
+      for (const TrialOutcome* outcome : outcomes)
+        figure.values.push_back(outcome->means[m][metric]);
+      if (!std::isnan(figure.values[0]) || !std::isnan(figure.values[1]))
+        figures.push_back(std::move(figure));
+    }
+  }
+  return figures;
+}
+
+// --- text ---
+
+std::string missions_text(const Report& report) {
+  const TrialOutcome &before = outcome_before(report), &after = outcome_after(report);
+  const auto rival = [&](const std::string& cell) {
+    return report.rival ? fmt::format("{:>11}", cell) : std::string();
+  };
+  std::string text = fmt::format("{:<16}{:<36}{:>11}{:>11}{}  {}\n", "mission", "figure, mean",
+                                 "start", found_word(report), rival("published"), "unit");
+  const auto cell = [](double x) {
+    return std::isnan(x) ? std::string("-") : std::isinf(x) ? "never" : fmt::format("{:.4g}", x);
+  };
+  for (const Figure& figure : figures_of(report)) {
+    const std::string unit = unit_text(unit_of(figure.metric));
+    const std::string line =
+        fmt::format("{:<16}{:<36}{:>11}{:>11}{}  {}", report.request.missions[figure.mission].name,
+                    label_of(figure.metric), cell(figure.values[0]), cell(figure.values[1]),
+                    rival(cell(figure.values.back())), unit);
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  const bool mean = report.request.measure == RobustMeasure::mean;
+  text += fmt::format("{:<52}{:>11.4g}{:>11.4g}{}\n", mean ? "cost" : "cost, " + measure_of(report),
+                      before.cost, after.cost,
+                      report.rival ? fmt::format("{:>11.4g}", report.rival->cost) : "");
+  text += fmt::format("{:<52}{:>11}{:>11}{}  of {}", "flights that end early", before.failed,
+                      after.failed, report.rival ? fmt::format("{:>11}", report.rival->failed) : "",
+                      before.flights);
+  return text;
+}
+
+std::string loops_text(const std::vector<NamedMargins>& before,
+                       const std::vector<NamedMargins>& after,
+                       const std::vector<NamedMargins>* rival, const std::string& found) {
+  std::string text = fmt::format("{:<10}{:>10}{:>11}{}{:>14}{:>12}{:>12}\n", "loop", "Ms: start",
+                                 found, rival ? fmt::format("{:>11}", "published") : "",
+                                 "phase [deg]", "gain [dB]", "delay [ms]");
+  const auto cell = [](double x) {
+    return std::isfinite(x) ? fmt::format("{:.4g}", x) : std::string("-");
+  };
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const LoopMargins& m = after[i].margins;
+    text +=
+        fmt::format("{:<10}{:>10}{:>11}{}{:>14}{:>12}{:>12}\n", after[i].name,
+                    i < before.size() ? cell(before[i].margins.Ms) : "-", cell(m.Ms),
+                    rival ? fmt::format("{:>11}", i < rival->size() ? cell((*rival)[i].margins.Ms)
+                                                                    : std::string("-"))
+                          : "",
+                    cell(m.phase_margin * 180 / std::numbers::pi),
+                    cell(20 * std::log10(m.gain_margin)), cell(1000 * m.delay_margin));
+  }
+  text.pop_back();
+  return text;
+}
+
+std::string margins_text(const Report& report) {
+  return loops_text(report.before, report.after,
+                    report.tuning.rival ? &report.tuning.rival->margins : nullptr,
+                    found_word(report));
+}
+
+/// None of a loop that is unstable, or that there is not.
+std::vector<NamedMargins> named(const std::optional<FlownLoop>& loop) {
+  std::vector<NamedMargins> all;
+  if (!loop || loop->grows()) return all;
+  for (std::size_t i = 0; i < loop->margins.loops.size(); ++i)
+    all.push_back({loop->margins.names[i], loop->margins.loops[i]});
+  return all;
+}
+
+std::string flown_text(const Report& report) {
+  const FlownEvidence& flown = report.flown;
+  if (!flown.after) return "no flown plant: " + flown.why;
+  std::string text;
+  const auto unstable = [&](const std::optional<FlownLoop>& loop, const std::string& what) {
+    if (loop && loop->grows()) text += fmt::format("{}: unstable, {}\n", what, in_words(*loop));
+  };
+  unstable(flown.before, "start");
+  unstable(flown.after, found_word(report));
+  unstable(flown.rival, "published");
+  const std::vector<NamedMargins> after = named(flown.after), rival = named(flown.rival);
+  if (after.empty()) {
+    text.pop_back();
+    return text;
+  }
+  return text +
+         loops_text(named(flown.before), after, flown.rival ? &rival : nullptr, found_word(report));
+}
+
+// --- JSON ---
+
+Json margins_json(const std::vector<NamedMargins>& loops) {
+  Json json = Json::array();
+  for (const NamedMargins& loop : loops)
+    json.push_back(
+        {{"loop", loop.name},
+         {"Ms", finite_or_null(loop.margins.Ms)},
+         {"phase_margin_deg", finite_or_null(loop.margins.phase_margin * 180 / std::numbers::pi)},
+         {"gain_margin_db", finite_or_null(20 * std::log10(loop.margins.gain_margin))},
+         {"delay_margin_s", finite_or_null(loop.margins.delay_margin)}});
+  return json;
+}
+
+/// The estimator and the stability of a flown loop, and its margins if it is stable.
+Json flown_json(const std::optional<FlownLoop>& loop) {
+  if (!loop) return nullptr;
+  return {{"estimator", loop->estimator},
+          {"stable", !loop->grows()},
+          {"slowest_mode", in_words(*loop)},
+          {"margins", margins_json(named(loop))}};
+}
+
+Json outcome_json(const Report& report, const TrialOutcome& outcome) {
+  Json missions = Json::array();
+  for (std::size_t m = 0; m < outcome.means.size(); ++m) {
+    Json metrics = Json::object();
+    for (std::size_t i = 0; i < kMetrics; ++i)
+      metrics[name_of(static_cast<Metric>(i))] = finite_or_null(outcome.means[m].value[i]);
+    missions.push_back({{"mission", report.request.missions[m].name}, {"mean", metrics}});
+  }
+  Json limits = Json::array();
+  for (const TrialLimit& limit : outcome.limits)
+    limits.push_back({{"mission", limit.mission},
+                      {"metric", name_of(limit.metric)},
+                      {"value", finite_or_null(limit.value)},
+                      {"at_most", limit.most},
+                      {"ok", limit.excess() <= kLimitTolerance}});
+  return {{"cost", outcome.cost},
+          {"flights", outcome.flights},
+          {"ended_early", outcome.failed},
+          {"missions", missions},
+          {"limits", limits}};
+}
+
+// --- the page ---
+
+PageCompared row(std::string of, std::string label, std::string unit, std::vector<double> values) {
+  PageCompared compared;
+  compared.of = std::move(of);
+  compared.label = std::move(label);
+  compared.unit = std::move(unit);
+  compared.values = std::move(values);
+  return compared;
+}
+
+/// "Ms of yaw: 10 % looser would lower the cost by 1.3 %", of each limit that binds.
+std::vector<std::string> binding_words(const MissionSearchResult& result) {
+  std::vector<std::string> words = result.binding;
+  for (std::size_t i = 0; i < result.buys.size(); ++i) {
+    const double buys = result.buys[i];
+    words[i] += fmt::format(": {:g} % looser would lower the cost by {}", 100 * kLoosened,
+                            buys < 0.1 ? "less than 0.1 %" : fmt::format("{:.2g} %", buys));
+  }
+  return words;
+}
+
+bool binds(const Report& report, const std::string& limit) {
+  const std::vector<std::string>& all = report.result.binding;
+  return std::find(all.begin(), all.end(), limit) != all.end();
+}
+
+PageComparedTable missions_table(const Report& report) {
+  PageComparedTable table;
+  table.id = "missions";
+  table.title = "Missions";
+  const TrialOutcome &before = outcome_before(report), &after = outcome_after(report);
+  const std::string draws = fmt::format("{} {} draws", before.costs.size(),
+                                        proved(report) ? "fresh" : "of the search\u2019s");
+  table.hint = fmt::format("Means over {}, the same for each column; a limit is for the {}.", draws,
+                           measure_of(report));
+  if (before.failed + after.failed + (report.rival ? report.rival->failed : 0) > 0)
+    table.hint += " A flight that ends early keeps no limit; its figures are of what it flew.";
+  const auto values = [&](const auto& of) {
+    std::vector<double> all = {of(before), of(after)};
+    if (report.rival) all.push_back(of(*report.rival));
+    return all;
+  };
+  PageCompared cost = row("All", "cost, " + measure_of(report) + " of the draws", "",
+                          values([](const TrialOutcome& outcome) { return outcome.cost; }));
+  cost.main = true;
+  table.rows.push_back(std::move(cost));
+  PageCompared early =
+      row("All", "flights that end early", fmt::format("of {}", before.flights),
+          values([](const TrialOutcome& o) { return static_cast<double>(o.failed); }));
+  table.rows.push_back(std::move(early));
+  for (const Figure& figure : figures_of(report)) {
+    const TrialMission& mission = report.request.missions[figure.mission];
+    PageCompared compared = row(mission.name, label_of(figure.metric),
+                                unit_text(unit_of(figure.metric)), figure.values);
+    const auto limit = std::find_if(mission.limits.begin(), mission.limits.end(),
+                                    [&](const Limit& l) { return l.metric == figure.metric; });
+    if (limit != mission.limits.end()) {
+      // Two missions may have one name, as in calm and in wind: limits are mission by mission.
+      auto at = static_cast<std::size_t>(limit - mission.limits.begin());
+      for (std::size_t m = 0; m < figure.mission; ++m)
+        at += report.request.missions[m].limits.size();
+      compared.limit = limit->most;
+      for (const TrialOutcome* outcome : {&before, &after, report.rival ? &*report.rival : nullptr})
+        if (outcome != nullptr)
+          compared.broken.push_back(outcome->limits[at].excess() > kLimitTolerance);
+      compared.binds = binds(report, fmt::format("{} of {}", name_of(figure.metric), mission.name));
+    }
+    table.rows.push_back(std::move(compared));
+  }
+  return table;
+}
+
+/// A margin as the page shows it.
+struct MarginKind {
+  const char* name;
+  const char* label;
+  const char* unit;
+  double (*value)(const LoopMargins&);
+  double (*shown)(double);
+};
+constexpr MarginKind kMarginKinds[] = {
+    {"Ms", "Ms", "", [](const LoopMargins& m) { return m.Ms; }, [](double x) { return x; }},
+    {"phase margin", "phase", "deg", [](const LoopMargins& m) { return m.phase_margin; },
+     [](double x) { return x * 180 / std::numbers::pi; }},
+    {"gain margin", "gain", "dB", [](const LoopMargins& m) { return m.gain_margin; },
+     [](double x) { return 20 * std::log10(x); }},
+    {"delay margin", "delay", "ms", [](const LoopMargins& m) { return m.delay_margin; },
+     [](double x) { return 1000 * x; }}};
+
+PageComparedTable flown_table(const Report& report) {
+  PageComparedTable table;
+  table.id = "flown";
+  table.title = "Margins of the flown loop";
+  table.hint = fmt::format(
+      "Rotor lag, delays, sensors and estimator included ({}); cut at the law\u2019s outputs.",
+      report.flown.after->estimator);
+  std::vector<std::vector<NamedMargins>> columns = {named(report.flown.before),
+                                                    named(report.flown.after)};
+  if (report.tuning.rival) columns.push_back(named(report.flown.rival));
+  const std::vector<std::string>& names = report.flown.after->margins.names;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    for (const MarginKind& kind : kMarginKinds) {
+      std::vector<double> values;
+      values.reserve(columns.size());
+      for (const std::vector<NamedMargins>& column : columns)
+        values.push_back(i < column.size() ? kind.shown(kind.value(column[i].margins)) : kNaN);
+      table.rows.push_back(row(names[i], kind.label, kind.unit, std::move(values)));
+    }
+  return table;
+}
+
+PageComparedTable margins_table(const Report& report) {
+  PageComparedTable table;
+  table.id = "margins";
+  table.title = "Margins of the loops";
+  table.hint = "Of the vehicle as its file has it, with true states.";
+  for (std::size_t i = 0; i < report.after.size(); ++i)
+    for (const MarginKind& kind : kMarginKinds) {
+      std::vector<double> plain;
+      for (const std::vector<NamedMargins>* of :
+           {&report.before, &report.after,
+            report.tuning.rival ? &report.tuning.rival->margins : nullptr})
+        if (of != nullptr && i < of->size())
+          plain.push_back((*of)[i].margins.stable ? kind.value((*of)[i].margins) : kNaN);
+      std::vector<double> values;
+      values.reserve(plain.size());
+      for (const double x : plain) values.push_back(kind.shown(x));
+      PageCompared compared = row(report.after[i].name, kind.label, kind.unit, values);
+      const std::string name = fmt::format("{} of {}", kind.name, report.after[i].name);
+      // Of two limits, of all loops and of this one, the stricter counts.
+      const DesignLimit* limit = nullptr;
+      for (const DesignLimit& one : report.limits)
+        if (one.name == name && (limit == nullptr || (one.at_least ? one.bound > limit->bound
+                                                                   : one.bound < limit->bound)))
+          limit = &one;
+      if (limit != nullptr) {
+        compared.limit = kind.shown(limit->bound);
+        compared.at_least = limit->at_least;
+        for (const double x : plain) {
+          DesignLimit held = *limit;
+          held.value = x;
+          compared.broken.push_back(held.excess() > kLimitTolerance);
+        }
+        compared.binds = binds(report, name);
+      }
+      table.rows.push_back(std::move(compared));
+    }
+  return table;
+}
+
+PageComparedTable gains_table(const Report& report) {
+  PageComparedTable table;
+  table.id = "gains";
+  table.title = report.tuning.gains_title;
+  const std::vector<TunedNumber> before = report.tuning.numbers(report.tuning.start),
+                                 after = report.tuning.numbers(report.result.candidate);
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    std::vector<double> values = {before[i].value, after[i].value};
+    if (report.tuning.rival) {
+      const std::vector<TunedNumber>& all = report.tuning.rival->numbers;
+      const auto same = std::find_if(all.begin(), all.end(), [&](const TunedNumber& number) {
+        return number.of == after[i].of && number.name == after[i].name;
+      });
+      values.push_back(same == all.end() ? kNaN : same->value);
+    }
+    table.rows.push_back(row(after[i].of, after[i].name, after[i].unit, std::move(values)));
+  }
+  return table;
+}
+
+PageSearch search_of(const MissionSearchResult& result) {
+  constexpr std::size_t kMostPoints = 2000;
+  PageSearch search;
+  const std::vector<SearchStep>& steps = result.steps;
+  const std::size_t stride = steps.size() / kMostPoints + 1;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const bool improved = i == 0 || i + 1 == steps.size() || steps[i].best != steps[i - 1].best;
+    if (!improved && i % stride != 0) continue;
+    search.evaluation.push_back(static_cast<double>(i + 1));
+    search.best.push_back(steps[i].best);
+    search.tried.push_back(steps[i].allowed ? steps[i].cost : kNaN);
+  }
+  return search;
+}
+
+/// Distances from the reference over time [m], by the flight's log.
+struct Distance {
+  std::vector<double> time, value;
+
+  /// The last value at or before a time; NaN after the flight.
+  [[nodiscard]] double at(double t) const {
+    if (time.empty() || t > time.back() + 1e-9) return kNaN;
+    const auto after = std::upper_bound(time.begin(), time.end(), t + 1e-9);
+    return after == time.begin() ? kNaN : value[static_cast<std::size_t>(after - time.begin()) - 1];
+  }
+};
+
+Distance distance_of(const LogTable& log) {
+  Distance distance;
+  if (log.columns.empty()) return distance;
+  distance.time = log.columns.front().values;
+  distance.value.assign(distance.time.size(), 0);
+  for (const char* axis : {"px", "py", "pz"}) {
+    const LogColumn* was = log.find(std::string("x.") + axis);
+    const LogColumn* asked = log.find(std::string("reference.") + axis);
+    if (was == nullptr || asked == nullptr) return {};
+    for (std::size_t i = 0; i < distance.value.size(); ++i)
+      distance.value[i] = std::hypot(distance.value[i], was->values[i] - asked->values[i]);
+  }
+  return distance;
+}
+
+/// Flies each mission with each controller and draws how far it is from its reference.
+std::vector<PageFlown> flown(const Report& report, const std::vector<std::string>& names,
+                             const MissionTrial& trial, const MissionTrial::Stop& stop) {
+  constexpr double kMostRows = 2e6;  // of a log in memory
+  constexpr double kLeast = 1e-4;    // [m]; the axis is logarithmic
+  std::vector<Controller> controllers = {
+      *report.tuning.design(report.tuning.start).point.controller,
+      *report.tuning.design(report.result.candidate).point.controller};
+  if (report.tuning.rival) controllers.push_back(report.tuning.rival->controller);
+  std::vector<PageFlown> all;
+  for (std::size_t m = 0; m < report.request.missions.size(); ++m) {
+    std::vector<Distance> distances;
+    for (const Controller& controller : controllers) {
+      FlightSetup setup = trial.setup(controller, m, report.request.draws);
+      if (duration_of(setup) / control_period(setup) > kMostRows) return all;
+      setup.log = true;
+      distances.push_back(distance_of(fly(setup, stop).log));
+    }
+    const Distance& longest =
+        *std::max_element(distances.begin(), distances.end(), [](const auto& a, const auto& b) {
+          return a.time.empty() || (!b.time.empty() && a.time.back() < b.time.back());
+        });
+    PageFlown& page = all.emplace_back();
+    page.plot = {
+        "Distance from the reference, " + report.request.missions[m].name, "m", {}, 1, true};
+    page.log.columns.push_back({"t", "s", longest.time});
+    for (std::size_t c = 0; c < distances.size(); ++c) {
+      LogColumn column{fmt::format("c{}", c), "m", {}};
+      for (const double t : longest.time) {
+        const double distance = distances[c].at(t);
+        column.values.push_back(std::isnan(distance) ? distance : std::max(distance, kLeast));
+      }
+      page.plot.series.push_back({names[c], column.name});
+      page.log.columns.push_back(std::move(column));
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+std::string to_text(const Report& report) {
+  const MissionSearchResult& r = report.result;
+  std::string gains = report.tuning.text(report.tuning.start, r.candidate);
+  if (!r.accepted && r.candidate != report.tuning.start)
+    gains = "start and what was not taken\n" + gains;
+  std::string text = section("gains", gains);
+  text += section("missions", missions_text(report));
+  if (!report.widened.empty()) {
+    std::vector<std::string> lines;
+    for (const TunedLimit& one : report.widened)
+      lines.push_back(fmt::format("{}: {}, {}", one.mission, one.limit.label, in_words(one.limit)));
+    text += section("widened", fmt::format("{}", internal::joined(lines, "\n")));
+  }
+  text += section("margins", margins_text(report));
+  text += section("flown", flown_text(report));
+  if (!r.binding.empty())
+    text += section("binding", fmt::format("{}", internal::joined(binding_words(r), "\n")));
+  if (!r.broken.empty())
+    text += section("broken", fmt::format("{}", internal::joined(r.broken, "\n")));
+  return text + section("verdict",
+                        fmt::format("{}: {}\n{}{} evaluations in {:.3g} s, ended by {}",
+                                    r.accepted ? "better" : "the start stays", r.reason,
+                                    r.broken.empty()
+                                        ? ""
+                                        : fmt::format("breaks {} of the limits\n", r.broken.size()),
+                                    r.evaluations, r.seconds, to_string(r.end)));
+}
+
+Json loosened_json(const MissionSearchResult& result) {
+  Json all = Json::array();
+  for (std::size_t i = 0; i < result.buys.size(); ++i)
+    all.push_back({{"limit", result.binding[i]},
+                   {"looser_percent", 100 * kLoosened},
+                   {"cost_less_percent", result.buys[i]}});
+  return all;
+}
+
+Json to_json(const Report& report) {
+  const MissionSearchResult& r = report.result;
+  Json json = {
+      {"accepted", r.accepted},
+      {"reason", r.reason},
+      {"gains", report.tuning.json(r.best)},
+      {"cost", {{"before", r.before.cost}, {"after", r.after.cost}}},
+      {"before", outcome_json(report, outcome_before(report))},
+      {"after", outcome_json(report, outcome_after(report))},
+      {"difference",
+       {{"value", finite_or_null(r.difference.value)},
+        {"low", finite_or_null(r.difference.low)},
+        {"high", finite_or_null(r.difference.high)}}},
+      {"margins", {{"before", margins_json(report.before)}, {"after", margins_json(report.after)}}},
+      {"flown",
+       {{"before", flown_json(report.flown.before)}, {"after", flown_json(report.flown.after)}}},
+      {"binding", r.binding},
+      {"loosened", loosened_json(r)},
+      {"broken", r.broken},
+      {"evaluations", r.evaluations},
+      {"seconds", r.seconds},
+      {"end", to_string(r.end)}};
+  if (!r.accepted && r.candidate != report.tuning.start)
+    json["not_taken"] = report.tuning.json(r.candidate);
+  if (report.rival) {
+    json["published"] = outcome_json(report, *report.rival);
+    json["margins"]["published"] = margins_json(report.tuning.rival->margins);
+    json["flown"]["published"] = flown_json(report.flown.rival);
+  }
+  json["widened"] = Json::array();
+  for (const TunedLimit& one : report.widened)
+    json["widened"].push_back({{"mission", one.mission},
+                               {"what", one.limit.what},
+                               {"unit", one.limit.unit},
+                               {"asked", one.limit.asked},
+                               {"sensors_rms", finite_or_null(one.limit.bound)},
+                               {"judged_by", one.limit.judged}});
+  if (!report.flown.why.empty()) json["flown"]["why"] = report.flown.why;
+  return json;
+}
+
+GainsPage page_of(const Report& report, const MissionTrial& trial, const MissionTrial::Stop& stop) {
+  const MissionSearchResult& r = report.result;
+  GainsPage page;
+  std::vector<std::string> missions;
+  for (const TrialMission& mission : report.request.missions) missions.push_back(mission.name);
+  page.title =
+      fmt::format("{} over {}", report.tuning.vehicle.name, internal::joined(missions, ", "));
+  page.verdict = r.accepted ? ReportVerdict::pass : ReportVerdict::fail;
+  page.counts = fmt::format("Cost {:.4g} \u2192 {:.4g}", outcome_before(report).cost,
+                            outcome_after(report).cost);
+  if (proved(report) && r.candidate != report.tuning.start)
+    page.counts +=
+        fmt::format("; {} of {} fresh draws {:.3g} % {}, 95 % interval {:.3g} to {:.3g} %",
+                    report.request.measure == RobustMeasure::quantile ? measure_of(report) : "mean",
+                    r.proof_before.costs.size(), std::abs(r.less), r.less < 0 ? "more" : "less",
+                    r.less < 0 ? -r.less_high : r.less_low, r.less < 0 ? -r.less_low : r.less_high);
+  if (!r.accepted) page.reasons.push_back("The start stays: " + r.reason + ".");
+  if (r.repaired) page.reasons.push_back("It keeps all limits, as the start does not.");
+  if (!r.binding.empty())
+    page.reasons.push_back(
+        fmt::format("What binds: {}.", internal::joined(binding_words(r), "; ")));
+  if (!r.broken.empty())
+    page.reasons.push_back(
+        fmt::format("Broken all the same: {}.", internal::joined(r.broken, ", ")));
+  page.columns = {"start", found_word(report)};
+  if (report.tuning.rival) page.columns.push_back(report.tuning.rival->name);
+  page.tables = {missions_table(report), margins_table(report)};
+  if (report.flown.after) page.tables.push_back(flown_table(report));
+  page.tables.push_back(gains_table(report));
+  page.search = search_of(r);
+  page.flown = flown(report, page.columns, trial, stop);
+  std::vector<std::string> cost;
+  for (const CostTerm& term : report.request.cost)
+    if (term.weight > 0)
+      cost.push_back(fmt::format("{:g} \u00d7 {}", term.weight, label_of(term.metric)));
+  page.about = {
+      {"start", report.tuning.law},
+      {"cost", fmt::format("{}; each as a share of the start\u2019s, mission by mission",
+                           internal::joined(cost, " + "))},
+      {"measure", fmt::format("{} of {} draws", measure_of(report), report.request.draws)},
+      {"search", fmt::format("{} evaluations in {:.3g} s, ended by {}", r.evaluations, r.seconds,
+                             to_string(r.end))},
+      {"searched", fmt::format("{}", internal::joined(report.tuning.names, "; "))}};
+  std::vector<std::string> varied;
+  for (const auto& number : report.request.uncertainty.numbers) varied.push_back(number.quantity);
+  page.about.emplace_back(
+      "drawn", varied.empty() ? "noise and wind"
+                              : fmt::format("{}; noise and wind", internal::joined(varied, ", ")));
+  return page;
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/logs/calibration_report.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <ostream>
+
+#include "program/program.hpp"
+#include "quadtune/internal/joined.hpp"
+#include "quadtune/internal/json.hpp"
+#include "report/text/print.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+using internal::Json;
+using internal::matrix_to_json;
+using internal::vector_to_json;
+
+constexpr double kDegree = 180 / std::numbers::pi;
+
+/// One sensor with what a person wants to know of its units.
+struct Sensor {
+  const char* name;
+  const char* unit;           ///< of its truth
+  const char* residual;       ///< what the residual is
+  const char* residual_unit;  ///< likewise
+  double residual_factor;     ///< from the library's unit
+  const SensorCalibration& found;
+  const MadeUpSensor* truth;
+};
+
+std::vector<Sensor> sensors_of(const CalibrationReport& r) {
+  const ImuCalibration& c = r.found;
+  std::vector<Sensor> sensors = {{"accelerometer", "m/s^2", "norm less gravity", "m/s^2", 1,
+                                  c.accelerometer, r.truth ? &r.truth->accelerometer : nullptr}};
+  if (c.gyroscope.solved())
+    sensors.push_back({"gyroscope", "rad/s", "gravity turned, less gravity seen", "deg", kDegree,
+                       c.gyroscope, r.truth ? &r.truth->gyroscope : nullptr});
+  if (c.magnetometer.solved())
+    sensors.push_back({"magnetometer", "field", "norm less the field", "field", 1, c.magnetometer,
+                       r.truth ? &r.truth->magnetometer : nullptr});
+  return sensors;
+}
+
+/// Digits of a value that its interval supports, one more to see.
+std::string with_interval(double value, double half) {
+  if (!(half > 0)) return fmt::format("{:.6g}", value);
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(half))), 0, 12);
+  return fmt::format("{:.{}f} +- {:.{}f}", value, decimals, half, decimals);
+}
+
+/// T, K and b of each axis, with the half width of its 95 % interval.
+std::string axes_table(const Sensor& sensor) {
+  const SensorCalibration& c = sensor.found;
+  const double q = c.quantile;
+  std::vector<std::array<std::string, 5>> rows = {
+      {"T: x", "y", "z", "K [raw per " + std::string(sensor.unit) + "]", "b [raw]"}};
+  for (int i = 0; i < 3; ++i) {
+    std::array<std::string, 5> row;
+    for (int j = 0; j < 3; ++j)  // T_ij = M_ij K_jj; K's own error is its diagonal's
+      row[static_cast<std::size_t>(j)] =
+          i == j ? "1" : with_interval(c.T(i, j), q * c.M_error(i, j) * std::abs(c.K(j)));
+    row[3] = with_interval(c.K(i), q * c.M_error(i, i) * c.K(i) * c.K(i));
+    row[4] = with_interval(c.b(i), q * c.b_error(i));
+    rows.push_back(row);
+  }
+  std::array<std::size_t, 5> widths{};
+  for (const auto& row : rows)
+    for (std::size_t j = 0; j < 5; ++j) widths[j] = std::max(widths[j], row[j].size());
+  std::string text;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    text += i == 0 ? " " : fmt::format("\n{}", "xyz"[i - 1]);
+    for (std::size_t j = 0; j < 5; ++j) text += fmt::format("   {:>{}}", rows[i][j], widths[j]);
+  }
+  return text;
+}
+
+std::string temperature_text(const SensorCalibration& c) {
+  std::vector<std::string> axes;
+  for (int i = 0; i < 3; ++i)
+    if (c.d_error(i) > 0)
+      axes.push_back(
+          fmt::format("{} {}", "xyz"[i], with_interval(c.d(i), c.quantile * c.d_error(i))));
+  return fmt::format("{} raw/degC about {:.2f} degC, added to raw - b",
+                     internal::joined(axes, ", "), c.t0);
+}
+
+/// How many of the made-up sensor's numbers the intervals hold.
+std::string truth_text(const Sensor& sensor, double t0) {
+  const SensorCalibration& c = sensor.found;
+  int inside = 0, all = 0;
+  const auto count = [&](double value, double error, double truth) {
+    if (!(error > 0)) return;
+    ++all;
+    if (std::abs(value - truth) <= c.quantile * error) ++inside;
+  };
+  const Eigen::Vector3d b = c.b - c.d * (t0 - c.t0);
+  for (int i = 0; i < 3; ++i) {
+    count(b(i), c.b_error(i), sensor.truth->b(i));
+    count(c.d(i), c.d_error(i), sensor.truth->d(i));
+    for (int j = 0; j < 3; ++j) count(c.M(i, j), c.M_error(i, j), sensor.truth->M(i, j));
+  }
+  return fmt::format("{} of {} numbers of the made-up sensor lie in their 95 % intervals", inside,
+                     all);
+}
+
+std::string sensor_text(const Sensor& sensor, const CalibrationReport& report) {
+  const SensorCalibration& c = sensor.found;
+  const bool turns = &c == &report.found.gyroscope;
+  std::string text = axes_table(sensor);
+  if (c.with_temperature) text += "\n" + temperature_text(c);
+  text += fmt::format("\n{}: {:.3g} {} before, {:.3g} after (rms of {} {})", sensor.residual,
+                      sensor.residual_factor * c.residual_before, sensor.residual_unit,
+                      sensor.residual_factor * c.residual_after, c.used, turns ? "turns" : "poses");
+  if (!c.refused.empty()) {
+    std::vector<std::size_t> numbers;
+    for (const std::size_t i : c.refused) numbers.push_back(i + 1);
+    text += fmt::format("\nleft out as outliers: {} {}", turns ? "turns" : "poses",
+                        fmt::join(numbers, ", "));
+  }
+  if (sensor.truth) text += "\n" + truth_text(sensor, report.truth->t0);
+  return text;
+}
+
+Json sensor_json(const SensorCalibration& c) {
+  Json json = {{"T", matrix_to_json(c.T, "T")},
+               {"K", vector_to_json(c.K, "K")},
+               {"b", vector_to_json(c.b, "b")},
+               {"M", matrix_to_json(c.M, "M")},
+               {"M_error", matrix_to_json(c.M_error, "M_error")},
+               {"b_error", vector_to_json(c.b_error, "b_error")},
+               {"quantile", c.quantile}};
+  if (c.with_temperature)
+    json["temperature"] = {{"d", vector_to_json(c.d, "d")},
+                           {"d_error", vector_to_json(c.d_error, "d_error")},
+                           {"t0", c.t0}};
+  json["used"] = c.used;
+  json["refused"] = c.refused;
+  return json;
+}
+
+Json to_json(const CalibrationReport& report) {
+  Json json;
+  Json before, after;
+  for (const Sensor& sensor : sensors_of(report)) {
+    json[sensor.name] = sensor_json(sensor.found);
+    before[sensor.name] = sensor.found.residual_before;
+    after[sensor.name] = sensor.found.residual_after;
+  }
+  json["residual"] = {{"before", before}, {"after", after}};
+  json["poses"] = report.found.poses.size();
+  json["still"] = Json::array();
+  for (std::size_t i = 0; i < report.logs.size(); ++i) {
+    const StillDetection& still = report.found.still[i];
+    Json entry = {{"log", report.logs[i].name},
+                  {"poses", still.poses.size()},
+                  {"accelerometer_threshold", still.accelerometer_threshold},
+                  {"gyroscope_threshold", still.gyroscope_threshold}};
+    if (report.logs[i].gyroscope.cols() >= StartUpOffset::kSamples) {
+      const StartUpOffset start = start_up_offset(report.logs[i], still);
+      entry["start_up_offset"] = {{"offset", vector_to_json(start.offset, "offset")},
+                                  {"error", vector_to_json(start.error, "error")},
+                                  {"still", start.still}};
+    }
+    json["still"].push_back(entry);
+  }
+  if (!report.file.empty()) json["file"] = report.file;
+  json["warnings"] = report.warnings;
+  return json;
+}
+
+std::string log_text(const CalibrationReport& report, std::size_t i) {
+  const ImuLog& log = report.logs[i];
+  const StillDetection& still = report.found.still[i];
+  const double length = log.t(log.t.size() - 1) - log.t(0);
+  std::string text = fmt::format(
+      "{}: {} samples over {:.4g} s, {} still poses\nstill where {:.2g} s vary by at "
+      "most {:.3g} raw",
+      log.name, log.t.size(), length, still.poses.size(), report.options.still.window,
+      still.accelerometer_threshold);
+  if (log.gyroscope.cols() > 0)
+    text += fmt::format(" (gyroscope {:.3g})", still.gyroscope_threshold);
+  text += fmt::format(", {} times the quietest tenth's variance", report.options.still.factor);
+  if (log.gyroscope.cols() < StartUpOffset::kSamples) return text;
+  const StartUpOffset start = start_up_offset(log, still);
+  text += fmt::format("\ngyroscope's first {} samples: {:.3f} {:.3f} {:.3f} raw, +- {:.3f}",
+                      StartUpOffset::kSamples, start.offset(0), start.offset(1), start.offset(2),
+                      2 * start.error.maxCoeff());
+  if (!start.still) text += ", NOT STILL";
+  return text;
+}
+
+}  // namespace
+
+void print_calibration(const CalibrationReport& report, Context& context) {
+  if (context.json) {
+    context.out << internal::readable(to_json(report)) << "\n";
+    return;
+  }
+  for (std::size_t i = 0; i < report.logs.size(); ++i)
+    context.out << section("log", log_text(report, i));
+  context.out << "T K^-1 (raw - b), +- half of the 95 % interval\n";
+  for (const Sensor& sensor : sensors_of(report))
+    context.out << sensor.name << "\n" << section("", sensor_text(sensor, report));
+  if (!report.file.empty()) context.out << section("written", report.file);
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,411 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/logs/tune_story.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <vector>
+
+#include "program/program.hpp"
+#include "quadtune/internal/in_parallel.hpp"
+#include "quadtune/tuning/likelihood_profile.hpp"
+#include "quadtune/tuning/running_size.hpp"
+#include "quadtune/tuning/smoother.hpp"
+#include "quadtune/version.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+using Eigen::Index;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kWide = 2;        ///< standard deviations of a band
+constexpr double kLevel = 1.9207;  ///< fall of the log-likelihood at the ends of a 95 % interval
+/// Entries of covariances that the smoother holds at once; beyond, states are the filter's.
+constexpr double kMostEntries = 5e7;
+
+/// A gap is seen where it has one row in so many.
+constexpr std::size_t kRowsAGap = 1000;
+
+/// Innovations that a running mean takes: enough to be steady, few enough to show a change.
+int window_of(Index innovations) {
+  return static_cast<int>(std::clamp<Index>(innovations / 50, 20, 500));
+}
+
+/// All records, one after the other, as columns over one time.
+class Timeline {
+ public:
+  /// Begins a record: what is put from now on is of its instants. Some rows without values before
+  /// it break the lines, as many as a page does not pass over.
+  void begin(const Samples& times, double offset) {
+    std::vector<double>& time = column("t", "s");
+    if (!time.empty()) {
+      const double from = time.back(), step = times.front() + offset - from;
+      const std::size_t rows = 1 + (time.size() + times.size()) / kRowsAGap;
+      for (std::size_t i = 1; i <= rows; ++i)
+        time.push_back(from + step * static_cast<double>(i) / static_cast<double>(rows + 1));
+    }
+    start_ = time.size();
+    for (const double t : times) time.push_back(t + offset);
+  }
+
+  double& at(const std::string& name, const std::string& unit, Index k) {
+    std::vector<double>& values = column(name, unit);
+    values.resize(table_.columns.front().values.size(), kNaN);
+    return values[start_ + static_cast<std::size_t>(k)];
+  }
+
+  [[nodiscard]] bool has(const std::string& name) const { return places_.contains(name); }
+
+  /// Of the values that there are.
+  [[nodiscard]] double median(const std::string& name) const {
+    std::vector<double> values = table_.columns[places_.at(name)].values;
+    std::erase_if(values, [](double value) { return std::isnan(value); });
+    const auto middle = values.begin() + std::ssize(values) / 2;
+    std::nth_element(values.begin(), middle, values.end());
+    return values.empty() ? kNaN : *middle;
+  }
+
+  void event(double time, const std::string& name, const std::string& detail) {
+    table_.events.push_back({time, name, detail});
+  }
+
+  [[nodiscard]] LogTable table() {
+    for (LogColumn& one : table_.columns)
+      one.values.resize(table_.columns.front().values.size(), kNaN);
+    return std::move(table_);
+  }
+
+ private:
+  std::vector<double>& column(const std::string& name, const std::string& unit) {
+    const auto [found, fresh] = places_.try_emplace(name, table_.columns.size());
+    if (fresh) table_.columns.push_back({name, unit, {}});
+    return table_.columns[found->second].values;
+  }
+
+  LogTable table_;
+  std::map<std::string, std::size_t> places_;
+  std::size_t start_ = 0;
+};
+
+/// States with their variances: smoothed, or where that cannot be the filter's.
+struct States {
+  bool smoothed = false;
+  Eigen::MatrixXd x, variance;  ///< (nx × N)
+};
+
+States states_of(const FilterModel& model, const Eigen::VectorXd& theta, const FilterRecord& record,
+                 const FilterRun& run) {
+  const Index nx = run.x.rows(), N = record.samples();
+  if (static_cast<double>(N) * static_cast<double>(nx * nx) < kMostEntries) {
+    const SmoothedStates smoothed = smooth(model, theta, record);
+    if (smoothed.solved()) {
+      States states{true, smoothed.x, Eigen::MatrixXd(nx, N)};
+      for (Index k = 0; k < N; ++k)
+        states.variance.col(k) = smoothed.P.middleCols(k * nx, nx).diagonal();
+      return states;
+    }
+  }
+  return {false, run.x, run.x_variance};
+}
+
+/// An output with the name that checks have for it, and its unit.
+struct Output {
+  std::string name, unit;
+};
+
+std::vector<Output> outputs_of(const FilterModel& model) {
+  std::vector<Output> outputs;
+  for (const FilterSensor& sensor : model.sensors)
+    for (const Signal& output : sensor.outputs)
+      outputs.push_back({fmt::format("{}: {}", sensor.name, output.name), output.unit});
+  return outputs;
+}
+
+/// Fills the timeline and the plots over it.
+class Story {
+ public:
+  Story(const TuneReport& report, double holdout, TuningPage& page)
+      : report_(report), model_(report.model), open_(model_), holdout_(holdout), page_(page) {
+    // What gates refused is not in the records any more; the rest is looked at whole.
+    for (FilterSensor& sensor : open_.sensors)
+      sensor.gate = std::numeric_limits<double>::infinity();
+  }
+
+  void tell() {
+    const NoiseTuning& tuning = report_.tuning;
+    std::size_t logs = 0;
+    double end = 0, offset = 0;
+    for (std::size_t r = 0; r < tuning.records_after.size(); ++r) {
+      const FilterRecord& record = tuning.records_after[r];
+      const double begin = record.time.front();
+      const bool fresh =
+          r == 0 || record.name != tuning.records_after[r - 1].name || begin + offset <= end;
+      if (fresh) {
+        offset = r == 0 ? 0 : end + 1 - begin;
+        timeline_.event(begin + offset, "log", record.name);
+        ++logs;
+      }
+      timeline_.begin(record.time, offset);
+      tell_cut(record, offset);
+      if (r < tuning.records_before.size())
+        tell_run(tuning.records_before[r], start_of(model_), "before");
+      tell_run(record, tuning.fit.theta, "after");
+      end = record.time.back() + offset;
+    }
+    plot_innovations();
+    plot_sizes();
+    plot_states();
+    page_.log = timeline_.table();
+    if (logs > 1) page_.remarks.emplace_back("The logs follow one another.");
+    if (holdout_ > 0)
+      page_.remarks.emplace_back(
+          "Dashed lines: where a log begins, and where the part begins that was kept from the "
+          "fit.");
+  }
+
+ private:
+  void tell_cut(const FilterRecord& record, double offset) {
+    const auto fitted =
+        static_cast<std::size_t>(fitted_parts({record}, holdout_).front().samples());
+    if (fitted < record.time.size())
+      timeline_.event(record.time[fitted] + offset, "held out", record.name);
+  }
+
+  void tell_run(const FilterRecord& record, const Eigen::VectorXd& theta,
+                const std::string& which) {
+    const FilterRun run = InnovationLikelihood(open_, {record}).run(0, theta);
+    if (run.status != LikelihoodStatus::computed) return;
+    const std::vector<Output> outputs = outputs_of(model_);
+    for (std::size_t j = 0; j < outputs.size(); ++j) {
+      const auto row = static_cast<Index>(j);
+      const Index missing = run.innovation.row(row).array().isNaN().count();
+      tell_innovations(run, row, outputs[j].unit, which);
+      tell_sizes(run, row, window_of(record.samples() - missing), which);
+    }
+    tell_states(states_of(open_, theta, record, run), which);
+  }
+
+  void tell_states(const States& states, const std::string& which) {
+    smoothed_ = smoothed_ && states.smoothed;
+    for (Index i = 0; i < states.x.rows(); ++i) {
+      const std::string& unit = model_.states[static_cast<std::size_t>(i)].unit;
+      const std::string name = fmt::format("state.{}.{}", i, which);
+      for (Index k = 0; k < states.x.cols(); ++k) {
+        const double width = kWide * std::sqrt(states.variance(i, k));
+        timeline_.at(name, unit, k) = states.x(i, k);
+        timeline_.at(name + ".low", unit, k) = states.x(i, k) - width;
+        timeline_.at(name + ".high", unit, k) = states.x(i, k) + width;
+      }
+    }
+  }
+
+  /// The band holds until the next sample, so that it is an area.
+  void tell_innovations(const FilterRun& run, Index row, const std::string& unit,
+                        const std::string& which) {
+    const std::string name = fmt::format("innovation.{}.{}", row, which);
+    double width = kNaN;
+    for (Index k = 0; k < run.innovation.cols(); ++k) {
+      if (!std::isnan(run.innovation(row, k))) {
+        width = kWide * std::sqrt(run.variance(row, k));
+        timeline_.at(name, unit, k) = run.innovation(row, k);
+      }
+      if (std::isnan(width)) continue;
+      timeline_.at(name + ".low", unit, k) = -width;
+      timeline_.at(name + ".high", unit, k) = width;
+    }
+  }
+
+  /// A mean holds until the next one, so that it is a line.
+  void tell_sizes(const FilterRun& run, Index row, int window, const std::string& which) {
+    const RunningSize size = running_size(run, row, window);
+    const std::string name = fmt::format("size.{}", row), mean_name = name + "." + which,
+                      low = name + ".low", high = name + ".high";
+    Index last = size.value.size() - 1;
+    while (last >= 0 && std::isnan(size.value(last))) --last;
+    double mean = kNaN;
+    for (Index k = 0; k <= last; ++k) {
+      if (!std::isnan(size.value(k))) mean = size.value(k);
+      if (std::isnan(mean)) continue;
+      timeline_.at(mean_name, "1", k) = mean;
+      timeline_.at(low, "1", k) = size.low;
+      timeline_.at(high, "1", k) = size.high;
+    }
+  }
+
+  void plot_innovations() {
+    const std::vector<Output> outputs = outputs_of(model_);
+    for (std::size_t j = 0; j < outputs.size(); ++j) {
+      const std::string after = fmt::format("innovation.{}.after", j);
+      const std::string before = fmt::format("innovation.{}.before", j);
+      if (!timeline_.has(after)) continue;
+      ReportPlot plot{"Innovation of " + outputs[j].name, outputs[j].unit, {}};
+      plot.series = {{"innovation", after, SeriesStyle::measurement},
+                     {"±2√S", after + ".low", SeriesStyle::band, after + ".high"}};
+      if (timeline_.has(before)) {
+        plot.series.push_back({"before", before, SeriesStyle::measurement, "", false});
+        plot.series.push_back({"±2√S before", before + ".low", SeriesStyle::band, before + ".high",
+                               comparable(after + ".high", before + ".high")});
+      }
+      page_.plots.push_back(std::move(plot));
+    }
+  }
+
+  /// Whether both can be shown over one axis: their medians are within four times of each other.
+  [[nodiscard]] bool comparable(const std::string& a, const std::string& b) const {
+    const double ratio = timeline_.median(a) / timeline_.median(b);
+    return ratio > 0.25 && ratio < 4;
+  }
+
+  void plot_sizes() {
+    const std::vector<Output> outputs = outputs_of(model_);
+    for (std::size_t j = 0; j < outputs.size(); ++j) {
+      const std::string name = fmt::format("size.{}", j);
+      if (!timeline_.has(name + ".after")) continue;
+      ReportPlot plot{"Normalized innovation squared of " + outputs[j].name, "", {}};
+      plot.logarithmic = true;
+      plot.series = {{"running mean", name + ".after", SeriesStyle::value},
+                     {"95 % of a right filter", name + ".low", SeriesStyle::band, name + ".high"}};
+      if (timeline_.has(name + ".before"))
+        plot.series.push_back({"before", name + ".before", SeriesStyle::reference});
+      page_.plots.push_back(std::move(plot));
+    }
+  }
+
+  void plot_states() {
+    for (std::size_t i = 0; i < model_.states.size(); ++i) {
+      const std::string after = fmt::format("state.{}.after", i);
+      const std::string before = fmt::format("state.{}.before", i);
+      if (!timeline_.has(after)) continue;
+      const Signal& state = model_.states[i];
+      ReportPlot plot{
+          fmt::format("{}, {}", state.name, smoothed_ ? "smoothed" : "filtered"), state.unit, {}};
+      plot.series = {{state.name, after, SeriesStyle::value},
+                     {"±2σ", after + ".low", SeriesStyle::band, after + ".high"}};
+      if (timeline_.has(before)) {
+        plot.series.push_back({"before", before, SeriesStyle::reference});
+        plot.series.push_back(
+            {"±2σ before", before + ".low", SeriesStyle::band, before + ".high", false});
+      }
+      page_.plots.push_back(std::move(plot));
+    }
+  }
+
+  const TuneReport& report_;
+  const FilterModel& model_;
+  FilterModel open_;
+  double holdout_;
+  TuningPage& page_;
+  Timeline timeline_;
+  bool smoothed_ = true;
+};
+
+void tell_parameters(const TuneReport& report, TuningPage& page) {
+  const NoiseFit& fit = report.tuning.fit;
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
+    const FittedParameter& p = fit.parameters[i];
+    const bool doubtful =
+        p.verdict == ParameterVerdict::not_seen || p.verdict == ParameterVerdict::combination;
+    page.parameters.push_back(
+        {p.name, p.unit, report.model.parameters[i].start, p.value, p.low, p.high,
+         p.verdict == ParameterVerdict::seen ? "" : to_string(p.verdict), doubtful});
+  }
+  page.unseen = fit.unseen;
+}
+
+void tell_checks(const NoiseTuning& tuning, TuningPage& page) {
+  const auto list = [](const Eigen::VectorXd& values) {
+    return std::vector<double>(values.data(), values.data() + values.size());
+  };
+  for (std::size_t i = 0; i < tuning.after.outputs.size(); ++i) {
+    const InnovationStatistics& s = tuning.after.outputs[i];
+    const InnovationStatistics before =
+        i < tuning.before.outputs.size() ? tuning.before.outputs[i] : InnovationStatistics{};
+    PageCheck row{s.output, s.samples, before.size, s.size, s.mean};
+    row.kurtosis = s.kurtosis;
+    if (s.autocorrelation.size() > 0) {
+      Index worst = 0;
+      s.autocorrelation.cwiseAbs().maxCoeff(&worst);
+      row.correlation = s.autocorrelation(worst);
+      row.lag = static_cast<int>(worst) + 1;
+    }
+    for (const ConsistencyCheck& c : tuning.after.checks)
+      if (c.output == s.output && c.verdict == CheckVerdict::fail) row.failed.push_back(c.name);
+    page.checks.push_back(std::move(row));
+    if (s.samples > 0)
+      page.correlations.push_back({s.output, 1.96 / std::sqrt(static_cast<double>(s.samples)),
+                                   list(before.autocorrelation), list(s.autocorrelation)});
+  }
+}
+
+/// Over the records as the fit saw them.
+void tell_profiles(const TuneReport& report, const std::vector<FilterRecord>& records,
+                   std::size_t threads, TuningPage& page) {
+  const NoiseFit& fit = report.tuning.fit;
+  InnovationLikelihood likelihood(report.model, records);
+  likelihood.stop_when(interrupted);
+  std::vector<std::size_t> fitted;
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i)
+    if (fit.parameters[i].verdict != ParameterVerdict::fixed &&
+        fit.parameters[i].verdict != ParameterVerdict::not_known)
+      fitted.push_back(i);
+  std::vector<LikelihoodProfile> profiles(fitted.size());
+  internal::in_parallel(
+      fitted.size(), internal::thread_count(threads),
+      [&]() -> internal::PartWorker {
+        return [&, copy = likelihood](std::size_t part) {
+          profiles[part] = likelihood_profile(copy, fit, static_cast<int>(fitted[part]));
+        };
+      },
+      interrupted);
+  for (std::size_t part = 0; part < fitted.size(); ++part) {
+    const std::size_t i = fitted[part];
+    const FittedParameter& p = fit.parameters[i];
+    const NoiseParameter& known = report.model.parameters[i];
+    const LikelihoodProfile& profile = profiles[part];
+    PageProfile curve{p.name, p.unit, known.logarithmic};
+    for (Index k = 0; k < profile.theta.size(); ++k) {
+      curve.x.push_back(known.logarithmic ? std::exp(profile.theta(k)) : profile.theta(k));
+      curve.y.push_back(profile.value(k));
+    }
+    curve.value = p.value;
+    curve.low = p.low;
+    curve.high = p.high;
+    curve.before = known.start;
+    curve.level = kLevel;
+    page.profiles.push_back(std::move(curve));
+  }
+}
+
+ReportVerdict verdict_of(CheckVerdict verdict) {
+  if (verdict == CheckVerdict::pass) return ReportVerdict::pass;
+  return verdict == CheckVerdict::fail ? ReportVerdict::fail : ReportVerdict::none;
+}
+
+}  // namespace
+
+TuningPage page_of(const TuneReport& report, double holdout, std::uint64_t seed,
+                   std::size_t threads, const std::string& command) {
+  TuningPage page;
+  page.title = report.model.name + ": " + report.model.description;
+  if (report.model.description.empty()) page.title = report.model.name;
+  page.verdict = verdict_of(report.tuning.verdict);
+  page.reasons = report.tuning.reasons;
+  for (const std::string& warning : report.tuning.warnings)
+    page.reasons.push_back("warning: " + warning);
+  page.about = facts_of(report);
+  tell_parameters(report, page);
+  tell_checks(report.tuning, page);
+  tell_profiles(report, fitted_parts(report.tuning.records_after, holdout), threads, page);
+  Story(report, holdout, page).tell();
+  page.command = command;
+  page.version = std::string(kVersion);
+  page.seed = fmt::format("{}", seed);
+  return page;
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/loops/certify_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "quadtune/internal/json.hpp"
+#include "report/text/print.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+using internal::finite_or_null;
+using internal::Json;
+
+bool is_fixed(const UncertainParameter& p) { return p.low == p.high; }
+
+/// "mass 0.9, delay 0.01 s"; parameters that have no width stay away.
+std::string point_text(const LoopFamily& family, const Eigen::VectorXd& values) {
+  std::string text;
+  for (std::size_t i = 0; i < family.parameters.size(); ++i) {
+    const UncertainParameter& p = family.parameters[i];
+    if (is_fixed(p)) continue;
+    text += fmt::format("{}{} {:.5g}{}", text.empty() ? "" : ", ", p.name,
+                        values(static_cast<Eigen::Index>(i)), p.unit.empty() ? "" : " " + p.unit);
+  }
+  return text.empty() ? "the only loop of the box" : text;
+}
+
+Json point_json(const LoopFamily& family, const Eigen::VectorXd& values) {
+  Json point = Json::object();
+  for (std::size_t i = 0; i < family.parameters.size(); ++i)
+    point[family.parameters[i].name] = values(static_cast<Eigen::Index>(i));
+  return point;
+}
+
+std::string box_text(const LoopFamily& family) {
+  std::string text;
+  for (const UncertainParameter& p : family.parameters) {
+    const std::string unit = p.unit.empty() ? "" : " " + p.unit;
+    text += fmt::format(
+        "{:<12}{}\n", p.name,
+        is_fixed(p) ? fmt::format("{:g}{}", p.low, unit)
+                    : fmt::format("{:g} ... {:g}{}, nominal {:g}", p.low, p.high, unit, p.nominal));
+  }
+  text.pop_back();
+  return text;
+}
+
+Json box_json(const LoopFamily& family) {
+  Json box = Json::object();
+  for (const UncertainParameter& p : family.parameters)
+    box[p.name] = {{"low", p.low}, {"nominal", p.nominal}, {"high", p.high}, {"unit", p.unit}};
+  return box;
+}
+
+/// "… are in 0.9 … 1.1": where a proof stopped.
+std::string where_text(const StabilityProof& proof) {
+  std::string text =
+      fmt::format("delay {:.5g} ... {:.5g} s", proof.where.delay_low, proof.where.delay_high);
+  for (std::size_t i = 0; i < proof.numbers.size(); ++i)
+    text += fmt::format(", {} {:.5g} ... {:.5g} of nominal", proof.numbers[i],
+                        proof.where.low(static_cast<Eigen::Index>(i)),
+                        proof.where.high(static_cast<Eigen::Index>(i)));
+  return text;
+}
+
+std::string proof_text(const StabilityProof& proof) {
+  if (proof.proved())
+    return fmt::format(
+        "stable in the whole box: {} Lyapunov functions, each on a part of it\n"
+        "every loop contracts by {:.3g} a period at least, in the norm of its part",
+        proof.proved_boxes, proof.gap);
+  return fmt::format(
+      "{}: {}\nthere: {}",
+      proof.status == StabilityProofStatus::unstable ? "an unstable loop came up" : "not proved",
+      proof.culprit, where_text(proof));
+}
+
+std::string loops_text(const StabilityProof& proof) {
+  std::string text;
+  for (const std::string& part : proof.parts) text += (text.empty() ? "" : " | ") + part;
+  return text;
+}
+
+std::string scale_text(const CertifiedLaw& law) {
+  const Robustness& r = law.robustness;
+  std::string text = fmt::format("proved up to {:.4g} times the box about nominal", r.proved_scale);
+  if (std::isfinite(r.found_scale))
+    return text + fmt::format("\nunstable at {:.4g} times: {}", r.found_scale,
+                              point_text(law.family, r.found.parameters));
+  return text + fmt::format("\nnothing unstable found up to {:.4g} times: {}",
+                            law.family.greatest_scale, law.family.greatest_scale_reason);
+}
+
+std::string flown_text(const CertifiedLaw& law) {
+  const FlownBox& flown = *law.flown;
+  if (!flown.worst) return "not looked at: " + flown.why;
+  return fmt::format(
+      "{} vehicles of the box with their sensors and the estimator {}: {}\n"
+      "worst: {}; {}",
+      flown.vehicles, flown.worst->estimator, law.flown_unstable() ? "UNSTABLE" : "stable",
+      in_words(*flown.worst), point_text(law.family, flown.parameters));
+}
+
+Json flown_json(const CertifiedLaw& law) {
+  if (!law.flown) return nullptr;
+  const FlownBox& flown = *law.flown;
+  if (!flown.worst) return {{"why", flown.why}};
+  return {{"vehicles", flown.vehicles},
+          {"estimator", flown.worst->estimator},
+          {"sensors", flown.worst->sensors},
+          {"stable", !law.flown_unstable()},
+          {"radius", finite_or_null(std::abs(flown.worst->mode.z))},
+          {"mode", in_words(*flown.worst)},
+          {"parameters", point_json(law.family, flown.parameters)}};
+}
+
+std::string law_text(const CertifiedLaw& law) {
+  const Robustness& r = law.robustness;
+  return section("law", fmt::format("{}, every {} s", law.name, number(law.dt))) +
+         section("box", box_text(law.family)) + section("loops", loops_text(r.proof)) +
+         section("proof", proof_text(r.proof)) +
+         section("worst found", fmt::format("largest |z| {:.9f}{}: {}", r.worst.radius,
+                                            r.worst.unstable() ? ", UNSTABLE" : "",
+                                            point_text(law.family, r.worst.parameters))) +
+         section("bracket", scale_text(law)) + (law.flown ? section("flown", flown_text(law)) : "");
+}
+
+Json proof_json(const StabilityProof& proof) {
+  Json json = {{"status", to_string(proof.status)},
+               {"boxes", proof.boxes},
+               {"proved_boxes", proof.proved_boxes},
+               {"gap", finite_or_null(proof.gap)},
+               {"coupling", finite_or_null(proof.coupling)},
+               {"culprit", proof.culprit},
+               {"where", nullptr}};
+  if (proof.proved()) return json;
+  Json numbers = Json::object();
+  for (std::size_t i = 0; i < proof.numbers.size(); ++i)
+    numbers[proof.numbers[i]] = {proof.where.low(static_cast<Eigen::Index>(i)),
+                                 proof.where.high(static_cast<Eigen::Index>(i))};
+  json["where"] = {{"part", proof.part},
+                   {"delay_s", {proof.where.delay_low, proof.where.delay_high}},
+                   {"numbers", numbers}};
+  return json;
+}
+
+Json law_json(const CertifiedLaw& law) {
+  const Robustness& r = law.robustness;
+  const bool found = std::isfinite(r.found_scale);
+  return {{"name", law.name},
+          {"dt", law.dt},
+          {"box", box_json(law.family)},
+          {"parts", r.proof.parts},
+          {"proof", proof_json(r.proof)},
+          {"worst",
+           {{"radius", finite_or_null(r.worst.radius)},
+            {"unstable", r.worst.unstable()},
+            {"parameters", point_json(law.family, r.worst.parameters)}}},
+          {"scale",
+           {{"proved", r.proved_scale},
+            {"found", finite_or_null(r.found_scale)},
+            {"found_at", found ? point_json(law.family, r.found.parameters) : Json(nullptr)},
+            {"greatest", law.family.greatest_scale},
+            {"greatest_reason", law.family.greatest_scale_reason}}},
+          {"flown", flown_json(law)},
+          {"proved", law.proved()},
+          {"reason", law.reason()}};
+}
+
+}  // namespace
+
+bool CertifiedLaw::proved() const { return reason().empty(); }
+
+std::string CertifiedLaw::reason() const {
+  if (family.greatest_scale < 1)
+    return fmt::format("the vehicle cannot hover everywhere in the box: {}",
+                       family.greatest_scale_reason);
+  if (robustness.worst.unstable())
+    return fmt::format("{} is unstable, largest |z| {:.6f}, at {}", name, robustness.worst.radius,
+                       point_text(family, robustness.worst.parameters));
+  if (flown_unstable())
+    return fmt::format(
+        "{}: the flown loop, with sensors and the estimator {}, is unstable: {}; at {}", name,
+        flown->worst->estimator, in_words(*flown->worst), point_text(family, flown->parameters));
+  if (robustness.proof.proved()) return "";
+  return fmt::format(
+      "{} is not proved, nor was an unstable loop found: {}; the worst found has "
+      "|z| {:.6f}, at {}",
+      name, robustness.proof.culprit, robustness.worst.radius,
+      point_text(family, robustness.worst.parameters));
+}
+
+bool CertifyReport::proved() const {
+  return !laws.empty() && std::all_of(laws.begin(), laws.end(),
+                                      [](const CertifiedLaw& law) { return law.proved(); });
+}
+
+std::string CertifyReport::verdict() const {
+  if (proved()) return "proved";
+  const bool unstable = std::any_of(laws.begin(), laws.end(), [](const CertifiedLaw& law) {
+    return law.robustness.worst.unstable() || law.flown_unstable();
+  });
+  return unstable ? "unstable" : "not proved";
+}
+
+Json to_json(const CertifyReport& report) {
+  Json laws = Json::array();
+  for (const CertifiedLaw& law : report.laws) laws.push_back(law_json(law));
+  return {{"directory", report.directory},
+          {"vehicle", report.vehicle},
+          {"laws", laws},
+          {"verdict", report.verdict()}};
+}
+
+std::string to_text(const CertifyReport& report) {
+  std::string text =
+      section("certify", fmt::format("{}, hover of {}: linear loops as sampled, each "
+                                     "number of the box constant",
+                                     report.directory, report.vehicle));
+  for (const CertifiedLaw& law : report.laws) text += law_text(law);
+  return text + section("verdict", report.verdict());
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Margins as text and JSON, for `margins`, `lqr` and `design`.
+#pragma once
+
+#include <string>
+
+#include "quadtune/internal/json_fwd.hpp"
+#include "quadtune/workbench/design/margins_report.hpp"
+
+namespace quadtune::cli {
+
+/// "loops" and "multivariable". What is infinite is null, and what was not asked for.
+[[nodiscard]] internal::Json to_json(const MarginsReport& report);
+
+/// A table with a row for each channel, and a line for all at once.
+[[nodiscard]] std::string to_text(const MarginsReport& report);
+
+}  // namespace quadtune::cli

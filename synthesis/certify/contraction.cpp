@@ -1,0 +1,383 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "certify/contraction.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "lyapunov/lapack.hpp"
+#include "lyapunov/schur_lyapunov.hpp"
+
+namespace quadtune::internal {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// What bends less is not in the way, rounding is.
+constexpr double kNothing = 1e-12;
+
+/// The corners of a box, which two differ in one coordinate alone, and what bends in between.
+struct Corners {
+  std::vector<Index> free;        ///< coordinates with a width: numbers, then `ahead`
+  std::vector<Enclosure> values;  ///< bit b of an index: upper end of free[b]
+  std::vector<MatrixXd> bends;    ///< of the interpolation, along each of free
+  MatrixXd R;                     ///< of all together
+};
+
+Corners corners_of(const UncertainLoop& loop, const EnclosedBox& box) {
+  Corners corners;
+  const Index count = box.low.size();
+  for (Index i = 0; i < count; ++i)
+    if (box.high(i) > box.low(i)) corners.free.push_back(i);
+  if (box.past > 0 && box.ahead_high > box.ahead_low) corners.free.push_back(count);
+  for (std::size_t index = 0; index < (std::size_t{1} << corners.free.size()); ++index) {
+    VectorXd numbers = box.low;
+    double ahead = box.ahead_low;
+    for (std::size_t b = 0; b < corners.free.size(); ++b) {
+      if ((index >> b & 1) == 0) continue;
+      if (corners.free[b] == count)
+        ahead = box.ahead_high;
+      else
+        numbers(corners.free[b]) = box.high(corners.free[b]);
+    }
+    corners.values.push_back(enclosed_loop(loop, numbers, ahead, box.past));
+  }
+  const std::vector<MatrixXd> errors = interpolation_errors(loop, box);
+  corners.R = MatrixXd::Zero(errors.back().rows(), errors.back().cols());
+  for (const Index i : corners.free) {
+    corners.bends.push_back(errors[static_cast<std::size_t>(i)]);
+    corners.R += corners.bends.back();
+  }
+  corners.R = bounded_above(corners.R);
+  return corners;
+}
+
+/// Eigenvalues of M with eigenvectors as columns, real and imaginary part of a pair one after the
+/// other, in units in which rows and columns of M are alike.
+struct Modes {
+  Eigen::VectorXcd values;
+  MatrixXd vectors;
+  VectorXd scale;  ///< of the units
+  double radius = std::numeric_limits<double>::infinity();
+};
+
+Modes modes_of(const MatrixXd& M) {
+  const auto n = static_cast<lapack_int>(M.rows());
+  MatrixXd balanced = M;
+  Modes modes;
+  modes.scale.resize(n);
+  modes.vectors.resize(n, n);
+  VectorXd real(n);
+  VectorXd imaginary(n);
+  lapack_int low = 0;
+  lapack_int high = 0;
+  double unused = 0;
+  if (LAPACKE_dgebal(LAPACK_COL_MAJOR, 'S', n, balanced.data(), n, &low, &high,
+                     modes.scale.data()) != 0 ||
+      LAPACKE_dgeev(LAPACK_COL_MAJOR, 'N', 'V', n, balanced.data(), n, real.data(),
+                    imaginary.data(), &unused, 1, modes.vectors.data(), n) != 0)
+    return modes;
+  modes.values.resize(n);
+  modes.values.real() = real;
+  modes.values.imag() = imaginary;
+  modes.radius = modes.values.cwiseAbs().maxCoeff();
+  return modes;
+}
+
+/// Eigenvalues nearer to one another than `share` of their distance from the unit circle, and
+/// pairs.
+std::vector<std::vector<Index>> clusters(const Eigen::VectorXcd& values, double share) {
+  const Index n = values.size();
+  std::vector<std::vector<Index>> all;
+  std::vector<bool> taken(static_cast<std::size_t>(n), false);
+  for (Index i = 0; i < n; ++i) {
+    if (taken[static_cast<std::size_t>(i)]) continue;
+    taken[static_cast<std::size_t>(i)] = true;
+    std::vector<Index> cluster = {i};
+    for (std::size_t k = 0; k < cluster.size(); ++k)  // grows as it is gone through
+      for (Index j = 0; j < n; ++j) {
+        if (taken[static_cast<std::size_t>(j)]) continue;
+        const std::complex<double> a = values(cluster[k]);
+        const std::complex<double> b = values(j);
+        const double room = 1 - std::max(std::abs(a), std::abs(b));
+        if (a != std::conj(b) && !(std::abs(a - b) < share * room)) continue;
+        taken[static_cast<std::size_t>(j)] = true;
+        cluster.push_back(j);
+      }
+    std::sort(cluster.begin(), cluster.end());
+    all.push_back(std::move(cluster));
+  }
+  return all;
+}
+
+/// A basis of what a cluster's eigenvectors span, in which the loop contracts at nearly its largest
+/// eigenvalue: eigenvectors themselves where they are one or a pair, else from a Lyapunov equation.
+MatrixXd cluster_basis(const MatrixXd& M, const Modes& modes, const std::vector<Index>& cluster) {
+  MatrixXd vectors = modes.vectors(Eigen::all, cluster);
+  if (cluster.size() == 1) return vectors;
+  if (cluster.size() == 2 && modes.values(cluster[0]).imag() != 0) return vectors;
+  const MatrixXd basis = Eigen::HouseholderQR<MatrixXd>(vectors).householderQ() *
+                         MatrixXd::Identity(vectors.rows(), vectors.cols());
+  const MatrixXd block = basis.transpose() * M * basis;
+  const double largest = modes.values(cluster).cwiseAbs().maxCoeff();
+  const double rate = largest + 0.3 * (1 - largest);
+  // (block/rate)ᵀ P (block/rate) - P + I = 0
+  const SchurLyapunov lyapunov(Time::discrete, block.transpose() / rate);
+  if (!lyapunov.ok()) return vectors;
+  const Eigen::LLT<MatrixXd> llt(lyapunov.solve(MatrixXd::Identity(block.rows(), block.cols())));
+  if (llt.info() != Eigen::Success) return vectors;
+  MatrixXd inverse = MatrixXd(llt.matrixU()).inverse();
+  inverse /= inverse.norm() / std::sqrt(static_cast<double>(block.rows()));
+  return basis * inverse;
+}
+
+std::optional<Coordinates> along(const MatrixXd& M, const Modes& modes, double share) {
+  const Index n = M.rows();
+  const MatrixXd balanced = modes.scale.cwiseInverse().asDiagonal() * M * modes.scale.asDiagonal();
+  MatrixXd vectors(n, n);
+  Index column = 0;
+  for (const std::vector<Index>& cluster : clusters(modes.values, share)) {
+    vectors.middleCols(column, std::ssize(cluster)) = cluster_basis(balanced, modes, cluster);
+    column += std::ssize(cluster);
+  }
+  vectors = (modes.scale.asDiagonal() * vectors).eval();
+  if (!vectors.allFinite()) return std::nullopt;
+  const Eigen::PartialPivLU<MatrixXd> lu(vectors);
+  Coordinates z{lu.inverse(), vectors};
+  if (!z.Y.allFinite()) return std::nullopt;
+  return z;
+}
+
+double largest_singular_value(const MatrixXd& N) {
+  const MatrixXd square = N.transpose() * N;
+  if (!square.allFinite()) return std::numeric_limits<double>::infinity();
+  const VectorXd values =
+      Eigen::SelfAdjointEigenSolver<MatrixXd>(square, Eigen::EigenvaluesOnly).eigenvalues();
+  return std::sqrt(std::max(0.0, values(values.size() - 1)));
+}
+
+std::vector<MatrixXd> seen_in(const Coordinates& z, const Corners& corners) {
+  std::vector<MatrixXd> seen;
+  seen.reserve(corners.values.size());
+  for (const Enclosure& value : corners.values) seen.push_back(z.Y * value.mid * z.X);
+  return seen;
+}
+
+/// How much a matrix of sizes may do in these coordinates.
+double size_in(const Coordinates& z, const MatrixXd& R) {
+  return norm_bound(z.Y.cwiseAbs() * R * z.X.cwiseAbs());
+}
+
+double corner_expansion(const Coordinates& z, const Corners& corners) {
+  double most = 0;
+  for (const MatrixXd& N : seen_in(z, corners)) most = std::max(most, largest_singular_value(N));
+  return most;
+}
+
+/// The largest ‖Y M X‖₂ in the box, near enough.
+double expansion(const Coordinates& z, const Corners& corners) {
+  return corner_expansion(z, corners) + size_in(z, corners.R);
+}
+
+/// A singular value σ of N = Y M X beyond a target, with its vectors. Y ← (I + E) Y changes it by
+/// ⟨E, J⟩ = Σ E_ij J_ij with J = σ (u uᵀ - v vᵀ).
+struct Excess {
+  double sigma = 0;
+  VectorXd u;
+  VectorXd v;
+};
+
+/// ⟨J_a, J_b⟩
+double inner(const Excess& a, const Excess& b) {
+  const double uu = a.u.dot(b.u), uv = a.u.dot(b.v), vu = a.v.dot(b.u), vv = a.v.dot(b.v);
+  return a.sigma * b.sigma * (uu * uu - uv * uv - vu * vu + vv * vv);
+}
+
+/// Those of all corners, at most kMostExcesses, the largest.
+/// @param most  the largest singular value of all
+/// @return      none where a corner is not finite
+std::optional<std::vector<Excess>> excesses(const Coordinates& z, const Corners& corners,
+                                            double target, double& most) {
+  constexpr std::size_t kMostExcesses = 256;  // an equation for each has to be solved
+  std::vector<Excess> all;
+  most = 0;
+  for (const MatrixXd& N : seen_in(z, corners)) {
+    const MatrixXd square = N.transpose() * N;
+    if (!square.allFinite()) return std::nullopt;
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(square);
+    for (Index k = square.rows() - 1; k >= 0; --k) {
+      const double sigma = std::sqrt(std::max(0.0, eigen.eigenvalues()(k)));
+      most = std::max(most, sigma);
+      if (!(sigma > target)) break;
+      const VectorXd v = eigen.eigenvectors().col(k);
+      all.push_back({sigma, N * v / sigma, v});
+    }
+  }
+  if (all.size() > kMostExcesses) {
+    std::nth_element(all.begin(), all.begin() + kMostExcesses, all.end(),
+                     [](const Excess& a, const Excess& b) { return a.sigma > b.sigma; });
+    all.resize(kMostExcesses);
+  }
+  return all;
+}
+
+/// The smallest E, in the Frobenius norm, for which all of these would be the target if they were
+/// linear in E: E = -Σ w_i J_i with (⟨J_i, J_j⟩ + λ δ_ij) w = σ - target.
+MatrixXd step_towards(double target, const std::vector<Excess>& excesses) {
+  constexpr double kDamping = 1e-3;  // of the mean of ⟨J_i, J_i⟩
+  const Index count = std::ssize(excesses);
+  const Index n = excesses.front().u.size();
+  MatrixXd gram(count, count);
+  VectorXd by(count);
+  for (Index i = 0; i < count; ++i) {
+    const Excess& one = excesses[static_cast<std::size_t>(i)];
+    by(i) = one.sigma - target;
+    for (Index j = 0; j <= i; ++j)
+      gram(i, j) = gram(j, i) = inner(one, excesses[static_cast<std::size_t>(j)]);
+  }
+  const double damping = kDamping * gram.diagonal().mean() + std::numeric_limits<double>::min();
+  gram.diagonal().array() += damping;
+  const VectorXd w = gram.llt().solve(by);
+  MatrixXd E = MatrixXd::Zero(n, n);
+  for (Index i = 0; i < count; ++i) {
+    const Excess& one = excesses[static_cast<std::size_t>(i)];
+    E -= w(i) * one.sigma * (one.u * one.u.transpose() - one.v * one.v.transpose());
+  }
+  return E;
+}
+
+/// Turns and stretches the coordinates until no corner expands, by the Gauss-Newton method with a
+/// little damping on the singular values beyond a target. The target lies half way between the
+/// spectral radius of the middle, below which no coordinates lead, and what is enough for a proof.
+/// @param least  the expansion in z; of the result after
+Coordinates improved(Coordinates z, const Corners& corners, double radius, double& least) {
+  constexpr int kSteps = 60;
+  constexpr double kLongest = 0.4;  // of a step: I + E stays regular
+  Coordinates best = z;
+  for (int step = 0; step < kSteps && !(least < 1); ++step) {
+    const double bend = size_in(z, corners.R);
+    const double target = std::max(radius, 0.5 * (radius + 1 - bend));
+    double most = 0;
+    const std::optional<std::vector<Excess>> beyond = excesses(z, corners, target, most);
+    if (!beyond) break;
+    if (most + bend < least) {
+      least = most + bend;
+      best = z;
+    }
+    if (least < 1 || beyond->empty()) break;
+    const MatrixXd E = step_towards(target, *beyond);
+    const double size = E.norm();
+    if (!(size > 0) || !std::isfinite(size)) break;
+    const MatrixXd turn =
+        MatrixXd::Identity(E.rows(), E.cols()) + std::min(1.0, kLongest / size) * E;
+    z.Y = (turn * z.Y).eval();
+    z.X = (z.X * turn.inverse()).eval();
+  }
+  return best;
+}
+
+/// Compares the coordinates of `start` with those of several groupings of the eigenvalues, and
+/// returns the ones in which the corners expand least.
+/// @param least  the expansion in the coordinates of `start`, infinite where there are none
+std::optional<Coordinates> chosen(const MatrixXd& middle, const Modes& modes,
+                                  const Corners& corners, const Coordinates* start, double least) {
+  std::optional<Coordinates> best;
+  if (start != nullptr) best = *start;
+  for (const double share : {0.0, 0.3, 1.0, 3.0}) {
+    std::optional<Coordinates> z = along(middle, modes, share);
+    if (!z) continue;
+    const double most = expansion(*z, corners);
+    if (!(most < least)) continue;
+    least = most;
+    best = std::move(z);
+    if (least < 1) return best;
+  }
+  if (best && std::isfinite(least)) best = improved(*best, corners, modes.radius, least);
+  return best;
+}
+
+/// Along which to split. Where the corners contract it is what bends between them that is in the
+/// way; else how far apart the loops are of two corners that differ in one coordinate.
+Index widest(const Coordinates& z, const Corners& corners) {
+  const bool bent = corner_expansion(z, corners) < 1 && size_in(z, corners.R) > kNothing;
+  const std::vector<MatrixXd> seen = seen_in(z, corners);
+  Index place = -1;
+  double most = -1;
+  for (std::size_t b = 0; b < corners.free.size(); ++b) {
+    double apart = 0;
+    if (bent) apart = size_in(z, corners.bends[b]);
+    for (std::size_t index = 0; index < seen.size() && !bent; ++index)
+      if ((index >> b & 1) == 0)
+        apart = std::max(apart, (seen[index | std::size_t{1} << b] - seen[index]).norm());
+    if (!(apart <= most)) {
+      most = apart;
+      place = corners.free[b];
+    }
+  }
+  return place;
+}
+
+/// The proof itself: everything before may be as wrong as it likes.
+void prove(const Coordinates& z, const Corners& corners, Contraction& result) {
+  const Index n = corners.R.rows();
+  const Enclosure Y(z.Y);
+  const Enclosure X(z.X);
+  const Enclosure G = Y * X;  // nearly I
+  const MatrixXd off = (G - Enclosure(MatrixXd(MatrixXd::Identity(n, n)))).magnitude();
+  const double g = norm_bound(off);
+  if (!(g < 0.5)) return;
+  const Enclosure GG = G.transpose() * G;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Enclosure& value : corners.values) {
+    const Enclosure M(value.mid, bounded_above(value.rad + corners.R));
+    const Enclosure H = Y * M * X;
+    // GᵀG - HᵀH = Xᵀ (YᵀY - MᵀYᵀYM) X ≥ c I also shows X, and with it Y, to be regular.
+    const double c = least_eigenvalue_bound(GG - H.transpose() * H);
+    if (!(c > 0)) return;
+    least = std::min(least, c);
+  }
+  // ‖Y M X ξ‖² ≤ ‖z‖² - c ‖ξ‖² with z = G ξ, ‖ξ‖ ≥ ‖z‖/(1 + g).
+  result.gap = least / (2 * (1 + g) * (1 + g)) * (1 - 1e-12);
+  result.condition =
+      bounded_above(norm_bound(z.Y.cwiseAbs()) * norm_bound(z.X.cwiseAbs()) / (1 - g));
+  result.proved = result.gap > 0 && std::isfinite(result.condition);
+}
+
+}  // namespace
+
+Contraction prove_contraction(const UncertainLoop& loop, const EnclosedBox& box,
+                              const Coordinates* start) {
+  Contraction result;
+  const Corners corners = corners_of(loop, box);
+  if (!corners.free.empty()) result.widest = corners.free.back();
+  double least = std::numeric_limits<double>::infinity();
+  if (start != nullptr) {
+    least = expansion(*start, corners);
+    if (least < 1) prove(*start, corners, result);
+    if (result.proved) {
+      result.radius = std::numeric_limits<double>::quiet_NaN();
+      return result;
+    }
+  }
+  const MatrixXd middle = enclosed_loop(loop, 0.5 * (box.low + box.high),
+                                        0.5 * (box.ahead_low + box.ahead_high), box.past)
+                              .mid;
+  const Modes modes = modes_of(middle);
+  result.radius = modes.radius;
+  if (!(modes.radius < 1)) return result;
+  result.coordinates = chosen(middle, modes, corners, start, least);
+  if (!result.coordinates) return result;
+  prove(*result.coordinates, corners, result);
+  if (!result.proved && !corners.free.empty()) result.widest = widest(*result.coordinates, corners);
+  return result;
+}
+
+}  // namespace quadtune::internal

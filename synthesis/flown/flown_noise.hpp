@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The random errors of the readings of a flown plant.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "flown/flown_estimator.hpp"
+#include "quadtune/model/sensors.hpp"
+
+namespace quadtune::internal {
+
+/// Standard deviations for each axis of a reading.
+struct ReadingNoise {
+  Eigen::Vector3d white = Eigen::Vector3d::Zero();       ///< of a sample [unit]
+  Eigen::Vector3d walk = Eigen::Vector3d::Zero();        ///< [unit/√s]
+  Eigen::Vector3d correlated = Eigen::Vector3d::Zero();  ///< stationary [unit]
+  double correlation = 0;                                ///< time constant of the last [s]
+};
+
+/// @param sensors  with the sensor of the reading
+/// @param height   of the hover [m], with which the noise of optical flow grows
+[[nodiscard]] ReadingNoise reading_noise(const Sensors& sensors, Reading reading, double height);
+
+}  // namespace quadtune::internal

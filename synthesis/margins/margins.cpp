@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/synthesis/margins.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ostream.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <ostream>
+
+#include "margins/channel_response.hpp"
+#include "margins/disk.hpp"
+#include "margins/frequency_grid.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/frequency_response.hpp"
+
+namespace quadtune {
+
+namespace {
+
+using Complex = std::complex<double>;
+using internal::ChannelResponse;
+using internal::refine_peak;
+using internal::refine_root;
+constexpr double kPi = std::numbers::pi;
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+/// One channel's response on the grid.
+struct Samples {
+  std::vector<double> w;
+  std::vector<Complex> L;
+  std::vector<Complex> S;
+};
+
+/// The same loop with its states in reverse order: its response differs by rounding only.
+FrequencyResponse reordered(const OpenLoop& loop) {
+  const auto fill = [&](auto plant) {
+    plant.A = loop.A().reverse();
+    plant.B = loop.B().colwise().reverse();
+    plant.C = loop.C().rowwise().reverse();
+    plant.D = loop.D();
+    return plant;
+  };
+  if (!loop.discrete()) return FrequencyResponse(fill(ContinuousLti{}));
+  DiscreteLti plant = fill(DiscreteLti{});
+  plant.dt = loop.dt();
+  return FrequencyResponse(plant);
+}
+
+/// @param loop  outlives the result
+ChannelResponse response_of(const OpenLoop& loop) {
+  ChannelResponse response;
+  response.at = [&loop](double w) { return loop.at(w)(0, 0); };
+  const auto turned = std::make_shared<FrequencyResponse>(reordered(loop));
+  response.again = [turned, delay = loop.delay()](double w) {
+    return turned->at(w)(0, 0) * std::polar(1.0, -w * delay);
+  };
+  response.sensitivity = [&loop](double w) { return loop.sensitivity(w)(0, 0); };
+  response.grid = frequency_grid(loop);
+  response.discrete = loop.discrete();
+  response.delay = loop.delay();
+  return response;
+}
+
+class SingleLoop {
+ public:
+  explicit SingleLoop(const ChannelResponse& response) : response_(response) {
+    for (const double w : response_.grid) {
+      const Complex L = at(w);
+      // A pole on the axis has no value; its neighbours show its size.
+      if (!std::isfinite(L.real()) || !std::isfinite(L.imag())) continue;
+      samples_.w.push_back(w);
+      samples_.L.push_back(L);
+      samples_.S.push_back(sensitivity(w));
+    }
+    // Real to the last bit, so that a crossing there is seen.
+    if (response_.discrete && !samples_.L.empty()) samples_.L.back().imag(0);
+    for (std::size_t i = 0; i < samples_.w.size(); ++i) {
+      const double w = samples_.w[i];
+      if (apart_.empty() || w - samples_.w[apart_.back()] > kApart * w)
+        apart_.push_back(i);
+      else if (i + 1 == samples_.w.size() && apart_.size() > 1)
+        apart_.back() = i;  // the last one stays: Nyquist
+    }
+  }
+
+  [[nodiscard]] Complex at(double w) const { return response_.at(w); }
+  [[nodiscard]] Complex sensitivity(double w) const { return response_.sensitivity(w); }
+
+  /// Roots of f(L) on the grid, and between neighbours where it changes sign. f is continuous
+  /// there. Where it is 0 at neighbours it is so all along, and this is no root; nor is a change of
+  /// sign where f is nothing but rounding on both sides.
+  [[nodiscard]] std::vector<double> roots(const std::function<double(Complex)>& f) const {
+    std::vector<double> found;
+    const std::size_t count = apart_.size();
+    const auto w = [&](std::size_t i) { return samples_.w[apart_[i]]; };
+    const auto value = [&](std::size_t i) { return f(samples_.L[apart_[i]]); };
+    const auto is_seen = [&](std::size_t i) {
+      return i < count && std::abs(value(i)) > kOverRounding * rounding(w(i), f);
+    };
+    for (std::size_t i = 0; i < count; ++i) {
+      const double here = value(i);
+      const bool last = i + 1 == count;
+      const double next = last ? 1 : value(i + 1);
+      const double before = i == 0 ? 1 : value(i - 1);
+      if (here == 0 && last && response_.discrete) {
+        // Symmetry, not rounding, makes L real at Nyquist, however near its neighbour is.
+        std::size_t k = count;
+        while (k > 0 && !is_seen(k - 1)) --k;
+        if (k > 0) found.push_back(w(i));
+      } else if (here == 0 && next != 0 && before != 0 && (is_seen(i + 1) || is_seen(i - 1))) {
+        found.push_back(w(i));
+      }
+      if (!last && here * next < 0 && (is_seen(i) || is_seen(i + 1)))
+        found.push_back(refine_root([&](double at_w) { return f(at(at_w)); }, w(i), w(i + 1)));
+    }
+    return found;
+  }
+
+  /// Whether |L| at w is more than its rounding. With a pole or a zero of L at 0, the value there
+  /// is nothing else: infinite or 0 but for the last digits of the coefficients.
+  [[nodiscard]] bool is_seen(double w) const {
+    constexpr double kInfiniteAtRest = 1e10;
+    if (samples_.w.size() > 1 && w < samples_.w[1]) {
+      const double size = std::abs(at(w));
+      if (!(size < kInfiniteAtRest && size * kInfiniteAtRest > 1)) return false;
+    }
+    const double part = std::max(rounding(w, [](Complex L) { return L.real(); }),
+                                 rounding(w, [](Complex L) { return L.imag(); }));
+    return std::abs(at(w)) > kOverRounding * part;
+  }
+
+  /// The largest |S + offset| and where.
+  [[nodiscard]] std::pair<double, double> peak(double offset) const {
+    std::vector<double> values;
+    values.reserve(samples_.S.size());
+    for (const Complex& S : samples_.S) values.push_back(std::abs(S + offset));
+    const auto best = refine_peak([&](double w) { return std::abs(sensitivity(w) + offset); },
+                                  samples_.w, values);
+    if (response_.discrete || response_.delay > 0) return best;
+    return std::max(best, {std::abs(sensitivity(kInfinite) + offset), kInfinite});
+  }
+
+  /// Of a continuous loop without delay; otherwise 0.
+  [[nodiscard]] double feed_through() const {
+    return response_.discrete || response_.delay > 0 ? 0 : at(kInfinite).real();
+  }
+
+ private:
+  static constexpr double kOverRounding = 30;
+  /// Frequencies nearer than this, relative to themselves, are landmarks that rounding tells apart
+  /// (equal axes, poles several times over): nothing can be seen between them.
+  static constexpr double kApart = 1e-11;
+
+  /// The error of f(L) at w, from how much it differs when the states come in another order, and
+  /// scatters over frequencies so near to one another that L does not change: by a few last digits
+  /// of w, or, at 0, of the lowest frequency.
+  [[nodiscard]] double rounding(double w, const std::function<double(Complex)>& f) const {
+    constexpr double kNear = 0x1p-50;
+    const double lowest = samples_.w.size() > 1 ? samples_.w[1] : 0;
+    const double centre = w > 0 ? f(at(w)) : f(at(kNear * lowest));
+    double scatter = std::abs(f(response_.again(w)) - f(at(w)));
+    for (const int k : {2, 3, 4, 5, 6, 7}) {
+      const double there = w > 0 ? w * (1 - k * kNear) : k * kNear * lowest;
+      scatter = std::max(scatter, std::abs(f(at(there)) - centre));
+    }
+    return scatter;
+  }
+
+  const ChannelResponse& response_;
+  Samples samples_;
+  std::vector<std::size_t> apart_;  ///< samples that are further apart than kApart
+};
+
+/// In (-π, π].
+double wrapped(double angle) {
+  const double turned = std::remainder(angle, 2 * kPi);
+  return turned <= -kPi ? turned + 2 * kPi : turned;
+}
+
+std::vector<GainCrossover> gain_crossovers(const SingleLoop& loop) {
+  std::vector<GainCrossover> all;
+  for (const double w : loop.roots([](Complex L) { return std::log(std::abs(L)); })) {
+    const double phase = wrapped(std::arg(loop.at(w)) + kPi);
+    all.push_back({w, phase, w > 0 ? (phase > 0 ? phase : phase + 2 * kPi) / w : kInfinite});
+  }
+  return all;
+}
+
+std::vector<PhaseCrossover> phase_crossovers(const SingleLoop& loop) {
+  std::vector<PhaseCrossover> all;
+  for (const double w : loop.roots([](Complex L) { return L.imag(); })) {
+    const Complex L = loop.at(w);
+    // A change of sign through infinity, at a pole on the axis, is not one through 0.
+    const bool real = std::abs(L.imag()) <= 1e-6 * std::abs(L);
+    if (real && L.real() < 0 && loop.is_seen(w)) all.push_back({w, 1 / std::abs(L)});
+  }
+  // A continuous loop's feed-through is real as well, but no frequency of the grid.
+  if (loop.feed_through() < 0) all.push_back({kInfinite, -1 / loop.feed_through()});
+  return all;
+}
+
+/// Leaves out what nobody changes a gain by, unless it is a margin. A delay turns the smallest L on
+/// and on.
+void shorten(LoopMargins& margins) {
+  constexpr double kOfInterest = 1e6;
+  const auto is_far = [&](const PhaseCrossover& at) {
+    return at.gain_margin != margins.gain_margin && at.gain_margin != margins.gain_reduction &&
+           !(at.gain_margin < kOfInterest && at.gain_margin * kOfInterest > 1);
+  };
+  margins.far_phase_crossovers = static_cast<int>(std::erase_if(margins.phase_crossovers, is_far));
+}
+
+/// Stability with a delay (Walton, Marshall 1987): as the delay grows from 0, roots cross the axis
+/// only at the gain crossovers, two at a time, out where |L| falls and back where it rises.
+bool stable_with_delay(const OpenLoop& loop) {
+  const OpenLoop prompt = loop.without_delay();
+  // With |L| ≥ 1 at infinity every delay leaves poles of any speed on the wrong side.
+  if (std::abs(prompt.at(kInfinite)(0, 0)) >= 1) return false;
+  const Eigen::VectorXcd poles = prompt.closed_loop_poles();
+  auto unstable = static_cast<long>((poles.real().array() >= 0).count());
+  const ChannelResponse of_prompt = response_of(prompt);
+  const SingleLoop response(of_prompt);
+  for (const GainCrossover& crossover : gain_crossovers(response)) {
+    const double w = crossover.w;
+    if (!(w > 0) || crossover.delay_margin > loop.delay()) continue;
+    const double passed = std::floor((loop.delay() - crossover.delay_margin) * w / (2 * kPi)) + 1;
+    const bool falls = std::abs(response.at(w * (1 + 1e-6))) < std::abs(response.at(w));
+    unstable += (falls ? 2 : -2) * static_cast<long>(passed);
+  }
+  return unstable == 0;
+}
+
+}  // namespace
+
+namespace internal {
+
+bool closed_loop_is_stable(const OpenLoop& loop) {
+  if (loop.delay() > 0) return stable_with_delay(loop);
+  const Eigen::VectorXcd poles = loop.closed_loop_poles();
+  return loop.discrete() ? poles.cwiseAbs().maxCoeff() < 1 : poles.real().maxCoeff() < 0;
+}
+
+DiskMargin disk_of_peak(double peak, double w, double skew) {
+  DiskMargin disk;
+  disk.alpha = 1 / peak;
+  disk.w = w;
+  const double a = disk.alpha;
+  disk.gain_low = (2 - a * (1 - skew)) / (2 + a * (1 + skew));
+  const double open = 2 - a * (1 + skew);
+  disk.gain_high = open > 1e-12 ? (2 + a * (1 - skew)) / open : kInfinite;
+  // The factor e^(jθ) belongs to |δ|² = (2 - 2 cos θ)/((1 + σ²)/2 + (1 - σ²)/2 cos θ), which grows
+  // with θ; at π it is (2/σ)².
+  disk.phase =
+      a * std::abs(skew) >= 2
+          ? kPi
+          : std::acos(std::clamp((4 - a * a * (1 + skew * skew)) / (4 + a * a * (1 - skew * skew)),
+                                 -1.0, 1.0));
+  return disk;
+}
+
+DiskMargin disk_margin(const OpenLoop& loop, double skew) {
+  const ChannelResponse response = response_of(loop);
+  const auto [peak, w] = SingleLoop(response).peak((skew - 1) / 2);
+  return disk_of_peak(peak, w, skew);
+}
+
+LoopMargins margins_of(const ChannelResponse& channel, double skew) {
+  const SingleLoop response(channel);
+  LoopMargins margins;
+  margins.stable = channel.stable;
+  margins.gain_crossovers = gain_crossovers(response);
+  margins.phase_crossovers = phase_crossovers(response);
+  for (const PhaseCrossover& at : margins.phase_crossovers) {
+    if (at.gain_margin > 1) margins.gain_margin = std::min(margins.gain_margin, at.gain_margin);
+    if (at.gain_margin < 1)
+      margins.gain_reduction = std::max(margins.gain_reduction, at.gain_margin);
+  }
+  for (const GainCrossover& at : margins.gain_crossovers) {
+    margins.delay_margin = std::min(margins.delay_margin, at.delay_margin);
+    if (std::abs(at.phase_margin) >= std::abs(margins.phase_margin)) continue;
+    margins.phase_margin = at.phase_margin;
+    margins.crossover = at.w;
+  }
+  // What a turn either way leaves of a stable loop; the crossover's sign says which way.
+  if (margins.stable) margins.phase_margin = std::abs(margins.phase_margin);
+  shorten(margins);
+  std::tie(margins.Ms, margins.w_Ms) = response.peak(0);
+  std::tie(margins.Mt, margins.w_Mt) = response.peak(-1);  // |T| = |1 - S|
+  if (margins.stable) {
+    const auto [peak, w] = response.peak((skew - 1) / 2);
+    margins.disk = disk_of_peak(peak, w, skew);
+  }
+  return margins;
+}
+
+}  // namespace internal
+
+LoopMargins loop_margins(const OpenLoop& loop, double skew) {
+  if (loop.size() != 1)
+    throw InvalidInput(
+        "loop_margins",
+        fmt::format("the loop has {} channels, expected 1: take one of them", loop.size()));
+  if (!std::isfinite(skew))
+    throw InvalidInput("loop_margins", fmt::format("skew is {}, expected a finite number", skew));
+  ChannelResponse response = response_of(loop);
+  response.stable = internal::closed_loop_is_stable(loop);
+  return internal::margins_of(response, skew);
+}
+
+std::ostream& operator<<(std::ostream& out, const LoopMargins& m) {
+  return out << fmt::format(
+             "{}, gain margin {:.4g} (reduction {:.4g}), phase margin {:.4g} rad at {:.4g} rad/s, "
+             "delay margin {:.4g} s, Ms {:.4g}, Mt {:.4g}, disk {:.4g} at {:.4g} rad/s",
+             m.stable ? "stable" : "unstable", m.gain_margin, m.gain_reduction, m.phase_margin,
+             m.crossover, m.delay_margin, m.Ms, m.Mt, m.disk.alpha, m.disk.w);
+}
+
+}  // namespace quadtune

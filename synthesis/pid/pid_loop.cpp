@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/synthesis/pid_loop.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <optional>
+#include <ostream>
+#include <vector>
+
+#include "pid/loop_shape.hpp"
+#include "quadtune/errors.hpp"
+
+namespace quadtune {
+namespace {
+
+using internal::LeastPhaseMargin;
+using internal::LoopShape;
+using internal::SensitivityPeaks;
+using std::numbers::pi;
+using Complex = std::complex<double>;
+
+constexpr double kDegree = pi / 180;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+void validate(const LoopRequirement& requirement) {
+  const char* where = "pid_for_crossover";
+  if (!(requirement.crossover > 0) || !std::isfinite(requirement.crossover))
+    throw InvalidInput(where, fmt::format("crossover is {} rad/s, expected a positive number",
+                                          requirement.crossover));
+  if (!(requirement.phase_margin > 0 && requirement.phase_margin < pi))
+    throw InvalidInput(where, fmt::format("phase margin is {} rad, expected more than 0 and less "
+                                          "than pi",
+                                          requirement.phase_margin));
+  if (!(requirement.Tf >= 0) || !std::isfinite(requirement.Tf))
+    throw InvalidInput(where, fmt::format("Tf is {} s, expected 0 or more", requirement.Tf));
+  if (!(requirement.Ms_max > 1))
+    throw InvalidInput(where, fmt::format("Ms_max is {}, expected more than 1 because a loop with "
+                                          "delay or two more poles than zeros has no less",
+                                          requirement.Ms_max));
+}
+
+double in_turn(double angle) { return std::remainder(angle, 2 * pi); }
+
+/// What C(jω) has to be, and all controllers of a type with that value: with the derivative's
+/// j ω/(1 + j ω Tf) = a + j b,
+///     Kp + a Kd = Re C,   b Kd - Ki/ω = Im C
+struct Target {
+  double w = 0;
+  double Tf = 0;
+  double X = 0;  ///< Re C, made ≥ 0
+  double Y = 0;  ///< Im C
+  double a = 0;
+  double b = 0;
+  double sign = 1;  ///< of all gains
+
+  /// The controller of the line of solutions at this Kd.
+  [[nodiscard]] PidGains at(double Kd) const {
+    const double Ki = w * (b * Kd - Y);
+    // Rounding would leave an integral too weak to see and too slow to settle.
+    const bool integral = Ki > 1e-13 * w * (b * Kd + std::abs(Y));
+    return {sign * std::max(X - a * Kd, 0.0), integral ? sign * Ki : 0, sign * Kd,
+            Kd != 0 ? Tf : 0};
+  }
+};
+
+Target target(Complex C, double w, double Tf) {
+  Target t;
+  t.w = w;
+  t.Tf = Tf;
+  t.sign = C.real() < 0 ? -1 : 1;
+  t.X = t.sign * C.real();
+  t.Y = t.sign * C.imag();
+  t.a = w * w * Tf / (1 + w * w * Tf * Tf);
+  t.b = w / (1 + w * w * Tf * Tf);
+  return t;
+}
+
+/// Rounding may leave a gain that should be 0 on the wrong side of it.
+bool not_negative(double value, double scale) { return value >= -1e-12 * scale; }
+
+/// (X - a Kd)² = 4 Kd ω (b Kd - Y), that is Kp² = 4 Kd Ki. The product of the roots is
+/// X²/(a² - 4 ω b) < 0, so that one of them is positive.
+double Kd_of_double_zero(const Target& t) {
+  const double square = t.a * t.a - 4 * t.w * t.b;
+  const double half = 2 * t.w * t.Y - t.a * t.X;
+  const double root = std::sqrt(half * half - square * t.X * t.X);
+  // Of both forms of the positive root, the one that does not cancel.
+  return half > 0 ? -(half + root) / square : t.X * t.X / (root - half);
+}
+
+class Problem {
+ public:
+  Problem(const ContinuousTransferFunction& plant, const LoopRequirement& requirement)
+      : plant_(plant),
+        requirement_(requirement),
+        shape_(plant, {requirement.crossover, requirement.Tf > 0 ? 1 / requirement.Tf : 0}) {
+    const auto last_coefficient = [](const Eigen::VectorXd& p) {
+      Eigen::Index last = p.size() - 1;
+      while (last > 0 && p[last] == 0) --last;
+      return p[last];
+    };
+    low_sign_ = last_coefficient(plant.num) * last_coefficient(plant.den) < 0 ? -1 : 1;
+    const Eigen::VectorXcd poles = polynomial_roots(plant.den);
+    plant_unstable_ = (poles.real().array() > 1e-12).any();
+  }
+
+  struct Attempt {
+    PidLoopStatus status = PidLoopStatus::phase_out_of_reach;
+    PidGains gains;
+    double evidence = 0;  ///< of the status: the other crossover's margin, or the least Ms
+    double at = 0;        ///< [rad/s] where
+  };
+
+  [[nodiscard]] Attempt attempt(double w) const {
+    Attempt result = attempt_any_sign(w);
+    // Gains of the wrong sign meet the phase half a turn away and never stabilize a stable plant
+    // with integral action: then it is the phase that could not be had.
+    if (result.status == PidLoopStatus::unstable && result.gains.Kp * low_sign_ < 0 &&
+        !plant_unstable_)
+      result.status = PidLoopStatus::phase_out_of_reach;
+    return result;
+  }
+
+  /// What the phase of C has to be for a plant of positive sign, [rad].
+  [[nodiscard]] double needed_phase(double w) const {
+    return in_turn(requirement_.phase_margin - pi - std::arg(low_sign_ * plant_({0, w})));
+  }
+
+  [[nodiscard]] const LoopShape& shape() const { return shape_; }
+
+ private:
+  [[nodiscard]] Attempt attempt_any_sign(double w) const {
+    const Complex P = plant_({0, w});
+    if (!std::isfinite(std::abs(P)) || P == 0.0) return {};
+    if (requirement_.type == PidType::P) return proportional(P, w);
+    const Complex C = std::polar(1.0, requirement_.phase_margin - pi) / P;
+    const Target t = target(C, w, requirement_.Tf);
+    const double scale = std::abs(C);
+    switch (requirement_.type) {
+      case PidType::P:
+        break;
+      case PidType::PI:
+        if (!not_negative(-t.Y, scale)) return {};
+        return judged({t.sign * t.X, t.sign * w * std::max(-t.Y, 0.0), 0, 0}, w);
+      case PidType::PD: {
+        const double Kd = std::max(t.Y, 0.0) / t.b;
+        if (!not_negative(t.Y, scale) || !not_negative(t.X - t.a * Kd, scale)) return {};
+        return judged({t.sign * std::max(t.X - t.a * Kd, 0.0), 0, t.sign * Kd, requirement_.Tf}, w);
+      }
+      case PidType::PID:
+        if (requirement_.freedom == PidFreedom::greatest_Ki) return greatest_Ki(t);
+        const double Kd = Kd_of_double_zero(t);
+        if (!(Kd >= 0) || !not_negative(t.X - t.a * Kd, scale)) return {};
+        return judged(t.at(Kd), w);
+    }
+    return {};
+  }
+
+  /// A P controller meets the crossover and must have at least the margin.
+  [[nodiscard]] Attempt proportional(Complex P, double w) const {
+    Attempt first = judged({low_sign_ / std::abs(P), 0, 0, 0}, w);
+    if (first.status == PidLoopStatus::solved) return first;
+    const Attempt second = judged({-low_sign_ / std::abs(P), 0, 0, 0}, w);
+    if (second.status == PidLoopStatus::solved) return second;
+    if (first.status == PidLoopStatus::other_crossover)
+      first.status = PidLoopStatus::phase_out_of_reach;
+    return first;
+  }
+
+  [[nodiscard]] Attempt judged(const PidGains& gains, double w) const {
+    Attempt result;
+    result.gains = gains;
+    result.status = PidLoopStatus::solved;
+    if (!shape_.stable(gains)) {
+      result.status = PidLoopStatus::unstable;
+      return result;
+    }
+    const LeastPhaseMargin least = shape_.least_phase_margin(gains);
+    if (!(std::abs(least.margin) >= requirement_.phase_margin - 1e-7)) {
+      result.status = PidLoopStatus::other_crossover;
+      result.evidence = least.margin;
+      result.at = least.w;
+    } else if (!(std::abs(least.last_w - w) <= 1e-6 * w)) {
+      result.status = PidLoopStatus::other_crossover;
+      result.evidence = least.last_margin;
+      result.at = least.last_w;
+    }
+    return result;
+  }
+
+  [[nodiscard]] Attempt judged_with_Ms(const PidGains& gains, double w) const {
+    Attempt result = judged(gains, w);
+    if (result.status != PidLoopStatus::solved) return result;
+    const SensitivityPeaks peaks = shape_.peaks(gains);
+    if (peaks.Ms <= requirement_.Ms_max) return result;
+    result.status = PidLoopStatus::Ms_exceeded;
+    result.evidence = peaks.Ms;
+    result.at = peaks.w_Ms;
+    return result;
+  }
+
+  /// Ki grows with Kd along the line: the largest Kd that is accepted, from a scan and bisection.
+  [[nodiscard]] Attempt greatest_Ki(const Target& t) const {
+    const double size = std::hypot(t.X, t.Y) / t.b;
+    const double low = std::max(0.0, t.Y / t.b);
+    const double high = t.a > 0 ? std::min(t.X / t.a, low + 1e3 * size) : low + 1e3 * size;
+    if (!(high >= low)) return {};
+    const double width = high - low;
+    std::vector<double> scan = {low};
+    double part = 1e-3;
+    while (part * size < width) {
+      scan.push_back(low + part * size);
+      part *= part < 1 ? 1.2 : 1.5;
+    }
+    scan.push_back(high);
+    std::optional<Attempt> refused;
+    for (std::size_t k = scan.size(); k-- > 0;) {
+      Attempt found = judged_with_Ms(t.at(scan[k]), t.w);
+      if (found.status == PidLoopStatus::solved) {
+        if (k + 1 == scan.size()) return found;
+        double good = scan[k];
+        double bad = scan[k + 1];
+        for (int i = 0; i < 40; ++i) {
+          const double middle = good + (bad - good) / 2;
+          const Attempt between = judged_with_Ms(t.at(middle), t.w);
+          const bool accepted = between.status == PidLoopStatus::solved;
+          (accepted ? good : bad) = middle;
+          if (accepted) found = between;
+        }
+        return found;
+      }
+      // The nearest miss is what can be told: the least Ms, failing that anything.
+      if (!refused ||
+          (found.status == PidLoopStatus::Ms_exceeded &&
+           (refused->status != PidLoopStatus::Ms_exceeded || found.evidence < refused->evidence)))
+        refused = found;
+    }
+    return *refused;
+  }
+
+  ContinuousTransferFunction plant_;
+  LoopRequirement requirement_;
+  LoopShape shape_;
+  double low_sign_ = 1;  ///< of the plant's response to what is slow
+  bool plant_unstable_ = false;
+};
+
+bool solvable(const Problem& problem, double w) {
+  return problem.attempt(w).status == PidLoopStatus::solved;
+}
+
+/// The border between a crossover that can be had and one that cannot, by bisection of logarithms.
+double border(const Problem& problem, double good, double bad) {
+  for (int i = 0; i < 30; ++i) {
+    const double middle = std::sqrt(good * bad);
+    (solvable(problem, middle) ? good : bad) = middle;
+  }
+  return good;
+}
+
+void search_crossovers(const Problem& problem, PidLoopDesign& design) {
+  const double first = problem.shape().grid().front();
+  const double last = problem.shape().grid().back();
+  const int steps = 20 * static_cast<int>(std::ceil(std::log10(last / first)));
+  const double ratio = std::pow(last / first, 1.0 / steps);
+  int lowest = -1;
+  int highest = -1;
+  for (int k = 0; k <= steps; ++k) {
+    if (!solvable(problem, first * std::pow(ratio, k))) continue;
+    if (lowest < 0) lowest = k;
+    highest = k;
+  }
+  if (lowest < 0) return;
+  const auto at = [&](int k) { return first * std::pow(ratio, k); };
+  design.lowest_crossover = lowest == 0 ? 0 : border(problem, at(lowest), at(lowest - 1));
+  design.highest_crossover =
+      highest == steps ? kInfinity : border(problem, at(highest), at(highest + 1));
+}
+
+/// "-90 to 0 deg": what gains of one sign can do to the phase at w.
+std::string phases(const LoopRequirement& requirement) {
+  const double lead = 90 - std::atan(requirement.crossover * requirement.Tf) / kDegree;
+  switch (requirement.type) {
+    case PidType::P:
+      return "0";
+    case PidType::PI:
+      return "-90 to 0";
+    case PidType::PD:
+      return fmt::format("0 to {:.4g}", lead);
+    case PidType::PID:
+      return fmt::format("-90 to {:.4g}", lead);
+  }
+  return "";
+}
+
+std::string obstacle(const Problem& problem, const LoopRequirement& requirement,
+                     const Problem::Attempt& attempt) {
+  const std::string what =
+      fmt::format("{} at {:.4g} rad/s", to_string(requirement.type), requirement.crossover);
+  switch (attempt.status) {
+    case PidLoopStatus::phase_out_of_reach:
+      return fmt::format("{} has to turn the phase by {:.4g} deg and can by {}", what,
+                         problem.needed_phase(requirement.crossover) / kDegree,
+                         phases(requirement));
+    case PidLoopStatus::unstable:
+      return fmt::format("{} has one solution, and it does not stabilize", what);
+    case PidLoopStatus::other_crossover:
+      return fmt::format("{} leaves another crossover at {:.4g} rad/s with {:.4g} deg of margin",
+                         what, attempt.at, attempt.evidence / kDegree);
+    case PidLoopStatus::Ms_exceeded:
+      return fmt::format("{} has max |S| of {:.4g} at least, at {:.4g} rad/s, above {:.4g}", what,
+                         attempt.evidence, attempt.at, requirement.Ms_max);
+    case PidLoopStatus::not_run:
+    case PidLoopStatus::solved:
+      break;
+  }
+  return "";
+}
+
+std::string possible(const PidLoopDesign& design) {
+  if (std::isnan(design.highest_crossover)) return "no crossover was found that can be had";
+  if (std::isinf(design.highest_crossover))
+    return fmt::format("crossovers from {:.4g} rad/s upwards can be had", design.lowest_crossover);
+  return fmt::format("crossovers between {:.4g} and {:.4g} rad/s can be had",
+                     design.lowest_crossover, design.highest_crossover);
+}
+
+}  // namespace
+
+std::string to_string(PidLoopStatus status) {
+  switch (status) {
+    case PidLoopStatus::not_run:
+      return "not run";
+    case PidLoopStatus::solved:
+      return "solved";
+    case PidLoopStatus::phase_out_of_reach:
+      return "phase out of reach";
+    case PidLoopStatus::unstable:
+      return "unstable";
+    case PidLoopStatus::other_crossover:
+      return "other crossover";
+    case PidLoopStatus::Ms_exceeded:
+      return "Ms exceeded";
+  }
+  return "unknown";
+}
+
+std::ostream& operator<<(std::ostream& out, const PidLoopDesign& design) {
+  out << to_string(design.status);
+  if (!design.solved()) return out << ": " << design.culprit;
+  return out << ": " << design.gains
+             << fmt::format(", crossover {:.6g} rad/s, phase margin {:.6g} deg, Ms {:.4g}",
+                            design.crossover, design.phase_margin / kDegree, design.Ms);
+}
+
+PidLoopDesign pid_for_crossover(const ContinuousTransferFunction& plant,
+                                const LoopRequirement& requirement) {
+  quadtune::validate(plant, "pid_for_crossover");
+  validate(requirement);
+  if (plant.num.isZero(0))
+    throw InvalidInput("pid_for_crossover", "num is 0, expected a plant that answers its input");
+  const Problem problem(plant, requirement);
+  const Problem::Attempt attempt = problem.attempt(requirement.crossover);
+  PidLoopDesign design;
+  design.status = attempt.status;
+  if (!design.solved()) {
+    search_crossovers(problem, design);
+    design.culprit = obstacle(problem, requirement, attempt) + "; " + possible(design);
+    return design;
+  }
+  design.gains = attempt.gains;
+  const LeastPhaseMargin least = problem.shape().least_phase_margin(design.gains);
+  design.crossover = least.w;
+  design.phase_margin = least.margin;
+  const SensitivityPeaks peaks = problem.shape().peaks(design.gains);
+  design.Ms = peaks.Ms;
+  design.w_Ms = peaks.w_Ms;
+  design.Mt = peaks.Mt;
+  design.w_Mt = peaks.w_Mt;
+  return design;
+}
+
+}  // namespace quadtune

@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <boost/multiprecision/eigen.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <utility>
+
+#include "riccati/riccati_parts.hpp"
+#include "riccati/riccati_scaling.hpp"
+
+namespace quadtune::internal {
+namespace {
+
+namespace mp = boost::multiprecision;
+using Real = mp::number<mp::cpp_bin_float<50>, mp::et_off>;
+using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+/// N is empty for zero.
+struct Problem {
+  Time time;
+  Matrix A, B, Q, R, N;
+
+  [[nodiscard]] bool continuous() const { return time == Time::continuous; }
+};
+
+struct Solution {
+  Matrix X;
+  Matrix K;
+};
+
+Matrix extended(const ConstRef& M) { return M.cast<Real>(); }
+
+Problem extended(const RiccatiEquation& p) {
+  return {p.time,        extended(p.A), extended(p.B),
+          extended(p.Q), extended(p.R), p.has_cross_term() ? extended(p.N) : Matrix()};
+}
+
+Matrix symmetric(const Matrix& M) { return (M + M.transpose()) * Real(0.5); }
+
+bool is_finite(const Matrix& M) {
+  return std::all_of(M.reshaped().begin(), M.reshaped().end(),
+                     [](const Real& x) { return mp::isfinite(x); });
+}
+
+/// K = S⁻¹ F with S = R, F = BᵀX + Nᵀ, or, discrete, S = R + BᵀXB, F = BᵀXA + Nᵀ. That S must be
+/// regular only: a Q whose rounding left it indefinite may leave S so where R is tiny.
+bool gain(const Problem& p, Solution& at) {
+  const Matrix BtX = p.B.transpose() * at.X;
+  Matrix F = p.continuous() ? BtX : Matrix(BtX * p.A);
+  if (p.N.size() > 0) F += p.N.transpose();
+  if (p.continuous()) {
+    const Eigen::LLT<Matrix> llt(p.R);
+    if (llt.info() != Eigen::Success) return false;
+    at.K = llt.solve(F);
+  } else {
+    at.K = symmetric(p.R + BtX * p.B).partialPivLu().solve(F);
+  }
+  return is_finite(at.K);
+}
+
+/// AᵀX + XA - F K + Q with F = XB + N, or AᵀXA - X - F K + Q with F = AᵀXB + N.
+Matrix residual(const Problem& p, const Solution& at) {
+  const Matrix XA = at.X * p.A;
+  Matrix F = p.continuous() ? Matrix(at.X * p.B) : Matrix(XA.transpose() * p.B);
+  if (p.N.size() > 0) F += p.N;
+  const Matrix rest = p.Q - F * at.K;
+  if (p.continuous()) return symmetric(XA + XA.transpose() + rest);
+  return symmetric(p.A.transpose() * XA - at.X + rest);
+}
+
+/// As RiccatiResult::residual.
+double relative_residual(const Problem& p, const Solution& at) {
+  const Real size = residual(p, at).norm();
+  if (size == 0) return 0;
+  const Matrix XA = at.X * p.A;
+  Matrix F = p.continuous() ? Matrix(at.X * p.B) : Matrix(XA.transpose() * p.B);
+  if (p.N.size() > 0) F += p.N;
+  const Real shared = Matrix(F * at.K).norm() + p.Q.norm();
+  const Real terms = p.continuous()
+                         ? Real(2 * XA.norm() + shared)
+                         : Real(Matrix(p.A.transpose() * XA).norm() + at.X.norm() + shared);
+  return Real(size / terms).convert_to<double>();
+}
+
+/// Solves the closed loop's Lyapunov equation for each of `sums` in place by squaring (Smith 1968).
+/// @return  false when the powers do not vanish: the loop is not stable
+bool solve_lyapunov(const Problem& p, const Matrix& K, const Real& gamma,
+                    std::initializer_list<Matrix*> sums) {
+  const Index n = p.A.rows();
+  Matrix E = p.A - p.B * K;
+  if (p.continuous()) {
+    E.diagonal().array() -= gamma;
+    const Matrix F = E.partialPivLu().inverse();
+    if (!is_finite(F)) return false;
+    E = Real(2) * gamma * F;
+    E.diagonal().array() += Real(1);
+    for (Matrix* M : sums) *M = (Real(2) * gamma * (F.transpose() * *M * F)).eval();
+  }
+  constexpr int kMaxSquarings = 80;
+  const Real vanished("1e-26");  // the next term is of the size of its square
+  const Real hopeless("1e60");
+  for (int i = 0; i < kMaxSquarings; ++i) {
+    const Real size = E.norm();
+    if (!(size < hopeless)) return false;
+    if (size <= vanished) return true;
+    for (Matrix* M : sums) *M += (E.transpose() * *M * E).eval();
+    E = (E * E).eval();
+  }
+  return n == 0;
+}
+
+/// Newton–Kleinman from a stabilizing K until K stands still, or moves by rounding only. The last
+/// loop is proved stable.
+bool refine(const Problem& p, const Real& gamma, Solution& at) {
+  constexpr int kMaxSteps = 60;
+  const Real stands("1e-24");
+  const Real rounding("1e-17");
+  Real before = 1;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    Matrix correction = residual(p, at);
+    if (!solve_lyapunov(p, at.K, gamma, {&correction})) return false;
+    Solution next;
+    next.X = symmetric(at.X + correction);
+    if (!gain(p, next)) return false;
+    const Real size = next.K.norm();
+    const Real change = size > 0 ? Real((next.K - at.K).norm() / size) : Real(0);
+    at = std::move(next);
+    if (change <= stands || (change <= rounding && change > before / 2))
+      return solve_lyapunov(p, at.K, gamma, {});
+    before = change;
+  }
+  return false;
+}
+
+/// The equation without its cross term and in scaled states, with R and Q raised by `lift` of their
+/// size: that makes a singular R invertible, and lets Q see every mode.
+struct Plain {
+  Matrix A, G, Q;
+};
+bool plain_problem(const Problem& p, const Eigen::VectorXd& d, const Real& lift, Plain& plain) {
+  Matrix R = symmetric(p.R);
+  Real size_R = R.norm();
+  // Q reaches the inputs at once or, where BᵀQB is 0, some steps later.
+  if (!p.continuous()) size_R += p.B.squaredNorm() * p.Q.norm();
+  R.diagonal().array() += lift * size_R;
+  const Eigen::LLT<Matrix> llt(R);
+  if (llt.info() != Eigen::Success) return false;
+  const Matrix Rinv_Bt = llt.solve(Matrix(p.B.transpose()));
+  plain.A = p.A;
+  plain.Q = p.Q;
+  if (p.N.size() > 0) {
+    plain.A -= Rinv_Bt.transpose() * p.N.transpose();
+    plain.Q -= p.N * llt.solve(Matrix(p.N.transpose()));
+  }
+  const Matrix D = d.cast<Real>().asDiagonal();
+  const Matrix Dinv = d.cwiseInverse().cast<Real>().asDiagonal();
+  plain.A = (Dinv * plain.A * D).eval();
+  plain.G = symmetric(Dinv * (p.B * Rinv_Bt) * Dinv);
+  plain.Q = symmetric(D * plain.Q * D);
+  plain.Q.diagonal().array() += lift * (plain.Q.norm() + (lift > 0 ? plain.A.norm() : Real(0)));
+  return is_finite(plain.A) && is_finite(plain.G) && is_finite(plain.Q);
+}
+
+/// Cayley transform at γ, as in DoublingSteps::cayley().
+bool cayley(const Plain& p, const Real& gamma, Matrix& E, Matrix& G, Matrix& H) {
+  const Index n = p.A.rows();
+  const Matrix A_gamma = p.A - gamma * Matrix::Identity(n, n);
+  const Matrix V = A_gamma.partialPivLu().inverse();
+  const Matrix QV = p.Q * V;
+  const Eigen::PartialPivLU<Matrix> W(A_gamma.transpose() + QV * p.G);
+  const Matrix W_inverse = W.inverse();
+  E = Matrix::Identity(n, n) + Real(2) * gamma * W_inverse.transpose();
+  G = symmetric(Real(2) * gamma * (V * p.G * W_inverse));
+  H = symmetric(Real(2) * gamma * (W_inverse * QV));
+  return is_finite(E) && is_finite(G) && is_finite(H);
+}
+
+/// Doubling, as DoublingSteps::iterate(). X of the scaled problem in H.
+/// @param steps_left  lowered by the steps taken
+bool double_up(Matrix& E, Matrix& G, Matrix& H, int& iterations, int& steps_left) {
+  constexpr int kMaxIterations = 70;
+  const Real stands("1e-20");
+  const Index n = E.rows();
+  for (iterations = 1; iterations <= kMaxIterations && steps_left > 0; ++iterations) {
+    --steps_left;
+    const Eigen::PartialPivLU<Matrix> W(Matrix::Identity(n, n) + G * H);
+    const Matrix V = W.solve(E);
+    const Matrix change = symmetric(E.transpose() * (H * V));
+    H += change;
+    if (!is_finite(H)) return false;
+    if (change.norm() <= stands * H.norm()) return true;
+    G += symmetric(E * W.solve(G) * E.transpose());
+    E = (E * V).eval();
+  }
+  return false;
+}
+
+/// A speed between the slow and the fast poles; see GeometricSpeed.
+double speed(const Plain& p) {
+  GeometricSpeed speed;
+  const MatrixXd A = p.A.cast<double>();
+  const MatrixXd G = p.G.cast<double>();
+  const MatrixXd Q = p.Q.cast<double>();
+  for (Index i = 0; i < A.rows(); ++i) {
+    speed.add(A.row(i).squaredNorm() + G.row(i).squaredNorm(),
+              A.row(i).lpNorm<1>() + G.row(i).lpNorm<1>());
+    speed.add(A.col(i).squaredNorm() + Q.col(i).squaredNorm(),
+              A.col(i).lpNorm<1>() + Q.col(i).lpNorm<1>());
+  }
+  const double value = speed.value();
+  return std::isfinite(value) && value > 0 ? value : 1.0;
+}
+
+/// Rounds every entry once more, up or down by chance, as if it had come from other last digits.
+class Rounding {
+ public:
+  Matrix of(const Matrix& M, bool symmetric_too) {
+    Matrix moved = M;
+    for (Index j = 0; j < M.cols(); ++j)
+      for (Index i = 0; i < M.rows(); ++i) {
+        if (symmetric_too && i < j) {
+          moved(i, j) = moved(j, i);
+          continue;
+        }
+        moved(i, j) *= Real(1) + Real(random_() % 2 == 0 ? kHalfUnit : -kHalfUnit);
+      }
+    if (symmetric_too)
+      for (Index j = 0; j < M.cols(); ++j)
+        for (Index i = 0; i < j; ++i) moved(i, j) = moved(j, i);
+    return moved;
+  }
+
+ private:
+  static constexpr double kHalfUnit = 0x1p-53;
+  std::mt19937_64 random_{1};
+};
+
+/// ‖δK‖/‖K‖ when all entries of the problem are rounded differently, the largest of a few trials;
+/// one Newton step tells it to first order. Infinite when the rounding decides whether there is a
+/// solution.
+double change_by_rounding(const Problem& p, const Real& gamma, const Solution& at) {
+  constexpr int kTrials = 3;
+  const Real size = at.K.norm();
+  if (size == 0) return 0;
+  Rounding rounding;
+  double largest = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Problem moved{p.time,
+                        rounding.of(p.A, false),
+                        rounding.of(p.B, false),
+                        rounding.of(p.Q, true),
+                        rounding.of(p.R, true),
+                        rounding.of(p.N, false)};
+    Solution there = at;
+    Matrix correction = residual(moved, there);
+    if (!solve_lyapunov(moved, there.K, gamma, {&correction}))
+      return std::numeric_limits<double>::infinity();
+    there.X += correction;
+    if (!gain(moved, there)) return std::numeric_limits<double>::infinity();
+    largest = std::max(largest, Real((there.K - at.K).norm() / size).convert_to<double>());
+  }
+  return largest;
+}
+
+double rcond_of(const RiccatiEquation& equation, const Problem& p, const Real& gamma,
+                const Solution& at) {
+  const Index n = p.A.rows();
+  Matrix h0 = Matrix::Identity(n, n);
+  const Matrix XAc = p.continuous() ? at.X : Matrix(at.X * (p.A - p.B * at.K));
+  Matrix h2 = XAc.transpose() * XAc;
+  if (!solve_lyapunov(p, at.K, gamma, {&h0, &h2})) return std::numeric_limits<double>::min();
+  const PlainProblem plain = without_cross_term(equation);
+  SquaredNorms norms;
+  norms.A = plain.A.squaredNorm();
+  norms.G = (plain.B * plain.B.transpose()).squaredNorm();
+  norms.Q = plain.Q.squaredNorm();
+  norms.X = at.X.squaredNorm().convert_to<double>();
+  norms.h0 = h0.squaredNorm().convert_to<double>();
+  norms.h2 = h2.squaredNorm().convert_to<double>();
+  return norms.reciprocal_condition();
+}
+
+/// Doubling of the problem lifted by `lift`, then Newton's steps on the problem itself.
+bool solve_lifted(const Problem& p, const Eigen::VectorXd& d, const Real& lift, Real& gamma,
+                  Solution& at, int& iterations, int& steps_left) {
+  Plain plain;
+  if (!plain_problem(p, d, lift, plain)) return false;
+  Matrix E = plain.A;
+  Matrix G = plain.G;
+  Matrix H = plain.Q;
+  gamma = p.continuous() ? Real(speed(plain)) : Real(1);
+  if (p.continuous() && !cayley(plain, gamma, E, G, H)) {
+    gamma *= Real(1.6);
+    if (!cayley(plain, gamma, E, G, H)) return false;
+  }
+  if (!double_up(E, G, H, iterations, steps_left)) return false;
+  const Matrix Dinv = d.cwiseInverse().cast<Real>().asDiagonal();
+  at.X = Dinv * H * Dinv;
+  return gain(p, at) && refine(p, gamma, at);
+}
+
+/// Doubling steps of all attempts together. A step costs n³: as many as there may ever be up to 16
+/// states, enough for one attempt with 40.
+int affordable_steps(Index n) {
+  const double states = static_cast<double>(std::max<Index>(n, 1));
+  return static_cast<int>(std::clamp(420 * std::pow(16 / states, 3), 40.0, 420.0));
+}
+
+/// Eigenvalues from a real Schur form; empty when its iteration did not end.
+Eigen::VectorXcd eigenvalues_of(const Matrix& M) {
+  const Eigen::RealSchur<Matrix> schur(M, false);
+  if (schur.info() != Eigen::Success) return {};
+  const Matrix& T = schur.matrixT();
+  const Index n = M.rows();
+  Eigen::VectorXcd values(n);
+  for (Index i = 0; i < n; ++i) {
+    if (i + 1 == n || T(i + 1, i) == 0) {
+      values[i] = T(i, i).convert_to<double>();
+      continue;
+    }
+    const Real mean = (T(i, i) + T(i + 1, i + 1)) / 2;
+    const Real half = (T(i, i) - T(i + 1, i + 1)) / 2;
+    const Real square = half * half + T(i, i + 1) * T(i + 1, i);
+    const double root = mp::sqrt(mp::abs(square)).convert_to<double>();
+    const double real = mean.convert_to<double>();
+    values[i] = square < 0 ? std::complex<double>(real, root) : real + root;
+    values[i + 1] = square < 0 ? std::complex<double>(real, -root) : real - root;
+    ++i;
+  }
+  return values;
+}
+
+}  // namespace
+
+bool fits_extended(Index nx, Index nu) { return std::max(nx, nu) <= 40; }
+
+bool solve_extended(const RiccatiEquation& equation, ExtendedSolution& found) {
+  Problem p = extended(equation);
+  const PlainProblem plain = without_cross_term(equation);
+  const Eigen::VectorXd d = balancing(plain.A, plain.B * plain.B.transpose(), plain.Q);
+  Candidate& candidate = found.candidate;
+  Solution at;
+  Real gamma;
+  int steps_left = affordable_steps(p.A.rows());
+  const auto solve = [&] {
+    // The last lift is for an R that rounding has left with an eigenvalue below 0.
+    for (const char* lift : {"0", "1e-24", "1e-15"})
+      if (solve_lifted(p, d, Real(lift), gamma, at, candidate.iterations, steps_left)) return true;
+    return false;
+  };
+  bool decided_by_rounding = false;
+  if (!solve()) {
+    // The eigenvalues below 0 that rounding has left Q may be as large as a tiny R.
+    const double rounding =
+        std::numeric_limits<double>::epsilon() * static_cast<double>(p.A.rows());
+    p.Q.diagonal().array() += Real(rounding) * p.Q.norm();
+    decided_by_rounding = true;
+    if (!solve()) return false;
+  }
+  candidate.X = at.X.cast<double>();
+  candidate.K = at.K.cast<double>();
+  if (!candidate.X.allFinite() || !candidate.K.allFinite()) return false;
+  // K is handed out in double precision: that loop must be stable, not only the exact one's.
+  const Solution rounded{extended(candidate.X), extended(candidate.K)};
+  if (!solve_lyapunov(p, rounded.K, gamma, {})) return false;
+  candidate.residual = relative_residual(p, rounded);
+  candidate.rcond = rcond_of(equation, p, gamma, at);
+  found.gain_error = decided_by_rounding ? std::numeric_limits<double>::infinity()
+                                         : change_by_rounding(p, gamma, at);
+  found.poles = eigenvalues_of(p.A - p.B * rounded.K);
+  return found.poles.size() > 0;
+}
+
+std::optional<std::complex<double>> axis_eigenvalue(const RiccatiEquation& equation) {
+  if (equation.time != Time::continuous) return {};
+  const Problem p = extended(equation);
+  const PlainProblem rounded = without_cross_term(equation);
+  const Eigen::VectorXd d = balancing(rounded.A, rounded.B * rounded.B.transpose(), rounded.Q);
+  Plain plain;
+  if (!plain_problem(p, d, Real(0), plain)) return {};
+  const Index n = plain.A.rows();
+  Matrix H(2 * n, 2 * n);
+  H << plain.A, -plain.G, -plain.Q, -plain.A.transpose();
+  // A multiple eigenvalue at 0 is scattered over a root of 1e-50 of ‖H‖.
+  const double scatter = 1e-10 * H.norm().convert_to<double>();
+  for (const std::complex<double>& value : eigenvalues_of(H))
+    if (std::abs(value.real()) <= 1e-10 * (std::abs(value) + scatter))
+      return std::complex<double>(0, std::abs(value.imag()) <= scatter ? 0 : value.imag());
+  return {};
+}
+
+}  // namespace quadtune::internal

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/synthesis/pid_optimum.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "pid/loop_shape.hpp"
+#include "quadtune/errors.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+const Eigen::VectorXd kOne = Eigen::VectorXd::Ones(1);
+
+ContinuousTransferFunction three_lags() { return {kOne, Eigen::Vector4d(1, 3, 3, 1), 0}; }
+
+/// Greatest Ki of a PI by looking: Kp and Ki on a fine grid, Ms on another, stability by Routh.
+double looked_for_PI(double Ms_max) {
+  double best = 0;
+  for (int i = 0; i < 170; ++i) {
+    const double Kp = 0.3 * std::pow(1.01, i);
+    const double start = std::max(best, 0.2);
+    for (int j = 0; j < 900; ++j) {
+      const double Ki = start * std::pow(1.002, j);
+      // s⁴ + 3 s³ + 3 s² + (1 + Kp) s + Ki: stable for (1 + Kp)(9 - 1 - Kp) > 9 Ki
+      if (!((1 + Kp) * (8 - Kp) > 9 * Ki)) break;
+      double least = 1;
+      for (int k = 0; k < 300; ++k) {
+        const std::complex<double> s(0, 0.2 * std::pow(1.01, k));
+        least = std::min(least, std::abs(1.0 + (Kp + Ki / s) / std::pow(s + 1.0, 3)));
+      }
+      if (1 / least > Ms_max) break;
+      best = std::max(best, Ki);
+    }
+  }
+  return best;
+}
+
+// Åström, Panagopoulos, Hägglund 1998 print K = 0.633, Ti = 1.945 for Ms = 1.4 and K = 1.22,
+// Ti = 1.78 for Ms = 2.
+TEST(GreatestIntegralGain, OfPiForThreeLags) {
+  const PidOptimum careful = greatest_integral_gain(three_lags(), PidType::PI, {.Ms_max = 1.4});
+  ASSERT_TRUE(careful.solved()) << careful;
+  EXPECT_NEAR(careful.gains.Kp, 0.633, 2e-3) << careful;
+  EXPECT_NEAR(careful.gains.Kp / careful.gains.Ki, 1.945, 5e-3);
+  EXPECT_THAT(careful.binding, ElementsAre("Ms"));
+  const PidOptimum bold = greatest_integral_gain(three_lags(), PidType::PI, {.Ms_max = 2});
+  ASSERT_TRUE(bold.solved()) << bold;
+  EXPECT_NEAR(bold.gains.Kp, 1.22, 5e-3) << bold;
+  EXPECT_NEAR(bold.gains.Kp / bold.gains.Ki, 1.78, 5e-3);
+  EXPECT_NEAR(careful.gains.Ki, looked_for_PI(1.4), 2e-3 * careful.gains.Ki);
+}
+
+TEST(GreatestIntegralGain, NamesTheBoundThatBinds) {
+  const double kNone = std::numeric_limits<double>::infinity();
+  const PidOptimum Mt =
+      greatest_integral_gain(three_lags(), PidType::PI, {.Ms_max = 3, .Mt_max = 1.1});
+  ASSERT_TRUE(Mt.solved()) << Mt;
+  EXPECT_THAT(Mt.binding, ElementsAre("Mt"));
+  EXPECT_LE(Mt.Mt, 1.1);
+  const PidOptimum noise = greatest_integral_gain(
+      three_lags(), PidType::PID, {.Ms_max = 2, .Mt_max = kNone, .noise_gain_max = 3}, 0.1);
+  ASSERT_TRUE(noise.solved()) << noise;
+  EXPECT_THAT(noise.binding, ::testing::Contains("noise gain"));
+  EXPECT_LE(noise.noise_gain, 3 * (1 + 1e-6));
+  EXPECT_LE(noise.Ms, 2 * (1 + 1e-6));
+}
+
+// A derivative helps, and its bounds hold in the loop of a plant with delay; the optimum cannot be
+// left upwards: near it, every point with more Ki breaks a bound.
+TEST(GreatestIntegralGain, CannotBeImprovedNearby) {
+  const ContinuousTransferFunction P = {kOne, Eigen::Vector2d(0.5, 1), 0.3};
+  const PidBounds bounds = {.Ms_max = 1.6, .Mt_max = 1.4, .noise_gain_max = 12};
+  const PidOptimum pi = greatest_integral_gain(P, PidType::PI, bounds);
+  const PidOptimum pid = greatest_integral_gain(P, PidType::PID, bounds, 0.02);
+  ASSERT_TRUE(pi.solved()) << pi;
+  ASSERT_TRUE(pid.solved()) << pid;
+  EXPECT_GT(pid.gains.Ki, pi.gains.Ki);
+  const internal::LoopShape shape(P, {});
+  for (int i = -10; i <= 10; ++i) {
+    for (int j = -10; j <= 10; ++j) {
+      const PidGains more = {pid.gains.Kp * (1 + 0.01 * i), pid.gains.Ki * 1.002,
+                             pid.gains.Kd * (1 + 0.01 * j), pid.gains.Tf};
+      const internal::SensitivityPeaks peaks = shape.peaks(more);
+      EXPECT_FALSE(peaks.Ms <= bounds.Ms_max && peaks.Mt <= bounds.Mt_max &&
+                   shape.noise_gain(more) <= bounds.noise_gain_max && shape.stable(more))
+          << more << " beats " << pid;
+    }
+  }
+}
+
+TEST(GreatestIntegralGain, FollowsTheSignOfThePlant) {
+  ContinuousTransferFunction P = three_lags();
+  const PidOptimum one = greatest_integral_gain(P, PidType::PI, {});
+  P.num *= -2;
+  const PidOptimum other = greatest_integral_gain(P, PidType::PI, {});
+  ASSERT_TRUE(one.solved() && other.solved());
+  EXPECT_NEAR(other.gains.Ki, -one.gains.Ki / 2, 1e-4 * one.gains.Ki);
+}
+
+TEST(GreatestIntegralGain, SaysWhenThereIsNone) {
+  // 1/(s - 1) with a delay of 0.9 cannot be held within Ms = 1.4.
+  const PidOptimum none =
+      greatest_integral_gain({kOne, Eigen::Vector2d(1, -1), 0.9}, PidType::PI, {.Ms_max = 1.4});
+  EXPECT_EQ(none.status, PidOptimumStatus::not_found) << none;
+  EXPECT_TRUE(std::isnan(none.gains.Ki));
+  EXPECT_THAT(none.culprit, HasSubstr("no PI was found that is stable with Ms <= 1.4"));
+  const PidOptimum endless =
+      greatest_integral_gain({kOne, Eigen::Vector2d(1, 1), 0}, PidType::PI, {.Ms_max = 1.4});
+  EXPECT_EQ(endless.status, PidOptimumStatus::unbounded) << endless;
+}
+
+TEST(GreatestIntegralGain, RefusesBoundsThatAreNone) {
+  EXPECT_THROW((void)greatest_integral_gain(three_lags(), PidType::PD, {}), InvalidInput);
+  EXPECT_THROW((void)greatest_integral_gain(three_lags(), PidType::PI, {.Ms_max = 1}),
+               InvalidInput);
+  EXPECT_THROW((void)greatest_integral_gain(three_lags(), PidType::PI, {.Mt_max = std::nan("")}),
+               InvalidInput);
+  EXPECT_THROW((void)greatest_integral_gain(three_lags(), PidType::PID, {.noise_gain_max = 3}),
+               InvalidInput);
+  EXPECT_THROW((void)greatest_integral_gain(three_lags(), PidType::PID, {}, -1), InvalidInput);
+}
+
+}  // namespace
+}  // namespace quadtune

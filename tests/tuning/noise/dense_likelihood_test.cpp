@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// The gradient by the way back through the filter, which many states and many parameters get,
+// beside that of the filter on numbers with derivatives, which gives it with the information.
+#include <gmock/gmock.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "matrix_near.hpp"
+#include "plants/filter_models.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/tuning/innovation_likelihood.hpp"
+
+namespace quadtune {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using testing::MatrixNear;
+
+/// Its covariance's first two noises as a full block besides.
+FilterModel with_full_block(FilterModel model) {
+  model.Q.full.push_back({{0, 1}, static_cast<int>(model.parameters.size())});
+  model.parameters.push_back({"Q.a", "", true, 0.3});
+  model.parameters.push_back({"Q.ab", "", false, 0.4});
+  model.parameters.push_back({"Q.b", "", true, 0.5});
+  return model;
+}
+
+void expect_both_ways(const FilterModel& model, const std::vector<FilterRecord>& records,
+                      const VectorXd& theta, const std::string& what) {
+  InnovationLikelihood likelihood(model, records);
+  for (const bool hold : {true, false}) {
+    likelihood.hold_steady_gains(hold);
+    const Likelihood back = likelihood.evaluate(theta, LikelihoodOrder::gradient);
+    const Likelihood jets = likelihood.evaluate(theta, LikelihoodOrder::information);
+    ASSERT_TRUE(back.computed() && jets.computed()) << what << back.culprit;
+    EXPECT_NEAR(back.value, jets.value, 1e-11 * std::abs(jets.value)) << what;
+    EXPECT_EQ(back.innovations, jets.innovations) << what;
+    EXPECT_EQ(back.diffuse, jets.diffuse) << what;
+    EXPECT_THAT(back.gradient, MatrixNear(jets.gradient, 1e-9 * (1 + jets.information.norm())))
+        << what;
+  }
+}
+
+TEST(DenseLikelihood, BackAgreesWithJets) {
+  std::mt19937_64 random(21);
+  for (const int nx : {2, 4, 5, 8, 9, 12, 13, 17, 24})
+    for (const bool continuous : {false, true})
+      for (const bool diffuse : {false, true}) {
+        FilterModel model = testing::random_model(random, nx, nx % 3, continuous, false);
+        model = with_full_block(model);
+        if (diffuse) {  // one state of which nothing is known
+          model.P0.row(0).setZero();
+          model.P0.col(0).setZero();
+          model.diffuse[0] = true;
+        }
+        const VectorXd truth = start_of(model),
+                       theta = truth + 0.2 * VectorXd::Random(truth.size());
+        expect_both_ways(
+            model,
+            {testing::simulated(model, truth, 70, 0.1, random, 0.3, continuous ? 0.3 : 0),
+             testing::simulated(model, truth, 40, 0.1, random)},
+            theta, std::to_string(nx) + (continuous ? " continuous " : " discrete "));
+      }
+}
+
+// Pieces of 1024 samples, gains that settle within them, gaps, and N that settles from behind.
+TEST(DenseLikelihood, BackAgreesWithJetsOverSteadyStretches) {
+  std::mt19937_64 random(22);
+  for (const int nx : {3, 6, 12}) {
+    const FilterModel model = testing::random_model(random, nx, 2, false, false);
+    const VectorXd truth = start_of(model);
+    FilterRecord record = testing::simulated(model, truth, 6000, 0.1, random);
+    for (int k = 2500; k < 2510; ++k) record.y.col(k).tail(2).setConstant(std::nan(""));
+    for (std::size_t k = 4000; k < 6000; ++k) record.time[k] += 0.3;
+    expect_both_ways(model, {record}, truth + 0.2 * VectorXd::Random(truth.size()),
+                     std::to_string(nx));
+  }
+}
+
+// More than the tapes hold: a part is gone through twice.
+TEST(DenseLikelihood, BackThroughALongLog) {
+  std::mt19937_64 random(23);
+  const FilterModel model = testing::random_model(random, 5, 0, false, false);
+  const VectorXd theta = start_of(model);
+  const FilterRecord piece = testing::simulated(model, theta, 1000, 0.1, random, 0.1);
+  FilterRecord record = piece;
+  record.y = piece.y.replicate(1, 260);
+  record.u.resize(0, record.y.cols());
+  record.time.resize(static_cast<std::size_t>(record.y.cols()));
+  for (std::size_t k = 0; k < record.time.size(); ++k)
+    record.time[k] = 0.1 * static_cast<double>(k);
+  const InnovationLikelihood likelihood(model, {record});
+  const Likelihood at = likelihood.evaluate(theta, LikelihoodOrder::gradient);
+  ASSERT_TRUE(at.computed());
+  const VectorXd direction = VectorXd::Random(theta.size());
+  const auto moved = [&](double by) { return likelihood.evaluate(theta + by * direction).value; };
+  constexpr double h = 1e-3;  // of fourth order
+  const double numeric = (8 * (moved(h) - moved(-h)) - (moved(2 * h) - moved(-2 * h))) / (12 * h);
+  EXPECT_NEAR(at.gradient.dot(direction), numeric, 1e-8 * std::abs(at.value));
+  EXPECT_GT(std::abs(numeric), 1e-4 * std::abs(at.value));
+}
+
+// A linear model told instant by instant is the same model.
+TEST(DenseLikelihood, OfLinearizedInstantsIsThatOfTheModel) {
+  std::mt19937_64 random(24);
+  for (const int nx : {5, 15}) {
+    FilterModel model = testing::random_model(random, nx, 2, false, false);
+    model.Q.fixed.setZero();
+    for (FilterSensor& sensor : model.sensors) sensor.D.resize(0, 0);
+    const VectorXd truth = start_of(model), theta = truth + 0.2 * VectorXd::Random(truth.size());
+    const FilterRecord record = testing::simulated(model, truth, 90, 0.1, random, 0.2);
+    FilterRecord told = record;
+    told.start = FilterStart{model.x0, model.P0};
+    MatrixXd C(3, nx);
+    C << model.sensors[0].C, model.sensors[1].C;
+    for (Index k = 0; k < record.samples(); ++k) {
+      LinearizedInstant& at = told.linearized.emplace_back();
+      at.C = C;
+      at.F = model.A;
+      at.offset = model.B * record.u.col(k);
+      for (const ScaledCovariance& term : model.Q.scaled)
+        at.noise.push_back(model.G * term.shape * model.G.transpose());
+    }
+    for (const LikelihoodOrder order : {LikelihoodOrder::gradient, LikelihoodOrder::information}) {
+      const Likelihood one = InnovationLikelihood(model, {record}).evaluate(theta, order);
+      const Likelihood other = InnovationLikelihood(model, {told}).evaluate(theta, order);
+      ASSERT_TRUE(one.computed() && other.computed());
+      EXPECT_NEAR(one.value, other.value, 1e-12 * std::abs(one.value));
+      EXPECT_THAT(other.gradient, MatrixNear(one.gradient, 1e-10 * (1 + one.gradient.norm())));
+      if (order == LikelihoodOrder::gradient) continue;
+      // Jets have the one, the derivatives that are carried along the other.
+      EXPECT_THAT(other.information, MatrixNear(one.information, 1e-10 * one.information.norm()));
+    }
+    expect_both_ways(model, {told}, theta, std::to_string(nx) + " linearized ");
+  }
+}
+
+// Every way of evaluating asks, again and again, whether it is to stop.
+TEST(DenseLikelihood, StopsWithinAThousandSamples) {
+  std::mt19937_64 random(25);
+  for (const int nx : {2, 6}) {
+    FilterModel model = testing::random_model(random, nx, 0, false, false);
+    model.Q.fixed.setZero();
+    const FilterRecord record = testing::simulated(model, start_of(model), 5000, 0.1, random, 0.2);
+    for (const FilterRecord& of : {record, testing::linearized(model, record)}) {
+      InnovationLikelihood likelihood(model, {of});
+      for (const LikelihoodOrder order :
+           {LikelihoodOrder::value, LikelihoodOrder::gradient, LikelihoodOrder::information}) {
+        int asked = 0;
+        likelihood.stop_when([&] { return ++asked == 3; });
+        EXPECT_THROW((void)likelihood.evaluate(start_of(model), order), Interrupted) << nx;
+        EXPECT_EQ(asked, 3);
+        asked = 3;
+        EXPECT_TRUE(likelihood.evaluate(start_of(model), order).computed());
+      }
+      int asked = 0;
+      likelihood.stop_when([&] { return ++asked == 3; });
+      EXPECT_THROW((void)likelihood.run(0, start_of(model)), Interrupted) << nx;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace quadtune

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "noise/judge/held_out.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "quadtune/internal/tails.hpp"
+
+namespace quadtune::internal {
+namespace {
+
+using Eigen::Index;
+
+/// Least number of innovations that a stretch held out must have to pass.
+constexpr Index kLeastHeldOut = 30;
+
+double log_density(double e, double S, double student) {
+  if (student == 0) return -0.5 * (std::log(2 * std::numbers::pi * S) + e * e / S);
+  return std::lgamma(0.5 * (student + 1)) - std::lgamma(0.5 * student) -
+         0.5 * std::log(std::numbers::pi * student * S) -
+         0.5 * (student + 1) * std::log1p(e * e / (student * S));
+}
+
+/// Log-densities of the innovations that both runs compared, and whether one is larger.
+struct Comparison {
+  Index count = 0, worse = 0;    ///< of them, those that are less likely after
+  double before = 0, after = 0;  ///< means
+  double deviation = 0;          ///< of the mean of their differences
+};
+
+Comparison compare_densities(const FilterModel& model, const std::vector<FilterRun>& before,
+                             const std::vector<FilterRun>& after) {
+  Comparison result;
+  double squares = 0;
+  for (std::size_t r = 0; r < after.size(); ++r) {
+    Index i = 0;
+    for (const FilterSensor& sensor : model.sensors)
+      for (Index row = 0; row < sensor.C.rows(); ++row, ++i)
+        for (Index k = 0; k < after[r].innovation.cols(); ++k) {
+          const double e0 = before[r].innovation(i, k), e1 = after[r].innovation(i, k);
+          if (std::isnan(e0) || std::isnan(e1)) continue;
+          const double l0 = log_density(e0, before[r].variance(i, k), sensor.student);
+          const double l1 = log_density(e1, after[r].variance(i, k), sensor.student);
+          ++result.count;
+          if (l1 < l0) ++result.worse;
+          result.before += l0;
+          result.after += l1;
+          squares += (l1 - l0) * (l1 - l0);
+        }
+  }
+  const auto n = static_cast<double>(result.count);
+  result.before /= n;
+  result.after /= n;
+  const double mean = result.after - result.before;
+  result.deviation = std::sqrt(std::max(squares / n - mean * mean, 0.0) / n);
+  return result;
+}
+
+/// Probability of `hits` or more of `count` where each is as likely as not.
+double sign_test(Index count, Index hits) {
+  double sum = 0;
+  const auto n = static_cast<double>(count);
+  for (Index k = hits; k <= count; ++k) {
+    const auto q = static_cast<double>(k);
+    sum += std::exp(std::lgamma(n + 1) - std::lgamma(q + 1) - std::lgamma(n - q + 1) -
+                    n * std::numbers::ln2);
+  }
+  return sum;
+}
+
+/// Less likely than before by more than chance. The differences of few are no normal numbers, so
+/// their signs have to say so as well.
+bool is_worse(const Comparison& compared, double significance) {
+  const double loss = compared.before - compared.after;
+  if (compared.count >= kLeastHeldOut)
+    return loss > normal_exceeded(significance) * compared.deviation;
+  if (compared.count < 2) return false;
+  const auto n = static_cast<double>(compared.count);
+  return student_above(loss / (compared.deviation * std::sqrt(n / (n - 1))), n - 1) <
+             significance &&
+         sign_test(compared.count, compared.worse) < significance;
+}
+
+}  // namespace
+
+HoldOut judge_held_out(const FilterModel& model, const std::vector<FilterRun>& before,
+                       const std::vector<FilterRun>& after, double significance) {
+  const bool both = !before.empty();
+  const Comparison compared = compare_densities(model, both ? before : after, after);
+  HoldOut result;
+  result.innovations = compared.count;
+  if (compared.count > 0) {
+    result.after = compared.after;
+    if (both) result.before = compared.before;
+  }
+  if (compared.count > 0 &&
+      (!std::isfinite(result.after) || (both && is_worse(compared, significance)))) {
+    result.verdict = CheckVerdict::fail;
+    result.reason = fmt::format(
+        "the stretch held out is less likely than before: {:.4g} an innovation instead of {:.4g}",
+        result.after, result.before);
+  } else if (compared.count < kLeastHeldOut) {
+    result.reason = fmt::format("{} innovations held out, too few to tell", compared.count);
+  } else {
+    result.verdict = CheckVerdict::pass;
+  }
+  return result;
+}
+
+}  // namespace quadtune::internal

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/design/chosen_law.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "quadtune/control/scheduled_feedback.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/schedule_table.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/workbench/design/given_gains.hpp"
+#include "quadtune/workbench/design/near_hover.hpp"
+#include "quadtune/workbench/design/standard_lqr.hpp"
+#include "quadtune/workbench/flown/flown_gains.hpp"
+#include "quadtune/workbench/flown/flown_lqi.hpp"
+
+namespace quadtune {
+namespace {
+
+ChosenLaw published_cascade(const Vehicle& vehicle) {
+  if (!vehicle.published_cascade)
+    throw OptionError("gains", fmt::format("gains published: {} has no published cascade, expected "
+                                           "designed or a file",
+                                           vehicle.name));
+  return {CascadeController{vehicle.published_cascade->gains},
+          "cascaded PID, published: " + vehicle.published_cascade->source};
+}
+
+/// The cascade of the loop-by-loop rules.
+ChosenLaw cascade_by_loops(const Vehicle& vehicle, const std::string& words) {
+  ChosenLaw law;
+  const CascadeReport report = design_cascade(vehicle, usual_specification(vehicle), vehicle.name);
+  law.margins = report.margins;
+  law.position_bandwidth = position_bandwidth(report);
+  CascadeController controller{report.cascade.gains};
+  controller.back_calculation = kDesignedBackCalculation;
+  controller.velocity_feed_forward = true;
+  controller.conditional_integration = true;
+  law.controller = controller;
+  law.words = words;
+  return law;
+}
+
+/// Of the wrench's components at the first member of the family, a hover at 1.1 m.
+MarginsReport margins_of(const FlownGains& gains, double dt) {
+  MarginsReport report;
+  report.dt = dt;
+  for (Eigen::Index input = 0; input < 4; ++input)
+    for (const FlownAxisGains& axis : gains.axes)
+      if (wrench_of(axis.axis) == input) {
+        report.names.push_back(ned_convention().wrench[static_cast<std::size_t>(input)].name);
+        report.loops.push_back(axis.margins.front());
+      }
+  return report;
+}
+
+ChosenLaw designed_cascade(const FlightOptions& flight, const Vehicle& vehicle) {
+  const std::string named = flight.vehicle.empty() ? vehicle.name : flight.vehicle;
+  const std::string words = fmt::format("cascaded PID, designed as by `quadtune pid {}`", named);
+  (void)cascade_vehicle(vehicle, vehicle.name);  // says why where it cannot hover
+  if (!usually_on_flown_plant(vehicle)) return cascade_by_loops(vehicle, words);
+  FlownGainsOptions options;
+  options.dt = usual_specification(vehicle).dt;
+  try {
+    const FlownGains gains = flown_gains(vehicle, options);
+    ChosenLaw law;
+    CascadeController controller{as_cascade(gains, options.dt)};
+    controller.back_calculation = kDesignedBackCalculation;
+    controller.attitude_limit = kDesignedAttitudeLimit;
+    controller.velocity_feed_forward = true;
+    controller.conditional_integration = true;
+    law.controller = controller;
+    law.margins = margins_of(gains, options.dt);
+    law.words = words;
+    return law;
+  } catch (const NoSolution&) {
+    return cascade_by_loops(
+        vehicle, "cascaded PID, designed loop by loop because no gains stabilize the flown plant");
+  }
+}
+
+ChosenLaw designed_feedback(const Vehicle& vehicle, const std::string& who) {
+  try {
+    FlownLqi design = flown_lqi(vehicle);
+    keep_near_hover(vehicle, design.lqi.gains);
+    return {feedback_controller(design.lqi.gains, kUsualPeriod),
+            "state feedback, LQI with weights by Bryson's rule and the lag of the rotors",
+            {}};
+  } catch (const NoSolution&) {
+    Gains gains = standard_gains(vehicle, who);
+    keep_near_hover(vehicle, gains);
+    return {feedback_controller(gains, kUsualPeriod),
+            "state feedback, LQR with weights by Bryson's rule; the LQI has no solution",
+            {}};
+  }
+}
+
+/// What is known by a word alone: gains designed or published.
+ChosenLaw law_of_word(const FlightOptions& options, const Vehicle& vehicle, bool cascade,
+                      const std::string& who) {
+  const bool designed = options.gains == "designed";
+  if (cascade) return designed ? designed_cascade(options, vehicle) : published_cascade(vehicle);
+  if (designed) return designed_feedback(vehicle, who);
+  throw OptionError("gains",
+                    "gains published is for cascaded-pid, expected designed or a file of "
+                    "gains");
+}
+
+/// Whether the cascade of a file flies: what is asked for, or what there is. Of both the cascade of
+/// a design, as in its missions, and the state feedback of an export.
+bool flies_cascade(const GivenLaws& given, const FlightOptions& options) {
+  const StoredLaws& laws = given.laws;
+  if (options.controller.empty()) return laws.cascade && (!laws.gains || given.design.has_value());
+  const bool cascade = options.controller == kCascadedPid;
+  if (cascade ? !laws.cascade : !laws.gains)
+    throw InvalidInput(options.gains,
+                       cascade ? "holds a state feedback and no PID cascade, expected one"
+                               : "holds a PID cascade and no state feedback, expected one");
+  return cascade;
+}
+
+ChosenLaw law_of_schedule(const FlightOptions& options, const Vehicle& vehicle) {
+  if (options.controller == kCascadedPid)
+    throw InvalidInput(options.gains,
+                       "is a gain schedule of a state feedback and no PID cascade, expected one");
+  GainSchedule schedule = read_schedule(options.gains);
+  require_vehicle({schedule.vehicle, {}, {}}, vehicle, options.gains);
+  const Eigen::Index points = schedule.size();
+  try {
+    return {scheduled_controller(vehicle, std::move(schedule), kUsualPeriod),
+            fmt::format("gain schedule of {}, {} points", options.gains, points),
+            {}};
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(options.gains, error.what());
+  }
+}
+
+ChosenLaw law_of_file(const FlightOptions& options, const Vehicle& vehicle) {
+  if (is_schedule(options.gains)) return law_of_schedule(options, vehicle);
+  const GivenLaws given = read_given_laws(options.gains);
+  require_vehicle(given.laws, vehicle, options.gains);
+  if (!flies_cascade(given, options)) {
+    const bool matrix = given.design && given.design->matrix;
+    return {feedback_controller(*given.laws.gains, kUsualPeriod),
+            "state feedback of " + options.gains,
+            given.design ? given.design->margins : std::nullopt, 0,
+            matrix ? given.design->matrix->estimator : given.laws.estimator};
+  }
+  const CascadeDesign& cascade = *given.laws.cascade;
+  ChosenLaw law{cascade_controller(cascade, cascade.gains), "cascaded PID of " + options.gains};
+  law.estimator = given.laws.estimator;
+  if (cascade.specification) {
+    law.margins = given.design->cascade->margins;
+    law.position_bandwidth = position_bandwidth(*given.design->cascade);
+  }
+  return law;
+}
+
+}  // namespace
+
+std::string controller_kind(const std::string& word) {
+  if (word.empty() || word == kCascadedPid || word == kStateFeedback) return word;
+  if (word == "pid") return kCascadedPid;
+  if (word == "lqr") return kStateFeedback;
+  throw OptionError("controller",
+                    fmt::format("controller is '{}', expected {} (or pid) or {} (or lqr){}",
+                                internal::printable(word), kCascadedPid, kStateFeedback,
+                                internal::did_you_mean(word, {kCascadedPid, kStateFeedback})));
+}
+
+ChosenLaw choose_law(FlightOptions options, const Vehicle& vehicle, const std::string& who) {
+  options.controller = controller_kind(options.controller);
+  if (options.gains.empty()) options.gains = "designed";
+  if (options.gains == "designed" || options.gains == "published")
+    return law_of_word(options, vehicle, options.controller != kStateFeedback, who);
+  return law_of_file(options, vehicle);
+}
+
+bool usually_on_flown_plant(const Vehicle& vehicle) {
+  constexpr double kSlowFixes = 5;  // [Hz]
+  const Sensors& sensors = vehicle.sensors;
+  return sensors.flow || !sensors.gps || sensors.gps->position.rate >= kSlowFixes;
+}
+
+CascadeSpecification usual_specification(const Vehicle& vehicle) {
+  CascadeSpecification specification;
+  specification.dt = vehicle.published_cascade ? vehicle.published_cascade->gains.dt : kUsualPeriod;
+  return specification;
+}
+
+CascadeController cascade_controller(const CascadeDesign& design, const CascadeGains& gains) {
+  CascadeController controller{gains};
+  controller.method = design.method;
+  controller.attitude_limit = design.attitude_limit;
+  controller.integrator_limit = design.integrator_limit;
+  controller.back_calculation = design.back_calculation;
+  controller.velocity_feed_forward = design.velocity_feed_forward;
+  controller.conditional_integration = design.conditional_integration;
+  return controller;
+}
+
+double position_bandwidth(const CascadeReport& report) {
+  double slower = 0;
+  for (const CascadeAxisDesign& loop : report.cascade.loops) {
+    if (loop.axis != CascadeAxis::x && loop.axis != CascadeAxis::y) continue;
+    const double bandwidth = loop.design.evidence.bandwidth;
+    slower = slower > 0 ? std::min(slower, bandwidth) : bandwidth;
+  }
+  return slower;
+}
+
+StateFeedbackController feedback_controller(const Gains& gains, double dt) {
+  StateFeedbackController controller{gains, gains.dt > 0 ? gains.dt : dt, {}};
+  if (gains.convention == "uquad") controller.guards = uquad_integral_guards();
+  // Far from the set point the proportional part does the work, and the integral grows as if near.
+  // It does not stand: a vehicle that is heavier than believed may hang that far below.
+  constexpr double kNear = 0.3, kInfinity = std::numeric_limits<double>::infinity();  // [m, rad]
+  if (gains.convention == "ned")
+    for (const Signal& integral : gains.integrals)
+      controller.guards.push_back({integral.name, kInfinity, kNear * controller.dt, kInfinity});
+  return controller;
+}
+
+StateFeedbackController scheduled_controller(const Vehicle& vehicle, GainSchedule schedule,
+                                             double dt) {
+  Gains gains = hover_gains(schedule);
+  keep_near_hover(vehicle, gains);
+  StateFeedbackController controller = feedback_controller(gains, dt);
+  controller.schedule = std::make_shared<const GainSchedule>(std::move(schedule));
+  return controller;
+}
+
+}  // namespace quadtune

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/design/given_gains.hpp"
+
+#include <fmt/format.h>
+
+#include "quadtune/convention.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/read_gains.hpp"
+#include "quadtune/exports/schedule_table.hpp"
+#include "quadtune/internal/joined.hpp"
+
+namespace quadtune {
+namespace {
+
+Gains published_gains(const Design& design, const std::string& path) {
+  const LqrDesign& lqr = *design.lqr;  // [published] stands beside [lqr] only
+  const PublishedGains& published = *design.published;
+  if (published.K.rows() != std::ssize(lqr.inputs))
+    throw InvalidInput(
+        path,
+        fmt::format("published.K has {} rows, expected {} (inputs: {}) because "
+                    "weights are found from the whole gain",
+                    published.K.rows(), lqr.inputs.size(), internal::joined(lqr.inputs, " ")));
+  Gains gains;
+  gains.K = published.K;
+  gains.K_int = published.K_int;
+  gains.convention = lqr.convention;
+  for (const std::string& name : lqr.states)
+    for (const Signal& state : convention(lqr.convention, path).states)
+      if (state.name == name) gains.states.push_back(state);
+  gains.integrals = integral_signals(gains.states, lqr.integrals);
+  for (const std::string& name : lqr.inputs) gains.inputs.push_back({name, ""});
+  gains.x0 = Eigen::VectorXd::Zero(gains.K.cols());
+  gains.u0 = Eigen::VectorXd::Zero(gains.K.rows());
+  gains.vehicle = design.vehicle.name;
+  gains.input_kind = lqr.input_kind;
+  gains.dt = lqr.dt;
+  return gains;
+}
+
+/// A schedule is flown as it is; every other use is of one law.
+void refuse_schedule(const std::string& path) {
+  if (is_schedule(path))
+    throw InvalidInput(path, "holds gains of many flights, expected those of one law");
+}
+
+}  // namespace
+
+GivenLaws read_given_laws(const std::string& path) {
+  refuse_schedule(path);
+  GivenLaws given;
+  if (!path.ends_with(".toml")) {
+    given.laws = read_laws(path);
+  } else {
+    given.design = solve_laws(load_design(path));
+    const DesignOutcome& outcome = *given.design;
+    given.laws = {outcome.design.vehicle.name, outcome.gains, outcome.design.cascade};
+    if (outcome.cascade) given.laws.cascade->gains = outcome.cascade->cascade.gains;
+  }
+  if (!given.laws.gains && !given.laws.cascade)
+    throw InvalidInput(path, "holds no control law, expected a state feedback or a PID cascade");
+  return given;
+}
+
+void require_vehicle(const StoredLaws& laws, const Vehicle& vehicle, const std::string& path) {
+  if (!laws.vehicle.empty() && laws.vehicle != vehicle.name)
+    throw InvalidInput(path, fmt::format("the gains are for the vehicle '{}', expected '{}'",
+                                         laws.vehicle, vehicle.name));
+}
+
+GivenGains read_given_gains(const std::string& path) {
+  refuse_schedule(path);
+  if (!path.ends_with(".toml")) return {read_gains(path), {}};
+  const Design design = load_design(path);
+  if (design.published) return {published_gains(design, path), design};
+  if (!has_feedback(design))
+    throw InvalidInput(path, "has no [lqr], expected one, because its gains are asked for");
+  return {*solve_laws(design).gains, design};
+}
+
+}  // namespace quadtune

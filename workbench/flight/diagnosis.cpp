@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/flight/diagnosis.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/model/mixer.hpp"
+
+namespace quadtune {
+namespace {
+
+/// From this share of a flight on, motors at their limits decide it.
+constexpr double kSaturated = 0.1;
+/// A limit missed by less than this factor is the mission's tightness, not the law's failure.
+constexpr double kNearly = 1.5;
+
+/// The mission as its file has it.
+void restore_limits(PlannedFlight& plan) {
+  for (const WidenedLimit& widened : plan.widened)
+    for (Limit& limit : plan.setup.mission.limits)
+      if (name_of(limit.metric) == widened.what) limit.most = widened.asked;
+  plan.setup.mission.settling.settled_band = 0;
+  plan.setup.mission.settling.settled_yaw_band = 0;
+  plan.widened.clear();
+}
+
+PlannedFlight with_true_states(PlannedFlight plan) {
+  restore_limits(plan);
+  plan.setup.estimator = EstimatorKind::truth;
+  plan.setup.log = false;
+  return plan;
+}
+
+PlannedFlight with_ideal_sensors(PlannedFlight plan) {
+  restore_limits(plan);
+  plan.setup.real_sensors = false;
+  plan.setup.log = false;
+  if (plan.setup.estimator == EstimatorKind::mambo) calibrate_flow(plan.setup);
+  return plan;
+}
+
+double saturation_of(const FlownFlight& flight) {
+  const double time = flight.result.metrics[Metric::saturation_time];
+  const double flown = std::max(flight.result.end_time, 1e-9);
+  return std::isfinite(time) ? time / flown : 0;
+}
+
+bool misses(const FlownFlight& flight, Metric metric) {
+  return std::any_of(flight.verdict.checks.begin(), flight.verdict.checks.end(),
+                     [&](const LimitCheck& check) { return check.metric == metric && !check.ok; });
+}
+
+/// The largest factor by which a limit is missed; infinite for a flight that did not end well.
+double missed_by(const FlownFlight& flight) {
+  if (flight.result.end != FlightEnd::completed) return INFINITY;
+  double most = 0;
+  for (const LimitCheck& check : flight.verdict.checks) {
+    if (check.ok) continue;
+    const double factor = check.bound > 0 ? check.value / check.bound : INFINITY;
+    most = std::max(most, std::isnan(factor) ? INFINITY : factor);
+  }
+  return most;
+}
+
+/// The first limit that was missed, in words.
+std::string first_missed(const FlownFlight& flight) {
+  for (const LimitCheck& check : flight.verdict.checks)
+    if (!check.ok && !check.at_least)
+      return fmt::format("{} {} of at most {}", label_of(check.metric),
+                         in_words(check.metric, check.value), in_words(check.metric, check.bound));
+  return fmt::format("{} at {:.3g} s", to_string(flight.result.end), flight.result.end_time);
+}
+
+bool measures_position(const Sensors& sensors) { return sensors.gps || sensors.vision; }
+
+/// Whether an error of the estimate makes up most of what missed a limit.
+bool explained_by_estimate(const FlownFlight& flight) {
+  const double wrong = flight.result.metrics[Metric::estimate_max];
+  for (const LimitCheck& check : flight.verdict.checks)
+    if (!check.ok && unit_of(check.metric) == "m" && wrong >= check.value / 2) return true;
+  return misses(flight, Metric::settling_time) &&
+         wrong >= flight.plan.setup.mission.settling.band / 2;
+}
+
+/// The first event without which the law passes with true states. If it takes more than one, all
+/// events; if the law fails without any event, too, none.
+std::vector<FlightEvent> events_at_fault(const PlannedFlight& plan) {
+  const std::vector<FlightEvent>& events = plan.setup.mission.events;
+  const auto passes_with = [&](const std::vector<FlightEvent>& kept) {
+    PlannedFlight other = with_true_states(plan);
+    other.setup.mission.events = kept;
+    return fly_planned(std::move(other)).passed;
+  };
+  if (events.empty() || !passes_with({})) return {};
+  if (events.size() == 1) return events;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    std::vector<FlightEvent> others = events;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    if (passes_with(others)) return {events[i]};
+  }
+  return events;
+}
+
+/// "motor 2 stops at 5 s and a load of 0.1 kg is dropped at 9 s"
+std::string in_words(const std::vector<FlightEvent>& events) {
+  std::string text;
+  for (const FlightEvent& event : events)
+    text += fmt::format("{}{} at {:.3g} s", text.empty() ? "" : " and ", quadtune::in_words(event),
+                        event.time);
+  return text;
+}
+
+/// Whether a motor is lost without which no four rotors balance the torques.
+bool loses_a_needed_motor(const PlannedFlight& plan, const std::vector<FlightEvent>& events) {
+  return plan.setup.vehicle.rotors.size() <= 4 &&
+         std::any_of(events.begin(), events.end(), [](const FlightEvent& event) {
+           const auto* fault = std::get_if<MotorFault>(&event.what);
+           return fault != nullptr && fault->thrust_share == 0;
+         });
+}
+
+/// Whether a load makes the vehicle heavier than the thrust that its laws may ask for.
+bool too_heavy(const PlannedFlight& plan, const std::vector<FlightEvent>& events) {
+  const Vehicle& flown = flown_vehicle(plan.setup);
+  double mass = flown.mass;
+  for (const FlightEvent& event : events)
+    if (const auto* load = std::get_if<LoadChange>(&event.what)) mass += load->mass;
+  const double fraction = plan.setup.vehicle.altitude_thrust_fraction;
+  return mass > flown.mass &&
+         mass * flown.gravity > greatest_thrust(flown) * (fraction > 0 ? fraction : 1);
+}
+
+/// The vehicle as a command takes it: a file, or a built-in name.
+std::string vehicle_of(const PlannedFlight& plan) {
+  if (!plan.options.vehicle.empty()) return plan.options.vehicle;
+  const Vehicle& vehicle = plan.setup.vehicle;
+  return vehicle.file.empty() ? vehicle.name : vehicle.file.string();
+}
+
+std::string mission_of(const PlannedFlight& plan) {
+  const Mission& mission = plan.setup.mission;
+  return mission.file.empty() ? mission.name : mission.file.string();
+}
+
+bool is_cascade(const PlannedFlight& plan) {
+  return std::holds_alternative<CascadeController>(plan.setup.controller);
+}
+
+/// "quadtune fly mambo --gains x --mission hover": the same flight.
+std::string fly_command(const PlannedFlight& plan) {
+  std::string text = "quadtune fly " + vehicle_of(plan);
+  if (!plan.options.gains.empty()) text += " --gains " + plan.options.gains;
+  if (!plan.options.controller.empty()) text += " --controller " + plan.options.controller;
+  return text + " --mission " + mission_of(plan);
+}
+
+/// Gains that fly this mission better.
+std::string tune_command(const PlannedFlight& plan) {
+  return fmt::format("quadtune tune {} {} --mission {}", is_cascade(plan) ? "pid" : "lqr",
+                     vehicle_of(plan), mission_of(plan));
+}
+
+/// What shows the flown loop of this law; gains of no file have to be written first.
+std::string margins_command(const PlannedFlight& plan) {
+  const std::string& gains = plan.options.gains;
+  const std::string vehicle = vehicle_of(plan);
+  const auto* feedback = std::get_if<StateFeedbackController>(&plan.setup.controller);
+  if (feedback != nullptr && feedback->schedule) return fly_command(plan) + " --estimator truth";
+  if (!gains.empty() && gains != "designed" && gains != "published")
+    return fmt::format("quadtune margins {} --gains {}", vehicle, gains);
+  if (is_cascade(plan) && gains != "published")
+    return fmt::format(
+        "quadtune pid {0} --json > gains.json && quadtune margins {0} --gains "
+        "gains.json",
+        vehicle);
+  return fly_command(plan) + " --estimator truth";
+}
+
+struct Loop {
+  std::optional<FlownLoop> loop;
+  bool grows = false;
+};
+
+Loop loop_of(const PlannedFlight& plan) {
+  const MissionKind& kind = plan.setup.mission.kind;
+  if (std::holds_alternative<MotorTest>(kind) || std::holds_alternative<Carried>(kind)) return {};
+  FlownLoopOptions at;
+  at.evidence = MarginsEvidence::none;
+  if (plan.bound) at.height = plan.bound->options.height;
+  if (const auto* hover = std::get_if<Hover>(&kind); hover != nullptr && hover->position.z() < 0)
+    at.height = -hover->position.z();
+  try {
+    const FlownLoop loop = flown_loop(plan, at);
+    return {loop, loop.grows()};
+  } catch (const InvalidInput&) {
+    return {};  // a loop that cannot be analysed is no evidence
+  }
+}
+
+std::string with_others(const FlightEvidence& evidence) {
+  return fmt::format("{} with true states and {} with ideal sensors",
+                     evidence.passes_with_true_states ? "passes" : "fails",
+                     evidence.passes_with_ideal_sensors ? "passes" : "fails");
+}
+
+FlightCause cause_of(const PlannedFlight& plan, const FlownFlight& flight, const FlownFlight& truth,
+                     const FlightEvidence& evidence, const std::vector<FlightEvent>& at_fault) {
+  if (std::holds_alternative<MotorTest>(plan.setup.mission.kind))
+    return FlightCause::mission_limits;
+  const bool flies = !std::holds_alternative<Carried>(plan.setup.mission.kind);
+  if (flies && !evidence.passes_with_true_states) {
+    if (!at_fault.empty()) return FlightCause::event;
+    if (evidence.saturation_with_true_states > kSaturated || misses(truth, Metric::saturation_time))
+      return FlightCause::motor_limits;
+    return missed_by(truth) <= kNearly ? FlightCause::mission_limits : FlightCause::law;
+  }
+  if (plan.setup.estimator != EstimatorKind::truth && !evidence.passes_with_ideal_sensors)
+    return FlightCause::estimator;
+  if (flies && flight.result.end == FlightEnd::completed && !explained_by_estimate(flight))
+    return FlightCause::noise;
+  if (!(evidence.estimate_rms <= evidence.estimate_limit)) return FlightCause::estimator;
+  return measures_position(sensors_of(plan.setup)) ? FlightCause::sensors : FlightCause::drift;
+}
+
+void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFlight& truth,
+             const Loop& loop, const std::vector<FlightEvent>& at_fault, Diagnosis& diagnosis) {
+  const FlightEvidence& evidence = diagnosis.evidence;
+  const std::string others = with_others(evidence);
+  const std::string knows =
+      std::isfinite(evidence.bound_rms)
+          ? fmt::format(
+                "the position is believed wrong by {:.3g} m rms, where the best filter of "
+                "these sensors would be by {:.3g} m",
+                evidence.estimate_rms, evidence.bound_rms)
+          : fmt::format("the position is believed wrong by {:.3g} m rms", evidence.estimate_rms);
+  switch (diagnosis.cause) {
+    case FlightCause::none:
+      return;
+    case FlightCause::unstable_loop:
+    case FlightCause::estimator_loop:
+      diagnosis.why =
+          fmt::format("the flown loop is unstable, largest |z| {:.6f} ({}); {}",
+                      evidence.largest_pole, in_words(*loop.loop), what_helps(plan, *loop.loop));
+      diagnosis.next = diagnosis.cause == FlightCause::unstable_loop
+                           ? fmt::format("weaker gains, `{}`; `{}` shows the loop",
+                                         tune_command(plan), margins_command(plan))
+                           : fmt::format(
+                                 "another `--estimator`, or weaker gains, `{}`; `{}` shows "
+                                 "the loop",
+                                 tune_command(plan), margins_command(plan));
+      return;
+    case FlightCause::event: {
+      const bool heavy = too_heavy(plan, at_fault);
+      const bool saturated = evidence.saturation_with_true_states > kSaturated;
+      diagnosis.why = fmt::format(
+          "{}: with true states the law passes without it, and with it {}{}", in_words(at_fault),
+          first_missed(truth),
+          heavy       ? ", heavier than the thrust that the law may ask for"
+          : saturated ? fmt::format(", some motor at its limit for {:.0f} % of the flight",
+                                    100 * evidence.saturation_with_true_states)
+                      : "");
+      const std::string copy = "a copy of the mission's file";
+      diagnosis.next = loses_a_needed_motor(plan, at_fault)
+                           ? fmt::format(
+                                 "no law holds the heading with one of {} rotors at rest: {} with "
+                                 "thrust_share above 0",
+                                 plan.setup.vehicle.rotors.size(), copy)
+                       : heavy || saturated
+                           ? fmt::format("more thrust, or {} with a smaller [[event]]", copy)
+                           : fmt::format(
+                                 "`quadtune tune {} {} --mission FILE`, FILE being {} with this "
+                                 "[[event]], or wider [limits]",
+                                 is_cascade(plan) ? "pid" : "lqr", vehicle_of(plan), copy);
+      return;
+    }
+    case FlightCause::motor_limits:
+      diagnosis.why = fmt::format(
+          "some motor is at its limit for {:.0f} % of the flight with true states: the gains ask "
+          "for more than the motors have, or the mission for more than the vehicle has",
+          100 * evidence.saturation_with_true_states);
+      diagnosis.next = fmt::format("`{}` finds gains within the limits", tune_command(plan));
+      return;
+    case FlightCause::law:
+      diagnosis.why = fmt::format("the law alone fails: with true states, {}", first_missed(truth));
+      diagnosis.next =
+          is_cascade(plan)
+              ? fmt::format(
+                    "`{}`, or faster loops: `quadtune pid {} --Ms-max 1.7 --tracking-max "
+                    "1.5`",
+                    tune_command(plan), vehicle_of(plan))
+              : fmt::format("`{}`", tune_command(plan));
+      return;
+    case FlightCause::mission_limits:
+      diagnosis.why = fmt::format(
+          "the mission's limits are tight for this law: with true states, {}", first_missed(truth));
+      diagnosis.next = fmt::format("`{}`, or a copy of the mission's file with wider [limits]",
+                                   tune_command(plan));
+      return;
+    case FlightCause::estimator:
+      diagnosis.why = fmt::format("the estimator: the law {}, and {}", others, knows);
+      diagnosis.next = fmt::format(
+          "another `--estimator`; `{} --sensors ideal` flies the same one "
+          "without noise",
+          fly_command(plan));
+      return;
+    case FlightCause::drift:
+      diagnosis.why =
+          fmt::format("drift: no sensor measures the position, and {}; the law {}", knows, others);
+      diagnosis.next = fmt::format(
+          "[sensors.gps] or [sensors.vision] in the vehicle's file, or a "
+          "shorter flight: `{} --duration {:.3g}`",
+          fly_command(plan), duration_of(plan.setup) / 4);
+      return;
+    case FlightCause::sensors:
+      diagnosis.why = fmt::format("the sensors: {}; the law {}", knows, others);
+      diagnosis.next =
+          "better sensors in the vehicle's file, or a copy of the mission's file with wider "
+          "[limits]";
+      return;
+    case FlightCause::noise:
+      diagnosis.why = fmt::format(
+          "the law turns the noise of the estimate into motion: {}, motors at their limits for "
+          "{:.0f} % of the flight; the law {}",
+          first_missed(flight), 100 * evidence.saturation, others);
+      diagnosis.next = fmt::format("`{}` finds gains that react less", tune_command(plan));
+      return;
+  }
+}
+
+}  // namespace
+
+std::string to_string(FlightCause cause) {
+  switch (cause) {
+    case FlightCause::none:
+      return "none";
+    case FlightCause::unstable_loop:
+      return "unstable loop";
+    case FlightCause::estimator_loop:
+      return "unstable loop with the estimator";
+    case FlightCause::event:
+      return "event";
+    case FlightCause::motor_limits:
+      return "motor limits";
+    case FlightCause::law:
+      return "law";
+    case FlightCause::mission_limits:
+      return "mission limits";
+    case FlightCause::estimator:
+      return "estimator";
+    case FlightCause::drift:
+      return "drift";
+    case FlightCause::sensors:
+      return "sensors";
+    case FlightCause::noise:
+      break;
+  }
+  return "noise";
+}
+
+Diagnosis diagnose(const PlannedFlight& plan, const FlownFlight& flight) {
+  Diagnosis diagnosis;
+  if (flight.passed) return diagnosis;
+  FlightEvidence& evidence = diagnosis.evidence;
+  const FlownFlight truth = fly_planned(with_true_states(plan));
+  const FlownFlight ideal = fly_planned(with_ideal_sensors(plan));
+  evidence.passes_with_true_states = truth.passed;
+  evidence.passes_with_ideal_sensors = ideal.passed;
+  evidence.end_with_true_states = truth.result.end;
+  evidence.saturation = saturation_of(flight);
+  evidence.saturation_with_true_states = saturation_of(truth);
+  evidence.estimate_rms = flight.result.metrics[Metric::estimate_rms];
+  if (plan.bound) {
+    const ErrorSize& size = plan.bound->estimate;
+    evidence.bound_rms = size.rms;
+    evidence.estimate_limit = std::max(kRmsOverBound * size.rms, size.rms_rarely);
+  }
+  const std::vector<FlightEvent> at_fault =
+      truth.passed ? std::vector<FlightEvent>() : events_at_fault(plan);
+  const Loop loop = loop_of(plan);
+  if (loop.loop) evidence.largest_pole = std::abs(loop.loop->mode.z);
+  if (loop.grows)
+    diagnosis.cause =
+        plan.setup.estimator == EstimatorKind::truth || loop_of(with_true_states(plan)).grows
+            ? FlightCause::unstable_loop
+            : FlightCause::estimator_loop;
+  else
+    diagnosis.cause = cause_of(plan, flight, truth, evidence, at_fault);
+  explain(plan, flight, truth, loop, at_fault, diagnosis);
+  return diagnosis;
+}
+
+}  // namespace quadtune

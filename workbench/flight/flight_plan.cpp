@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/flight/flight_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/workbench/flight/sensor_words.hpp"
+
+namespace quadtune {
+namespace {
+
+/// As messages have it.
+std::string number(double value) { return fmt::format("{:.6g}", value); }
+
+/// What an option's word means, the option's mistake told as such.
+template <class Function>
+auto word_of(const std::string& option, Function&& read) {
+  try {
+    return read(option);
+  } catch (const InvalidInput& error) {
+    throw OptionError(option, error.what());
+  }
+}
+
+/// The estimator that a vehicle's sensors can feed. The general filter has no model of the
+/// simplified flow.
+std::string usual_estimator(Sensors sensors, FlowModel flow) {
+  if (flow == FlowModel::off) sensors.flow.reset();
+  const bool modelled = flow != FlowModel::simplified || !sensors.flow;
+  if (modelled && general_filter_lacks(sensors).empty()) return "general";
+  if (sensors.sonar && sensors.flow) return "mambo";
+  return sensors.barometer && sensors.magnetometer ? "uquad" : "truth";
+}
+
+void require_estimator(const std::string& name) {
+  static const std::vector<std::string> words = {"mambo", "mambo-original", "mambo-raw",
+                                                 "uquad", "general",        "truth"};
+  if (std::find(words.begin(), words.end(), name) == words.end())
+    throw OptionError(
+        "estimator",
+        fmt::format("estimator: no estimator '{}', expected {}{}", internal::printable(name),
+                    internal::joined(words, ", "), internal::did_you_mean(name, words)));
+}
+
+void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& flight) {
+  const Sensors& sensors = setup.vehicle.sensors;
+  const auto need = [&](bool present, const char* sensor) {
+    if (!present)
+      throw OptionError("estimator",
+                        fmt::format("estimator {}: the vehicle '{}' has no {}, expected an "
+                                    "estimator that its sensors feed",
+                                    name, setup.vehicle.name, sensor));
+  };
+  flight.estimator = name;
+  // Variants of the Mambo's: without the calibration, without the filter.
+  const bool original = name == "mambo-original", raw = name == "mambo-raw";
+  setup.estimator = estimator_kind(original || raw ? "mambo" : name, "estimator");
+  if (raw) setup.mambo_estimator.position = MamboPosition::flow_velocity;
+  if (setup.estimator == EstimatorKind::truth) return;
+  if (setup.estimator == EstimatorKind::general) {
+    Sensors flown = sensors;
+    if (setup.flow == FlowModel::off) flown.flow.reset();
+    const std::string lacks = general_filter_lacks(flown);
+    if (!lacks.empty())
+      throw OptionError("estimator",
+                        fmt::format("estimator general: the vehicle '{}' has {}; expected an "
+                                    "estimator that its sensors feed",
+                                    setup.vehicle.name, lacks));
+    if (flown.flow && setup.flow == FlowModel::simplified)
+      throw OptionError("estimator",
+                        "estimator general: the flow is simplified, expected full because the "
+                        "filter has the model of the averaged motion field");
+    return;
+  }
+  need(sensors.accelerometer.has_value(), "accelerometer");
+  need(sensors.gyroscope.has_value(), "gyroscope");
+  if (setup.estimator == EstimatorKind::mambo) {
+    need(sensors.sonar.has_value(), "sonar");
+    if (!original) calibrate_flow(setup);
+  } else {
+    need(sensors.barometer.has_value(), "barometer");
+    need(sensors.magnetometer.has_value(), "magnetometer");
+    setup.uquad_filter = uquad_filter_in_si<double>();
+    setup.uquad_filter.position = sensors.gps || sensors.vision;
+  }
+}
+
+/// What options say that needs neither a vehicle nor a law.
+struct FlightWords {
+  bool real_sensors = true;
+  FlowModel flow = FlowModel::full;
+  Wind wind;
+  Integrator solver = Integrator::bogacki_shampine_3;
+  AllocationRule allocation = AllocationRule::prioritized;
+  std::optional<PidMethod> integrator;
+};
+
+FlightWords words_of(const FlightOptions& options) {
+  FlightWords words;
+  if (!options.integrator.empty())
+    words.integrator = word_of(
+        "integrator", [&](const std::string& key) { return pid_method(options.integrator, key); });
+  const std::string& sensors = options.sensors;
+  if (!sensors.empty() && sensors != "real" && sensors != "ideal")
+    throw OptionError("sensors", fmt::format("sensors is '{}', expected ideal or real{}",
+                                             internal::printable(sensors),
+                                             internal::did_you_mean(sensors, {"ideal", "real"})));
+  words.real_sensors = sensors != "ideal";
+  words.flow = word_of("flow", [&](const std::string& key) {
+    return flow_model(options.flow.empty() ? "full" : options.flow, key);
+  });
+  words.wind =
+      word_of("wind", [&](const std::string& key) { return wind_of_words(options.wind, key); });
+  words.solver =
+      word_of("solver", [&](const std::string& key) { return integrator(options.solver, key); });
+  if (!options.allocation.empty())
+    words.allocation = word_of("allocation", [&](const std::string& key) {
+      return allocation_rule(options.allocation, key);
+    });
+  const std::string& take_off = options.take_off;
+  if (!take_off.empty() && take_off != "climb" && take_off != "thrust")
+    throw OptionError(
+        "take-off",
+        fmt::format("take-off is '{}', expected climb or thrust{}", internal::printable(take_off),
+                    internal::did_you_mean(take_off, {"climb", "thrust"})));
+  if (!options.estimator.empty()) require_estimator(options.estimator);
+  return words;
+}
+
+/// The accelerometer of a multirotor shows its thrust, not the vertical: the filter of the attitude
+/// forgets a tilt that lasts, and a loop of position slower than that forgetting swings up.
+void slow_down_attitude_filter(const ChosenLaw& law, const FlightOptions& options,
+                               PlannedFlight& flight) {
+  constexpr double kLeastProduct = 0.5;  // of the loop's speed and the filter's time constant
+  FlightSetup& setup = flight.setup;
+  double& time_constant = setup.mambo_estimator.attitude_time_constant;
+  if (setup.estimator != EstimatorKind::mambo || options.estimator == "mambo-original" ||
+      !(law.position_bandwidth * time_constant < kLeastProduct && law.position_bandwidth > 0))
+    return;
+  time_constant = kLeastProduct / law.position_bandwidth;
+  flight.notes.push_back(fmt::format(
+      "the loops of x and y are as slow as {:.2g} rad/s: the attitude filter has a time "
+      "constant of {:.2g} s instead of 1 s",
+      law.position_bandwidth, time_constant));
+}
+
+/// Options that speak of an optical flow sensor need one.
+void require_flow_sensor(const FlightOptions& options, const FlightSetup& setup) {
+  const auto refuse = [&](const char* option, const std::string& why) {
+    throw OptionError(option, fmt::format("{} came, expected none because {}", option, why));
+  };
+  const std::string none =
+      fmt::format("the vehicle '{}' has no optical flow sensor", setup.vehicle.name);
+  const bool has_sensor = setup.vehicle.sensors.flow.has_value();
+  if (!has_sensor && options.flow_rate) refuse("flow-rate", none);
+  if (!has_sensor && options.flow == "simplified") refuse("flow simplified", none);
+  if (options.flow_rate && setup.flow == FlowModel::off) refuse("flow-rate", "the flow is off");
+}
+
+/// What validate() would refuse of numbers that the options gave.
+void require_sane_times(const FlightSetup& setup) {
+  const auto refuse = [&](const char* option, double value, const std::string& expected) {
+    throw OptionError(option,
+                      fmt::format("{} is {}, expected {}", option, number(value), expected));
+  };
+  const double dt = control_period(setup);
+  if (!(dt > 0)) return;
+  if (dt / setup.step > 1e6)
+    refuse("step", setup.step,
+           fmt::format("at least a millionth of the control period, {} s", number(dt)));
+  if (setup.duration / dt > 1e8)
+    refuse("duration", setup.duration, fmt::format("at most {} s", number(1e8 * dt)));
+  if (setup.flow_rate > 10000) refuse("flow-rate", setup.flow_rate, "at most 10000 Hz");
+}
+
+/// What a suite that does not even know the horizontal velocity leaves to the law.
+void note_drifts(PlannedFlight& flight) {
+  const std::string lacks = general_filter_lacks(flight.setup.vehicle.sensors);
+  if (lacks.empty()) return;
+  const double duration = duration_of(flight.setup);
+  flight.notes.push_back(
+      fmt::format("{}: the estimates of position and horizontal velocity drift, by {:.1f} m rms in "
+                  "{} s; the law "
+                  "holds no more than attitude, heading and height",
+                  lacks, flight.bound->horizontal_end, number(duration)));
+}
+
+}  // namespace
+
+std::string why_no_estimator(const Vehicle& vehicle) {
+  if (usual_estimator(vehicle.sensors, FlowModel::full) != "truth") return "";
+  return "the sensors feed no estimator: " + general_filter_lacks(vehicle.sensors);
+}
+
+std::optional<StoredEstimator> stored_estimator(const Vehicle& vehicle, const std::string& name,
+                                                double dt) {
+  StoredEstimator estimator{name.empty() ? usual_estimator(vehicle.sensors, FlowModel::full)
+                                         : name};
+  // No file holds true states, nor the variants of the Mambo's estimator.
+  if (estimator.name == "truth" || estimator.name == "mambo-raw" ||
+      estimator.name == "mambo-original")
+    return {};
+  if (estimator.name == "general") {
+    estimator.general =
+        general_filter_settings(vehicle.sensors, dt, vehicle.gravity, Environment().magnetic_field);
+    try {
+      validate(*estimator.general, "estimator general");
+    } catch (const InvalidInput&) {
+      return {};  // the control period is too short for this suite
+    }
+  }
+  return estimator;
+}
+
+void keep_log(PlannedFlight& plan) {
+  constexpr double kMostRows = 2e6;  // about 1.5 GB
+  FlightSetup& setup = plan.setup;
+  const double dt = control_period(setup);
+  const double duration = duration_of(setup);
+  if (duration / dt > kMostRows)
+    throw OptionError("duration",
+                      fmt::format("duration is {} s, expected at most {} s where every control "
+                                  "period is kept, because the record is held in memory",
+                                  number(duration), number(kMostRows * dt)));
+  setup.log = true;
+}
+
+FlightOptions as_the_model_project(FlightOptions options) {
+  if (options.sensors.empty()) options.sensors = "ideal";
+  if (options.allocation.empty()) options.allocation = "clipped";
+  if (options.take_off.empty()) options.take_off = "thrust";
+  if (options.estimator.empty() && !options.vehicle.empty()) {
+    const Sensors sensors = load_vehicle(options.vehicle).sensors;
+    if (sensors.sonar && sensors.flow) options.estimator = "mambo";
+  }
+  if (options.gains.empty() && controller_kind(options.controller) != kStateFeedback &&
+      !options.vehicle.empty() && load_vehicle(options.vehicle).published_cascade)
+    options.gains = "published";
+  return options;
+}
+
+void require_flight_words(const FlightOptions& options) {
+  (void)controller_kind(options.controller);
+  (void)words_of(options);
+}
+
+PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
+                          const Mission& mission, const ChosenLaw& law) {
+  PlannedFlight flight;
+  FlightSetup& setup = flight.setup;
+  flight.options = options;
+  setup.vehicle = vehicle;
+  setup.mission = options.take_off == "thrust" ? with_thrust_take_off(mission) : mission;
+  if (options.take_off == "climb") setup.mission.start.take_off_by = TakeOff::climb;
+  setup.controller = law.controller;
+  flight.law = law.words;
+  flight.margins = law.margins;
+  const FlightWords words = words_of(options);
+  if (auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
+    cascade->method = words.integrator.value_or(cascade->method);
+  } else if (words.integrator) {
+    throw OptionError("integrator",
+                      "integrator is for a cascaded PID, expected none because a state feedback "
+                      "sums its error once a sample");
+  }
+  setup.allocation = words.allocation;
+  setup.real_sensors = words.real_sensors;
+  flight.sensors = words.real_sensors ? "real" : "ideal";
+  if (setup.real_sensors && !vehicle.sensors_known)
+    flight.notes.push_back(fmt::format("the file of '{}' has no [sensors]; assumed: {}",
+                                       vehicle.name, in_words(vehicle.sensors)));
+  setup.flow = words.flow;
+  setup.flow_rate = options.flow_rate.value_or(0);
+  setup.duration = options.duration.value_or(0);
+  require_flow_sensor(options, setup);
+  const bool of_law = options.estimator.empty() && law.estimator && words.flow == FlowModel::full;
+  const std::string estimator = of_law ? law.estimator->name
+                                : options.estimator.empty()
+                                    ? usual_estimator(vehicle.sensors, words.flow)
+                                    : options.estimator;
+  try {
+    set_estimator(estimator, setup, flight);
+  } catch (const OptionError& error) {
+    if (!of_law) throw;
+    throw InvalidInput(law.words, error.what());
+  }
+  if (law.estimator && estimator == "general") setup.general_filter = law.estimator->general;
+  if (options.estimator.empty() && estimator == "truth") {
+    const std::string why = why_no_estimator(vehicle);
+    if (setup.real_sensors && !why.empty())
+      throw InvalidInput(
+          vehicle.file.empty() ? vehicle.name : vehicle.file.string(),
+          why + "; expected such a sensor, or the estimator 'truth', which is the true state");
+    flight.notes.push_back(fmt::format(
+        "the sensors of '{}' feed no estimator: the law has the true state", vehicle.name));
+  }
+  slow_down_attitude_filter(law, options, flight);
+  setup.environment.dynamic = options.dynamic_environment;
+  setup.environment.wind = words.wind;
+  flight.wind = options.wind;
+  const Wind& wind = setup.environment.wind;
+  const bool windy = !wind.mean.isZero(0) || !wind.gust.velocity.isZero(0) || wind.turbulence > 0;
+  if (windy && !feels_wind(vehicle))
+    flight.notes.push_back(
+        fmt::format("the file of '{}' has no drag_area_m2 and no drag_linear_N_s_per_m: the wind "
+                    "does not move it",
+                    vehicle.name));
+  setup.integrator = words.solver;
+  setup.step = options.step.value_or(setup.step);
+  setup.seed = options.seed;
+  require_sane_times(setup);
+  validate(setup);
+  flight.bound = mission_bound(setup);
+  if (flight.bound) flight.widened = widen_limits(*flight.bound, setup.mission);
+  if (flight.bound && setup.real_sensors) note_drifts(flight);
+  return flight;
+}
+
+PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
+                          const std::string& who) {
+  require_flight_words(options);
+  const Mission mission = load_mission(options.mission);
+  return plan_flight(options, vehicle, mission, choose_law(options, vehicle, who));
+}
+
+PlannedFlight plan_flight(const FlightOptions& options, const std::string& who) {
+  if (options.vehicle.empty())
+    throw OptionError("vehicle", "vehicle is missing, expected a built-in vehicle or a file");
+  require_flight_words(options);  // before anything is read
+  return plan_flight(options, load_vehicle(options.vehicle), who);
+}
+
+}  // namespace quadtune

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/flown/flown_family.hpp"
+
+#include <algorithm>
+
+#include "quadtune/internal/in_parallel.hpp"
+#include "quadtune/workbench/design/chosen_law.hpp"
+#include "quadtune/workbench/flight/flight_plan.hpp"
+
+namespace quadtune {
+namespace {
+
+/// A hover with an estimator, empty for the usual one, or true states where the sensors feed none;
+/// its law sets the control period only.
+FlightSetup hover_of(const Vehicle& vehicle, double dt, const std::string& estimator) {
+  CascadeController law;
+  law.gains.dt = dt;
+  for (const CascadeAxis axis : kAllCascadeAxes) law.gains.loops.push_back(cascade_loop(axis));
+  FlightOptions options;
+  options.estimator = estimator;
+  if (estimator.empty() && !why_no_estimator(vehicle).empty()) options.estimator = "truth";
+  return plan_flight(options, vehicle, load_mission("hover"), ChosenLaw{law, "none"}).setup;
+}
+
+}  // namespace
+
+std::vector<FlownFamilyMember> flown_family(const Vehicle& vehicle, InputKind inputs, double dt,
+                                            const std::string& estimator) {
+  const FlightSetup hover = hover_of(vehicle, dt, estimator);
+  std::vector<FlownFamilyMember> family = {{"at 1.1 m", 1.1, 1, 1, true, {}}};
+  // Optical flow becomes velocity by the height, and so do its errors.
+  if (hover.estimator != EstimatorKind::truth && sensors_of(hover).flow) {
+    family.push_back({"at 0.5 m", 0.5, 1, 1, true, {}});
+    family.push_back({"at 3 m", 3, 1, 1, true, {}});
+  }
+  const bool lags = std::any_of(vehicle.rotors.begin(), vehicle.rotors.end(),
+                                [](const Rotor& rotor) { return slower_lag(rotor) > 0; });
+  if (lags) {
+    family.push_back({"20 % lighter, lag 40 % longer", 1.1, 0.8, 1.4, false, {}});
+    family.push_back({"20 % heavier, lag 40 % shorter", 1.1, 1.2, 0.6, false, {}});
+  } else {
+    family.push_back({"20 % lighter", 1.1, 0.8, 1, false, {}});
+    family.push_back({"20 % heavier", 1.1, 1.2, 1, false, {}});
+  }
+  const auto build = [&](std::size_t i) {
+    FlownFamilyMember& member = family[i];
+    FlightSetup setup = hover;
+    if (!member.nominal) {
+      setup.flown = vehicle;
+      setup.flown->mass *= member.mass;
+      for (Rotor& rotor : setup.flown->rotors) {
+        rotor.lag *= member.lag;
+        rotor.lag_down *= member.lag;  // NaN, that of both, stays NaN
+      }
+    }
+    FlownPlantOptions options;
+    options.inputs = inputs;
+    options.dt = dt;
+    options.height = member.height;
+    member.plant = flown_plant(setup, options);
+  };
+  internal::in_parallel(family.size(), internal::thread_count(0), [&] { return build; }, {});
+  return family;
+}
+
+}  // namespace quadtune

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+/// State feedback for the plant that flies, with the evidence on that plant and on the ideal one.
+#pragma once
+
+#include <optional>
+
+#include "quadtune/exports/stored_estimator.hpp"
+#include "quadtune/gains.hpp"
+#include "quadtune/model/vehicle.hpp"
+#include "quadtune/workbench/design/margins_report.hpp"
+#include "quadtune/workbench/flight/flight_options.hpp"
+#include "quadtune/workbench/flown/flown_loop.hpp"
+#include "quadtune/workbench/flown/flown_lqi.hpp"
+
+namespace quadtune {
+
+struct LqiReport {
+  FlownLqi design;      ///< its gains have the bounds of keep_near_hover()
+  FlownLoop flown;      ///< of the complete law about a hover
+  MarginsReport ideal;  ///< of the same law with true states, rotors without lag and no delays
+  std::optional<StoredEstimator> estimator;  ///< of the flown loop; none: true states
+};
+
+/// Designs by flown_lqi() and judges the result.
+/// @param flight  estimator and sensors are used
+/// @throws OptionError, InvalidInput, NoSolution
+[[nodiscard]] LqiReport lqi_report(const Vehicle& vehicle, const FlownLqiOptions& options,
+                                   const FlightOptions& flight = {},
+                                   const FlownLoopOptions& at = {});
+
+/// A hover under a state feedback, with the vehicle's own sensors unless `flight` says otherwise.
+/// @throws OptionError, InvalidInput
+[[nodiscard]] PlannedFlight hover_under(const Vehicle& vehicle, const Gains& gains,
+                                        const FlightOptions& flight = {});
+
+}  // namespace quadtune

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A vehicle flies a mission, and whether it flew well.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "quadtune/model/vehicle.hpp"
+#include "quadtune/simulation/flight.hpp"
+#include "quadtune/simulation/mission.hpp"
+#include "quadtune/workbench/flight/flight_options.hpp"
+#include "quadtune/workbench/flight/flight_plan.hpp"
+#include "quadtune/workbench/flown/flown_loop.hpp"
+
+namespace quadtune {
+
+/// One of several flights that differ in their seed alone.
+struct SeedVerdict {
+  std::uint64_t seed = 0;
+  bool passed = false;
+  FlightEnd end = FlightEnd::completed;
+  MetricValues metrics;
+  std::string reason;  ///< the first of reasons(); empty if it passed
+};
+
+/// A simulated flight and its verdict.
+struct FlownFlight {
+  PlannedFlight plan;
+  FlightResult result;
+  Verdict verdict;    ///< by the mission's limits
+  double wall_s = 0;  ///< computing time [s]
+  bool passed = false;
+  /// The flown loop about the mission's hover, if judge_loop() was called. A flight with an
+  /// unstable loop has not passed.
+  std::optional<FlownLoop> loop = {};
+  /// Of the flights that worst_of() combined; empty for a single flight.
+  std::vector<SeedVerdict> seeds = {};
+  std::string variant = {};  ///< "gust" or "load" for a disturbed flight of a design, else empty
+};
+
+/// The flown loop of a plan about a hover at its mission's height, without margins; none where no
+/// law flies: a motor test, and a vehicle that is carried.
+/// @throws InvalidInput  as flown_loop()
+[[nodiscard]] std::optional<FlownLoop> hover_loop(const PlannedFlight& plan);
+
+/// Analyses the flown loop of a flight at the height of its hover, and fails the flight if it is
+/// unstable. Does nothing for a flight without a control law.
+/// @throws InvalidInput  as flown_loop()
+void judge_loop(FlownFlight& flight);
+
+/// Plans, flies and judges: what `quadtune fly` does, for a vehicle in memory.
+///
+///     const FlownFlight hover = fly(load_vehicle("mambo"));
+///     for (const std::string& why : reasons(hover)) std::cerr << why << '\n';
+///
+/// @param options  `vehicle` is ignored
+/// @param stop     called from time to time; if it returns true the flight ends with Interrupted
+/// @throws OptionError   for a value that an option does not accept, naming the option
+/// @throws InvalidInput  for a mission or a file of gains that cannot be flown
+/// @throws NoSolution    if no law can be designed
+/// @throws FileError, Interrupted
+[[nodiscard]] FlownFlight fly(const Vehicle& vehicle, const FlightOptions& options = {},
+                              const std::function<bool()>& stop = {});
+
+/// Flies and judges a planned flight.
+/// @param stop  as fly()
+[[nodiscard]] FlownFlight fly_planned(PlannedFlight plan, const std::function<bool()>& stop = {});
+
+/// Flies a planned flight with the seeds s, s + 1, …, s + count - 1, where s is the plan's.
+/// @param count  ≥ 1
+/// @return       as fly_planned() flies each of them
+/// @throws       as fly()
+[[nodiscard]] std::vector<FlownFlight> fly_seeds(const PlannedFlight& plan, std::uint32_t count,
+                                                 const std::function<bool()>& stop = {});
+
+/// The first flight that failed, or the first one if none did, with the verdicts of all in `seeds`.
+/// @param flights  at least one
+[[nodiscard]] FlownFlight worst_of(std::vector<FlownFlight> flights);
+
+/// "tilt_max" as "greatest tilt".
+[[nodiscard]] std::string label_of(Metric metric);
+
+/// A metric's value with its unit: "0.0123 m", "none" where it has none, "never" where it is
+/// infinite.
+[[nodiscard]] std::string in_words(Metric metric, double value);
+
+/// Why a flight did not pass, a sentence each; empty where it did.
+[[nodiscard]] std::vector<std::string> reasons(const FlownFlight& flight);
+
+}  // namespace quadtune

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The loop of state feedback gains as it flies: its gains with their words, poles, margins, model.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "quadtune/design.hpp"
+#include "quadtune/exports/verify.hpp"
+#include "quadtune/gains.hpp"
+#include "quadtune/linearize/linearize.hpp"
+#include "quadtune/model/vehicle.hpp"
+#include "quadtune/synthesis/riccati.hpp"
+#include "quadtune/synthesis/state_feedback.hpp"
+#include "quadtune/workbench/design/margins_report.hpp"
+
+namespace quadtune {
+
+/// The gains of a solved design with all that is needed to apply them.
+[[nodiscard]] Gains make_gains(const Vehicle& vehicle, const Linearization& model,
+                               const LqrDesign& lqr, const StateFeedback& feedback);
+
+/// Poles of the loop as it flies: sampled if the law is, else continuous.
+[[nodiscard]] Eigen::VectorXcd flying_poles(const Linearization& model, const Gains& gains,
+                                            const RiccatiResult& riccati);
+
+/// Margins of the same loop, cut at the plant's inputs.
+[[nodiscard]] MarginsReport flying_margins(const Linearization& model, const Gains& gains,
+                                           const RiccatiResult& riccati,
+                                           MarginsEvidence evidence = MarginsEvidence::full);
+
+/// The continuous model of gains that came from elsewhere: the vehicle in the flight that gains.x0
+/// names.
+/// @throws NoSolution  if the vehicle has no such trim.
+[[nodiscard]] Linearization linearization_of(const Vehicle& vehicle, const Gains& gains);
+
+/// The same in the gains' sample time.
+[[nodiscard]] VerifyModel model_of(const Vehicle& vehicle, const Gains& gains);
+
+}  // namespace quadtune
