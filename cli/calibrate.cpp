@@ -17,6 +17,7 @@
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/tuning/made_up_imu.hpp"
 #include "report/logs/calibration_report.hpp"
+#include "quadtune/internal/json.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -217,8 +218,9 @@ void run(const Options& options, Context& context) {
     write_file(options.file, imu_calibration_text(file_of(found, base, options)));
     context.written.push_back(options.file);
   }
-  print_calibration(
-      {logs, settings, found, options.simulate ? &made : nullptr, options.file, warnings}, context);
+  const CalibrationReport report{logs,         settings, found, options.simulate ? &made : nullptr,
+                                 options.file, warnings};
+  context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report));
 }
 
 }  // namespace

@@ -15,8 +15,8 @@
 #include <ostream>
 
 #include "campaign/campaign_merge.hpp"
-#include "campaign/campaign_plan.hpp"
-#include "campaign/campaign_scripts.hpp"
+#include "quadtune/workbench/campaign/campaign_plan.hpp"
+#include "quadtune/workbench/campaign/campaign_scripts.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/errors.hpp"
@@ -25,6 +25,7 @@
 #include "quadtune/logs/flight_log.hpp"
 #include "report/flights/campaign_report.hpp"
 #include "report/flights/flight_story.hpp"
+#include "arguments/flight_arguments.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -136,7 +137,8 @@ std::string difference_of(const fs::path& plan, const std::vector<FileContent>& 
 /// Writes the plan into a folder that has none, or has the same.
 /// @return  whether it was there already
 bool init(const std::string& file, const std::string& folder, std::uint32_t shards) {
-  const std::vector<FileContent> files = plan_files(file, shards);
+  const std::vector<FileContent> files =
+      option_of_command("campaign", [&] { return plan_files(file, shards); });
   const fs::path plan = fs::path(folder) / kPlanName;
   if (is_there(plan)) {
     for (const FileContent& content : files) {
@@ -478,7 +480,7 @@ Verb replay_verb() {
                                    options->log));
               PlannedFlight flight = replayed_flight(plan, options->flight);
               if (!options->log.empty() || !options->report.empty())
-                told_of_command("campaign replay", [&] { keep_log(flight); });
+                option_of_command("campaign replay", [&] { keep_log(flight); });
               const FlownFlight flown = fly_planned(std::move(flight), interrupted);
               if (!options->log.empty()) {
                 write_file(options->log, log_bytes(flown.result.log, options->log));

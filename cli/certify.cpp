@@ -28,6 +28,7 @@
 #include "report/gains/verify_report.hpp"
 #include "report/loops/certify_report.hpp"
 #include "report/text/print.hpp"
+#include "quadtune/workbench/verify/verify_directory.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -282,7 +283,7 @@ Verb certify_verb() {
                 ->type_name("N");
             return [options](Context& context) {
               options->controller =
-                  told_of_command("certify", [&] { return controller_kind(options->controller); });
+                  option_of_command("certify", [&] { return controller_kind(options->controller); });
               run(*options, context);
             };
           }};

@@ -114,12 +114,12 @@ Verb compare_verb() {
                              "A");
           options->flight.seed = context.seed;
           const std::array<FlightOptions, 2> wanted =
-              told_of_command("compare", [&] { return both_flights(*options); });
+              option_of_command("compare", [&] { return both_flights(*options); });
           // Both are planned before the first flies, so that a mistake in the second comes first.
           std::array<PlannedFlight, 2> plans;
           for (std::size_t i = 0; i < 2; ++i) {
             plans[i] = plan_of_command(wanted[i], "compare");
-            told_of_command("compare", [&] { keep_log(plans[i]); });
+            option_of_command("compare", [&] { keep_log(plans[i]); });
           }
           for (const std::string& note : plans[0].notes) context.note("compare: note: " + note);
           std::array<FlownFlight, 2> flights;

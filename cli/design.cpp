@@ -20,6 +20,7 @@
 #include "report/flights/flight_story.hpp"
 #include "report/gains/design_report.hpp"
 #include "report/gains/verify_report.hpp"
+#include "quadtune/workbench/verify/verify_directory.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include <memory>
 #include <ostream>
 
-#include "laws/given_gains.hpp"
+#include "quadtune/workbench/design/given_gains.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/errors.hpp"

@@ -19,6 +19,7 @@
 #include "quadtune/internal/json.hpp"
 #include "report/loops/method_comparison.hpp"
 #include "report/text/print.hpp"
+#include "arguments/plot_argument.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -262,7 +263,9 @@ void run_comparison(const Options& options, Context& context) {
   if (options.vehicle.empty())
     refuse("--compare", "came without a vehicle, expected one: quadtune discretize V --compare");
   const bool flown = asks_for_flown_plant(options.compared_plant, "discretize");
-  compare_methods(options.vehicle, options.dt, flown, options.plot, context);
+  const MethodComparison comparison = compare_methods(options.vehicle, options.dt, flown);
+  draw(options.plot, comparison.figure, context);
+  context.out << (context.json ? internal::readable(comparison.json) + "\n" : comparison.text);
 }
 
 void run_discretize(const Options& options, const CommandLine& line, Context& context) {

@@ -8,7 +8,7 @@
 #include <memory>
 #include <ostream>
 
-#include "laws/given_gains.hpp"
+#include "quadtune/workbench/design/given_gains.hpp"
 #include "laws/trusted_covariances.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"

@@ -120,7 +120,7 @@ Verb fly_verb() {
               options->flight.seed = context.seed;
               PlannedFlight plan = plan_of_command(options->flight, "fly");
               if (!options->log.empty() || !options->report.empty())
-                told_of_command("fly", [&] { keep_log(plan); });
+                option_of_command("fly", [&] { keep_log(plan); });
               for (const std::string& note : plan.notes) context.note("fly: note: " + note);
               if (options->seeds > 1) {
                 fly_many(plan, static_cast<std::uint32_t>(options->seeds), context);

@@ -14,6 +14,7 @@
 #include "quadtune/workbench/design/lqg_report.hpp"
 #include "report/loops/margins_report.hpp"
 #include "report/text/print.hpp"
+#include "report/gains/lqi_report.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -96,7 +97,7 @@ void run(const Options& options, Context& context) {
   FlownLoopOptions at;
   at.height = options.flown.height;
   require_positive(at.height, "lqg", "--height", "metres");
-  const LqgReport report = told_of_weights(options.common, [&] {
+  const LqgReport report = weights_of_command(options.common, [&] {
     require_flight_words(flight);
     LqgOptions asked;
     asked.design = flown_lqi_options(vehicle, lqi_design(options.common, options.flown));

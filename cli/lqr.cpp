@@ -14,7 +14,7 @@
 #include "arguments/matrix_arguments.hpp"
 #include "arguments/plant_arguments.hpp"
 #include "laws/flown_or_ideal.hpp"
-#include "laws/given_gains.hpp"
+#include "report/gains/laws_json.hpp"
 #include "laws/lqr_flown.hpp"
 #include "laws/lqr_matrix.hpp"
 #include "laws/lqr_schedule.hpp"

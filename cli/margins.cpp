@@ -14,7 +14,7 @@
 #include "arguments/matrix_arguments.hpp"
 #include "arguments/plot_argument.hpp"
 #include "laws/flown_or_ideal.hpp"
-#include "laws/given_gains.hpp"
+#include "quadtune/workbench/design/given_gains.hpp"
 #include "laws/looks_sampled.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"

@@ -15,7 +15,7 @@
 #include "arguments/matrix_arguments.hpp"
 #include "arguments/plot_argument.hpp"
 #include "laws/flown_or_ideal.hpp"
-#include "laws/given_gains.hpp"
+#include "report/gains/laws_json.hpp"
 #include "laws/lqr_matrix.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
@@ -34,6 +34,7 @@
 #include "report/loops/margins_report.hpp"
 #include "report/plots/loop_figure.hpp"
 #include "report/text/print.hpp"
+#include "report/gains/matrix_report.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -355,7 +356,7 @@ void run_vehicle(const CommandLine& line, const Options& options, Context& conte
   if (on_flown_plant) {
     FlownGainsOptions of_flown;
     of_flown.dt = specification.dt;
-    flown = told_of_period("pid", line.was_given("--dt"),
+    flown = period_of_command("pid", line.was_given("--dt"),
                            [&] { return flown_gains(vehicle, of_flown); });
   }
   const CascadeReport report =

@@ -333,7 +333,7 @@ void run(const Options& options, Context& context) {
   keeps_the_best.reset();  // what was found is told: the page may be given up at any time
   if (!options.report.empty() && !ended) {
     write_file(options.report, html(page_of(report, options.holdout, context.seed, context.threads,
-                                            context.command)));
+                                            context.command, interrupted)));
     context.written.push_back(options.report);
   }
   if (ended) throw Interrupted();

@@ -8,7 +8,7 @@
 
 #include "arguments/lqr_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"
-#include "laws/given_gains.hpp"
+#include "quadtune/workbench/design/given_gains.hpp"
 #include "missions/tune_lqr_missions.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
@@ -144,8 +144,14 @@ void run(const CommandLine& line, Options options, Context& context) {
   if (!match.has_weights())
     throw NoSolution(fmt::format("tune: {}: {}", options.gains, match.culprit), options.gains);
   for (const std::string& note : plant.model.notes) context.note("tune: note: " + note);
-  const GainMatchReport report{plant, options.problem.plant, options.gains, gains.K, gains.K_int,
-                               match, options.tolerance};
+  const GainMatchReport report{plant.vehicle,
+                               options.problem.plant.vehicle,
+                               flight_condition(options.problem.plant),
+                               options.gains,
+                               gains.K,
+                               gains.K_int,
+                               match,
+                               options.tolerance};
   const bool matched = match.status == GainMatchStatus::matched;
   if (!options.missions.file.empty() && (matched || options.missions.force)) {
     write_file(options.missions.file, design_file(report, options.missions.file, context.command));

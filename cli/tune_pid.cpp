@@ -64,7 +64,7 @@ class PidTuning {
     chosen.vehicle = arguments.vehicle;
     chosen.gains = gains;
     chosen.controller = "cascaded-pid";
-    law_ = told_of_command("tune pid", [&] { return choose_law(chosen, vehicle_, "tune pid"); });
+    law_ = option_of_command("tune pid", [&] { return choose_law(chosen, vehicle_, "tune pid"); });
     start_ = std::get<CascadeController>(law_.controller);
     hover_ = cascade_vehicle(vehicle_, arguments.vehicle);
     specification_.dt = start_.gains.dt;

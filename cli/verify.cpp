@@ -1,204 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune verify: an export, read back as the flight program would.
-#include "quadtune/exports/verify.hpp"
+#include "report/gains/verify_report.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <ostream>
 
+#include "arguments/flight_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
-#include "quadtune/errors.hpp"
-#include "quadtune/exports/manifest.hpp"
-#include "quadtune/exports/read_gains.hpp"
-#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/internal/text_file.hpp"
-#include "quadtune/internal/toml_reader.hpp"
-#include "quadtune/version.hpp"
-#include "quadtune/workbench/design/cascade_report.hpp"
-#include "quadtune/workbench/design/export_content.hpp"
-#include "quadtune/workbench/flown/flown_check.hpp"
-#include "quadtune/workbench/flown/flying_loop.hpp"
-#include "report/gains/verify_evidence.hpp"
-#include "report/gains/verify_report.hpp"
-#include "report/text/print.hpp"
+#include "quadtune/workbench/verify/verify_directory.hpp"
 
 namespace quadtune::cli {
-namespace {
-
-namespace fs = std::filesystem;
-
-/// @param name  of --vehicle; empty: that of the manifest
-Vehicle vehicle_of(const Manifest& manifest, const std::string& name) {
-  try {
-    return load_vehicle(name.empty() ? manifest.vehicle : name);
-  } catch (const std::exception& error) {
-    if (!name.empty()) throw;
-    throw InvalidInput("verify",
-                       fmt::format("the manifest's vehicle '{}' is not built in, expected "
-                                   "its file by --vehicle FILE",
-                                   internal::printable(manifest.vehicle)));
-  }
-}
-
-/// A vehicle's file as it is now. That of a built-in one is the program's: another version of the
-/// program may have another, and says so in the manifest.
-void add_vehicle(const Manifest& manifest, const Vehicle& vehicle,
-                 std::vector<InputAtHand>& inputs) {
-  const auto same = [](const std::pair<std::string, std::string>& version) {
-    return version.first == "quadtune" && version.second == kVersion;
-  };
-  if (!vehicle.file.empty() ||
-      std::any_of(manifest.versions.begin(), manifest.versions.end(), same))
-    inputs.push_back({vehicle_file_name(vehicle), vehicle.file.string(), vehicle.text});
-}
-
-/// Inputs of the manifest, which has their names alone, as they lie in a folder.
-void add_from(const fs::path& folder, const Manifest& manifest, std::vector<InputAtHand>& inputs) {
-  for (const ManifestFile& input : manifest.inputs) {
-    std::error_code ignored;
-    const fs::path path = folder / input.path;
-    if (!fs::is_regular_file(path, ignored) || fs::file_size(path, ignored) > internal::kTomlLimit)
-      continue;
-    try {
-      inputs.push_back(
-          {input.path, path.string(), internal::read_file(path.string(), internal::kTomlLimit)});
-    } catch (const FileError&) {
-      // It cannot be read, so it is not at hand.
-    }
-  }
-}
-
-/// A file of another name would be compared with nothing.
-void require_input(const std::string& name, const Manifest& manifest) {
-  std::vector<std::string> names;
-  for (const ManifestFile& input : manifest.inputs) names.push_back(input.path);
-  if (std::find(names.begin(), names.end(), name) == names.end())
-    throw UsageError(
-        fmt::format("quadtune verify: --design is '{}', expected one of the manifest's "
-                    "inputs: {}",
-                    internal::printable(name), internal::joined(names, ", ")),
-        "--design");
-}
-
-std::vector<InputAtHand> inputs_at_hand(const std::string& directory, const Manifest& manifest,
-                                        const Vehicle& vehicle, const std::string& design) {
-  std::vector<InputAtHand> inputs;
-  add_vehicle(manifest, vehicle, inputs);
-  if (!vehicle.file.empty()) add_from(vehicle.file.parent_path(), manifest, inputs);
-  if (!design.empty()) {
-    require_input(fs::path(design).filename().string(), manifest);
-    inputs.push_back({fs::path(design).filename().string(), design,
-                      internal::read_text_file(design, internal::kTomlLimit)});
-    add_from(fs::path(design).parent_path(), manifest, inputs);
-    return inputs;
-  }
-  const fs::path parent = fs::absolute(directory).lexically_normal().parent_path();
-  for (const fs::path& folder :
-       {parent, parent.parent_path(), fs::current_path(), fs::current_path() / "designs"})
-    add_from(folder, manifest, inputs);
-  return inputs;
-}
-
-/// Names of the folders in a directory that are exports, such as those of a design with several.
-std::vector<std::string> exports_below(const fs::path& directory) {
-  std::vector<std::string> found;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(directory, error))
-    if (fs::exists(entry.path() / kManifestName, error)) found.push_back(entry.path().string());
-  std::sort(found.begin(), found.end());
-  return found;
-}
-
-/// The cascade that an export's files hold; what is wrong in them is the report's to say.
-std::optional<CascadeDesign> cascade_of(const std::string& directory) {
-  try {
-    return read_laws(directory).cascade;
-  } catch (const InvalidInput&) {
-    return std::nullopt;
-  } catch (const FileError&) {
-    return std::nullopt;
-  }
-}
-
-/// A directory of exports is none itself: the message names those that are.
-void require_export(const std::string& directory) {
-  std::error_code error;
-  if (fs::exists(fs::path(directory) / kManifestName, error)) return;
-  if (fs::exists(directory, error) && !fs::is_directory(directory, error))
-    throw FileError(directory,
-                    "is no directory, expected that of an export, as `quadtune export FILE --to "
-                    "json -o DIR` writes it");
-  const std::vector<std::string> below = exports_below(directory);
-  if (!below.empty())
-    throw FileError(directory, fmt::format("has no {}, expected one export of those in it: {}",
-                                           kManifestName, internal::joined(below, ", ")));
-}
-
-}  // namespace
-
-/// The estimator that an export names. A file that cannot be read is reported by verify_export().
-std::optional<StoredEstimator> estimator_of(const std::string& directory) {
-  try {
-    return read_laws(directory).estimator;
-  } catch (const std::exception&) {
-    return {};
-  }
-}
-
-VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
-                         const std::vector<InputAtHand>& inputs,
-                         const std::vector<FlownLaw>* flown) {
-  const Manifest manifest = read_manifest(directory);
-  std::optional<VerifyModel> model;
-  VerifyFacts facts{{}, inputs};
-  try {
-    if (manifest.gains && manifest.gains->dt > 0) model = model_of(vehicle, *manifest.gains);
-    if (const auto cascade = cascade_of(directory))
-      facts.cascade_plant = cascade_plant(vehicle, *cascade, directory);
-    VerifyReport report = verify_export(directory, model, facts);
-    for (VerifyCheck& check : check_evidence(vehicle, manifest))
-      report.checks.push_back(std::move(check));
-    for (VerifyCheck& check :
-         checks_of(flown != nullptr ? *flown
-                                    : flown_laws(vehicle, report.gains, report.cascade,
-                                                 estimator_of(directory))))
-      report.checks.push_back(std::move(check));
-    return report;
-  } catch (const NoSolution& error) {
-    // A trim that the vehicle cannot fly is an answer too.
-    VerifyReport report = verify_export(directory, model, facts);
-    report.checks.push_back({"the vehicle can fly the trim", false, error.what()});
-    return report;
-  }
-}
-
-VerifyReport verify_directory(const std::string& directory, const std::string& vehicle_name,
-                              const std::string& design) {
-  require_export(directory);
-  const Manifest manifest = read_manifest(directory);
-  const Vehicle vehicle = vehicle_of(manifest, vehicle_name);
-  return verify_with(directory, vehicle, inputs_at_hand(directory, manifest, vehicle, design));
-}
-
-internal::Json to_json(const VerifyReport& report) {
-  internal::Json checks = internal::Json::array();
-  for (const VerifyCheck& check : report.checks)
-    checks.push_back({{"name", check.name}, {"ok", check.ok}, {"detail", check.detail}});
-  return {{"checks", checks}, {"verdict", report.ok() ? "pass" : "fail"}};
-}
-
-std::string to_text(const VerifyReport& report) {
-  std::string text;
-  for (const VerifyCheck& check : report.checks)
-    text += fmt::format("{}{} {}: {}", text.empty() ? "" : "\n", check.ok ? "ok  " : "FAIL",
-                        check.name, check.detail);
-  return text;
-}
 
 Verb verify_verb() {
   struct Options {
@@ -218,8 +31,9 @@ Verb verify_verb() {
             return [options](Context& context) {
               if (options->directory.empty())
                 throw UsageError("quadtune verify: expected an export's directory", "DIR");
-              const VerifyReport report =
-                  verify_directory(options->directory, options->vehicle, options->design);
+              const VerifyReport report = option_of_command("verify", [&] {
+                return verify_directory(options->directory, options->vehicle, options->design);
+              });
               if (context.json)
                 context.out << internal::readable(to_json(report)) << "\n";
               else

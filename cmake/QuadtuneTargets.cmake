@@ -78,13 +78,14 @@ function(quadtune_keeps_to_itself target)
   endif()
 endfunction()
 
-# quadtune_library(synthesis SOURCES … PUBLIC … PRIVATE …) makes quadtune::synthesis from
+# quadtune_library(synthesis SOURCES … KERNELS … PUBLIC … PRIVATE …) makes quadtune::synthesis from
 # synthesis/include and the sources. Headers of libraries given as PRIVATE stay out of its interface.
+# KERNELS are sources whose time depends on the processor's vectors (Variants.cmake).
 function(quadtune_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;KERNELS;PUBLIC;PRIVATE" ${ARGN})
   set(target quadtune_${name})
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS include/*.hpp)
-  add_library(${target} SHARED ${ARG_SOURCES})
+  add_library(${target} SHARED ${ARG_SOURCES} ${ARG_KERNELS})
   add_library(quadtune::${name} ALIAS ${target})
   set_target_properties(
     ${target} PROPERTIES EXPORT_NAME ${name}
@@ -99,6 +100,7 @@ function(quadtune_library name)
   target_sources(${target} PRIVATE $<TARGET_OBJECTS:quadtune_eigen>)
   target_precompile_headers(${target} REUSE_FROM quadtune_eigen)
   quadtune_keeps_to_itself(${target})
+  quadtune_variants(${target} KERNELS ${ARG_KERNELS} LINK ${ARG_PUBLIC} ${ARG_PRIVATE})
   install(TARGETS ${target} EXPORT quadtune-targets FILE_SET HEADERS)
   target_link_libraries(quadtune_all INTERFACE ${target})
   set_property(GLOBAL APPEND PROPERTY QUADTUNE_LIBRARIES ${target})

@@ -5,7 +5,7 @@
 #include <iostream>
 #include <numbers>
 #include <quadtune/model/vehicle.hpp>
-#include <quadtune/workbench/design.hpp>
+#include <quadtune/workbench/design/design.hpp>
 #include <string>
 
 namespace {

@@ -53,7 +53,7 @@ void add_flight_options(CommandLine& line, FlightOptions& options) {
 PlannedFlight plan_of_command(const FlightOptions& options, const std::string& verb) {
   if (options.vehicle.empty())
     throw UsageError(fmt::format("quadtune {}: expected a vehicle", verb), "V");
-  return told_of_command(verb, [&] { return plan_flight(options, verb); });
+  return option_of_command(verb, [&] { return plan_flight(options, verb); });
 }
 
 }  // namespace quadtune::cli

@@ -21,7 +21,7 @@ void add_flight_options(CommandLine& line, FlightOptions& options);
 /// Runs a function whose options came from the command line.
 /// @throws UsageError  in place of OptionError
 template <class Function>
-auto told_of_command(const std::string& verb, Function&& function) {
+auto option_of_command(const std::string& verb, Function&& function) {
   try {
     return function();
   } catch (const OptionError& error) {
@@ -32,24 +32,12 @@ auto told_of_command(const std::string& verb, Function&& function) {
 /// The same; a control period of --dt may be too short for the estimator.
 /// @param has_dt  whether --dt came
 template <class Function>
-auto told_of_period(const std::string& verb, bool has_dt, Function&& function) {
+auto period_of_command(const std::string& verb, bool has_dt, Function&& function) {
   try {
-    return told_of_command(verb, function);
+    return option_of_command(verb, function);
   } catch (const InvalidInput& error) {
     if (!has_dt || error.where() != "estimator general") throw;
     throw UsageError(fmt::format("quadtune {}: --dt: {}", verb, error.what()), "--dt");
-  }
-}
-
-/// The same for options that came from a file.
-/// @param where  "file:line"
-/// @throws InvalidInput  in place of OptionError
-template <class Function>
-auto told_of_file(const std::string& where, Function&& function) {
-  try {
-    return function();
-  } catch (const OptionError& error) {
-    throw InvalidInput(where, error.what());
   }
 }
 

@@ -9,6 +9,8 @@
 #include "program/program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
+#include "report/logs/log_report.hpp"
+#include "quadtune/internal/text_file.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -68,6 +70,16 @@ LogOptions log_options(const LogArguments& arguments, const std::string& verb) {
     options.columns = parse_log_columns(arguments.columns, "--columns");
   options.rate_hz = arguments.rate_hz.value_or(0);
   return options;
+}
+
+std::vector<std::string> tell_log_warnings(const LogCondition& condition, const std::string& file,
+                                           const std::string& verb, const Context& context) {
+  std::vector<std::string> lines = log_warnings(condition);
+  for (std::string& line : lines) {
+    line.insert(0, internal::printable(file) + ": ");
+    context.note(fmt::format("{}: warning: {}", verb, line));
+  }
+  return lines;
 }
 
 }  // namespace quadtune::cli

@@ -12,6 +12,7 @@
 namespace quadtune::cli {
 
 class CommandLine;
+struct Context;
 
 struct LogArguments {
   std::string format, columns;
@@ -41,5 +42,12 @@ struct ChannelPlace {
                                         const std::vector<std::string>& names,
                                         const LogOptions& options,
                                         const std::vector<std::string>& optional = {});
+
+/// Those lines with the file's name before them, as the verbs that use a log list them in their
+/// JSON; each goes to Context::note, too.
+[[nodiscard]] std::vector<std::string> tell_log_warnings(const LogCondition& condition,
+                                                         const std::string& file,
+                                                         const std::string& verb,
+                                                         const Context& context);
 
 }  // namespace quadtune::cli

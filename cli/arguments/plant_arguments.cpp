@@ -42,15 +42,15 @@ LinearizeOptions linearize_options(const PlantArguments& arguments) {
   return options;
 }
 
+FlightCondition flight_condition(const PlantArguments& arguments) {
+  return {flight_kind(arguments.at, "--at"), arguments.yaw,    arguments.speed,
+          arguments.climb,                   arguments.radius, arguments.yaw_rate};
+}
+
 Plant make_plant(const PlantArguments& arguments) {
   Plant plant;
   plant.vehicle = load_vehicle(arguments.vehicle);
-  const FlightCondition condition = {flight_kind(arguments.at, "--at"),
-                                     arguments.yaw,
-                                     arguments.speed,
-                                     arguments.climb,
-                                     arguments.radius,
-                                     arguments.yaw_rate};
+  const FlightCondition condition = flight_condition(arguments);
   if (condition.kind == FlightKind::circle && condition.radius == 0)
     throw UsageError("quadtune: --radius is missing or 0, expected that of the circle in metres",
                      "--radius");

@@ -32,6 +32,10 @@ void add_plant_options(CommandLine& line, PlantArguments& arguments);
 /// @throws InvalidInput  naming the option, what came and what was expected.
 [[nodiscard]] LinearizeOptions linearize_options(const PlantArguments& arguments);
 
+/// The steady flight.
+/// @throws InvalidInput  for another word than those of --at
+[[nodiscard]] FlightCondition flight_condition(const PlantArguments& arguments);
+
 /// A vehicle with its linear model.
 struct Plant {
   Vehicle vehicle;

@@ -31,7 +31,7 @@ void require_picture(const PlotArgument& argument, const std::string& verb) {
                    "--plot");
 }
 
-void draw(const PlotArgument& argument, const std::function<Figure()>& figure, Context& context) {
+void draw(const PlotArgument& argument, const std::function<report::Figure()>& figure, Context& context) {
   if (argument.file.empty()) return;
   const PictureFormat format = ending(argument) == ".png" ? PictureFormat::png : PictureFormat::svg;
   write_file(argument.file, run_gnuplot(gnuplot_script(figure(), format), argument.file));

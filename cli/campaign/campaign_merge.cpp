@@ -108,7 +108,7 @@ MergedCampaign merge_campaign(const CampaignPlan& plan, const std::string& folde
   for (const std::uint64_t number : kept_flights(plan, records)) {
     if (interrupted()) throw Interrupted();
     PlannedFlight flight = replayed_flight(plan, number);
-    told_of_command("campaign merge", [&] { keep_log(flight); });
+    option_of_command("campaign merge", [&] { keep_log(flight); });
     const FlownFlight flown = fly_planned(std::move(flight), interrupted);
     const std::string file = path(fmt::format("logs/flight-{}.mat", number));
     write(file, log_bytes(flown.result.log, file));

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "arguments/flight_arguments.hpp"
-#include "campaign/campaign_plan.hpp"
+#include "quadtune/workbench/campaign/campaign_plan.hpp"
 #include "quadtune/simulation/campaign_statistics.hpp"
 
 namespace quadtune::cli {

@@ -8,7 +8,6 @@
 
 #include "arguments/lqr_arguments.hpp"
 #include "program/program.hpp"
-#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/workbench/design/lqi_report.hpp"
 #include "quadtune/workbench/flown/flown_loop.hpp"
 
@@ -34,9 +33,9 @@ void add_flown_lqr_options(CommandLine& line, FlownLqrArguments& arguments);
 /// Runs a design for the flown plant whose options came from the command line.
 /// @throws UsageError  in place of OptionError; NoSolution of weights that are given names --Q
 template <class Function>
-auto told_of_weights(const LqrArguments& common, Function&& function) {
+auto weights_of_command(const LqrArguments& common, Function&& function) {
   try {
-    return told_of_period(common.verb, common.has_dt, function);
+    return period_of_command(common.verb, common.has_dt, function);
   } catch (const NoSolution& error) {
     // Weights that are given leave a state unseen.
     if (common.Q.empty()) throw;
@@ -52,17 +51,6 @@ auto told_of_weights(const LqrArguments& common, Function&& function) {
 /// @param verb  for messages
 [[nodiscard]] LqiReport lqi_of_command(const Vehicle& vehicle, const LqrArguments& common,
                                        const FlownLqrArguments& arguments);
-
-/// The gains with their evidence.
-[[nodiscard]] internal::Json to_json(const LqiReport& report, const Vehicle& vehicle);
-[[nodiscard]] std::string to_text(const LqiReport& report);
-
-/// What every law of the flown plant tells: its gains with their names, the flown loop, the ideal
-/// one, and the law as `fly --gains` takes it.
-void add_gains(internal::Json& json, const Gains& gains);
-void add_loops(internal::Json& json, const FlownLoop& flown, const MarginsReport& ideal);
-void add_export(internal::Json& json, const Vehicle& vehicle, const Gains& gains,
-                const std::optional<StoredEstimator>& estimator);
 
 /// Notes of a design and of its flown loop, warnings of margins.
 void write_notes(const std::vector<std::string>& notes, const FlownLoop& flown,

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <ostream>
 
-#include "missions/flown_evidence.hpp"
+#include "quadtune/workbench/missions/flown_evidence.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/errors.hpp"
@@ -18,7 +18,7 @@
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/utf8.hpp"
 #include "quadtune/version.hpp"
-#include "report/gains/mission_tuning_report.hpp"
+#include "missions/mission_tuning_report.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -57,7 +57,7 @@ PlannedTrial plan_trial(const MissionTuning& tuning, const MissionRequirements& 
   for (std::size_t i = 0; i < requirements.missions.size(); ++i) {
     CampaignMission mission = requirements.missions[i];
     mission.mission.limits = requirements.limits[i];
-    PlannedFlight plan = told_of_command(tuning.verb, [&] {
+    PlannedFlight plan = option_of_command(tuning.verb, [&] {
       return plan_flight(mission.arguments, tuning.vehicle, mission.mission, law);
     });
     for (const std::string& note : plan.notes) context.note(tuning.verb + ": note: " + note);
@@ -138,7 +138,7 @@ void require_sane(const std::string& verb, const MissionTuningArguments& argumen
   flight.estimator = arguments.estimator;
   flight.sensors = arguments.sensors;
   if (!arguments.wind.empty()) flight.wind = arguments.wind;
-  told_of_command(verb, [&] { require_flight_words(flight); });
+  option_of_command(verb, [&] { require_flight_words(flight); });
   if (!arguments.file.empty()) (void)vehicle_text(arguments.vehicle);  // before a long search
   if (!(arguments.budget > 0) || arguments.budget > 1e6)
     refuse(verb, "--budget",

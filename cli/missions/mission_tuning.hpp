@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "arguments/flight_arguments.hpp"
-#include "missions/mission_requirements.hpp"
+#include "quadtune/workbench/missions/mission_requirements.hpp"
 #include "quadtune/internal/json_fwd.hpp"
 
 namespace quadtune::cli {

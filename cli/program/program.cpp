@@ -22,6 +22,7 @@
 #include "program/missing_file.hpp"
 #include "program/refusal.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/instruction_set.hpp"
 #include "quadtune/exports/file_set.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
@@ -141,7 +142,7 @@ void run_program(const std::vector<std::string>& args, Context& context) {
     return;
   }
   if (args[0] == "--version") {
-    context.out << "quadtune " << kVersion << "\n";
+    context.out << fmt::format("quadtune {}\nkernels: {}\n", kVersion, instruction_set());
     return;
   }
   const Verb* verb = find(args[0]);

@@ -14,7 +14,12 @@
 #include "program/stop_signals.hpp"
 #include "quadtune/errors.hpp"
 
+namespace quadtune::report {}
+
 namespace quadtune::cli {
+
+// What results look like: text, JSON, pages.
+using namespace report;
 
 class CommandLine;
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "campaign/campaign_scripts.hpp"
+#include "quadtune/workbench/campaign/campaign_scripts.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/version.hpp"
@@ -15,7 +15,7 @@
 #include "report/page/campaign_page.hpp"
 #include "report/text/print.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using internal::finite_or_null;
@@ -367,4 +367,4 @@ Json to_json(const CampaignPlan& plan, const CampaignStatistics& statistics,
   return json;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

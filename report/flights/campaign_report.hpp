@@ -5,11 +5,11 @@
 #include <span>
 #include <string>
 
-#include "campaign/campaign_plan.hpp"
+#include "quadtune/workbench/campaign/campaign_plan.hpp"
 #include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/simulation/campaign_statistics.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// @param folder  the campaign's, for the commands that fly a flight again
 [[nodiscard]] std::string to_text(const CampaignPlan& plan, const CampaignStatistics& statistics,
@@ -30,4 +30,4 @@ namespace quadtune::cli {
 /// The command that flies one flight again.
 [[nodiscard]] std::string replay_command(const std::string& folder, std::uint64_t number);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

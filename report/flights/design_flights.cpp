@@ -11,7 +11,7 @@
 #include "quadtune/internal/json.hpp"
 #include "report/flights/flight_story.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 using internal::Json;
 
@@ -87,4 +87,4 @@ std::vector<std::string> notes_of_flights(const DesignOutcome& outcome) {
   return notes;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

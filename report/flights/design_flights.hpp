@@ -8,7 +8,7 @@
 #include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/workbench/design/design.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 [[nodiscard]] internal::Json missions_json(const DesignOutcome& outcome);
 /// One line a mission, and why where it failed.
@@ -16,4 +16,4 @@ namespace quadtune::cli {
 /// What a reader must know of the flights, e.g. of sensors that were assumed: each once.
 [[nodiscard]] std::vector<std::string> notes_of_flights(const DesignOutcome& outcome);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -8,7 +8,7 @@
 
 #include "quadtune/internal/json.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using internal::Json;
@@ -136,4 +136,4 @@ std::string to_text(const std::string& what, const std::array<std::string, 2>& n
   return text;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

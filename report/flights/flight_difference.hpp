@@ -8,7 +8,7 @@
 
 #include "report/flights/flight_story.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// One recorded quantity in both flights.
 struct ColumnDifference {
@@ -44,4 +44,4 @@ struct EstimateError {
                                   const std::array<FlownFlight, 2>& flights,
                                   const FlightDifference& difference);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -11,7 +11,7 @@
 #include "report/loops/flown_report.hpp"
 #include "report/text/print.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using internal::finite_or_null;
@@ -387,4 +387,4 @@ FlightReport report_of(const FlownFlight& flight, const std::string& command,
   return report;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -11,7 +11,7 @@
 #include "quadtune/workbench/flight/fly.hpp"
 #include "report/page/flight_report.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// "cascaded PID, …; estimator mambo, real sensors, calm, seed 1"
 [[nodiscard]] std::string circumstances(const PlannedFlight& plan);
@@ -31,4 +31,4 @@ namespace quadtune::cli {
 [[nodiscard]] FlightReport report_of(const FlownFlight& flight, const std::string& command,
                                      const std::optional<Diagnosis>& diagnosis = {});
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <numbers>
 
-#include "laws/lqr_flown.hpp"
-#include "laws/lqr_matrix.hpp"
+#include "report/gains/lqi_report.hpp"
+#include "report/gains/matrix_report.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -20,7 +20,7 @@
 #include "report/loops/margins_report.hpp"
 #include "report/text/print.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using internal::Json;
@@ -308,4 +308,4 @@ std::string design_text(const DesignOutcome& outcome, const std::vector<WrittenE
   return text + section("verdict", verdict(outcome, written));
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

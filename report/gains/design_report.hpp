@@ -12,7 +12,7 @@
 #include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/workbench/design/design.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// One export of the design: what was written and whether it reads back right.
 struct WrittenExport {
@@ -30,4 +30,4 @@ struct WrittenExport {
 [[nodiscard]] std::string design_text(const DesignOutcome& outcome,
                                       const std::vector<WrittenExport>& written);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -7,8 +7,8 @@
 #include "quadtune/exports/manifest.hpp"
 #include "quadtune/internal/json_fwd.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 [[nodiscard]] internal::Json to_json(const std::vector<ManifestFile>& files);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -13,7 +13,7 @@
 #include "quadtune/internal/text_file.hpp"
 #include "report/text/print.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using internal::finite_or_null;
@@ -103,15 +103,16 @@ std::string name_of(const std::string& vehicle) {
   return name + "-matched";
 }
 
-std::string trim_table(const PlantArguments& arguments) {
-  std::string text =
-      fmt::format("[trim]\nat = {}\nyaw_rad = {}\n", toml_text(arguments.at), arguments.yaw);
-  const bool circle = arguments.at == "circle";
-  if (circle || arguments.at == "line")
-    text += fmt::format("speed_m_per_s = {}\n", arguments.speed);
-  if (arguments.at != "hover") text += fmt::format("climb_m_per_s = {}\n", arguments.climb);
-  if (circle) text += fmt::format("radius_m = {}\n", arguments.radius);
-  if (arguments.at == "spin") text += fmt::format("yaw_rate_rad_per_s = {}\n", arguments.yaw_rate);
+std::string trim_table(const FlightCondition& flight) {
+  std::string text = fmt::format("[trim]\nat = {}\nyaw_rad = {}\n",
+                                 toml_text(to_string(flight.kind)), flight.yaw);
+  const bool circle = flight.kind == FlightKind::circle;
+  if (circle || flight.kind == FlightKind::line)
+    text += fmt::format("speed_m_per_s = {}\n", flight.speed);
+  if (flight.kind != FlightKind::hover) text += fmt::format("climb_m_per_s = {}\n", flight.climb);
+  if (circle) text += fmt::format("radius_m = {}\n", flight.radius);
+  if (flight.kind == FlightKind::spin)
+    text += fmt::format("yaw_rate_rad_per_s = {}\n", flight.yaw_rate);
   return text;
 }
 
@@ -120,7 +121,7 @@ std::string trim_table(const PlantArguments& arguments) {
 Json to_json(const GainMatchReport& report) {
   const GainMatch& match = report.match;
   Json json;
-  json["vehicle"] = report.plant.vehicle.name;
+  json["vehicle"] = report.vehicle.name;
   json["gains"] = report.file;
   json["status"] = to_string(match.status);
   json["convention"] = match.design.convention;
@@ -165,7 +166,7 @@ std::string to_text(const GainMatchReport& report) {
   const GainMatch& match = report.match;
   const RiccatiResult& riccati = match.feedback.riccati;
   std::string text =
-      section("gains", fmt::format("{}, of {}", report.file, report.plant.vehicle.name)) +
+      section("gains", fmt::format("{}, of {}", report.file, report.vehicle.name)) +
       section("problem", problem_line(match.design)) +
       section("weights",
               weight_table(match) +
@@ -203,10 +204,10 @@ std::string design_file(const GainMatchReport& report, const std::string& path,
       "# By {}\n# {}: greatest difference {:.3g} of its row's or column's largest, at {}\n"
       "name = {}\ndescription = {}\nvehicle = {}\n\n",
       internal::printable(command, kCommentLength), to_string(match.status), match.after,
-      match.worst, toml_text(name_of(report.plant.vehicle.name)),
+      match.worst, toml_text(name_of(report.vehicle.name)),
       toml_text("Weights whose gain is that of " + report.file),
-      toml_text(vehicle_word(report.arguments.vehicle, path)));
-  text += trim_table(report.arguments);
+      toml_text(vehicle_word(report.vehicle_word, path)));
+  text += trim_table(report.flight);
   text += fmt::format("\n[lqr]\nconvention = {}\ninputs = {}\nstates = {}\nQ = {}\nR = {}\n",
                       toml_text(design.convention), toml_text(to_string(design.input_kind)),
                       words(design.states), diagonal_of(design.Q), diagonal_of(design.R));
@@ -221,4 +222,4 @@ std::string design_file(const GainMatchReport& report, const std::string& path,
   return text;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -4,15 +4,17 @@
 
 #include <string>
 
-#include "arguments/plant_arguments.hpp"
+#include "quadtune/flight_condition.hpp"
 #include "quadtune/internal/json_fwd.hpp"
+#include "quadtune/model/vehicle.hpp"
 #include "quadtune/tuning/match_gains.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 struct GainMatchReport {
-  const Plant& plant;
-  const PlantArguments& arguments;
+  const Vehicle& vehicle;
+  const std::string& vehicle_word;  ///< a built-in vehicle, or its file
+  FlightCondition flight;           ///< about which the plant is linear
   const std::string& file;  ///< of the gains
   const Eigen::MatrixXd& K;
   const Eigen::MatrixXd& K_int;
@@ -30,4 +32,4 @@ struct GainMatchReport {
 [[nodiscard]] std::string design_file(const GainMatchReport& report, const std::string& path,
                                       const std::string& command);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -1,33 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-/// An export read back, and what came out as text and JSON: for `verify`, `design` and `certify`.
+/// The checks of an export: for `verify`, `design` and `certify`.
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/json_fwd.hpp"
-#include "quadtune/model/vehicle.hpp"
-#include "quadtune/workbench/flown/flown_check.hpp"
 
-namespace quadtune::cli {
-
-/// Re-reads the export with the vehicle that its manifest names.
-/// @param vehicle  another vehicle or its file; empty: that of the manifest
-/// @param design   the design file that it was made from; empty: one of that name where it is
-///                 likely to lie
-/// @throws FileError, InvalidInput  for what is no export, or a vehicle that is not built in
-[[nodiscard]] VerifyReport verify_directory(const std::string& directory,
-                                            const std::string& vehicle,
-                                            const std::string& design = "");
-
-/// The same with a vehicle and inputs in memory.
-/// @param flown  flown loops of these laws that are known; none: they are computed
-[[nodiscard]] VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
-                                       const std::vector<InputAtHand>& inputs,
-                                       const std::vector<FlownLaw>* flown = nullptr);
+namespace quadtune::report {
 
 [[nodiscard]] internal::Json to_json(const VerifyReport& report);
 [[nodiscard]] std::string to_text(const VerifyReport& report);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 constexpr double kDegree = 180 / std::numbers::pi;
@@ -59,4 +59,4 @@ std::vector<AllanLine> allan_lines(const AllanAnalysis& a, const std::string& un
            u.to_quantum, u.other_quantum}};
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

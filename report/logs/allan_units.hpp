@@ -8,7 +8,7 @@
 
 #include "quadtune/tuning/allan.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// What was analysed.
 struct AllanRecord {
@@ -35,4 +35,4 @@ struct AllanLine {
 [[nodiscard]] std::vector<AllanLine> allan_lines(const AllanAnalysis& analysis,
                                                  const std::string& unit);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -8,14 +8,12 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <ostream>
 
-#include "program/program.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "report/text/print.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using internal::Json;
@@ -145,6 +143,29 @@ Json sensor_json(const SensorCalibration& c) {
   return json;
 }
 
+std::string log_text(const CalibrationReport& report, std::size_t i) {
+  const ImuLog& log = report.logs[i];
+  const StillDetection& still = report.found.still[i];
+  const double length = log.t(log.t.size() - 1) - log.t(0);
+  std::string text = fmt::format(
+      "{}: {} samples over {:.4g} s, {} still poses\nstill where {:.2g} s vary by at "
+      "most {:.3g} raw",
+      log.name, log.t.size(), length, still.poses.size(), report.options.still.window,
+      still.accelerometer_threshold);
+  if (log.gyroscope.cols() > 0)
+    text += fmt::format(" (gyroscope {:.3g})", still.gyroscope_threshold);
+  text += fmt::format(", {} times the quietest tenth's variance", report.options.still.factor);
+  if (log.gyroscope.cols() < StartUpOffset::kSamples) return text;
+  const StartUpOffset start = start_up_offset(log, still);
+  text += fmt::format("\ngyroscope's first {} samples: {:.3f} {:.3f} {:.3f} raw, +- {:.3f}",
+                      StartUpOffset::kSamples, start.offset(0), start.offset(1), start.offset(2),
+                      2 * start.error.maxCoeff());
+  if (!start.still) text += ", NOT STILL";
+  return text;
+}
+
+}  // namespace
+
 Json to_json(const CalibrationReport& report) {
   Json json;
   Json before, after;
@@ -175,40 +196,14 @@ Json to_json(const CalibrationReport& report) {
   return json;
 }
 
-std::string log_text(const CalibrationReport& report, std::size_t i) {
-  const ImuLog& log = report.logs[i];
-  const StillDetection& still = report.found.still[i];
-  const double length = log.t(log.t.size() - 1) - log.t(0);
-  std::string text = fmt::format(
-      "{}: {} samples over {:.4g} s, {} still poses\nstill where {:.2g} s vary by at "
-      "most {:.3g} raw",
-      log.name, log.t.size(), length, still.poses.size(), report.options.still.window,
-      still.accelerometer_threshold);
-  if (log.gyroscope.cols() > 0)
-    text += fmt::format(" (gyroscope {:.3g})", still.gyroscope_threshold);
-  text += fmt::format(", {} times the quietest tenth's variance", report.options.still.factor);
-  if (log.gyroscope.cols() < StartUpOffset::kSamples) return text;
-  const StartUpOffset start = start_up_offset(log, still);
-  text += fmt::format("\ngyroscope's first {} samples: {:.3f} {:.3f} {:.3f} raw, +- {:.3f}",
-                      StartUpOffset::kSamples, start.offset(0), start.offset(1), start.offset(2),
-                      2 * start.error.maxCoeff());
-  if (!start.still) text += ", NOT STILL";
+std::string to_text(const CalibrationReport& report) {
+  std::string text;
+  for (std::size_t i = 0; i < report.logs.size(); ++i) text += section("log", log_text(report, i));
+  text += "T K^-1 (raw - b), +- half of the 95 % interval\n";
+  for (const Sensor& sensor : sensors_of(report))
+    text += fmt::format("{}\n{}", sensor.name, section("", sensor_text(sensor, report)));
+  if (!report.file.empty()) text += section("written", report.file);
   return text;
 }
 
-}  // namespace
-
-void print_calibration(const CalibrationReport& report, Context& context) {
-  if (context.json) {
-    context.out << internal::readable(to_json(report)) << "\n";
-    return;
-  }
-  for (std::size_t i = 0; i < report.logs.size(); ++i)
-    context.out << section("log", log_text(report, i));
-  context.out << "T K^-1 (raw - b), +- half of the 95 % interval\n";
-  for (const Sensor& sensor : sensors_of(report))
-    context.out << sensor.name << "\n" << section("", sensor_text(sensor, report));
-  if (!report.file.empty()) context.out << section("written", report.file);
-}
-
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -5,12 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/tuning/imu_calibration.hpp"
 #include "quadtune/tuning/made_up_imu.hpp"
 
-namespace quadtune::cli {
-
-struct Context;
+namespace quadtune::report {
 
 /// What was calibrated, and what came out.
 struct CalibrationReport {
@@ -22,6 +21,7 @@ struct CalibrationReport {
   const std::vector<std::string>& warnings;  ///< of the logs' readers
 };
 
-void print_calibration(const CalibrationReport& report, Context& context);
+[[nodiscard]] internal::Json to_json(const CalibrationReport& report);
+[[nodiscard]] std::string to_text(const CalibrationReport& report);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

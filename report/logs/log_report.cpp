@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "program/program.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "report/text/print.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using internal::finite_or_null;
@@ -227,14 +226,4 @@ std::vector<std::string> log_warnings(const LogCondition& condition) {
   return lines;
 }
 
-std::vector<std::string> tell_log_warnings(const LogCondition& condition, const std::string& file,
-                                           const std::string& verb, const Context& context) {
-  std::vector<std::string> lines = log_warnings(condition);
-  for (std::string& line : lines) {
-    line.insert(0, internal::printable(file) + ": ");
-    context.note(fmt::format("{}: warning: {}", verb, line));
-  }
-  return lines;
-}
-
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -9,9 +9,7 @@
 #include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/logs/log_survey.hpp"
 
-namespace quadtune::cli {
-
-struct Context;
+namespace quadtune::report {
 
 /// Keys as docs/cli.md says; what is not known is null.
 /// @param models  what each filter model finds in it
@@ -23,11 +21,4 @@ struct Context;
 /// One line for each thing that is wrong with the file itself, or odd about how it was taken.
 [[nodiscard]] std::vector<std::string> log_warnings(const LogCondition& condition);
 
-/// Those lines with the file's name before them, as the verbs that use a log list them in their
-/// JSON; each goes to Context::note, too.
-[[nodiscard]] std::vector<std::string> tell_log_warnings(const LogCondition& condition,
-                                                         const std::string& file,
-                                                         const std::string& verb,
-                                                         const Context& context);
-
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -13,7 +13,7 @@
 #include "quadtune/internal/text_file.hpp"
 #include "report/text/print.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using Eigen::Index;
@@ -450,4 +450,4 @@ std::string tuned_file(const TuneReport& report, const std::string& command) {
   return text_of_filter_model(tuned, comments);
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

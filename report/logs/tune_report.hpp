@@ -10,7 +10,7 @@
 #include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/tuning/noise_tuning.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 struct TunedFile {
   std::string path;
@@ -46,4 +46,4 @@ struct TuneReport {
 /// The tuned model as a file that says from what it came and how it was judged.
 [[nodiscard]] std::string tuned_file(const TuneReport& report, const std::string& command);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

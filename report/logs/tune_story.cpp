@@ -10,14 +10,13 @@
 #include <map>
 #include <vector>
 
-#include "program/program.hpp"
 #include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/tuning/likelihood_profile.hpp"
 #include "quadtune/tuning/running_size.hpp"
 #include "quadtune/tuning/smoother.hpp"
 #include "quadtune/version.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using Eigen::Index;
@@ -344,10 +343,10 @@ void tell_checks(const NoiseTuning& tuning, TuningPage& page) {
 
 /// Over the records as the fit saw them.
 void tell_profiles(const TuneReport& report, const std::vector<FilterRecord>& records,
-                   std::size_t threads, TuningPage& page) {
+                   std::size_t threads, const std::function<bool()>& stop, TuningPage& page) {
   const NoiseFit& fit = report.tuning.fit;
   InnovationLikelihood likelihood(report.model, records);
-  likelihood.stop_when(interrupted);
+  likelihood.stop_when(stop);
   std::vector<std::size_t> fitted;
   for (std::size_t i = 0; i < fit.parameters.size(); ++i)
     if (fit.parameters[i].verdict != ParameterVerdict::fixed &&
@@ -361,7 +360,7 @@ void tell_profiles(const TuneReport& report, const std::vector<FilterRecord>& re
           profiles[part] = likelihood_profile(copy, fit, static_cast<int>(fitted[part]));
         };
       },
-      interrupted);
+      stop);
   for (std::size_t part = 0; part < fitted.size(); ++part) {
     const std::size_t i = fitted[part];
     const FittedParameter& p = fit.parameters[i];
@@ -389,7 +388,8 @@ ReportVerdict verdict_of(CheckVerdict verdict) {
 }  // namespace
 
 TuningPage page_of(const TuneReport& report, double holdout, std::uint64_t seed,
-                   std::size_t threads, const std::string& command) {
+                   std::size_t threads, const std::string& command,
+                   const std::function<bool()>& stop) {
   TuningPage page;
   page.title = report.model.name + ": " + report.model.description;
   if (report.model.description.empty()) page.title = report.model.name;
@@ -400,7 +400,7 @@ TuningPage page_of(const TuneReport& report, double holdout, std::uint64_t seed,
   page.about = facts_of(report);
   tell_parameters(report, page);
   tell_checks(report.tuning, page);
-  tell_profiles(report, fitted_parts(report.tuning.records_after, holdout), threads, page);
+  tell_profiles(report, fitted_parts(report.tuning.records_after, holdout), threads, stop, page);
   Story(report, holdout, page).tell();
   page.command = command;
   page.version = std::string(kVersion);
@@ -408,4 +408,4 @@ TuningPage page_of(const TuneReport& report, double holdout, std::uint64_t seed,
   return page;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

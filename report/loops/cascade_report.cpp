@@ -11,7 +11,7 @@
 #include "quadtune/internal/json.hpp"
 #include "report/text/print.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using internal::finite_or_null;
@@ -226,4 +226,4 @@ std::string to_text(const CascadeReport& report) {
   return text;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -8,7 +8,7 @@
 #include "quadtune/workbench/design/cascade_report.hpp"
 #include "report/loops/margins_report.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// "vehicle", "dt", "sensor_delay_s", "integrator", "motor_lag_s", "published", "loops",
 /// "margins", "spectral_radius".
@@ -17,4 +17,4 @@ namespace quadtune::cli {
 /// Sections: loops, beside what is published, margins, stability.
 [[nodiscard]] std::string to_text(const CascadeReport& report);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -9,7 +9,7 @@
 #include "quadtune/internal/json.hpp"
 #include "report/text/print.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using internal::finite_or_null;
@@ -225,4 +225,4 @@ std::string to_text(const CertifyReport& report) {
   return text + section("verdict", report.verdict());
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -10,7 +10,7 @@
 #include "quadtune/synthesis/robustness.hpp"
 #include "quadtune/workbench/flown/flown_box.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// One law of an export.
 struct CertifiedLaw {
@@ -43,4 +43,4 @@ struct CertifyReport {
 [[nodiscard]] internal::Json to_json(const CertifyReport& report);
 [[nodiscard]] std::string to_text(const CertifyReport& report);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

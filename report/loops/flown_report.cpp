@@ -8,7 +8,7 @@
 #include "quadtune/internal/json.hpp"
 #include "report/text/print.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 using internal::Json;
 
@@ -46,4 +46,4 @@ std::string to_text(const FlownLoop& loop) {
                             std::abs(loop.mode.z), in_words(loop));
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

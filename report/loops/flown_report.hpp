@@ -7,7 +7,7 @@
 #include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/workbench/flown/flown_loop.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// "stable", "largest_pole", "mode" and where it was looked at; not its margins.
 [[nodiscard]] internal::Json to_json(const FlownLoop& loop);
@@ -15,4 +15,4 @@ namespace quadtune::cli {
 /// Whether it is stable, the first mode to grow, and where it was looked at.
 [[nodiscard]] std::string to_text(const FlownLoop& loop);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

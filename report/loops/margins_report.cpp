@@ -9,7 +9,7 @@
 #include "quadtune/internal/json.hpp"
 #include "report/text/print.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using internal::finite_or_null;
@@ -110,4 +110,4 @@ std::string to_text(const MarginsReport& report) {
                     report.together->alpha_destabilizing);
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -7,7 +7,7 @@
 #include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/workbench/design/margins_report.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// "loops" and "multivariable". What is infinite is null, and what was not asked for.
 [[nodiscard]] internal::Json to_json(const MarginsReport& report);
@@ -15,4 +15,4 @@ namespace quadtune::cli {
 /// A table with a row for each channel, and a line for all at once.
 [[nodiscard]] std::string to_text(const MarginsReport& report);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -15,7 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include "program/program.hpp"
 #include "quadtune/control/cascade_law.hpp"
 #include "quadtune/discretize/compare.hpp"
 #include "quadtune/discretize/zoh.hpp"
@@ -30,7 +29,7 @@
 #include "report/plots/comparison_figure.hpp"
 #include "report/text/print.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using internal::finite_or_null;
@@ -377,8 +376,7 @@ Figure figure_of(const std::string& vehicle, const Law& law, const ContinuousLti
 
 }  // namespace
 
-void compare_methods(const std::string& vehicle_name, double dt, bool flown,
-                     const PlotArgument& plot, Context& context) {
+MethodComparison compare_methods(const std::string& vehicle_name, double dt, bool flown) {
   const Vehicle vehicle = load_vehicle(vehicle_name);
   const CascadeVehicle hover = cascade_vehicle(vehicle, vehicle_name);
   CascadeSpecification specification;
@@ -411,14 +409,10 @@ void compare_methods(const std::string& vehicle_name, double dt, bool flown,
     }
     text += section(law.name, about);
   }
-  draw(
-      plot,
-      [&] {
-        const Law& law = laws[1];
-        return figure_of(vehicle.name, law, followed(closed_loop(law.plant, law.law)), dt);
-      },
-      context);
-  context.out << (context.json ? internal::readable(json) + "\n" : text);
+  const Law& drawn = laws[1];
+  return {std::move(json), std::move(text), [name = vehicle.name, drawn, dt] {
+            return figure_of(name, drawn, followed(closed_loop(drawn.plant, drawn.law)), dt);
+          }};
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

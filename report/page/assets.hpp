@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 struct Asset {
   std::string_view name;  ///< below page/assets, e.g. "vendor/uplot.min.js"
@@ -15,4 +15,4 @@ struct Asset {
 /// All of them; they live as long as the program.
 [[nodiscard]] const std::vector<Asset>& assets();
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -11,7 +11,7 @@
 
 #include "report/page/report_page.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// One figure of one case. What is not finite is shown as "never" (infinite) or a dash.
 struct PageSpread {
@@ -84,4 +84,4 @@ struct CampaignPage {
 /// The page as one HTML file, as safe as a flight's.
 [[nodiscard]] std::string html(const CampaignPage& page);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -80,4 +80,4 @@ std::vector<std::size_t> spread_rows(std::size_t size, std::size_t rows) {
   return indices;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// A record to draw: the columns have as many rows as `time`.
 struct Decimated {
@@ -36,4 +36,4 @@ struct Decimated {
 /// @param rows  2 or more
 [[nodiscard]] std::vector<std::size_t> spread_rows(std::size_t size, std::size_t rows);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

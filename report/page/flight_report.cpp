@@ -14,7 +14,7 @@
 #include "report/page/report_page.hpp"
 #include "report/page/report_plots.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using nlohmann::json;
@@ -188,4 +188,4 @@ std::string html(const FlightReport& report) {
                     .data = script_json(report_json(report))});
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

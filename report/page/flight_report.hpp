@@ -14,7 +14,7 @@
 #include "report/page/report_page.hpp"
 #include "report/page/report_plots.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// One number that tells how good the flight was.
 struct ReportMetric {
@@ -93,4 +93,4 @@ struct FlightReport {
 ///                       columns, or a table whose names do not fit its matrix
 [[nodiscard]] std::string html(const FlightReport& report);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

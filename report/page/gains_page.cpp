@@ -6,7 +6,7 @@
 
 #include "report/page/page_text.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using nlohmann::json;
@@ -66,4 +66,4 @@ std::string html(const GainsPage& page) {
                     .data = script_json(data)});
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -12,7 +12,7 @@
 #include "report/page/report_page.hpp"
 #include "report/page/report_plots.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// One quantity, a value a column. What is not finite is shown as "never" (infinite) or a dash.
 struct PageCompared {
@@ -66,4 +66,4 @@ struct GainsPage {
 /// @throws InvalidInput  as plots_json()
 [[nodiscard]] std::string html(const GainsPage& page);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -12,7 +12,7 @@
 #include "quadtune/internal/dump_json.hpp"
 #include "quadtune/internal/utf8.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 /// Appends the lowest `bytes` bytes of a number, least significant first.
@@ -114,4 +114,4 @@ std::string policy_hash(const std::string& text) {
   return "'sha256-" + base64(digest) + "'";
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// Text as the content of an HTML element: `&`, `<`, `>` and quotes as references, control
 /// characters as U+FFFD, bytes that are not UTF-8 as \xff.
@@ -31,4 +31,4 @@ namespace quadtune::cli {
 /// What a content security policy calls an inline script or style: 'sha256-…', quotes included.
 [[nodiscard]] std::string policy_hash(const std::string& text);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

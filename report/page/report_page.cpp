@@ -9,7 +9,7 @@
 #include "report/page/assets.hpp"
 #include "report/page/page_text.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 std::string asset(std::string_view name) {
@@ -67,4 +67,4 @@ std::string page_html(const ReportPage& page) {
                                          {"script", script}});
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 enum class ReportVerdict { none, pass, fail };
 
@@ -27,4 +27,4 @@ struct ReportPage {
 /// their hashes.
 [[nodiscard]] std::string page_html(const ReportPage& page);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

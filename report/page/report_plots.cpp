@@ -12,7 +12,7 @@
 #include "report/page/decimate.hpp"
 #include "report/page/page_text.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using nlohmann::json;
@@ -128,4 +128,4 @@ json events_json(const std::vector<LogEvent>& events) {
 
 std::string unit_text(const std::string& unit) { return unit == "1" ? "" : unit; }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

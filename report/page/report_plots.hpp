@@ -8,7 +8,7 @@
 
 #include "quadtune/logs/log_table.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 enum class SeriesStyle {
   value,        ///< what happened: a full line
@@ -53,4 +53,4 @@ struct ReportPlot {
 /// "" for the unit "1".
 [[nodiscard]] std::string unit_text(const std::string& unit);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -5,7 +5,7 @@
 
 #include "report/page/page_text.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using nlohmann::json;
@@ -90,4 +90,4 @@ std::string html(const TuningPage& page) {
                     .data = script_json(data)});
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

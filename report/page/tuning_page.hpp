@@ -13,7 +13,7 @@
 #include "report/page/report_page.hpp"
 #include "report/page/report_plots.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// A number that was to be found. What is not finite is not known.
 struct PageParameter {
@@ -76,4 +76,4 @@ struct TuningPage {
 /// @throws InvalidInput  as plots_json()
 [[nodiscard]] std::string html(const TuningPage& page);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 struct Noise {
@@ -78,4 +78,4 @@ Figure allan_figure(const AllanRecord& record, const AllanAnalysis& analysis) {
           .panels = {panel}};
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

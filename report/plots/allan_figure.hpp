@@ -5,8 +5,8 @@
 #include "report/logs/allan_units.hpp"
 #include "report/plots/figure.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 [[nodiscard]] Figure allan_figure(const AllanRecord& record, const AllanAnalysis& analysis);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

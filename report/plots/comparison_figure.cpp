@@ -7,7 +7,7 @@
 
 #include "report/plots/loop_panels.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 struct Range {
@@ -115,4 +115,4 @@ Figure comparison_figure(const Comparison& comparison) {
                      poles(comparison)}};
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

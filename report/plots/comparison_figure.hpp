@@ -9,7 +9,7 @@
 #include "quadtune/synthesis/step_response.hpp"
 #include "report/plots/figure.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// What one method makes of the system.
 struct SampledMethod {
@@ -34,4 +34,4 @@ struct Comparison {
 /// poles in the z-plane.
 [[nodiscard]] Figure comparison_figure(const Comparison& comparison);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -12,7 +12,7 @@
 #include "quadtune/internal/joined.hpp"
 #include "report/plots/label_placement.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 // All sizes are pixels of a picture of this size.
@@ -522,4 +522,4 @@ std::string gnuplot_script(const Figure& figure, PictureFormat format) {
   return text + "unset multiplot\n";
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// How a series is drawn.
 enum class Shape { line, stairs, crosses, circles, dots, area };
@@ -75,4 +75,4 @@ enum class PictureFormat { svg, png };
 /// A script for run_gnuplot(). The same figure always gives the same script.
 [[nodiscard]] std::string gnuplot_script(const Figure& figure, PictureFormat format);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

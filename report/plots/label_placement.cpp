@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 constexpr double kSpacing = 0.01;  ///< of the points that stand for a curve
@@ -102,4 +102,4 @@ Box Placement::in_corner(double width, double height) {
   return best;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// A point or a size in a panel: (0, 0) is its lower left corner, (1, 1) its upper right one.
 struct Spot {
@@ -35,4 +35,4 @@ class Placement {
   std::vector<Box> boxes_;
 };
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -11,7 +11,7 @@
 #include "report/plots/loop_panels.hpp"
 #include "report/text/print.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 /// More curves than this cannot be told apart.
@@ -123,4 +123,4 @@ Figure pid_figure(const std::string& title, const ContinuousTransferFunction& pl
   return figure;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -8,7 +8,7 @@
 #include "report/loops/margins_report.hpp"
 #include "report/plots/figure.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// Set-point step, Bode, Nyquist with the disk, sensitivity and pole map of a loop. Of many
 /// channels those with the least disk margins.
@@ -20,4 +20,4 @@ namespace quadtune::cli {
 [[nodiscard]] Figure pid_figure(const std::string& title, const ContinuousTransferFunction& plant,
                                 const PidGains& gains, const MarginsReport& report);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

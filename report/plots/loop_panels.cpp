@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using Complex = std::complex<double>;
@@ -610,4 +610,4 @@ Panel pole_panel(const std::string& title, const std::vector<PointSet>& sets, do
   return panel;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

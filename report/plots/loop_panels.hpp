@@ -11,7 +11,7 @@
 #include "quadtune/synthesis/step_response.hpp"
 #include "report/plots/figure.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// A loop of one channel, its margins, and its response at the frequencies that are shown.
 struct LoopCurves {
@@ -76,4 +76,4 @@ struct PointSet {
 [[nodiscard]] Panel pole_panel(const std::string& title, const std::vector<PointSet>& sets,
                                double dt);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 constexpr std::size_t kHeadingWidth = 12;
@@ -102,4 +102,4 @@ std::string section(const std::string& heading, const std::string& text) {
   return result + "\n";
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// A matrix with a name per row and column, entries to six digits, entries that are zero up to
 /// rounding (1e-13 of the largest in the row) as 0.
@@ -31,4 +31,4 @@ namespace quadtune::cli {
 /// heading is longer than that.
 [[nodiscard]] std::string section(const std::string& heading, const std::string& text);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Tuned gains whose flown loop is unstable are rejected.
-#include "missions/flown_evidence.hpp"
+#include "quadtune/workbench/missions/flown_evidence.hpp"
 
 #include <gmock/gmock.h>
 

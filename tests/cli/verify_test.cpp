@@ -13,6 +13,7 @@
 #include "run_program.hpp"
 #include "source_folder.hpp"
 #include "temporary_directory.hpp"
+#include "quadtune/workbench/verify/verify_directory.hpp"
 
 namespace quadtune::testing {
 namespace {

@@ -17,12 +17,12 @@
 namespace quadtune::testing {
 namespace {
 
-using cli::FlightReport;
+using report::FlightReport;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 TEST_F(Browser, DrawsEveryPlotAndTheReplay) {
-  const std::string page = opened(cli::html(sample_flight()));
+  const std::string page = opened(report::html(sample_flight()));
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "plots"), "8");
   EXPECT_EQ(root_data(page, "replay"), "drawn");
@@ -52,7 +52,7 @@ TEST_F(Browser, PlotsAndReplayHaveColours) {
     root.dataset.plotted = [...document.querySelectorAll('.plot canvas')].map(colourful).join(' ');
     root.dataset.replayed = colourful(document.querySelector('.stage canvas'));
   )";
-  const std::string page = opened(with_script(cli::html(sample_flight()), script));
+  const std::string page = opened(with_script(report::html(sample_flight()), script));
   EXPECT_EQ(root_data(page, "error"), "(none)");
   std::istringstream plotted(root_data(page, "plotted"));
   int plots = 0;
@@ -62,7 +62,7 @@ TEST_F(Browser, PlotsAndReplayHaveColours) {
 }
 
 TEST_F(Browser, ShowsTheFlightFromAboveWithoutWebGl) {
-  const std::string page = opened(cli::html(sample_flight()), {"--disable-3d-apis"});
+  const std::string page = opened(report::html(sample_flight()), {"--disable-3d-apis"});
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "plots"), "8");
   EXPECT_EQ(root_data(page, "replay"), "flat");
@@ -70,7 +70,7 @@ TEST_F(Browser, ShowsTheFlightFromAboveWithoutWebGl) {
 }
 
 TEST_F(Browser, ShowsAReportOfNothing) {
-  const std::string page = opened(cli::html(FlightReport{}));
+  const std::string page = opened(report::html(FlightReport{}));
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "plots"), "0");
   EXPECT_EQ(root_data(page, "replay"), "none");
@@ -79,7 +79,7 @@ TEST_F(Browser, ShowsAReportOfNothing) {
 
 // Without its policy, too: the policy only makes sure.
 TEST_F(Browser, LoadsNothing) {
-  const std::string html = cli::html(sample_flight());
+  const std::string html = report::html(sample_flight());
   const std::string image =
       "document.body.append(Object.assign(new Image(), "
       "{src: 'http://control.example/x.png'}));";
@@ -90,7 +90,7 @@ TEST_F(Browser, LoadsNothing) {
 }
 
 TEST_F(Browser, PolicyStopsOtherScripts) {
-  std::string html = cli::html(sample_flight(4));
+  std::string html = report::html(sample_flight(4));
   html.insert(html.rfind("</body>"),
               "<script>document.documentElement.dataset.alien = 'ran'</script>");
   const std::string page = opened(html);
@@ -102,7 +102,7 @@ TEST_F(Browser, HostileTextsStayTexts) {
   FlightReport report = hostile_flight();
   // Every text is shown, none of it as markup, and nothing of it runs, without the policy as well.
   const std::string page =
-      opened(with_script(cli::html(report),
+      opened(with_script(report::html(report),
                          "const root = document.documentElement; root.dataset.elements = "
                          "document.querySelectorAll('main img, main script, main b[onclick], main "
                          "iframe, main svg[onload], main a').length; root.dataset.heading = "
@@ -126,7 +126,7 @@ class Attitude : public Browser {
         "[[.2,-.2,0],[.2,.2,0],[-.2,.2,0],[-.2,-.2,0]].map(flightReport.replay.project).flat()"
         ".map((v) => v.toFixed(2)).join(' ');",
         from);
-    const std::string page = opened(with_script(cli::html(still_flight(roll, pitch, yaw)), script));
+    const std::string page = opened(with_script(report::html(still_flight(roll, pitch, yaw)), script));
     EXPECT_EQ(root_data(page, "error"), "(none)");
     std::istringstream text(root_data(page, "seen"));
     std::vector<std::pair<double, double>> places;
@@ -165,7 +165,7 @@ TEST_F(Attitude, YawTurnsClockwiseSeenFromAbove) {
 }
 
 TEST_F(Browser, PlotsReplayAndScrubBarShareOneTime) {
-  const std::string html = cli::html(sample_flight());
+  const std::string html = report::html(sample_flight());
   const std::string script = R"(
     // The browser's clock runs ahead here, and it draws next to no frames.
     window.requestAnimationFrame = (f) => setTimeout(f, 100);
@@ -241,7 +241,7 @@ TEST_F(Browser, PlotsObeyTheKeyboard) {
       }, 50);
     }, 50);
   )";
-  const std::string page = opened(with_script(cli::html(sample_flight()), script));
+  const std::string page = opened(with_script(report::html(sample_flight()), script));
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "end"), "40.00");
   EXPECT_EQ(root_data(page, "right"), "0.20");
@@ -254,7 +254,7 @@ TEST_F(Browser, PlotsObeyTheKeyboard) {
 
 TEST_F(Browser, FitsIntoANarrowWindow) {
   for (const FlightReport& report : {sample_flight(4), hostile_flight()}) {
-    EXPECT_EQ(narrow_width(cli::html(report)), "390") << report.title;
+    EXPECT_EQ(narrow_width(report::html(report)), "390") << report.title;
   }
 }
 
@@ -276,7 +276,7 @@ TEST_F(Browser, TakesPicturesWideAndNarrow) {
   const bool for_readme = std::getenv("QUADTUNE_UPDATE_DOCS") != nullptr;
   const std::string wide = (place_.path() / "wide.png").string();
   const std::string narrow = (place_.path() / "narrow.png").string();
-  std::string page = cli::html(sample_flight());
+  std::string page = report::html(sample_flight());
   if (for_readme) {
     const std::string report = (place_.path() / "flown.html").string();
     ASSERT_EQ(run_program({"fly", "mambo", "--mission", "lemniscate", "--report", report}).status,

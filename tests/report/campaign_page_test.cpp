@@ -23,7 +23,7 @@
 namespace quadtune::testing {
 namespace {
 
-using cli::CampaignPage;
+using report::CampaignPage;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -55,7 +55,7 @@ CampaignPage hostile_page() {
   page.title = page.version = page.seed = text;
   for (const std::string& one : hostile_texts()) {
     page.about.emplace_back(one, one);
-    cli::PageCase of;
+    report::PageCase of;
     of.design = of.mission = of.law = one;
     of.flights = 3;
     of.passed = 1;
@@ -112,7 +112,7 @@ TEST_F(Browser, DrawsACampaign) {
 // drawn in its series' own dashes, and nothing before it.
 TEST_F(Browser, AFlightsKeysAreNotThoseOfACampaign) {
   const std::string page = opened(with_script(
-      cli::html(sample_flight(4)),
+      report::html(sample_flight(4)),
       "const key = document.querySelector('.key');"
       "document.documentElement.dataset.before = getComputedStyle(key, '::before').content;"
       "document.documentElement.dataset.margin = getComputedStyle(key).marginLeft"));
@@ -126,7 +126,7 @@ TEST_F(Browser, ACampaignLoadsNothing) {
 }
 
 TEST_F(Browser, HostileTextsOfACampaignStayTexts) {
-  const std::string page = opened_and_counted(cli::html(hostile_page()));
+  const std::string page = opened_and_counted(report::html(hostile_page()));
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "broken"), "(none)");
   EXPECT_EQ(root_data(page, "cells"), std::to_string(hostile_texts().size()));
@@ -134,14 +134,14 @@ TEST_F(Browser, HostileTextsOfACampaignStayTexts) {
 }
 
 TEST_F(Browser, ShowsACampaignOfNothing) {
-  const std::string page = opened(cli::html(CampaignPage{}));
+  const std::string page = opened(report::html(CampaignPage{}));
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "cells"), "0");
 }
 
 TEST_F(Browser, ACampaignFitsIntoANarrowWindow) {
   EXPECT_EQ(narrow_width(example()), "390");
-  EXPECT_EQ(narrow_width(cli::html(hostile_page())), "390");
+  EXPECT_EQ(narrow_width(report::html(hostile_page())), "390");
 }
 
 TEST_F(Browser, TakesAPictureOfACampaign) {

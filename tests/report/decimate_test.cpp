@@ -13,9 +13,9 @@
 namespace quadtune {
 namespace {
 
-using cli::decimate;
-using cli::Decimated;
-using cli::spread_rows;
+using report::decimate;
+using report::Decimated;
+using report::spread_rows;
 using ::testing::ElementsAre;
 using ::testing::SizeIs;
 

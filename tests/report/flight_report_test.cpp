@@ -20,7 +20,7 @@
 namespace quadtune {
 namespace {
 
-using cli::FlightReport;
+using report::FlightReport;
 using nlohmann::json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -76,7 +76,7 @@ std::vector<double> numbers(const json& text) {
 
 TEST(FlightReport, HasAllThatItIsGiven) {
   const FlightReport report = sample_flight(4);
-  const json data = data_of(cli::html(report));
+  const json data = data_of(report::html(report));
   EXPECT_EQ(data["title"], report.title);
   EXPECT_EQ(data["verdict"], "fail");
   EXPECT_EQ(data["reasons"], json(report.reasons));
@@ -99,7 +99,7 @@ TEST(FlightReport, HasAllThatItIsGiven) {
 
 TEST(FlightReport, NumbersReadBack) {
   const FlightReport report = sample_flight(4);
-  const json data = data_of(cli::html(report));
+  const json data = data_of(report::html(report));
   EXPECT_EQ(numbers<double>(data["time"]), report.log.columns.front().values);
   const auto near = [](const std::vector<double>& read, const std::vector<double>& written) {
     ASSERT_EQ(read.size(), written.size());
@@ -123,9 +123,9 @@ TEST(FlightReport, NumbersReadBack) {
 // A column that several plots show is in the file once.
 TEST(FlightReport, HoldsEachColumnOnce) {
   FlightReport report = sample_flight(4);
-  const json one = data_of(cli::html(report));
+  const json one = data_of(report::html(report));
   report.plots.push_back(report.plots.front());
-  const json two = data_of(cli::html(report));
+  const json two = data_of(report::html(report));
   EXPECT_EQ(one["columns"].size(), two["columns"].size());
   EXPECT_EQ(two["plots"].size(), one["plots"].size() + 1);
 }
@@ -134,9 +134,9 @@ TEST(FlightReport, HoldsEachColumnOnce) {
 // 0)/sqrt(2) = (1, 1, 1, 1)/2 by Hamilton's product.
 TEST(FlightReport, TurnsAnglesIntoQuaternions) {
   const double quarter = std::acos(0.0);
-  const json q = data_of(cli::html(still_flight(quarter, 0, quarter)))["replay"]["quaternion"];
+  const json q = data_of(report::html(still_flight(quarter, 0, quarter)))["replay"]["quaternion"];
   for (const json& component : q) EXPECT_NEAR(numbers<float>(component)[0], 0.5, 1e-7);
-  const json p = data_of(cli::html(still_flight(0, 0.2, 0)))["replay"]["quaternion"];
+  const json p = data_of(report::html(still_flight(0, 0.2, 0)))["replay"]["quaternion"];
   EXPECT_NEAR(numbers<float>(p[0])[0], std::cos(0.1), 1e-7);
   EXPECT_NEAR(numbers<float>(p[2])[0], std::sin(0.1), 1e-7);
 }
@@ -146,7 +146,7 @@ TEST(FlightReport, TakesQuaternionsOfAnyLength) {
   for (const auto& [name, value] : {std::pair("qw", 3.0), {"qx", 0.0}, {"qy", 4.0}, {"qz", 0.0}})
     report.log.columns.push_back({name, "1", {value, 0}});
   report.replay->attitude = {"qw", "qx", "qy", "qz"};
-  const json q = data_of(cli::html(report))["replay"]["quaternion"];
+  const json q = data_of(report::html(report))["replay"]["quaternion"];
   EXPECT_NEAR(numbers<float>(q[0])[0], 0.6, 1e-7);
   EXPECT_NEAR(numbers<float>(q[2])[0], 0.8, 1e-7);
   EXPECT_TRUE(std::isnan(numbers<float>(q[0])[1]));  // none at all
@@ -167,13 +167,13 @@ TEST(FlightReport, StaysBelowThreeMegabytes) {
     report.plots.back().series.push_back({column.name, column.name});
   }
   ASSERT_GE(report.log.rows(), 20'000U);
-  const std::string page = cli::html(report);
+  const std::string page = report::html(report);
   EXPECT_LT(page.size(), 3'000'000U);
   EXPECT_EQ(data_of(page)["kept"], 4000);
   EXPECT_EQ(data_of(page)["rows"], report.log.rows());
 
   // And with any number of columns: fewer rows of each.
-  const std::vector<cli::ReportPlot> plots = report.plots;
+  const std::vector<report::ReportPlot> plots = report.plots;
   for (int copy = 0; copy < 4; ++copy)
     for (int i = 0; i < 80; ++i) {
       LogColumn column = report.log.columns[report.log.columns.size() - 80];
@@ -181,14 +181,14 @@ TEST(FlightReport, StaysBelowThreeMegabytes) {
       report.plots.front().series.push_back({column.name, column.name});
       report.log.columns.push_back(std::move(column));
     }
-  EXPECT_LT(cli::html(report).size(), 3'000'000U);
+  EXPECT_LT(report::html(report).size(), 3'000'000U);
 }
 
 TEST(FlightReport, KeepsPeaks) {
   FlightReport report = sample_flight(100);
   for (LogColumn& column : report.log.columns)
     if (column.name == "error.position") column.values[12'345] = 77;
-  const json data = data_of(cli::html(report));
+  const json data = data_of(report::html(report));
   const json& index = data["plots"][3]["series"][0]["column"];
   const std::vector<double> shown = numbers<float>(data["columns"][index.get<std::size_t>()]);
   EXPECT_EQ(*std::ranges::max_element(shown), 77);
@@ -196,16 +196,16 @@ TEST(FlightReport, KeepsPeaks) {
 
 // The policy names the very scripts and the style that are in the file, and nothing else.
 TEST(FlightReport, PolicyAllowsItsOwnScriptsAlone) {
-  const std::string page = cli::html(sample_flight(4));
+  const std::string page = report::html(sample_flight(4));
   const std::string policy =
       between(page, "http-equiv=\"Content-Security-Policy\" content=\"", "\"");
   std::string expected = "default-src 'none'; script-src";
   std::size_t scripts = 0;
   for (std::size_t at = page.find("<script>"); at != std::string::npos;
        at = page.find("<script>", at + 1), ++scripts)
-    expected += " " + cli::policy_hash(between(page.substr(at), "<script>", "</script>"));
+    expected += " " + report::policy_hash(between(page.substr(at), "<script>", "</script>"));
   EXPECT_EQ(scripts, 3U);
-  expected += "; style-src " + cli::policy_hash(between(page, "<style>", "</style>"));
+  expected += "; style-src " + report::policy_hash(between(page, "<style>", "</style>"));
   expected += "; img-src data:; base-uri 'none'; form-action 'none'";
   EXPECT_EQ(policy, expected);
   EXPECT_LT(page.find("Content-Security-Policy"), page.find("<style>"));
@@ -220,8 +220,8 @@ TEST(FlightReport, HostileTextsAddNoMarkup) {
     page.erase(page.find("<title>") + 7, title.size());
     return page;
   };
-  const std::string hostile = cli::html(hostile_flight());
-  EXPECT_EQ(without_data(hostile), without_data(cli::html(FlightReport{})));
+  const std::string hostile = report::html(hostile_flight());
+  EXPECT_EQ(without_data(hostile), without_data(report::html(FlightReport{})));
   EXPECT_EQ(data_text(hostile).find_first_of("<>&"), std::string::npos);
   EXPECT_TRUE(json::accept(data_text(hostile)));
   // No text is lost, either.
@@ -238,7 +238,7 @@ TEST(FlightReport, SaysWhatIsNoNumber) {
   FlightReport report;
   const double nan = std::nan(""), inf = HUGE_VAL;
   report.metrics = {{"a", "", nan, "m", inf}, {"b", "", -inf}};
-  const json metrics = data_of(cli::html(report))["metrics"];
+  const json metrics = data_of(report::html(report))["metrics"];
   EXPECT_EQ(metrics[0]["text"], "not a number");
   EXPECT_EQ(metrics[0]["value"], nullptr);
   EXPECT_EQ(metrics[0]["limit_text"], "infinite");
@@ -247,7 +247,7 @@ TEST(FlightReport, SaysWhatIsNoNumber) {
 
 // Addresses stand in comments and as the names of XML languages; nothing is loaded from any.
 TEST(FlightReport, NamesNoAddressToLoad) {
-  const std::string page = cli::html(sample_flight(4));
+  const std::string page = report::html(sample_flight(4));
   const std::regex loads(
       R"((src|href|action|srcset)\s*=\s*["']?\s*(https?:)?//|@import|url\(\s*["']?http)");
   EXPECT_FALSE(std::regex_search(page, loads));
@@ -262,18 +262,18 @@ TEST(FlightReport, NamesNoAddressToLoad) {
 }
 
 TEST(FlightReport, CarriesTheLicencesOfWhatItContains) {
-  const std::string page = cli::html(FlightReport{});
+  const std::string page = report::html(FlightReport{});
   EXPECT_THAT(page, HasSubstr("2022 Leon Sorokin"));
   EXPECT_THAT(page, HasSubstr("three.js authors"));
 }
 
 TEST(FlightReport, IsTheSameForTheSameFlight) {
-  EXPECT_EQ(cli::html(sample_flight(4)), cli::html(sample_flight(4)));
+  EXPECT_EQ(report::html(sample_flight(4)), report::html(sample_flight(4)));
 }
 
 std::string refusal(const FlightReport& report) {
   try {
-    (void)cli::html(report);
+    (void)report::html(report);
   } catch (const InvalidInput& error) {
     return error.what();
   }

@@ -19,7 +19,7 @@
 namespace quadtune::testing {
 namespace {
 
-using cli::GainsPage;
+using report::GainsPage;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -51,10 +51,10 @@ GainsPage hostile_page() {
   for (const std::string& one : hostile_texts()) text += one + " ";
   GainsPage page;
   page.title = page.counts = page.command = page.version = page.seed = text;
-  page.verdict = cli::ReportVerdict::fail;
+  page.verdict = report::ReportVerdict::fail;
   page.columns = {text, text, text};
   for (const char* id : {"missions", "margins", "gains"}) {
-    cli::PageComparedTable table{id, text, text, {}};
+    report::PageComparedTable table{id, text, text, {}};
     for (const std::string& one : hostile_texts()) {
       page.about.emplace_back(one, one);
       page.reasons.push_back(one);
@@ -144,7 +144,7 @@ TEST_F(Browser, TunedGainsLoadNothing) {
 }
 
 TEST_F(Browser, HostileTextsOfTunedGainsStayTexts) {
-  const std::string page = opened_and_counted(cli::html(hostile_page()));
+  const std::string page = opened_and_counted(report::html(hostile_page()));
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "broken"), "(none)");
   EXPECT_EQ(root_data(page, "cells"), "1");
@@ -153,7 +153,7 @@ TEST_F(Browser, HostileTextsOfTunedGainsStayTexts) {
 }
 
 TEST_F(Browser, ShowsTunedGainsOfNothing) {
-  const std::string page = opened(cli::html(GainsPage{}));
+  const std::string page = opened(report::html(GainsPage{}));
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "cells"), "0");
   EXPECT_EQ(root_data(page, "plots"), "0");
@@ -161,7 +161,7 @@ TEST_F(Browser, ShowsTunedGainsOfNothing) {
 
 TEST_F(Browser, TunedGainsFitIntoANarrowWindow) {
   EXPECT_EQ(narrow_width(example()), "390");
-  EXPECT_EQ(narrow_width(cli::html(hostile_page())), "390");
+  EXPECT_EQ(narrow_width(report::html(hostile_page())), "390");
 }
 
 TEST_F(Browser, TakesAPictureOfTunedGains) {

@@ -34,12 +34,12 @@ const std::vector<std::string>& hostile_texts() {
   return texts;
 }
 
-cli::FlightReport hostile_flight() {
+report::FlightReport hostile_flight() {
   std::string text;
   for (const std::string& one : hostile_texts()) text += one + " ";
-  cli::FlightReport report;
+  report::FlightReport report;
   report.title = text;
-  report.verdict = cli::ReportVerdict::fail;
+  report.verdict = report::ReportVerdict::fail;
   report.reasons = hostile_texts();
   report.command = text;
   report.version = text;
@@ -64,10 +64,10 @@ cli::FlightReport hostile_flight() {
   for (std::size_t i = 0; i < columns.size(); ++i)
     report.plots.push_back({text,
                             text,
-                            {{text, texts[i], static_cast<cli::SeriesStyle>(i % 4)},
-                             {texts[i], texts[(i + 1) % columns.size()], cli::SeriesStyle::value}},
+                            {{text, texts[i], static_cast<report::SeriesStyle>(i % 4)},
+                             {texts[i], texts[(i + 1) % columns.size()], report::SeriesStyle::value}},
                             i == 0 ? kNaN : 1e30});
-  cli::ReportReplay replay;
+  report::ReportReplay replay;
   replay.position = {texts[0], texts[3], texts[5]};
   replay.attitude = {texts[0], texts[1], texts[2]};
   replay.reference = {{texts[4], texts[2], texts[1]}};

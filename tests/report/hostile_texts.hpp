@@ -13,6 +13,6 @@ namespace quadtune::testing {
 [[nodiscard]] const std::vector<std::string>& hostile_texts();
 
 /// A report with all of them in every text field, and with numbers that are none.
-[[nodiscard]] cli::FlightReport hostile_flight();
+[[nodiscard]] report::FlightReport hostile_flight();
 
 }  // namespace quadtune::testing

@@ -12,7 +12,7 @@
 namespace quadtune::testing {
 namespace {
 
-using cli::SeriesStyle;
+using report::SeriesStyle;
 using Eigen::Vector3d;
 using std::numbers::pi;
 
@@ -81,7 +81,7 @@ class Recorder {
   std::size_t next_ = 0;
 };
 
-std::vector<cli::ReportRotor> rotors_of_x_layout(double arm) {
+std::vector<report::ReportRotor> rotors_of_x_layout(double arm) {
   const double d = arm / std::numbers::sqrt2;
   return {{{d, -d, 0}, 1, "rotor.1"},
           {{d, d, 0}, -1, "rotor.2"},
@@ -89,7 +89,7 @@ std::vector<cli::ReportRotor> rotors_of_x_layout(double arm) {
           {{-d, -d, 0}, -1, "rotor.4"}};
 }
 
-void add_plots(cli::FlightReport& report) {
+void add_plots(report::FlightReport& report) {
   const auto value = SeriesStyle::value;
   const auto reference = SeriesStyle::reference;
   const auto estimate = SeriesStyle::estimate;
@@ -134,7 +134,7 @@ void add_plots(cli::FlightReport& report) {
   };
 }
 
-void add_tables(cli::FlightReport& report) {
+void add_tables(report::FlightReport& report) {
   report.metrics = {
       {"position_rms", "position error, rms", 0.143, "m", 0.25, false, true},
       {"position_peak", "position error, largest", 0.671, "m", 0.8, false, true},
@@ -173,10 +173,10 @@ void add_tables(cli::FlightReport& report) {
 
 }  // namespace
 
-cli::FlightReport sample_flight(double duration, double rate) {
-  cli::FlightReport report;
+report::FlightReport sample_flight(double duration, double rate) {
+  report::FlightReport report;
   report.title = "Figure of eight in a gust";
-  report.verdict = cli::ReportVerdict::fail;
+  report.verdict = report::ReportVerdict::fail;
   report.reasons = {"rotor speed left, least: 8.3 %, expected at least 10 %"};
   report.command = "test_report --gtest_filter=Browser.TakesPicturesWideAndNarrow";
   report.version = "0.1.0";
@@ -233,7 +233,7 @@ cli::FlightReport sample_flight(double duration, double rate) {
                3 + 0.5 * std::sin(0.9 * t) + 8 * gust(t).y() + 0.15 * noise(random));
     record.end_row();
   }
-  cli::ReportReplay replay;
+  report::ReportReplay replay;
   replay.position = {"x.px", "x.py", "x.pz"};
   replay.attitude = {"x.roll", "x.pitch", "x.yaw"};
   replay.reference = {{"ref.px", "ref.py", "ref.pz"}};
@@ -247,8 +247,8 @@ cli::FlightReport sample_flight(double duration, double rate) {
   return report;
 }
 
-cli::FlightReport still_flight(double roll, double pitch, double yaw) {
-  cli::FlightReport report;
+report::FlightReport still_flight(double roll, double pitch, double yaw) {
+  report::FlightReport report;
   report.title = "Still";
   report.log.columns = {{"t", "s", {0, 1}},
                         {"n", "m", {0, 0}},
@@ -257,11 +257,11 @@ cli::FlightReport still_flight(double roll, double pitch, double yaw) {
                         {"roll", "rad", {roll, roll}},
                         {"pitch", "rad", {pitch, pitch}},
                         {"yaw", "rad", {yaw, yaw}}};
-  cli::ReportReplay replay;
+  report::ReportReplay replay;
   replay.position = {"n", "e", "d"};
   replay.attitude = {"roll", "pitch", "yaw"};
   replay.rotors = rotors_of_x_layout(0.25);
-  for (cli::ReportRotor& rotor : replay.rotors) rotor.speed_column.clear();
+  for (report::ReportRotor& rotor : replay.rotors) rotor.speed_column.clear();
   report.replay = std::move(replay);
   return report;
 }

@@ -13,9 +13,9 @@ namespace quadtune::testing {
 ///
 /// @param duration  [s]
 /// @param rate      rows a second [Hz]
-[[nodiscard]] cli::FlightReport sample_flight(double duration = 40, double rate = 200);
+[[nodiscard]] report::FlightReport sample_flight(double duration = 40, double rate = 200);
 
 /// A vehicle that stands still in the air with one attitude [rad], heading north at yaw 0.
-[[nodiscard]] cli::FlightReport still_flight(double roll, double pitch, double yaw);
+[[nodiscard]] report::FlightReport still_flight(double roll, double pitch, double yaw);
 
 }  // namespace quadtune::testing

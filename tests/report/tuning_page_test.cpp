@@ -19,7 +19,7 @@
 namespace quadtune::testing {
 namespace {
 
-using cli::TuningPage;
+using report::TuningPage;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -74,7 +74,7 @@ TuningPage hostile_page() {
   for (const std::string& one : hostile_texts()) text += one + " ";
   TuningPage page;
   page.title = page.command = page.version = page.seed = text;
-  page.verdict = cli::ReportVerdict::fail;
+  page.verdict = report::ReportVerdict::fail;
   page.reasons = page.unseen = page.remarks = hostile_texts();
   for (const std::string& one : hostile_texts()) {
     page.about.emplace_back(one, one);
@@ -90,9 +90,9 @@ TuningPage hostile_page() {
                       {"c", text, {2, 1, kNaN}}};
   page.plots = {{text,
                  text,
-                 {{text, "a", cli::SeriesStyle::measurement},
-                  {text, "b", cli::SeriesStyle::band, "c"},
-                  {text, "b", cli::SeriesStyle::band, "c", false}}},
+                 {{text, "a", report::SeriesStyle::measurement},
+                  {text, "b", report::SeriesStyle::band, "c"},
+                  {text, "b", report::SeriesStyle::band, "c", false}}},
                 {text, text, {{text, "a"}}, 1, true}};
   return page;
 }
@@ -151,7 +151,7 @@ TEST_F(Browser, ATuningLoadsNothing) {
 }
 
 TEST_F(Browser, HostileTextsOfATuningStayTexts) {
-  const std::string page = opened_and_counted(cli::html(hostile_page()));
+  const std::string page = opened_and_counted(report::html(hostile_page()));
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "broken"), "(none)");
   EXPECT_EQ(root_data(page, "plots"), "2");
@@ -160,7 +160,7 @@ TEST_F(Browser, HostileTextsOfATuningStayTexts) {
 }
 
 TEST_F(Browser, ShowsATuningOfNothing) {
-  const std::string page = opened(cli::html(TuningPage{}));
+  const std::string page = opened(report::html(TuningPage{}));
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "plots"), "0");
   EXPECT_THAT(page, HasSubstr("Too short to tell"));
@@ -168,7 +168,7 @@ TEST_F(Browser, ShowsATuningOfNothing) {
 
 TEST_F(Browser, ATuningFitsIntoANarrowWindow) {
   EXPECT_EQ(narrow_width(example()), "390");
-  EXPECT_EQ(narrow_width(cli::html(hostile_page())), "390");
+  EXPECT_EQ(narrow_width(report::html(hostile_page())), "390");
 }
 
 // Keys show and hide, paper is white, and what is hidden at first can be shown.

@@ -9,7 +9,8 @@
 namespace quadtune {
 namespace {
 
-// Beside this library, wherever the tree was moved to; where the system says if it is not there.
+// Beside this library, wherever the tree was moved to; where the system says if it is not there. A
+// variant for newer processors lies in a folder below (cmake/Variants.cmake).
 void* load(std::string& why) {
   const std::string name = QUADTUNE_MAT_LIBRARY;
   Dl_info here{};
@@ -17,6 +18,7 @@ void* load(std::string& why) {
       here.dli_fname != nullptr) {
     std::string path = here.dli_fname;
     path.erase(path.rfind('/') == std::string::npos ? 0 : path.rfind('/') + 1);
+    path = path.substr(0, path.find("glibc-hwcaps/"));
     if (void* const library = ::dlopen((path + name).c_str(), RTLD_NOW | RTLD_LOCAL))
       return library;
     why = ::dlerror();

@@ -14,7 +14,7 @@
 #include <quadtune/synthesis/riccati.hpp>
 #include <quadtune/tuning/bryson.hpp>
 #include <quadtune/version.hpp>
-#include <quadtune/workbench/fly.hpp>
+#include <quadtune/workbench/flight/fly.hpp>
 #include <string>
 
 namespace {

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "arguments/flight_arguments.hpp"
+#include "quadtune/workbench/flight/flight_plan.hpp"
 #include "quadtune/exports/file_set.hpp"
 #include "quadtune/simulation/campaign.hpp"
 #include "quadtune/simulation/campaign_shard.hpp"
 
-namespace quadtune::cli {
+namespace quadtune {
 
 /// The plan's file in a campaign's folder, and those that it names.
 inline constexpr char kPlanName[] = "plan.json";
@@ -50,4 +50,4 @@ struct CampaignPlan {
 [[nodiscard]] CampaignFolder folder_of(const CampaignPlan& plan,
                                        const std::filesystem::path& folder);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune

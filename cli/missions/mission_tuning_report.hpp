@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "missions/flown_evidence.hpp"
+#include "quadtune/workbench/missions/flown_evidence.hpp"
 #include "missions/mission_tuning.hpp"
 #include "report/page/gains_page.hpp"
 

@@ -7,7 +7,7 @@
 #include "quadtune/exports/manifest.hpp"
 #include "quadtune/exports/verify.hpp"
 
-namespace quadtune::cli {
+namespace quadtune {
 
 /// Solves the LQR problem of the manifest's weights anew and asks: are its gains those of the
 /// manifest, and is the evidence (status, poles, residual, condition) that of this problem.
@@ -17,4 +17,4 @@ namespace quadtune::cli {
 [[nodiscard]] std::vector<VerifyCheck> check_evidence(const Vehicle& vehicle,
                                                       const Manifest& manifest);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune

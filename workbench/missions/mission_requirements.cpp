@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "missions/mission_requirements.hpp"
+#include "quadtune/workbench/missions/mission_requirements.hpp"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@
 #include "quadtune/internal/toml_reader.hpp"
 #include "quadtune/internal/uncertainty_reader.hpp"
 
-namespace quadtune::cli {
+namespace quadtune {
 namespace {
 
 using internal::Range;
@@ -158,4 +158,4 @@ std::vector<DesignLimit> margin_limits(const MissionRequirements& requirements,
   return all;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune

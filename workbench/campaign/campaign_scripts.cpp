@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/campaign_scripts.hpp"
+#include "quadtune/workbench/campaign/campaign_scripts.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cctype>
 #include <string_view>
 
-namespace quadtune::cli {
+namespace quadtune {
 
 std::string shell_word(const std::string& word) {
   const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
@@ -48,4 +48,4 @@ std::vector<FileContent> campaign_scripts(const CampaignPlan& plan,
   return {{"slurm.sh", slurm}, {"parallel.sh", parallel}};
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/campaign_plan.hpp"
+#include "quadtune/workbench/campaign/campaign_plan.hpp"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,7 @@
 #include <limits>
 #include <optional>
 
-#include "arguments/flight_arguments.hpp"
-#include "campaign/campaign_file.hpp"
-#include "program/program.hpp"
+#include "quadtune/workbench/campaign/campaign_file.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/read_gains.hpp"
@@ -21,9 +19,10 @@
 #include "quadtune/version.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/flight/fly.hpp"
+#include "quadtune/workbench/flight/option_of_file.hpp"
 #include "quadtune/workbench/flown/flown_loop.hpp"
 
-namespace quadtune::cli {
+namespace quadtune {
 namespace {
 
 using internal::finite_or_null;
@@ -226,10 +225,9 @@ class PlanMaker {
           std::clamp(std::ceil(time / kShardTime), 1.0, static_cast<double>(request_.flights)));
     }
     if (shards > request_.flights)
-      throw UsageError(fmt::format("quadtune campaign: --shards is {}, expected at most {} as "
-                                   "there are no more flights",
-                                   shards, request_.flights),
-                       "--shards");
+      throw OptionError("shards", fmt::format("shards is {}, expected at most {} as there are no "
+                                              "more flights",
+                                              shards, request_.flights));
     return shards;
   }
 
@@ -266,7 +264,7 @@ class PlanMaker {
     arguments.controller = design.controller;
     arguments.integrator = design.integrator;
     const ChosenLaw law =
-        told_of_file(design.where, [&] { return choose_law(arguments, vehicle, "campaign"); });
+        option_of_file(design.where, [&] { return choose_law(arguments, vehicle, "campaign"); });
     entry["law"] = law.words;
     Controller controller = law.controller;
     if (law.estimator) {
@@ -282,7 +280,7 @@ class PlanMaker {
       FlightOptions flown = m.arguments;
       flown.integrator = design.integrator;
       const PlannedFlight plan =
-          told_of_file(m.where, [&] { return plan_flight(flown, vehicle, m.mission, law); });
+          option_of_file(m.where, [&] { return plan_flight(flown, vehicle, m.mission, law); });
       require_stable(plan, design);
       controller = plan.setup.controller;  // with the integrator that was asked for
       entry["estimators"].push_back(to_json(plan.setup.mambo_estimator));
@@ -401,7 +399,7 @@ CampaignPlan plan_of(const Json& json, const std::filesystem::path& folder,
           parse_mission(member(missions[m], "text", where).get<std::string>(), of.mission, folder);
       const FlightOptions options = arguments_of(member(missions[m], "flown", where), where);
       PlannedFlight flight =
-          told_of_command("campaign", [&] { return plan_flight(options, vehicle, mission, law); });
+          option_of_file(where, [&] { return plan_flight(options, vehicle, mission, law); });
       of.setup = std::move(flight.setup);
       take(member(design, "estimators", where)[m], where, of.setup.mambo_estimator);
       flight.setup = {};
@@ -446,4 +444,4 @@ CampaignFolder folder_of(const CampaignPlan& plan, const std::filesystem::path& 
           static_cast<std::uint32_t>(plan.campaign.cases.size()), plan.shards};
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune

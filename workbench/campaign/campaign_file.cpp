@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "campaign/campaign_file.hpp"
+#include "quadtune/workbench/campaign/campaign_file.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 #include "quadtune/internal/toml_reader.hpp"
 #include "quadtune/internal/uncertainty_reader.hpp"
 
-namespace quadtune::cli {
+namespace quadtune {
 namespace {
 
 using internal::Range;
@@ -173,4 +173,4 @@ CampaignRequest read_campaign(const std::filesystem::path& path) {
   return request;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "missions/flown_evidence.hpp"
+#include "quadtune/workbench/missions/flown_evidence.hpp"
 
 #include "quadtune/errors.hpp"
 
-namespace quadtune::cli {
+namespace quadtune {
 
 FlownEvidence flown_evidence(const PlannedFlight& first, const std::optional<Controller>& before,
                              const std::optional<Controller>& after,
@@ -33,4 +33,4 @@ void reject_unstable(const FlownEvidence& evidence, const Eigen::VectorXd& start
   result.reason = "the flown loop of what was found is unstable: " + in_words(*evidence.after);
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune

@@ -11,7 +11,7 @@
 #include "quadtune/workbench/flight/flight_plan.hpp"
 #include "quadtune/workbench/flown/flown_loop.hpp"
 
-namespace quadtune::cli {
+namespace quadtune {
 
 /// Flown loops with the sensors and the estimator of the first mission.
 struct FlownEvidence {
@@ -30,4 +30,4 @@ struct FlownEvidence {
 void reject_unstable(const FlownEvidence& evidence, const Eigen::VectorXd& start,
                      MissionSearchResult& result);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What most source files of the program include, parsed once for all of them, as
+/// What most source files of report/ and of the program include, parsed once for all of them, as
 /// quadtune/internal/precompiled.hpp is for the libraries. Whoever changes one of these headers
-/// compiles the whole program again.
+/// compiles both again.
 #pragma once
 
-#include "program/command_line.hpp"
-#include "program/program.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/precompiled.hpp"

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "campaign/campaign_plan.hpp"
+#include "quadtune/workbench/campaign/campaign_plan.hpp"
 
-namespace quadtune::cli {
+namespace quadtune {
 
 /// slurm.sh, a job array for sbatch, and parallel.sh, for GNU parallel here or over ssh. Both call
 /// $QUADTUNE, or the quadtune of the path.
@@ -19,4 +19,4 @@ namespace quadtune::cli {
 /// A word as a shell takes it whole.
 [[nodiscard]] std::string shell_word(const std::string& word);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/gains/verify_evidence.hpp"
+#include "quadtune/workbench/verify/verify_evidence.hpp"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@
 #include "quadtune/workbench/design/export_content.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
 
-namespace quadtune::cli {
+namespace quadtune {
 namespace {
 
 using Eigen::Index;
@@ -190,4 +190,4 @@ std::vector<VerifyCheck> check_evidence(const Vehicle& vehicle, const Manifest& 
   }
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune

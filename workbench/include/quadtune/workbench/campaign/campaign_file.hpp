@@ -7,14 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "arguments/flight_arguments.hpp"
-#include "campaign/campaign_plan.hpp"
+#include "quadtune/workbench/flight/flight_plan.hpp"
+#include "quadtune/workbench/campaign/campaign_plan.hpp"
 #include "quadtune/internal/toml_reader.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/simulation/mission.hpp"
 #include "quadtune/simulation/uncertainty.hpp"
 
-namespace quadtune::cli {
+namespace quadtune {
 
 /// [[design]]: gains as `quadtune fly` takes them.
 struct CampaignDesign {
@@ -52,4 +52,4 @@ struct CampaignRequest {
 /// @throws InvalidInput  "file:line: …"
 [[nodiscard]] CampaignRequest read_campaign(const std::filesystem::path& file);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune

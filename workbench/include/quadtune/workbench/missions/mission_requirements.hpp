@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "campaign/campaign_file.hpp"
+#include "quadtune/workbench/campaign/campaign_file.hpp"
 #include "quadtune/synthesis/margins.hpp"
 #include "quadtune/tuning/mission_search.hpp"
 
-namespace quadtune::cli {
+namespace quadtune {
 
 /// Margins that a loop must keep; what is not said is not asked for.
 struct MarginLimits {
@@ -52,4 +52,4 @@ struct NamedMargins {
                                                      const std::vector<NamedMargins>& loops,
                                                      const std::vector<NamedMargins>& start);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune
