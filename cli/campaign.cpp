@@ -14,18 +14,20 @@
 #include <memory>
 #include <ostream>
 
+#include "arguments/flight_arguments.hpp"
 #include "campaign/campaign_merge.hpp"
-#include "quadtune/workbench/campaign/campaign_plan.hpp"
-#include "quadtune/workbench/campaign/campaign_scripts.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/logs/flight_log.hpp"
+#include "quadtune/workbench/campaign/campaign_folder.hpp"
+#include "quadtune/workbench/campaign/campaign_plan.hpp"
+#include "quadtune/workbench/campaign/campaign_scripts.hpp"
 #include "report/flights/campaign_report.hpp"
+#include "report/flights/campaign_status.hpp"
 #include "report/flights/flight_story.hpp"
-#include "arguments/flight_arguments.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -77,96 +79,13 @@ class Progress {
   std::chrono::steady_clock::time_point begin_;
 };
 
-/// The plan as it is read back, before anything is written where the user wants it.
-CampaignPlan tried(const std::vector<FileContent>& files, const std::string& file) {
-  const WritingFiles writing;  // so that the folder does not stay
-  std::string name = (fs::temp_directory_path() / "quadtune-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) throw FileError(name, std::strerror(errno));
-  struct Remove {
-    std::string folder;
-    ~Remove() {
-      std::error_code ignored;
-      fs::remove_all(folder, ignored);
-    }
-  } const remove{name};
-  write_files(name, files, {}, interrupted);
-  try {
-    return load_plan(name);
-  } catch (const InvalidInput& error) {
-    // The folder's name says nothing to the user.
-    std::string message = error.what();
-    const std::string prefix = (fs::path(name) / kPlanName).string() + ": ";
-    if (message.starts_with(prefix)) message.erase(0, prefix.size());
-    throw InvalidInput(file, message);
-  }
-}
-
-/// Whether there is such a file; one that cannot be looked at is an error.
-bool is_there(const fs::path& path) {
-  std::error_code error;
-  const bool there = fs::exists(path, error);
-  if (error) throw FileError(path.string(), error.message());
-  return there;
-}
-
-/// The first key in which the plan in a folder is not the one that is asked for:
-/// ": what differs is shards, 8 there and 1 here".
-std::string difference_of(const fs::path& plan, const std::vector<FileContent>& files) {
-  const auto asked = std::find_if(files.begin(), files.end(),
-                                  [](const FileContent& file) { return file.name == kPlanName; });
-  Json there;
-  try {
-    there = Json::parse(internal::read_file(plan.string(), std::size_t{1} << 30));
-  } catch (const internal::JsonError&) {
-    return "";
-  }
-  if (!there.is_object()) return "";
-  const Json here = Json::parse(asked->bytes);
-  for (const std::string& key : here.keys()) {
-    const Json& value = here[key];
-    if (there.contains(key) && there[key] == value) continue;
-    const bool numbers = there.contains(key) && there[key].is_primitive();
-    return ": what differs is " + key +
-           (numbers ? fmt::format(", {} there and {} here", internal::json_text(there[key]),
-                                  internal::json_text(value))
-                    : "");
-  }
-  return "";
-}
-
-/// Writes the plan into a folder that has none, or has the same.
+/// Plans, and writes the plan into the folder.
 /// @return  whether it was there already
 bool init(const std::string& file, const std::string& folder, std::uint32_t shards) {
-  const std::vector<FileContent> files =
-      option_of_command("campaign", [&] { return plan_files(file, shards); });
-  const fs::path plan = fs::path(folder) / kPlanName;
-  if (is_there(plan)) {
-    for (const FileContent& content : files) {
-      const fs::path path = fs::path(folder) / content.name;
-      if (!is_there(path) ||
-          internal::read_file(path.string(), std::size_t{1} << 30) != content.bytes)
-        throw InvalidInput(plan.string(),
-                           fmt::format("is of another campaign{}, expected a folder of its own "
-                                       "for each",
-                                       difference_of(plan, files)));
-    }
-    return true;
-  }
-  const CampaignPlan loaded = tried(files, file);
-  const std::vector<FileContent> scripts =
-      campaign_scripts(loaded, fs::absolute(folder).lexically_normal());
-  // The plan comes last: where it is, everything is.
+  const MadeCampaign made =
+      option_of_command("campaign", [&] { return make_campaign(file, shards); });
   const WritingFiles writing;
-  write_files(folder, scripts, {}, interrupted);
-  for (const FileContent& script : scripts) {
-    const fs::path path = fs::path(folder) / script.name;
-    std::error_code error;
-    fs::permissions(path, fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
-                    fs::perm_options::add, error);
-    if (error) throw FileError(path.string(), error.message());
-  }
-  write_files(folder, files, {}, interrupted);
-  return false;
+  return write_campaign(made, folder, interrupted);
 }
 
 /// --shards as it is counted.
@@ -294,15 +213,6 @@ Verb work_verb() {
       }};
 }
 
-/// "done", "running", "stopped", "damaged", "waiting".
-std::string word_of(const ShardState& state) {
-  constexpr double kAlive = 60;  // [s] since a worker wrote
-  if (state.complete) return "done";
-  if (state.workers > 0 && state.last_written < kAlive) return "running";
-  if (!state.damage.empty()) return "damaged";
-  return state.workers > 0 ? "stopped" : "waiting";
-}
-
 Verb status_verb() {
   struct Options {
     std::string folder;
@@ -314,51 +224,9 @@ Verb status_verb() {
             return [options](Context& context) {
               need(options->folder, "status", "DIR", "a folder with a plan");
               const CampaignPlan plan = load_plan(options->folder);
-              const CampaignFolder folder = folder_of(plan, options->folder);
-              Json shards = Json::array();
-              std::uint64_t done = 0;
-              double rate = 0;  // of the workers of whom it is known
-              int running = 0, known = 0;
-              std::map<std::string, std::uint32_t> counts;
-              std::string text;
-              for (std::uint32_t shard = 0; shard < plan.shards; ++shard) {
-                const ShardState state = shard_state(folder, shard);
-                const std::string word = word_of(state);
-                done += state.records;
-                ++counts[word];
-                if (word == "running") {
-                  ++running;
-                  rate += state.rate;
-                  known += static_cast<int>(state.rate > 0);
-                }
-                shards.push_back({{"shard", shard},
-                                  {"state", word},
-                                  {"records", state.records},
-                                  {"expected", state.expected},
-                                  {"damage", state.damage}});
-                if (word == "done" || word == "waiting") continue;
-                text += fmt::format("shard {}: {}, {} of {} flights\n", shard, word, state.records,
-                                    state.expected);
-                for (const std::string& damage : state.damage) text += "  " + damage + "\n";
-              }
-              const std::uint64_t all = plan.campaign.records();
-              // If as many workers go on; who has not written yet is taken for as fast as the rest.
-              const double left =
-                  done == all ? 0 : static_cast<double>(all - done) * known / (rate * running);
-              if (context.json) {
-                context.out << internal::readable(Json{{"name", plan.name},
-                                                       {"records", done},
-                                                       {"expected", all},
-                                                       {"left_s", internal::finite_or_null(left)},
-                                                       {"shards", shards}})
-                            << "\n";
-                return;
-              }
-              std::string summary = fmt::format("{}: {} of {} flights", plan.name, done, all);
-              for (const auto& [word, count] : counts)
-                summary += fmt::format(", {} shard{} {}", count, count == 1 ? "" : "s", word);
-              if (done < all && known > 0) summary += fmt::format(", about {:.0f} s left", left);
-              context.out << summary << "\n" << text;
+              const CampaignStatus status = campaign_status(plan, options->folder);
+              context.out << (context.json ? internal::readable(to_json(plan, status)) + "\n"
+                                           : to_text(plan, status));
             };
           }};
 }

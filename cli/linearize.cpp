@@ -50,7 +50,7 @@ Verb linearize_verb() {
             return [arguments](Context& context) {
               if (arguments->vehicle.empty())
                 throw UsageError("quadtune linearize: expected a vehicle's name or file", "V");
-              const Plant plant = make_plant(*arguments);
+              const LinearVehicle plant = make_plant(*arguments);
               for (const std::string& note : plant.model.notes)
                 context.note("linearize: note: " + note);
               if (context.json)

@@ -14,7 +14,6 @@
 #include "arguments/matrix_arguments.hpp"
 #include "arguments/plant_arguments.hpp"
 #include "laws/flown_or_ideal.hpp"
-#include "report/gains/laws_json.hpp"
 #include "laws/lqr_flown.hpp"
 #include "laws/lqr_matrix.hpp"
 #include "laws/lqr_schedule.hpp"
@@ -25,6 +24,7 @@
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/synthesis/state_feedback.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
+#include "report/gains/laws_json.hpp"
 #include "report/loops/flown_report.hpp"
 #include "report/loops/margins_report.hpp"
 #include "report/text/print.hpp"
@@ -168,7 +168,7 @@ void run_matrices(const Options& options, bool sampled, Context& context) {
 
 void run_vehicle(const LqrArguments& arguments, const std::string& asked, Context& context) {
   const std::optional<MarginsEvidence> evidence = asked_evidence(asked);
-  const Plant plant = make_plant(arguments.plant);
+  const LinearVehicle plant = make_plant(arguments.plant);
   const LqrDesign design =
       make_design(arguments, plant.model.plant.states, plant.model.plant.inputs);
   const StateFeedback feedback = state_feedback(plant.model.plant, design);

@@ -8,15 +8,18 @@
 
 #include "arguments/lqr_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"
-#include "quadtune/workbench/design/given_gains.hpp"
-#include "missions/tune_lqr_missions.hpp"
+#include "arguments/mission_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/convert.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/tuning/match_gains.hpp"
+#include "quadtune/workbench/design/chosen_law.hpp"
+#include "quadtune/workbench/design/given_gains.hpp"
+#include "quadtune/workbench/missions/lqr_tuning.hpp"
 #include "report/gains/gain_match_report.hpp"
 
 namespace quadtune::cli {
@@ -75,8 +78,9 @@ void complete(const CommandLine& line, const GivenGains& given, LqrArguments& pr
 }
 
 /// What the library refuses of the ties is the option's mistake.
-GainMatch match_or_refuse(const Plant& plant, const LqrDesign& design, const OrderedGains& gains,
-                          const GainMatchOptions& options, const std::string& file) {
+GainMatch match_or_refuse(const LinearVehicle& plant, const LqrDesign& design,
+                          const OrderedGains& gains, const GainMatchOptions& options,
+                          const std::string& file) {
   try {
     return match_gains(plant.model.plant, design, gains.K, gains.K_int, options);
   } catch (const InvalidInput& error) {
@@ -85,6 +89,42 @@ GainMatch match_or_refuse(const Plant& plant, const LqrDesign& design, const Ord
     if (why.find(" tie") != std::string::npos) refuse("--tie", "--tie: " + why);
     throw InvalidInput(file, why);
   }
+}
+
+/// @param problem  `method` is empty where it was not said
+LqrArguments with_defaults(LqrArguments problem) {
+  problem.verb = "tune lqr";
+  if (problem.plant.at != "hover")
+    throw UsageError(fmt::format("quadtune tune lqr: --at is '{}', expected hover because missions "
+                                 "are flown with gains about it",
+                                 internal::printable(problem.plant.at)),
+                     "--at");
+  if (problem.Q.empty() && problem.R.empty()) problem.plant.inputs = "wrench";
+  if (problem.method.empty()) problem.method = "sampled";
+  if (!problem.has_dt && problem.method != "continuous") {
+    problem.dt = kUsualPeriod;
+    problem.has_dt = true;
+  }
+  return problem;
+}
+
+void run_missions(const Options& options, Context& context) {
+  require_sane(kVerb, options.missions);
+  const MissionRequirements requirements = mission_requirements(kVerb, options.missions);
+  const LqrArguments problem = with_defaults(options.problem);
+  LinearVehicle plant = make_plant(problem.plant);
+  const LqrDesign design = make_design(problem, plant.model.plant.states, plant.model.plant.inputs);
+  const bool standard = problem.Q.empty() && problem.R.empty();
+  if (standard && (problem.plant.convention != "ned" || problem.plant.states != "full"))
+    refuse("--Q",
+           "expected --Q and --R beside --convention or --states, because weights by Bryson's rule "
+           "are of all states in ned");
+  if (design.dt == 0)
+    refuse("--method",
+           "--method continuous came, expected discrete or sampled because the gains are flown by "
+           "a computer");
+  run_mission_tuning(kVerb, lqr_tuning(std::move(plant), design, standard, options.separate),
+                     requirements, options.missions, context);
 }
 
 void run(const CommandLine& line, Options options, Context& context) {
@@ -106,7 +146,7 @@ void run(const CommandLine& line, Options options, Context& context) {
       refuse("--inputs",
              "--inputs came without --Q and --R, expected none or wrench because weights by "
              "Bryson's rule are of it");
-    run_lqr_missions(options.problem, options.missions, options.separate, context);
+    run_missions(options, context);
     return;
   }
   for (const char* option :
@@ -125,7 +165,7 @@ void run(const CommandLine& line, Options options, Context& context) {
                        "their integrals, because weights are sought on the textbook plant");
   options.problem.verb = kVerb;
   complete(line, given, options.problem);
-  const Plant plant = make_plant(options.problem.plant);
+  const LinearVehicle plant = make_plant(options.problem.plant);
   require_states(given.gains, plant.model.plant.states,
                  convention(options.problem.plant.convention, "--convention"), options.gains);
   const LqrDesign design =

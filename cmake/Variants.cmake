@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # The kernels of each library for three kinds of x86-64 processors: any, those with AVX2 (x86-64-v3)
-# and those with AVX-512 (x86-64-v4). docs/decisions/0006-variants.md says why in this way.
+# and those with AVX-512 (x86-64-v4). docs/decisions/0011-variants.md says why in this way.
 #
 # A variant is the whole shared library once more: the kernels compiled for it, everything else the
 # objects of the library itself. It lies in lib/glibc-hwcaps/x86-64-v3 or -v4, where the dynamic
@@ -12,35 +12,47 @@ if(QUADTUNE_VARIANTS AND CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT QUADTUNE_NAT
 else()
   set(QUADTUNE_VARIANT_NAMES "")
 endif()
+# Whoever builds a program that loads the libraries builds the variants: the loader would find those
+# of the build before.
+add_custom_target(quadtune_variants)
 
-# quadtune_variants(target KERNELS a.cpp … PRIVATE libraries …)
+# The objects of `target` that are compiled from `sources` (INCLUDE), or from others (EXCLUDE).
+function(quadtune_objects result target which sources)
+  string(REPLACE ";" "|" names "${sources}")
+  string(REPLACE "." "[.]" names "${names}")
+  set(${result} "$<FILTER:$<TARGET_OBJECTS:${target}>,${which},/(${names})[.]o$>" PARENT_SCOPE)
+endfunction()
+
+# quadtune_variants(target KERNELS a.cpp … AVX2_KERNELS b.cpp … LINK libraries …)
+# AVX2_KERNELS gain nothing by wider vectors than AVX2's: both variants share their objects.
 function(quadtune_variants target)
-  cmake_parse_arguments(ARG "" "" "KERNELS;LINK" ${ARGN})
-  if(NOT ARG_KERNELS)
+  cmake_parse_arguments(ARG "" "" "KERNELS;AVX2_KERNELS;LINK" ${ARGN})
+  set(all ${ARG_KERNELS} ${ARG_AVX2_KERNELS})
+  if(NOT all)
     return()
   endif()
-  # The objects of the library, without those of its kernels.
-  string(REPLACE ";" "|" kernels "${ARG_KERNELS}")
-  string(REPLACE "." "[.]" kernels "${kernels}")
-  set(rest "$<FILTER:$<TARGET_OBJECTS:${target}>,EXCLUDE,/(${kernels})[.]o$>")
+  quadtune_objects(rest ${target} EXCLUDE "${all}")
   foreach(variant IN LISTS QUADTUNE_VARIANT_NAMES)
     set(copy ${target}_${variant})
-    add_library(${copy} SHARED ${ARG_KERNELS} ${rest} $<TARGET_OBJECTS:quadtune_eigen>)
+    set(sources ${all})
+    if(variant STREQUAL x86-64-v4 AND ARG_AVX2_KERNELS)
+      quadtune_objects(shared ${target}_x86-64-v3 INCLUDE "${ARG_AVX2_KERNELS}")
+      set(sources ${ARG_KERNELS} ${shared})
+    endif()
+    add_library(${copy} SHARED ${sources} ${rest} $<TARGET_OBJECTS:quadtune_eigen>)
     set(folder glibc-hwcaps/${variant})
     set_target_properties(
       ${copy} PROPERTIES OUTPUT_NAME ${target}
+                         LINKER_LANGUAGE CXX
                          LIBRARY_OUTPUT_DIRECTORY ${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/${folder}
                          VERSION ${PROJECT_VERSION}
                          SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
                          INSTALL_RPATH $ORIGIN/../..)
     target_compile_options(${copy} PRIVATE -march=${variant})
-    target_include_directories(${copy} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}
-                                               ${CMAKE_CURRENT_SOURCE_DIR}/include)
+    target_include_directories(${copy} PRIVATE $<TARGET_PROPERTY:${target},INCLUDE_DIRECTORIES>)
     target_link_libraries(${copy} PRIVATE ${ARG_LINK} $<BUILD_INTERFACE:quadtune_flags>)
     quadtune_keeps_to_itself(${copy})
-    # Whoever builds the library gets its variants.
     add_dependencies(quadtune_variants ${copy})
     install(TARGETS ${copy} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/${folder} NAMELINK_SKIP)
   endforeach()
 endfunction()
-add_custom_target(quadtune_variants)

@@ -43,14 +43,19 @@ LinearizeOptions linearize_options(const PlantArguments& arguments) {
 }
 
 FlightCondition flight_condition(const PlantArguments& arguments) {
-  return {flight_kind(arguments.at, "--at"), arguments.yaw,    arguments.speed,
-          arguments.climb,                   arguments.radius, arguments.yaw_rate};
+  return {flight_kind(arguments.at, "--at"),
+          arguments.yaw,
+          arguments.speed,
+          arguments.climb,
+          arguments.radius,
+          arguments.yaw_rate};
 }
 
-Plant make_plant(const PlantArguments& arguments) {
-  Plant plant;
+LinearVehicle make_plant(const PlantArguments& arguments) {
+  LinearVehicle plant;
   plant.vehicle = load_vehicle(arguments.vehicle);
-  const FlightCondition condition = flight_condition(arguments);
+  plant.flight = flight_condition(arguments);
+  const FlightCondition& condition = plant.flight;
   if (condition.kind == FlightKind::circle && condition.radius == 0)
     throw UsageError("quadtune: --radius is missing or 0, expected that of the circle in metres",
                      "--radius");

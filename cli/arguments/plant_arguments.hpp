@@ -6,6 +6,7 @@
 
 #include "quadtune/linearize/linearize.hpp"
 #include "quadtune/model/vehicle.hpp"
+#include "quadtune/workbench/design/linearize_or_refuse.hpp"
 
 namespace quadtune::cli {
 
@@ -36,14 +37,8 @@ void add_plant_options(CommandLine& line, PlantArguments& arguments);
 /// @throws InvalidInput  for another word than those of --at
 [[nodiscard]] FlightCondition flight_condition(const PlantArguments& arguments);
 
-/// A vehicle with its linear model.
-struct Plant {
-  Vehicle vehicle;
-  Linearization model;
-};
-
 /// Trims and linearizes.
 /// @throws NoSolution  with the trim's culprit.
-[[nodiscard]] Plant make_plant(const PlantArguments& arguments);
+[[nodiscard]] LinearVehicle make_plant(const PlantArguments& arguments);
 
 }  // namespace quadtune::cli

@@ -3,8 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <set>
-
+#include "arguments/flight_arguments.hpp"
 #include "program/program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/in_parallel.hpp"
@@ -12,69 +11,17 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/logs/flight_log.hpp"
 #include "quadtune/simulation/campaign_table.hpp"
+#include "quadtune/workbench/campaign/campaign_folder.hpp"
 #include "report/flights/campaign_report.hpp"
 #include "report/flights/flight_story.hpp"
 
 namespace quadtune::cli {
-namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<CampaignRecord> all_records(const CampaignPlan& plan, const std::string& path) {
-  const CampaignFolder folder = folder_of(plan, path);
-  std::vector<CampaignRecord> records;
-  records.reserve(plan.campaign.records());
-  std::vector<std::string> missing;
-  for (std::uint32_t shard = 0; shard < plan.shards; ++shard) {
-    if (interrupted()) throw Interrupted();
-    if (!shard_is_there(folder, shard)) {
-      missing.push_back(fmt::format("{}", shard));
-      continue;
-    }
-    for (CampaignRecord& record : read_shard(folder, shard)) records.push_back(std::move(record));
-  }
-  if (!missing.empty()) {
-    constexpr std::size_t kNamed = 10;
-    const std::size_t more = missing.size() > kNamed ? missing.size() - kNamed : 0;
-    const std::string first = missing.front();
-    missing.resize(missing.size() - more);
-    throw InvalidInput(
-        path, fmt::format("shard{} {}{} {} not complete, expected all {}: `quadtune campaign work "
-                          "{} --shard {}` flies what is missing",
-                          missing.size() + more == 1 ? "" : "s", internal::joined(missing, ", "),
-                          more > 0 ? fmt::format(" and {} more", more) : "",
-                          missing.size() + more == 1 ? "is" : "are", plan.shards, path, first));
-  }
-  return records;
-}
-
-/// Numbers of the flights that leave a log.
-std::set<std::uint64_t> kept_flights(const CampaignPlan& plan,
-                                     const std::vector<CampaignRecord>& records) {
-  std::set<std::uint64_t> kept;
-  int failures = 0;
-  for (const CampaignRecord& record : records) {
-    if (failures == plan.keep.failures) break;
-    if (record.passed) continue;
-    kept.insert(record.number);
-    ++failures;
-  }
-  const auto sample = static_cast<std::uint64_t>(plan.keep.sample);
-  for (std::uint64_t i = 0; i < sample; ++i) kept.insert(i * records.size() / sample);
-  return kept;
-}
-
-}  // namespace
-
-PlannedFlight replayed_flight(const CampaignPlan& plan, std::uint64_t number) {
-  PlannedFlight flight = plan.words[number % plan.campaign.cases.size()];
-  flight.setup = setup_of(plan.campaign, number);
-  return flight;
-}
-
 MergedCampaign merge_campaign(const CampaignPlan& plan, const std::string& folder,
                               Context& context) {
-  const std::vector<CampaignRecord> records = all_records(plan, folder);
+  const std::vector<CampaignRecord> records = all_records(plan, folder, interrupted);
   MergedCampaign merged;
   const std::size_t threads = internal::thread_count(context.threads);
   const Eigen::MatrixXd drawn = all_draws(plan.campaign, threads);

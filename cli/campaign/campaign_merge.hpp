@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "arguments/flight_arguments.hpp"
-#include "quadtune/workbench/campaign/campaign_plan.hpp"
 #include "quadtune/simulation/campaign_statistics.hpp"
+#include "quadtune/workbench/campaign/campaign_plan.hpp"
 
 namespace quadtune::cli {
 
@@ -25,8 +24,5 @@ struct MergedCampaign {
 /// @throws FileError, Interrupted
 [[nodiscard]] MergedCampaign merge_campaign(const CampaignPlan& plan, const std::string& folder,
                                             Context& context);
-
-/// A flight of the campaign with its words.
-[[nodiscard]] PlannedFlight replayed_flight(const CampaignPlan& plan, std::uint64_t number);
 
 }  // namespace quadtune::cli

@@ -128,8 +128,6 @@ ReportReplay replay_of(const Vehicle& vehicle) {
 }
 
 std::vector<MarginRow> margin_rows(const MarginsReport& margins) {
-  const auto decibels = [](double gain) { return 20 * std::log10(gain); };
-  const auto degrees = [](double angle) { return angle * 180 / std::numbers::pi; };
   std::vector<MarginRow> rows;
   for (std::size_t i = 0; i < margins.loops.size(); ++i) {
     const LoopMargins& loop = margins.loops[i];

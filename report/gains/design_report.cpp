@@ -4,16 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
-#include "report/gains/lqi_report.hpp"
-#include "report/gains/matrix_report.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/mixer.hpp"
 #include "report/flights/design_flights.hpp"
 #include "report/gains/export_report.hpp"
+#include "report/gains/lqi_report.hpp"
+#include "report/gains/matrix_report.hpp"
 #include "report/gains/verify_report.hpp"
 #include "report/loops/cascade_report.hpp"
 #include "report/loops/flown_report.hpp"
@@ -90,7 +89,7 @@ std::string flight_text(const FlightCondition& condition) {
         fmt::format(" at {} m/s, climb {} m/s", number(condition.speed), number(condition.climb));
   if (condition.kind == FlightKind::circle)
     text += fmt::format(", radius {} m", number(condition.radius));
-  return text + fmt::format(", yaw {} deg", number(condition.yaw * 180 / std::numbers::pi));
+  return text + fmt::format(", yaw {} deg", number(degrees(condition.yaw)));
 }
 
 std::string trim_text(const DesignOutcome& outcome) {
@@ -105,8 +104,7 @@ std::string trim_text(const DesignOutcome& outcome) {
       "{:.3g} deg, residual {:.2g}",
       flight_text(outcome.design.condition), speeds, number(least_speed(vehicle)),
       number(greatest_speed(vehicle)), number(command_of_speed(vehicle.motor, most)),
-      vehicle.motor.unit, thrust_to_weight(vehicle), trim.tilt * 180 / std::numbers::pi,
-      trim.residual);
+      vehicle.motor.unit, thrust_to_weight(vehicle), degrees(trim.tilt), trim.residual);
 }
 
 std::string problem_text(const DesignOutcome& outcome) {

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "quadtune/internal/json.hpp"
 #include "report/gains/lqi_report.hpp"
@@ -66,9 +65,8 @@ std::string family_text(const FlownGains& flown) {
       const LoopMargins& margins = axis.margins[i];
       text += fmt::format("{:9}{:31} {} {:5.1f} deg, {:4.1f} dB up, Ms {:.2f}, disk {:.2f}\n",
                           to_string(axis.axis), flown.family[i].name,
-                          margins.stable ? "stable  " : "UNSTABLE",
-                          margins.phase_margin * 180 / std::numbers::pi,
-                          20 * std::log10(margins.gain_margin), margins.Ms, margins.disk.alpha);
+                          margins.stable ? "stable  " : "UNSTABLE", degrees(margins.phase_margin),
+                          decibels(margins.gain_margin), margins.Ms, margins.disk.alpha);
     }
   if (!text.empty()) text.pop_back();
   return text;
@@ -82,7 +80,7 @@ Json family_json(const FlownGains& flown) {
       axes.push_back({{"axis", to_string(axis.axis)},
                       {"plant", flown.family[i].name},
                       {"stable", margins.stable},
-                      {"phase_margin_deg", margins.phase_margin * 180 / std::numbers::pi},
+                      {"phase_margin_deg", degrees(margins.phase_margin)},
                       {"Ms", margins.Ms},
                       {"disk", margins.disk.alpha}});
     }

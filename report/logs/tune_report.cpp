@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/internal/joined.hpp"
@@ -188,8 +187,7 @@ std::string agreement_table(const NoiseAgreement& agreement, const NoiseFit& fit
 /// Radians also in degrees.
 std::string error_figure(double value, const std::string& unit) {
   if (unit != "rad") return fmt::format("{} {}", figure(value, 4), unit);
-  return fmt::format("{} rad = {} deg", figure(value, 4),
-                     figure(value * 180 / std::numbers::pi, 4));
+  return fmt::format("{} rad = {} deg", figure(value, 4), figure(degrees(value), 4));
 }
 
 bool some_held_out(const NoiseTuning& tuning) {

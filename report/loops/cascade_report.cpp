@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
@@ -16,9 +15,6 @@ namespace {
 
 using internal::finite_or_null;
 using internal::Json;
-
-double decibels(double gain) { return 20 * std::log10(gain); }
-double degrees(double angle) { return angle * 180 / std::numbers::pi; }
 
 const PidLoop& written(const CascadeReport& report, CascadeAxis axis) {
   return report.cascade.gains.loops[index_of(axis)];

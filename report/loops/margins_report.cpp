@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "quadtune/internal/json.hpp"
 #include "report/text/print.hpp"
@@ -14,9 +13,6 @@ namespace {
 
 using internal::finite_or_null;
 using internal::Json;
-
-double decibels(double gain) { return 20 * std::log10(gain); }
-double degrees(double angle) { return angle * 180 / std::numbers::pi; }
 
 /// "12.3", or "-" for what is infinite: nothing is there to be met.
 /// At most six characters where `decimals` is 2, eight where it is 1.

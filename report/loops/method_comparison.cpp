@@ -264,9 +264,8 @@ std::string flown_text(const std::vector<FlownRow>& rows, const std::array<doubl
         continue;
       }
       const LeastMargins least = least_of(*at.loop);
-      columns[0] += std::isfinite(least.phase)
-                        ? fmt::format("{:>8.1f}", least.phase * 180 / std::numbers::pi)
-                        : fmt::format("{:>8}", "any");
+      columns[0] += std::isfinite(least.phase) ? fmt::format("{:>8.1f}", degrees(least.phase))
+                                               : fmt::format("{:>8}", "any");
       columns[1] += fmt::format("{:>8.2f}", least.Ms);
       columns[2] += fmt::format("{:>8.2f}", least.disk);
     }
@@ -309,8 +308,7 @@ void add_flown(Json& flown, const Law& law, const std::vector<FlownRow>& rows) {
       entry["stable"] = !lost;
       entry["slowest_mode"] = in_words(*at.loop);
       const LeastMargins least = least_of(*at.loop);
-      entry["phase_margin_deg"] =
-          lost ? Json(nullptr) : Json(finite_or_null(least.phase * 180 / std::numbers::pi));
+      entry["phase_margin_deg"] = lost ? Json(nullptr) : Json(finite_or_null(degrees(least.phase)));
       entry["Ms"] = lost ? Json(nullptr) : Json(finite_or_null(least.Ms));
       entry["disk"] = lost ? Json(nullptr) : Json(finite_or_null(least.disk));
       flown.push_back(entry);

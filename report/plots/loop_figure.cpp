@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include "report/plots/loop_panels.hpp"
@@ -69,10 +68,10 @@ std::string margin_line(const LoopMargins& m, double dt) {
   if (!m.stable) return "UNSTABLE when closed";
   std::string text = "stable";
   if (std::isfinite(m.phase_margin))
-    text += fmt::format(", phase margin {:.1f}° at {:.3g} rad/s",
-                        m.phase_margin * 180 / std::numbers::pi, m.crossover);
+    text +=
+        fmt::format(", phase margin {:.1f}° at {:.3g} rad/s", degrees(m.phase_margin), m.crossover);
   if (std::isfinite(m.gain_margin))
-    text += fmt::format(", gain margin {:.1f} dB", 20 * std::log10(m.gain_margin));
+    text += fmt::format(", gain margin {:.1f} dB", decibels(m.gain_margin));
   if (std::isfinite(m.delay_margin))
     text += (m.delay_margin < 1 ? fmt::format(", delay margin {:.3g} ms", 1e3 * m.delay_margin)
                                 : fmt::format(", delay margin {:.3g} s", m.delay_margin)) +

@@ -9,13 +9,14 @@
 #include <limits>
 #include <numbers>
 
+#include "report/text/print.hpp"
+
 namespace quadtune::report {
 namespace {
 
 using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
 
-double decibels(double gain) { return 20 * std::log10(gain); }
 double degrees(double angle) { return angle * 180 / kPi; }
 
 // --- which frequencies ---------------------------------------------------------------------------

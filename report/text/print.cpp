@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace quadtune::report {
 namespace {
@@ -19,6 +20,10 @@ std::string entry(double value, double scale) {
 }  // namespace
 
 std::string number(double value) { return fmt::format("{:.6g}", value); }
+
+double decibels(double gain) { return 20 * std::log10(gain); }
+
+double degrees(double angle) { return angle * 180 / std::numbers::pi; }
 
 std::string table(const Eigen::MatrixXd& M, const std::vector<std::string>& rows,
                   const std::vector<std::string>& columns) {

@@ -27,6 +27,10 @@ namespace quadtune::report {
 /// "316.104", "1e-16": six significant digits.
 [[nodiscard]] std::string number(double value);
 
+/// A gain as decibels, and an angle in radians as degrees: how every result shows them.
+[[nodiscard]] double decibels(double gain);
+[[nodiscard]] double degrees(double angle);
+
 /// Text lines, indented by 12 blanks. The first stands beside the heading, or under it if the
 /// heading is longer than that.
 [[nodiscard]] std::string section(const std::string& heading, const std::string& text);

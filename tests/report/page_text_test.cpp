@@ -11,7 +11,7 @@
 namespace quadtune {
 namespace {
 
-using namespace cli;
+using namespace report;
 using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;

@@ -8,7 +8,7 @@
 #include <limits>
 #include <optional>
 
-#include "quadtune/workbench/campaign/campaign_file.hpp"
+#include "campaign/setup_json.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/read_gains.hpp"
@@ -17,9 +17,11 @@
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
 #include "quadtune/version.hpp"
+#include "quadtune/workbench/campaign/campaign_file.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/flight/fly.hpp"
 #include "quadtune/workbench/flight/option_of_file.hpp"
+#include "quadtune/workbench/flight/sensor_bound.hpp"
 #include "quadtune/workbench/flown/flown_loop.hpp"
 
 namespace quadtune {
@@ -30,7 +32,7 @@ using internal::Json;
 using internal::member;
 
 constexpr char kFormat[] = "quadtune campaign plan";
-constexpr int kFormatVersion = 2;
+constexpr int kFormatVersion = 3;
 constexpr char kPlanHashName[] = "plan.sha256";
 constexpr std::size_t kLimit = std::size_t{64} << 20;
 /// Simulated time of a shard where the file does not say how many there are [s]: some minutes of
@@ -114,53 +116,65 @@ CascadeController cascade_of(const Json& json, const std::string& where) {
   return cascade;
 }
 
-/// What plan_flight() decides from the law beside the setup's words.
-Json to_json(const MamboEstimatorSettings<double>& estimator) {
-  return {{"attitude_time_constant", estimator.attitude_time_constant},
-          {"altitude_Q", estimator.altitude_Q},
-          {"altitude_R", estimator.altitude_R},
-          {"velocity_Q", estimator.velocity_Q},
-          {"velocity_R", estimator.velocity_R}};
+Json to_json(const WidenedLimit& widened) {
+  return {{"what", widened.what},   {"label", widened.label}, {"unit", widened.unit},
+          {"asked", widened.asked}, {"bound", widened.bound}, {"judged", widened.judged}};
 }
-void take(const Json& json, const std::string& where, MamboEstimatorSettings<double>& estimator) {
-  estimator.attitude_time_constant = member(json, "attitude_time_constant", where).get<double>();
-  estimator.altitude_Q = member(json, "altitude_Q", where).get<double>();
-  estimator.altitude_R = member(json, "altitude_R", where).get<double>();
-  estimator.velocity_Q = member(json, "velocity_Q", where).get<double>();
-  estimator.velocity_R = member(json, "velocity_R", where).get<double>();
+WidenedLimit widened_of(const Json& json, const std::string& where) {
+  const auto word = [&](const char* key) { return member(json, key, where).get<std::string>(); };
+  const auto number = [&](const char* key) { return member(json, key, where).get<double>(); };
+  return {word("what"),    word("label"),   word("unit"),
+          number("asked"), number("bound"), number("judged")};
 }
 
-Json to_json(const FlightOptions& arguments) {
-  Json json = {{"estimator", arguments.estimator},
-               {"sensors", arguments.sensors},
-               {"flow", arguments.flow},
-               {"wind", arguments.wind},
-               {"allocation", arguments.allocation},
-               {"take_off", arguments.take_off},
-               {"solver", arguments.solver},
-               {"dynamic_environment", arguments.dynamic_environment}};
-  if (arguments.flow_rate) json["flow_rate_Hz"] = *arguments.flow_rate;
-  if (arguments.duration) json["duration_s"] = *arguments.duration;
-  if (arguments.step) json["step_s"] = *arguments.step;
-  return json;
+/// A planned flight: its setup, and what was chosen for it in words. The law, the vehicle and the
+/// mission's text are elsewhere in the plan.
+Json to_json(const PlannedFlight& flight) {
+  Json widened = Json::array();
+  for (const WidenedLimit& limit : flight.widened) widened.push_back(to_json(limit));
+  return {{"estimator", flight.estimator},
+          {"sensors", flight.sensors},
+          {"wind", flight.wind},
+          {"notes", flight.notes},
+          {"widened", widened},
+          {"filter_of_the_law", flight.setup.general_filter.has_value()},
+          {"setup", internal::setup_to_json(flight.setup)}};
 }
-FlightOptions arguments_of(const Json& json, const std::string& where) {
-  FlightOptions arguments;
-  arguments.estimator = member(json, "estimator", where).get<std::string>();
-  arguments.sensors = member(json, "sensors", where).get<std::string>();
-  arguments.flow = member(json, "flow", where).get<std::string>();
-  arguments.wind = member(json, "wind", where).get<std::string>();
-  arguments.allocation = member(json, "allocation", where).get<std::string>();
-  arguments.take_off = member(json, "take_off", where).get<std::string>();
-  arguments.solver = member(json, "solver", where).get<std::string>();
-  arguments.dynamic_environment = member(json, "dynamic_environment", where).get<bool>();
-  if (json.contains("flow_rate_Hz")) arguments.flow_rate = json["flow_rate_Hz"].get<double>();
-  if (json.contains("duration_s")) arguments.duration = json["duration_s"].get<double>();
-  if (json.contains("step_s")) arguments.step = json["step_s"].get<double>();
-  return arguments;
+
+/// Reads it back.
+PlannedFlight flight_of(const Json& json, const std::string& where, const Vehicle& vehicle,
+                        const Mission& mission, const ChosenLaw& law) {
+  PlannedFlight flight;
+  flight.law = law.words;
+  flight.estimator = member(json, "estimator", where).get<std::string>();
+  flight.sensors = member(json, "sensors", where).get<std::string>();
+  flight.wind = member(json, "wind", where).get<std::string>();
+  flight.notes = member(json, "notes", where).get<std::vector<std::string>>();
+  for (const Json& limit : member(json, "widened", where))
+    flight.widened.push_back(widened_of(limit, where));
+  FlightSetup& setup = flight.setup;
+  setup.vehicle = vehicle;
+  setup.mission = mission;
+  setup.controller = law.controller;
+  if (member(json, "filter_of_the_law", where).get<bool>()) {
+    if (!law.estimator || !law.estimator->general)
+      throw InvalidInput(where, "a flight has the filter of its law, which has none");
+    setup.general_filter = law.estimator->general;
+  }
+  internal::setup_from_json(member(json, "setup", where), where, setup);
+  validate(setup);
+  flight.bound = mission_bound(setup);
+  return flight;
 }
 
 // --- making a plan ---
+
+void add_case(const std::string& design, const std::string& mission, PlannedFlight flight,
+              CampaignPlan& plan) {
+  plan.campaign.cases.push_back({design, mission, std::move(flight.setup)});
+  flight.setup = {};
+  plan.words.push_back(std::move(flight));
+}
 
 /// A name of no vehicle was written in the file.
 Vehicle vehicle_of(const CampaignRequest& request) {
@@ -187,30 +201,40 @@ void require_stable(const PlannedFlight& plan, const CampaignDesign& design) {
 class PlanMaker {
  public:
   PlanMaker(const std::filesystem::path& file, std::uint32_t shards)
-      : request_(read_campaign(file)), shards_(shards) {}
+      : file_(file.string()), request_(read_campaign(file)), shards_(shards) {}
 
-  std::vector<FileContent> make() {
+  MadeCampaign make() {
     const Vehicle vehicle = vehicle_of(request_);
+    CampaignPlan& plan = made_.plan;
+    plan.name = request_.name;
+    plan.shards = shard_count();
+    plan.keep = request_.keep;
+    plan.campaign.flights = request_.flights;
+    plan.campaign.seed = request_.seed;
+    plan.campaign.uncertainty = request_.uncertainty;
     Json json = {{"format", kFormat},
                  {"format_version", kFormatVersion},
                  {"version", std::string(kVersion)},
                  {"name", request_.name},
                  {"flights", request_.flights},
                  {"seed", request_.seed},
-                 {"shards", shard_count()},
+                 {"shards", plan.shards},
                  {"keep", {{"failures", request_.keep.failures}, {"sample", request_.keep.sample}}},
                  {"uncertainty", to_json(request_.uncertainty)},
                  {"vehicle", {{"origin", request_.vehicle}, {"text", vehicle.text}}}};
     add_missions(json);
     json["designs"] = Json::array();
+    json["cases"] = Json::array();
     for (const CampaignDesign& design : request_.designs) add_design(json, design, vehicle);
     json["inputs"] = Json::array();
-    for (const FileContent& file : files_)
+    for (const FileContent& file : made_.files)
       json["inputs"].push_back({{"file", file.name}, {"sha256", sha256(file.bytes)}});
     const std::string text = internal::readable(json) + "\n";
-    files_.push_back({kPlanName, text});
-    files_.push_back({kPlanHashName, sha256(text) + "\n"});
-    return std::move(files_);
+    plan.hash = sha256(text);
+    made_.files.push_back({kPlanName, text});
+    made_.files.push_back({kPlanHashName, plan.hash + "\n"});
+    validate(plan.campaign, file_);
+    return std::move(made_);
   }
 
  private:
@@ -234,28 +258,27 @@ class PlanMaker {
   void add_missions(Json& json) {
     json["missions"] = Json::array();
     for (const CampaignMission& m : request_.missions) {
-      Json entry = {
-          {"name", m.mission.name}, {"text", m.mission.text}, {"flown", to_json(m.arguments)}};
+      Json entry = {{"name", m.mission.name}, {"text", m.mission.text}};
       const auto table = internal::TomlTable::parse(m.mission.text, m.mission.name);
       if (const auto csv = table.maybe_table("csv")) {
         // Its references lie beside it; in the plan, beside the plan.
         const std::string name = csv->word("file");
         const std::string bytes =
             internal::read_file((m.mission.file.parent_path() / name).string(), kScriptFileLimit);
-        for (const FileContent& file : files_)
+        for (const FileContent& file : made_.files)
           if (file.name == name && file.bytes != bytes)
             throw InvalidInput(m.where, fmt::format("another mission has references of the name "
                                                     "'{}', expected another name",
                                                     name));
-        if (std::none_of(files_.begin(), files_.end(),
+        if (std::none_of(made_.files.begin(), made_.files.end(),
                          [&](const FileContent& file) { return file.name == name; }))
-          files_.push_back({name, bytes});
+          made_.files.push_back({name, bytes});
       }
       json["missions"].push_back(std::move(entry));
     }
   }
 
-  /// The law does not depend on the mission; what it decides of the estimator may.
+  /// The law does not depend on the mission; the flight that is planned with it does.
   void add_design(Json& json, const CampaignDesign& design, const Vehicle& vehicle) {
     Json entry = {{"name", design.name}};
     FlightOptions arguments;
@@ -273,17 +296,20 @@ class PlanMaker {
       content.estimator = law.estimator;
       const std::string name = fmt::format("estimator-{}.json", design.name);
       entry["estimator"] = name;
-      files_.push_back({name, gains_json_text(content)});
+      made_.files.push_back({name, gains_json_text(content)});
     }
-    entry["estimators"] = Json::array();
     for (const CampaignMission& m : request_.missions) {
       FlightOptions flown = m.arguments;
       flown.integrator = design.integrator;
-      const PlannedFlight plan =
+      PlannedFlight plan =
           option_of_file(m.where, [&] { return plan_flight(flown, vehicle, m.mission, law); });
       require_stable(plan, design);
       controller = plan.setup.controller;  // with the integrator that was asked for
-      entry["estimators"].push_back(to_json(plan.setup.mambo_estimator));
+      Json flight = to_json(plan);
+      flight["design"] = design.name;
+      flight["mission"] = m.mission.name;
+      json["cases"].push_back(std::move(flight));
+      add_case(design.name, m.mission.name, std::move(plan), made_.plan);
     }
     if (const auto* cascade = std::get_if<CascadeController>(&controller)) {
       entry["cascade"] = to_json(*cascade);
@@ -295,19 +321,20 @@ class PlanMaker {
       const std::string name = fmt::format("gains-{}.json", design.name);
       entry["gains"] = name;
       entry["dt_s"] = feedback.dt;
-      files_.push_back({name, gains_json_text(content)});
+      made_.files.push_back({name, gains_json_text(content)});
       if (feedback.schedule) {
         const std::string table = fmt::format("schedule-{}.json", design.name);
         entry["schedule"] = table;
-        files_.push_back({table, schedule_text(*feedback.schedule, TableFormat::json)});
+        made_.files.push_back({table, schedule_text(*feedback.schedule, TableFormat::json)});
       }
     }
     json["designs"].push_back(std::move(entry));
   }
 
+  std::string file_;
   CampaignRequest request_;
   std::uint32_t shards_;
-  std::vector<FileContent> files_;
+  MadeCampaign made_;
 };
 
 // --- reading it back ---
@@ -359,6 +386,20 @@ std::uint32_t count_of(const Json& json, const char* key, std::uint32_t least, s
   return value.get<std::uint32_t>();
 }
 
+struct NamedLaw {
+  std::string name;
+  ChosenLaw law;
+};
+
+/// The law or mission of a name.
+template <class Item>
+const Item& named(const std::vector<Item>& items, const std::string& name,
+                  const std::string& where) {
+  for (const Item& item : items)
+    if (item.name == name) return item;
+  throw InvalidInput(where, fmt::format("cases has '{}', which is not in the plan", name));
+}
+
 CampaignPlan plan_of(const Json& json, const std::filesystem::path& folder,
                      const std::string& where) {
   constexpr std::uint32_t kMost = std::numeric_limits<std::int32_t>::max();
@@ -375,7 +416,7 @@ CampaignPlan plan_of(const Json& json, const std::filesystem::path& folder,
   const Json& body = member(json, "vehicle", where);
   const Vehicle vehicle = parse_vehicle(member(body, "text", where).get<std::string>(),
                                         member(body, "origin", where).get<std::string>());
-  const Json& missions = member(json, "missions", where);
+  std::vector<NamedLaw> laws;
   for (const Json& design : member(json, "designs", where)) {
     ChosenLaw law;
     law.words = member(design, "law", where).get<std::string>();
@@ -391,28 +432,26 @@ CampaignPlan plan_of(const Json& json, const std::filesystem::path& folder,
           member(design, "dt_s", where).get<double>());
     if (design.contains("estimator"))
       law.estimator = read_laws(folder / design["estimator"].get<std::string>()).estimator;
-    for (std::size_t m = 0; m < missions.size(); ++m) {
-      CampaignCase of;
-      of.design = member(design, "name", where).get<std::string>();
-      of.mission = member(missions[m], "name", where).get<std::string>();
-      const Mission mission =
-          parse_mission(member(missions[m], "text", where).get<std::string>(), of.mission, folder);
-      const FlightOptions options = arguments_of(member(missions[m], "flown", where), where);
-      PlannedFlight flight =
-          option_of_file(where, [&] { return plan_flight(options, vehicle, mission, law); });
-      of.setup = std::move(flight.setup);
-      take(member(design, "estimators", where)[m], where, of.setup.mambo_estimator);
-      flight.setup = {};
-      plan.words.push_back(std::move(flight));
-      campaign.cases.push_back(std::move(of));
-    }
+    laws.push_back({member(design, "name", where).get<std::string>(), std::move(law)});
+  }
+  std::vector<Mission> missions;
+  for (const Json& mission : member(json, "missions", where))
+    missions.push_back(parse_mission(member(mission, "text", where).get<std::string>(),
+                                     member(mission, "name", where).get<std::string>(), folder));
+  for (const Json& flight : member(json, "cases", where)) {
+    const auto design = member(flight, "design", where).get<std::string>();
+    const auto mission = member(flight, "mission", where).get<std::string>();
+    add_case(design, mission,
+             flight_of(flight, where, vehicle, named(missions, mission, where),
+                       named(laws, design, where).law),
+             plan);
   }
   return plan;
 }
 
 }  // namespace
 
-std::vector<FileContent> plan_files(const std::filesystem::path& file, std::uint32_t shards) {
+MadeCampaign make_campaign(const std::filesystem::path& file, std::uint32_t shards) {
   return PlanMaker(file, shards).make();
 }
 

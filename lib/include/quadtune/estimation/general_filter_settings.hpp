@@ -151,6 +151,25 @@ struct GeneralFilterNoise {
   double force_walk = 1e-4;            ///< of the accelerometer's bias [m/s²/√s]
   double pressure_walk = 0.01;         ///< of the offset of the barometer's height [m/√s]
 
+  /// Calls f("name", field) for every field.
+  template <class F, class... Noise>
+  static void each_field(F&& f, Noise&... s) {
+    f("gyroscope", s.gyroscope...);
+    f("accelerometer", s.accelerometer...);
+    f("flow", s.flow...);
+    f("range", s.range...);
+    f("pressure", s.pressure...);
+    f("field", s.field...);
+    f("gps_position", s.gps_position...);
+    f("gps_velocity", s.gps_velocity...);
+    f("vision", s.vision...);
+    f("omitted_rate", s.omitted_rate...);
+    f("omitted_acceleration", s.omitted_acceleration...);
+    f("gyro_walk", s.gyro_walk...);
+    f("force_walk", s.force_walk...);
+    f("pressure_walk", s.pressure_walk...);
+  }
+
   friend bool operator==(const GeneralFilterNoise&, const GeneralFilterNoise&) = default;
 };
 

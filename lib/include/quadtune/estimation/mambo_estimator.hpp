@@ -73,6 +73,39 @@ struct MamboEstimatorSettings {
   T position_Q = T(1e-6);  ///< of px and py, whose velocity errs for seconds, per period [m²]
   T vision_R = T(0.0025);  ///< of a position from images, per axis [m²]
 
+  /// Calls f("name", field of each of `s`) for every field, in the order above. The settings may
+  /// differ in precision: one visitor converts, compares and serializes.
+  template <class F, class... Settings>
+  static void each_field(F&& f, Settings&... s) {
+    f("dt", s.dt...);
+    f("gravity", s.gravity...);
+    f("calibration_time", s.calibration_time...);
+    f("attitude_time_constant", s.attitude_time_constant...);
+    f("force_band", s.force_band...);
+    f("bias_time_constant", s.bias_time_constant...);
+    f("altitude_Q", s.altitude_Q...);
+    f("altitude_R", s.altitude_R...);
+    f("sonar_least", s.sonar_least...);
+    f("sonar_greatest", s.sonar_greatest...);
+    f("sonar_jump", s.sonar_jump...);
+    f("sonar_deviation", s.sonar_deviation...);
+    f("sonar_recovery_time", s.sonar_recovery_time...);
+    f("velocity_Q", s.velocity_Q...);
+    f("velocity_R", s.velocity_R...);
+    f("flow_scale", s.flow_scale...);
+    f("flow_compensation_x", s.flow_compensation_x...);
+    f("flow_compensation_y", s.flow_compensation_y...);
+    f("gyro_lag", s.gyro_lag...);
+    f("aligned_periods", s.aligned_periods...);
+    f("flow_least_height", s.flow_least_height...);
+    f("flow_timeout", s.flow_timeout...);
+    f("hold_flow", s.hold_flow...);
+    f("flow_disagreement", s.flow_disagreement...);
+    f("position", s.position...);
+    f("position_Q", s.position_Q...);
+    f("vision_R", s.vision_R...);
+  }
+
   friend bool operator==(const MamboEstimatorSettings&, const MamboEstimatorSettings&) = default;
 };
 
@@ -367,33 +400,9 @@ Estimate<T> step(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<
 template <class To, class From>
 [[nodiscard]] MamboEstimatorSettings<To> mambo_estimator_cast(
     const MamboEstimatorSettings<From>& from) {
-  return {from.dt,
-          To(from.gravity),
-          from.calibration_time,
-          To(from.attitude_time_constant),
-          To(from.force_band),
-          To(from.bias_time_constant),
-          To(from.altitude_Q),
-          To(from.altitude_R),
-          To(from.sonar_least),
-          To(from.sonar_greatest),
-          To(from.sonar_jump),
-          To(from.sonar_deviation),
-          To(from.sonar_recovery_time),
-          To(from.velocity_Q),
-          To(from.velocity_R),
-          To(from.flow_scale),
-          To(from.flow_compensation_x),
-          To(from.flow_compensation_y),
-          To(from.gyro_lag),
-          from.aligned_periods,
-          To(from.flow_least_height),
-          To(from.flow_timeout),
-          from.hold_flow,
-          To(from.flow_disagreement),
-          from.position,
-          To(from.position_Q),
-          To(from.vision_R)};
+  MamboEstimatorSettings<To> to;
+  to.each_field([](const char*, auto& a, const auto& b) { convert_field(a, b); }, to, from);
+  return to;
 }
 
 /// Whether step() may run with these: dt and gravity > 0, times and gates ≥ 0, covariances ≥ 0 with

@@ -66,4 +66,13 @@ struct Reference {
   Eigen::Matrix<double, kMaxRotors, 1> motors = Eigen::Matrix<double, kMaxRotors, 1>::Constant(-1);
 };
 
+/// Assigns a field of settings in another precision: a number, a vector, or what has no precision.
+template <class To, class From>
+void convert_field(To& to, const From& from) {
+  if constexpr (requires { to.size(); })
+    for (Eigen::Index i = 0; i < to.size(); ++i) convert_field(to(i), from(i));
+  else
+    to = To(from);
+}
+
 }  // namespace quadtune

@@ -82,6 +82,37 @@ struct UquadFilterSettings {
   T still_variance = T(100);      ///< [m²/s²]; 100 at 100 Hz says 0 ± 1 m/s about once a second
   T standing_variance = T(0.01);  ///< of the velocity 0 while the vehicle stands [m²/s²]
 
+  /// Calls f("name", field of each of `s`) for every field, in the order above. The settings may
+  /// differ in precision: one visitor converts, compares and serializes.
+  template <class F, class... Settings>
+  static void each_field(F&& f, Settings&... s) {
+    f("dt", s.dt...);
+    f("calibration_time", s.calibration_time...);
+    f("Q", s.Q...);
+    f("P0", s.P0...);
+    f("R_tilt", s.R_tilt...);
+    f("R_yaw", s.R_yaw...);
+    f("R_force", s.R_force...);
+    f("R_rates", s.R_rates...);
+    f("R_height", s.R_height...);
+    f("R_gps_position", s.R_gps_position...);
+    f("R_gps_velocity", s.R_gps_velocity...);
+    f("R_vision", s.R_vision...);
+    f("gate", s.gate...);
+    f("position", s.position...);
+    f("biases", s.biases...);
+    f("yaw_by_estimated_tilt", s.yaw_by_estimated_tilt...);
+    f("dynamic_covariance", s.dynamic_covariance...);
+    f("force_band", s.force_band...);
+    f("field_band", s.field_band...);
+    f("field_norm", s.field_norm...);
+    f("declination", s.declination...);
+    f("reference_pressure", s.reference_pressure...);
+    f("gps_timeout", s.gps_timeout...);
+    f("still_variance", s.still_variance...);
+    f("standing_variance", s.standing_variance...);
+  }
+
   friend bool operator==(const UquadFilterSettings&, const UquadFilterSettings&) = default;
 };
 
@@ -89,33 +120,7 @@ struct UquadFilterSettings {
 template <class To, class From>
 [[nodiscard]] UquadFilterSettings<To> uquad_filter_cast(const UquadFilterSettings<From>& from) {
   UquadFilterSettings<To> to;
-  to.dt = from.dt;
-  to.calibration_time = from.calibration_time;
-  for (int i = 0; i < kUquadStates; ++i) {
-    to.Q(i) = To(from.Q(i));
-    to.P0(i) = To(from.P0(i));
-  }
-  to.R_tilt = To(from.R_tilt);
-  to.R_yaw = To(from.R_yaw);
-  to.R_force = To(from.R_force);
-  to.R_rates = To(from.R_rates);
-  to.R_height = To(from.R_height);
-  to.R_gps_position = To(from.R_gps_position);
-  to.R_gps_velocity = To(from.R_gps_velocity);
-  to.R_vision = To(from.R_vision);
-  to.gate = To(from.gate);
-  to.position = from.position;
-  to.biases = from.biases;
-  to.yaw_by_estimated_tilt = from.yaw_by_estimated_tilt;
-  to.dynamic_covariance = from.dynamic_covariance;
-  to.force_band = To(from.force_band);
-  to.field_band = To(from.field_band);
-  to.field_norm = To(from.field_norm);
-  to.declination = To(from.declination);
-  to.reference_pressure = To(from.reference_pressure);
-  to.gps_timeout = To(from.gps_timeout);
-  to.still_variance = To(from.still_variance);
-  to.standing_variance = To(from.standing_variance);
+  to.each_field([](const char*, auto& a, const auto& b) { convert_field(a, b); }, to, from);
   return to;
 }
 

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "quadtune/workbench/flight/flight_plan.hpp"
 #include "quadtune/exports/file_set.hpp"
 #include "quadtune/simulation/campaign.hpp"
 #include "quadtune/simulation/campaign_shard.hpp"
+#include "quadtune/workbench/flight/flight_plan.hpp"
 
 namespace quadtune {
 
@@ -33,13 +33,17 @@ struct CampaignPlan {
   std::vector<PlannedFlight> words;  ///< of each case, without its setup
 };
 
+/// A plan, and the files from which load_plan() reads it back.
+struct MadeCampaign {
+  CampaignPlan plan;
+  std::vector<FileContent> files;  ///< the plan's hash last
+};
+
 /// Reads a campaign file (docs/formats.md) and computes the gains that it asks for.
 /// @param shards  0: as the file says, or such that one takes some minutes
-/// @return        the plan's files, its hash last
 /// @throws InvalidInput  "file:line: …"
 /// @throws FileError, NoSolution
-[[nodiscard]] std::vector<FileContent> plan_files(const std::filesystem::path& file,
-                                                  std::uint32_t shards);
+[[nodiscard]] MadeCampaign make_campaign(const std::filesystem::path& file, std::uint32_t shards);
 
 /// Reads a plan back and checks that nothing was changed since it was written.
 /// @throws InvalidInput  naming what was changed, or the version that wrote it

@@ -9,6 +9,13 @@
 
 namespace quadtune {
 
+/// A vehicle with its linear model in steady flight.
+struct LinearVehicle {
+  Vehicle vehicle;
+  FlightCondition flight;
+  Linearization model;
+};
+
 /// Trims and linearizes.
 /// @param where  the file or vehicle that asked for it, for NoSolution
 /// @throws NoSolution  with the trim's culprit

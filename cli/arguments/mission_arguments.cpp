@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "missions/mission_tuning.hpp"
+#include "arguments/mission_arguments.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -9,21 +9,17 @@
 #include <filesystem>
 #include <ostream>
 
-#include "quadtune/workbench/missions/flown_evidence.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/internal/built_in.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
-#include "quadtune/internal/utf8.hpp"
 #include "quadtune/version.hpp"
-#include "missions/mission_tuning_report.hpp"
+#include "report/gains/mission_tuning_report.hpp"
 
 namespace quadtune::cli {
 namespace {
 
-constexpr std::uint32_t kUsualDraws = 4, kUsualProof = 24;
 /// Longest command that a file repeats whole.
 constexpr std::size_t kCommentLength = 4096;
 /// More draws than anybody flies for one number.
@@ -32,54 +28,6 @@ constexpr std::uint64_t kMostDraws = 100000;
 [[noreturn]] void refuse(const std::string& verb, const std::string& option,
                          const std::string& why) {
   throw UsageError(fmt::format("quadtune {}: {}", verb, why), option);
-}
-
-/// What is flown for the cost, and what of the plans the report tells.
-struct PlannedTrial {
-  TrialRequest request;
-  PlannedFlight first;              ///< of the first mission
-  std::vector<TunedLimit> widened;  ///< limits tighter than the sensors can keep
-};
-
-PlannedTrial plan_trial(const MissionTuning& tuning, const MissionRequirements& requirements,
-                        const Controller& start, const MissionTuningArguments& arguments,
-                        const Context& context) {
-  PlannedTrial trial;
-  TrialRequest& request = trial.request;
-  request.cost = requirements.cost;
-  request.measure = requirements.measure;
-  request.share = requirements.share;
-  request.draws = arguments.draws > 0 ? static_cast<std::uint32_t>(arguments.draws)
-                                      : requirements.draws.value_or(kUsualDraws);
-  request.uncertainty = requirements.uncertainty;
-  request.seed = context.seed;
-  const ChosenLaw law{start, tuning.law, {}, tuning.position_bandwidth};
-  for (std::size_t i = 0; i < requirements.missions.size(); ++i) {
-    CampaignMission mission = requirements.missions[i];
-    mission.mission.limits = requirements.limits[i];
-    PlannedFlight plan = option_of_command(tuning.verb, [&] {
-      return plan_flight(mission.arguments, tuning.vehicle, mission.mission, law);
-    });
-    for (const std::string& note : plan.notes) context.note(tuning.verb + ": note: " + note);
-    if (i == 0) trial.first = plan;
-    for (const WidenedLimit& widened : plan.widened)
-      trial.widened.push_back({mission.mission.name, widened});
-    std::vector<Limit> limits = plan.setup.mission.limits;
-    request.missions.push_back({mission.mission.name, std::move(plan.setup), std::move(limits)});
-  }
-  return trial;
-}
-
-std::uint32_t proof_draws(const TrialRequest& request, const std::string& verb,
-                          const MissionTuningArguments& arguments) {
-  const std::uint32_t least = least_draws(request);
-  if (arguments.proof == 0) return std::max(kUsualProof, least);
-  if (arguments.proof < least)
-    refuse(verb, "--proof",
-           fmt::format("--proof is {}, expected at least {} because fewer draws tell too little of "
-                       "the {:g} quantile",
-                       arguments.proof, least, request.share));
-  return static_cast<std::uint32_t>(arguments.proof);
 }
 
 }  // namespace
@@ -122,15 +70,6 @@ void add_mission_tuning_options(CommandLine& line, MissionTuningArguments& argum
   line.add_flag("--force", arguments.force,
                 "write what was found whatever the answer is; the file says so");
   line.add_option("--report", arguments.report, "write a page to look at: a .html file");
-}
-
-std::string vehicle_text(const std::string& word) {
-  const std::string vehicle =
-      internal::looks_like_path(word) ? std::filesystem::absolute(word).string() : word;
-  if (internal::valid_utf8(vehicle) != vehicle)
-    throw InvalidInput(
-        vehicle, "is not UTF-8, expected a path that a design file can name, as TOML is UTF-8");
-  return internal::json_text(internal::Json(vehicle));  // which is TOML, too
 }
 
 void require_sane(const std::string& verb, const MissionTuningArguments& arguments) {
@@ -197,80 +136,57 @@ MissionRequirements mission_requirements(const std::string& verb,
   return requirements;
 }
 
-void run_mission_tuning(const MissionTuning& tuning, const MissionRequirements& requirements,
+void run_mission_tuning(const std::string& verb, const MissionTuning& tuning,
+                        const MissionRequirements& requirements,
                         const MissionTuningArguments& arguments, Context& context) {
-  const TunedDesign start = tuning.design(tuning.start);
-  if (!start.point.controller)
-    throw NoSolution(tuning.verb + ": the design that the search begins with is not stable", "V");
-  const auto limits = [&](const TunedDesign& design) {
-    return margin_limits(requirements, design.margins, start.margins);
-  };
-  (void)limits(start);  // refuses loops that are not there before anything flies
-  const PlannedTrial planned =
-      plan_trial(tuning, requirements, *start.point.controller, arguments, context);
-  const TrialRequest& request = planned.request;
-  const KeepsTheBest keeps_the_best;
-  const MissionTrial trial(request, *start.point.controller, context.threads, interrupted);
-  DesignSpace space;
-  space.names = tuning.names;
-  space.start = tuning.start;
-  space.point = [&](const Eigen::VectorXd& x) {
-    TunedDesign design = tuning.design(x);
-    if (design.point.controller) design.point.limits = limits(design);
-    return std::move(design.point);
-  };
-  MissionSearchOptions options;
+  MissionTuningOptions options;
   options.seconds = arguments.budget;
-  options.evaluations = static_cast<int>(std::min<std::uint64_t>(arguments.evaluations, 1 << 30));
-  options.proof_draws = proof_draws(request, tuning.verb, arguments);
+  options.evaluations = arguments.evaluations;
+  options.draws = static_cast<std::uint32_t>(arguments.draws);
+  options.proof = static_cast<std::uint32_t>(arguments.proof);
+  options.seed = context.seed;
+  options.threads = context.threads;
   options.stop = interrupted;
   const bool shown = !context.quiet && !context.json && isatty(STDERR_FILENO) != 0;
   if (shown)
     options.progress = [&](double best, int evaluations, double left) {
       context.err << fmt::format("\r\033[K{}: best cost {:.4g} after {} designs, {:.0f} s left",
-                                 tuning.verb, best, evaluations, std::ceil(left))
+                                 verb, best, evaluations, std::ceil(left))
                   << std::flush;
     };
-  MissionSearchResult result = search_missions(space, trial, options);
+  MissionTuningPlan plan = option_of_command(
+      verb, [&] { return plan_mission_tuning(tuning, requirements, options, verb); });
+  for (const std::string& note : plan.notes) context.note(verb + ": note: " + note);
+  const KeepsTheBest keeps_the_best;
+  const MissionTuningResult result = tune_missions(tuning, requirements, std::move(plan), options);
   if (shown) context.err << "\r\033[K" << std::flush;
-  // After an interrupt what was found is still told and written: that is little work.
-  const MissionTrial::Stop stop =
-      result.end == SearchEnd::interrupted ? MissionTrial::Stop{} : MissionTrial::Stop{interrupted};
-  const TunedDesign best = tuning.design(result.candidate);
-  MissionTuningReport report{tuning,       request,      result, start.margins,
-                             best.margins, limits(best), {}};
-  const auto fresh = static_cast<std::uint32_t>(result.proof_before.costs.size());
-  if (tuning.rival)
-    report.rival = fresh > 0 ? trial.fly(tuning.rival->controller, request.draws, fresh, stop)
-                             : trial.fly(tuning.rival->controller, stop);
-  report.widened = planned.widened;
-  report.flown =
-      flown_evidence(planned.first, start.point.controller, best.point.controller,
-                     tuning.rival ? std::optional(tuning.rival->controller) : std::nullopt);
-  reject_unstable(report.flown, tuning.start, result);
+  const MissionSearchResult& search = result.search;
   // First, so that a file that cannot be written does not take a long search with it.
-  context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report))
+  context.out << (context.json ? internal::readable(to_json(result)) + "\n" : to_text(result))
               << std::flush;
   context.answered = true;
-  if (!arguments.file.empty() && (result.accepted || arguments.force)) {
+  // After an interrupt what was found is still told and written: that is little work.
+  const bool ended = search.end == SearchEnd::interrupted;
+  const MissionTrial::Stop stop = ended ? MissionTrial::Stop{} : MissionTrial::Stop{interrupted};
+  if (!arguments.file.empty() && (search.accepted || arguments.force)) {
     write_file(arguments.file,
-               tuning.file(result.candidate,
-                           fmt::format("{}By {}; {}", result.accepted ? "" : "NOT TAKEN. ",
+               tuning.file(search.candidate,
+                           fmt::format("{}By {}; {}", search.accepted ? "" : "NOT TAKEN. ",
                                        internal::printable(context.command, kCommentLength),
-                                       result.reason)),
+                                       search.reason)),
                stop);
     context.written.push_back(arguments.file);
   }
   if (!arguments.report.empty()) {
-    GainsPage page = page_of(report, trial, stop);
+    GainsPage page = page_of(result, stop);
     page.command = context.command;
     page.version = std::string(kVersion);
     page.seed = fmt::format("{}", context.seed);
     write_file(arguments.report, html(page), stop);
     context.written.push_back(arguments.report);
   }
-  if (result.end == SearchEnd::interrupted) throw Interrupted();
-  if (!result.accepted) throw AnswerIsNo(tuning.verb + ": " + result.reason);
+  if (ended) throw Interrupted();
+  if (!search.accepted) throw AnswerIsNo(verb + ": " + search.reason);
 }
 
 }  // namespace quadtune::cli

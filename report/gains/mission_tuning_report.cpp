@@ -1,30 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "missions/mission_tuning_report.hpp"
+#include "report/gains/mission_tuning_report.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <type_traits>
+#include <variant>
 
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "report/flights/flight_story.hpp"
 #include "report/text/print.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 using internal::finite_or_null;
 using internal::Json;
-using Report = MissionTuningReport;
+using Report = MissionTuningResult;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// What the column of the best point is called.
 std::string found_word(const Report& report) {
-  return report.result.accepted ? "found" : "not taken";
+  return report.search.accepted ? "found" : "not taken";
 }
 
 /// What counts of the draws: "mean", "0.9 quantile", "worst".
@@ -35,12 +36,12 @@ std::string measure_of(const Report& report) {
 }
 
 /// On fresh draws, where there was a proof.
-bool proved(const Report& report) { return !report.result.proof_before.costs.empty(); }
+bool proved(const Report& report) { return !report.search.proof_before.costs.empty(); }
 const TrialOutcome& outcome_before(const Report& report) {
-  return proved(report) ? report.result.proof_before : report.result.before;
+  return proved(report) ? report.search.proof_before : report.search.before;
 }
 const TrialOutcome& outcome_after(const Report& report) {
-  return proved(report) ? report.result.proof_after : report.result.after;
+  return proved(report) ? report.search.proof_after : report.search.after;
 }
 
 /// A figure of a mission, with its values at start, at the best point and of the rival.
@@ -78,6 +79,40 @@ std::vector<Figure> figures_of(const Report& report) {
 }
 
 // --- text ---
+
+std::string gains_text(const CascadeGains& before, const CascadeGains& after) {
+  std::string text = fmt::format("{:<10}{:>24}{:>24}{:>24}\n", "loop", "Kp", "Ki", "Kd");
+  const auto pair = [](double then, double now) {
+    return then == now ? fmt::format("{:.4g}", now) : fmt::format("{:.4g} -> {:.4g}", then, now);
+  };
+  for (std::size_t i = 0; i < before.loops.size(); ++i) {
+    const PidLoop& then = before.loops[i];
+    const PidLoop& now = after.loops[i];
+    text += fmt::format("{:<10}{:>24}{:>24}{:>24}\n", now.name, pair(then.Kp, now.Kp),
+                        pair(then.Ki, now.Ki), pair(then.Kd, now.Kd));
+  }
+  text.pop_back();
+  return text;
+}
+
+std::string gains_text(const TunedWeights& before, const TunedWeights& after) {
+  std::string text = fmt::format("{:<14}{:>14}{:>14}\n", "weight", "start", "found");
+  for (std::size_t i = 0; i < before.names.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    text += fmt::format("{:<14}{:>14.5g}{:>14.5g}\n", before.names[i], before.weights(k),
+                        after.weights(k));
+  }
+  text.pop_back();
+  return text;
+}
+
+std::string gains_text(const TunedGains& before, const TunedGains& after) {
+  return std::visit(
+      [&](const auto& then) {
+        return gains_text(then, std::get<std::decay_t<decltype(then)>>(after));
+      },
+      before);
+}
 
 std::string missions_text(const Report& report) {
   const TrialOutcome &before = outcome_before(report), &after = outcome_after(report);
@@ -118,14 +153,13 @@ std::string loops_text(const std::vector<NamedMargins>& before,
   };
   for (std::size_t i = 0; i < after.size(); ++i) {
     const LoopMargins& m = after[i].margins;
-    text +=
-        fmt::format("{:<10}{:>10}{:>11}{}{:>14}{:>12}{:>12}\n", after[i].name,
-                    i < before.size() ? cell(before[i].margins.Ms) : "-", cell(m.Ms),
-                    rival ? fmt::format("{:>11}", i < rival->size() ? cell((*rival)[i].margins.Ms)
-                                                                    : std::string("-"))
-                          : "",
-                    cell(m.phase_margin * 180 / std::numbers::pi),
-                    cell(20 * std::log10(m.gain_margin)), cell(1000 * m.delay_margin));
+    text += fmt::format(
+        "{:<10}{:>10}{:>11}{}{:>14}{:>12}{:>12}\n", after[i].name,
+        i < before.size() ? cell(before[i].margins.Ms) : "-", cell(m.Ms),
+        rival ? fmt::format("{:>11}",
+                            i < rival->size() ? cell((*rival)[i].margins.Ms) : std::string("-"))
+              : "",
+        cell(degrees(m.phase_margin)), cell(decibels(m.gain_margin)), cell(1000 * m.delay_margin));
   }
   text.pop_back();
   return text;
@@ -167,15 +201,32 @@ std::string flown_text(const Report& report) {
 
 // --- JSON ---
 
+Json gains_json(const TunedGains& gains) {
+  if (const auto* cascade = std::get_if<CascadeGains>(&gains)) {
+    Json loops = Json::array();
+    for (const PidLoop& loop : cascade->loops)
+      loops.push_back({{"name", loop.name}, {"Kp", loop.Kp}, {"Ki", loop.Ki}, {"Kd", loop.Kd}});
+    return loops;
+  }
+  const auto& tuned = std::get<TunedWeights>(gains);
+  Json json = {{"weights", Json::object()}};
+  for (std::size_t i = 0; i < tuned.names.size(); ++i)
+    json["weights"][tuned.names[i]] = tuned.weights(static_cast<Eigen::Index>(i));
+  if (tuned.gains) {
+    json["K"] = internal::matrix_to_json(tuned.gains->K, "K");
+    json["K_int"] = internal::matrix_to_json(tuned.gains->K_int, "K_int");
+  }
+  return json;
+}
+
 Json margins_json(const std::vector<NamedMargins>& loops) {
   Json json = Json::array();
   for (const NamedMargins& loop : loops)
-    json.push_back(
-        {{"loop", loop.name},
-         {"Ms", finite_or_null(loop.margins.Ms)},
-         {"phase_margin_deg", finite_or_null(loop.margins.phase_margin * 180 / std::numbers::pi)},
-         {"gain_margin_db", finite_or_null(20 * std::log10(loop.margins.gain_margin))},
-         {"delay_margin_s", finite_or_null(loop.margins.delay_margin)}});
+    json.push_back({{"loop", loop.name},
+                    {"Ms", finite_or_null(loop.margins.Ms)},
+                    {"phase_margin_deg", finite_or_null(degrees(loop.margins.phase_margin))},
+                    {"gain_margin_db", finite_or_null(decibels(loop.margins.gain_margin))},
+                    {"delay_margin_s", finite_or_null(loop.margins.delay_margin)}});
   return json;
 }
 
@@ -233,7 +284,7 @@ std::vector<std::string> binding_words(const MissionSearchResult& result) {
 }
 
 bool binds(const Report& report, const std::string& limit) {
-  const std::vector<std::string>& all = report.result.binding;
+  const std::vector<std::string>& all = report.search.binding;
   return std::find(all.begin(), all.end(), limit) != all.end();
 }
 
@@ -294,9 +345,9 @@ struct MarginKind {
 constexpr MarginKind kMarginKinds[] = {
     {"Ms", "Ms", "", [](const LoopMargins& m) { return m.Ms; }, [](double x) { return x; }},
     {"phase margin", "phase", "deg", [](const LoopMargins& m) { return m.phase_margin; },
-     [](double x) { return x * 180 / std::numbers::pi; }},
+     [](double x) { return degrees(x); }},
     {"gain margin", "gain", "dB", [](const LoopMargins& m) { return m.gain_margin; },
-     [](double x) { return 20 * std::log10(x); }},
+     [](double x) { return decibels(x); }},
     {"delay margin", "delay", "ms", [](const LoopMargins& m) { return m.delay_margin; },
      [](double x) { return 1000 * x; }}};
 
@@ -366,7 +417,7 @@ PageComparedTable gains_table(const Report& report) {
   table.id = "gains";
   table.title = report.tuning.gains_title;
   const std::vector<TunedNumber> before = report.tuning.numbers(report.tuning.start),
-                                 after = report.tuning.numbers(report.result.candidate);
+                                 after = report.tuning.numbers(report.search.candidate);
   for (std::size_t i = 0; i < after.size(); ++i) {
     std::vector<double> values = {before[i].value, after[i].value};
     if (report.tuning.rival) {
@@ -425,18 +476,18 @@ Distance distance_of(const LogTable& log) {
 
 /// Flies each mission with each controller and draws how far it is from its reference.
 std::vector<PageFlown> flown(const Report& report, const std::vector<std::string>& names,
-                             const MissionTrial& trial, const MissionTrial::Stop& stop) {
+                             const MissionTrial::Stop& stop) {
   constexpr double kMostRows = 2e6;  // of a log in memory
   constexpr double kLeast = 1e-4;    // [m]; the axis is logarithmic
   std::vector<Controller> controllers = {
       *report.tuning.design(report.tuning.start).point.controller,
-      *report.tuning.design(report.result.candidate).point.controller};
+      *report.tuning.design(report.search.candidate).point.controller};
   if (report.tuning.rival) controllers.push_back(report.tuning.rival->controller);
   std::vector<PageFlown> all;
   for (std::size_t m = 0; m < report.request.missions.size(); ++m) {
     std::vector<Distance> distances;
     for (const Controller& controller : controllers) {
-      FlightSetup setup = trial.setup(controller, m, report.request.draws);
+      FlightSetup setup = report.trial->setup(controller, m, report.request.draws);
       if (duration_of(setup) / control_period(setup) > kMostRows) return all;
       setup.log = true;
       distances.push_back(distance_of(fly(setup, stop).log));
@@ -465,8 +516,9 @@ std::vector<PageFlown> flown(const Report& report, const std::vector<std::string
 }  // namespace
 
 std::string to_text(const Report& report) {
-  const MissionSearchResult& r = report.result;
-  std::string gains = report.tuning.text(report.tuning.start, r.candidate);
+  const MissionSearchResult& r = report.search;
+  std::string gains =
+      gains_text(report.tuning.gains(report.tuning.start), report.tuning.gains(r.candidate));
   if (!r.accepted && r.candidate != report.tuning.start)
     gains = "start and what was not taken\n" + gains;
   std::string text = section("gains", gains);
@@ -502,11 +554,11 @@ Json loosened_json(const MissionSearchResult& result) {
 }
 
 Json to_json(const Report& report) {
-  const MissionSearchResult& r = report.result;
+  const MissionSearchResult& r = report.search;
   Json json = {
       {"accepted", r.accepted},
       {"reason", r.reason},
-      {"gains", report.tuning.json(r.best)},
+      {"gains", gains_json(report.tuning.gains(r.best))},
       {"cost", {{"before", r.before.cost}, {"after", r.after.cost}}},
       {"before", outcome_json(report, outcome_before(report))},
       {"after", outcome_json(report, outcome_after(report))},
@@ -524,7 +576,7 @@ Json to_json(const Report& report) {
       {"seconds", r.seconds},
       {"end", to_string(r.end)}};
   if (!r.accepted && r.candidate != report.tuning.start)
-    json["not_taken"] = report.tuning.json(r.candidate);
+    json["not_taken"] = gains_json(report.tuning.gains(r.candidate));
   if (report.rival) {
     json["published"] = outcome_json(report, *report.rival);
     json["margins"]["published"] = margins_json(report.tuning.rival->margins);
@@ -542,8 +594,8 @@ Json to_json(const Report& report) {
   return json;
 }
 
-GainsPage page_of(const Report& report, const MissionTrial& trial, const MissionTrial::Stop& stop) {
-  const MissionSearchResult& r = report.result;
+GainsPage page_of(const Report& report, const MissionTrial::Stop& stop) {
+  const MissionSearchResult& r = report.search;
   GainsPage page;
   std::vector<std::string> missions;
   for (const TrialMission& mission : report.request.missions) missions.push_back(mission.name);
@@ -572,7 +624,7 @@ GainsPage page_of(const Report& report, const MissionTrial& trial, const Mission
   if (report.flown.after) page.tables.push_back(flown_table(report));
   page.tables.push_back(gains_table(report));
   page.search = search_of(r);
-  page.flown = flown(report, page.columns, trial, stop);
+  page.flown = flown(report, page.columns, stop);
   std::vector<std::string> cost;
   for (const CostTerm& term : report.request.cost)
     if (term.weight > 0)
@@ -593,4 +645,4 @@ GainsPage page_of(const Report& report, const MissionTrial& trial, const Mission
   return page;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

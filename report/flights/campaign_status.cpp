@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/flights/campaign_status.hpp"
+
+#include <fmt/format.h>
+
+#include <map>
+
+#include "quadtune/internal/json.hpp"
+
+namespace quadtune::report {
+
+using internal::Json;
+
+Json to_json(const CampaignPlan& plan, const CampaignStatus& status) {
+  Json shards = Json::array();
+  for (std::size_t i = 0; i < status.shards.size(); ++i) {
+    const ShardProgressReport& shard = status.shards[i];
+    shards.push_back({{"shard", i},
+                      {"state", shard.state},
+                      {"records", shard.records},
+                      {"expected", shard.expected},
+                      {"damage", shard.damage}});
+  }
+  return {{"name", plan.name},
+          {"records", status.records},
+          {"expected", status.expected},
+          {"left_s", internal::finite_or_null(status.left)},
+          {"shards", shards}};
+}
+
+std::string to_text(const CampaignPlan& plan, const CampaignStatus& status) {
+  std::map<std::string, int> counts;
+  std::string lines;
+  for (std::size_t i = 0; i < status.shards.size(); ++i) {
+    const ShardProgressReport& shard = status.shards[i];
+    ++counts[shard.state];
+    if (shard.state == "done" || shard.state == "waiting") continue;
+    lines += fmt::format("shard {}: {}, {} of {} flights\n", i, shard.state, shard.records,
+                         shard.expected);
+    for (const std::string& damage : shard.damage) lines += "  " + damage + "\n";
+  }
+  std::string text =
+      fmt::format("{}: {} of {} flights", plan.name, status.records, status.expected);
+  for (const auto& [state, count] : counts)
+    text += fmt::format(", {} shard{} {}", count, count == 1 ? "" : "s", state);
+  if (status.records < status.expected && status.known_workers > 0)
+    text += fmt::format(", about {:.0f} s left", status.left);
+  return text + "\n" + lines;
+}
+
+}  // namespace quadtune::report
