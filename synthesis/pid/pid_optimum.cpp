@@ -13,7 +13,6 @@
 #include "pid/golden_section.hpp"
 #include "pid/loop_shape.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/synthesis/fopdt.hpp"
 #include "quadtune/synthesis/pid_rules.hpp"
 
 namespace quadtune {
