@@ -154,6 +154,27 @@ TEST(InnovationLikelihood, IsThatOfAllMeasurementsAtOnce) {
       }
 }
 
+// The variance of a state that is forgotten at once underflows to 0, a change that is infinite
+// relative to it. That says nothing about the level beside it, which converges slowly.
+TEST(InnovationLikelihood, AVarianceThatUnderflowsDoesNotSettleTheOthers) {
+  FilterModel model = testing::local_level();
+  model.states = {{"level", ""}, {"fast", ""}};
+  model.A = Eigen::Vector2d(1, 1e-6).asDiagonal();
+  model.B.resize(2, 0);
+  model.G = Eigen::Vector2d(1, 0);
+  model.sensors[0].C = MatrixXd{{1, 1}};
+  model.x0 = VectorXd::Zero(2);
+  model.P0 = MatrixXd::Identity(2, 2);
+  model.diffuse = {false, false};
+  std::mt19937_64 random(5);
+  const VectorXd theta = logs(1e-6, 1);
+  const FilterRecord record = testing::simulated(model, theta, 400, 1, random);
+  const double expected = dense_likelihood(model, theta, record);
+  const Likelihood got = InnovationLikelihood(model, {record}).evaluate(theta);
+  ASSERT_TRUE(got.computed()) << got.culprit;
+  EXPECT_NEAR(got.value, expected, 1e-9 * std::abs(expected));
+}
+
 // The level at the second measurement differs by n steps of Q, and both measurements by R: a gap of
 // years costs no more than one of seconds.
 TEST(InnovationLikelihood, StepsOverAGapOfADiscreteModel) {
