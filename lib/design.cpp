@@ -14,6 +14,7 @@
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/estimation/tuned_noise.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
+#include "quadtune/export_target.hpp"
 #include "quadtune/gains.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -404,28 +405,25 @@ FlightCondition read_trim(const TomlTable& table) {
 }
 
 std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& design) {
-  const std::vector<std::string> known = {"uquad", "mambo", "json"};
   std::vector<ExportRequest> exports;
   for (const TomlTable& table : file.tables("export")) {
     table.allow({{"to"}});
     const ExportRequest request{table.text("to")};
     const std::string where = table.where("to");
-    if (std::find(known.begin(), known.end(), request.to) == known.end())
-      throw InvalidInput(
-          where,
-          fmt::format("no export to '{}', expected {}{}", internal::printable(request.to),
-                      internal::joined(known, ", "), internal::did_you_mean(request.to, known)));
+    const ExportTarget& target = export_target(request.to, where);
     for (const ExportRequest& earlier : exports)
       if (earlier.to == request.to)
         throw InvalidInput(where, "export to '" + request.to + "' stands twice, expected once");
     const bool matrix = design.lqi && design.lqi->matrix;
-    if (request.to != "json" && design.lqi && !matrix)
+    if (!target.takes_memory && design.lqi && !matrix)
       throw InvalidInput(where, fmt::format("export to '{}' has no place for the past commands and "
                                             "lags of a law with lqr.plant 'flown', expected json, "
                                             "or lqr.structure 'matrix'",
                                             request.to));
-    if (request.to == "uquad" && !design.lqr && !matrix)
-      throw InvalidInput(where, "export to 'uquad' has no gains to write, expected an [lqr] table");
+    if (target.needs_gains && !design.lqr && !matrix)
+      throw InvalidInput(where, fmt::format("export to '{}' has no gains to write, expected an "
+                                            "[lqr] table",
+                                            request.to));
     exports.push_back(request);
   }
   return exports;
