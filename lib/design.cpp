@@ -16,6 +16,7 @@
 #include "quadtune/estimation/uquad_filter.hpp"
 #include "quadtune/export_target.hpp"
 #include "quadtune/gains.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -475,27 +476,14 @@ Vehicle read_vehicle(const TomlTable& file, const std::filesystem::path& folder)
 
 }  // namespace
 
-std::string to_string(LqrMethod method) {
-  switch (method) {
-    case LqrMethod::continuous:
-      return "continuous";
-    case LqrMethod::discrete:
-      return "discrete";
-    case LqrMethod::sampled:
-      return "sampled";
-  }
-  return "";
-}
+constexpr internal::EnumName<LqrMethod> kLqrMethods[] = {{LqrMethod::continuous, "continuous"},
+                                                         {LqrMethod::discrete, "discrete"},
+                                                         {LqrMethod::sampled, "sampled"}};
+
+std::string to_string(LqrMethod method) { return internal::name_in(kLqrMethods, method); }
 
 LqrMethod lqr_method(const std::string& name, const std::string& where) {
-  std::vector<std::string> known;
-  for (const LqrMethod method : {LqrMethod::continuous, LqrMethod::discrete, LqrMethod::sampled}) {
-    if (to_string(method) == name) return method;
-    known.push_back(to_string(method));
-  }
-  throw InvalidInput(
-      where, fmt::format("no method '{}', expected {}{}", internal::printable(name),
-                         internal::joined(known, ", "), internal::did_you_mean(name, known)));
+  return internal::require_in(kLqrMethods, name, "method", where);
 }
 
 namespace {
