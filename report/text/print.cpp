@@ -21,6 +21,12 @@ std::string entry(double value, double scale) {
 
 std::string number(double value) { return fmt::format("{:.6g}", value); }
 
+std::string numbers(const Eigen::VectorXd& values) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : " ") + number(value);
+  return text;
+}
+
 double decibels(double gain) { return 20 * std::log10(gain); }
 
 double degrees(double angle) { return angle * 180 / std::numbers::pi; }

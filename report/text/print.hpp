@@ -26,6 +26,8 @@ namespace quadtune::report {
 
 /// "316.104", "1e-16": six significant digits.
 [[nodiscard]] std::string number(double value);
+/// "0.1 0.2 0.3"
+[[nodiscard]] std::string numbers(const Eigen::VectorXd& values);
 
 /// A gain as decibels, and an angle in radians as degrees: how every result shows them.
 [[nodiscard]] double decibels(double gain);
