@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# The program with each variant of its libraries that this machine can run: variants_test.sh PROGRAM.
+# It says which it has loaded, and a flight has the same bytes with each of them.
+set -euo pipefail
+program=$1
+loader=$(readelf -l "$program" | sed -n 's/.*program interpreter: \(.*\)\]/\1/p')
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# The variants that the loader would take here, and the name of each in `quadtune --version`.
+names=(none baseline)
+for variant in "x86-64-v3 AVX2" "x86-64-v4 AVX-512"; do
+  if "$loader" --help | grep -q "${variant% *} (supported"; then
+    names+=("${variant% *}" "${variant#* }")
+  fi
+done
+
+fly() { # VARIANT VEHICLE ESTIMATOR
+  "$loader" --glibc-hwcaps-mask "$1" "$program" fly "$2" --mission step-north --duration 4 \
+    --estimator "$3" --wind light --log "$work/$1-$2-$3.csv" --json >/dev/null || [ $? = 1 ]
+}
+
+for ((i = 0; i < ${#names[@]}; i += 2)); do
+  variant=${names[i]}
+  said=$("$loader" --glibc-hwcaps-mask "$variant" "$program" --version | sed -n 's/^kernels: //p')
+  [ "$said" = "${names[i + 1]}" ] || {
+    echo "with the variant $variant: kernels are '$said', expected '${names[i + 1]}'"
+    exit 1
+  }
+  for flight in "mambo mambo" "mambo general" "crazyflie general" "uquad uquad"; do
+    # shellcheck disable=SC2086 # two words
+    fly "$variant" $flight
+    first=$work/none-${flight% *}-${flight#* }.csv
+    cmp "$first" "$work/$variant-${flight% *}-${flight#* }.csv"
+    [ "$(wc -l <"$first")" -gt 300 ]
+  done
+done
+echo "same flights with $((${#names[@]} / 2)) variants"
