@@ -84,8 +84,8 @@ GainMatch match_or_refuse(const LinearVehicle& plant, const LqrDesign& design,
   try {
     return match_gains(plant.model.plant, design, gains.K, gains.K_int, options);
   } catch (const InvalidInput& error) {
-    const std::string why = std::string(error.what()).substr(error.where().size() + 2);
     if (error.where() != "match_gains") throw;
+    const std::string& why = error.message();
     if (why.find(" tie") != std::string::npos) refuse("--tie", "--tie: " + why);
     throw InvalidInput(file, why);
   }

@@ -28,8 +28,7 @@ RiccatiResult solve(Equation equation, const Lti& plant, const LqrWeights& weigh
     return equation(plant.A, plant.B, weights.Q, weights.R, weights.N,
                     named(plant.states, plant.A.rows(), evidence));
   } catch (const InvalidInput& error) {
-    const std::string what = error.what();
-    throw InvalidInput("lqr", what.substr(std::min(what.size(), error.where().size() + 2)));
+    throw InvalidInput("lqr", error.message());
   }
 }
 

@@ -19,15 +19,17 @@ class InvalidInput : public std::invalid_argument {
 
   /// @return  the place alone, as it stands at the start of what().
   [[nodiscard]] const std::string& where() const { return where_; }
+  /// @return  what() without the place: for a caller who knows a better one.
+  [[nodiscard]] const std::string& message() const { return message_; }
 
  protected:
   /// For a message that names its place in its own words.
   struct Whole {};
   InvalidInput(Whole, std::string where, const std::string& message)
-      : std::invalid_argument(message), where_(std::move(where)) {}
+      : std::invalid_argument(message), where_(std::move(where)), message_(message) {}
 
  private:
-  std::string where_;
+  std::string where_, message_;
 };
 
 /// An option's word or number that cannot be taken, wherever it was written. what() begins with the
@@ -61,12 +63,14 @@ class NoSolution : public std::runtime_error {
 class FileError : public std::runtime_error {
  public:
   FileError(const std::string& path, const std::string& message)
-      : std::runtime_error(path + ": " + message), path_(path) {}
+      : std::runtime_error(path + ": " + message), path_(path), message_(message) {}
 
   [[nodiscard]] const std::string& path() const { return path_; }
+  /// @return  what() without the path.
+  [[nodiscard]] const std::string& message() const { return message_; }
 
  private:
-  std::string path_;
+  std::string path_, message_;
 };
 
 /// The user asked to stop (SIGINT or SIGTERM) while something was being written.

@@ -142,7 +142,7 @@ void decode_into(ByteStream& stream, std::size_t memory, int pipe) {
   } catch (const FileError& error) {
     Writer fault(pipe);
     fault.add(error.path());
-    fault.add(std::string_view(error.what()).substr(error.path().size() + 2));
+    fault.add(error.message());
     fault.send(kFault);
   } catch (const std::exception& error) {
     fail(fmt::format("{}: {}", stream.name(), error.what()));
