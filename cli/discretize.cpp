@@ -11,7 +11,8 @@
 #include <ostream>
 
 #include "arguments/matrix_arguments.hpp"
-#include "laws/flown_or_ideal.hpp"
+#include "arguments/plant_arguments.hpp"
+#include "arguments/plot_argument.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/discretize/sample_time.hpp"
@@ -19,7 +20,6 @@
 #include "quadtune/internal/json.hpp"
 #include "report/loops/method_comparison.hpp"
 #include "report/text/print.hpp"
-#include "arguments/plot_argument.hpp"
 
 namespace quadtune::cli {
 namespace {

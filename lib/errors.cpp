@@ -4,6 +4,8 @@
 namespace quadtune {
 
 InvalidInput::InvalidInput(const std::string& where, const std::string& message)
-    : std::invalid_argument(where.empty() ? message : where + ": " + message), where_(where) {}
+    : std::invalid_argument(where.empty() ? message : where + ": " + message),
+      where_(where),
+      message_(message) {}
 
 }  // namespace quadtune

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "quadtune/lti.hpp"
+
 namespace quadtune::report {
 
 /// A matrix with a name per row and column, entries to six digits, entries that are zero up to
@@ -26,6 +28,9 @@ namespace quadtune::report {
 
 /// "316.104", "1e-16": six significant digits.
 [[nodiscard]] std::string number(double value);
+
+/// The names of signals, for the rows and columns of table().
+[[nodiscard]] std::vector<std::string> names_of(const std::vector<Signal>& signals);
 
 /// A gain as decibels, and an angle in radians as degrees: how every result shows them.
 [[nodiscard]] double decibels(double gain);

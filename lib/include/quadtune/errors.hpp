@@ -19,15 +19,18 @@ class InvalidInput : public std::invalid_argument {
 
   /// @return  the place alone, as it stands at the start of what().
   [[nodiscard]] const std::string& where() const { return where_; }
+  /// @return  what() without the place, for who knows a better one.
+  [[nodiscard]] const std::string& message() const { return message_; }
 
  protected:
   /// For a message that names its place in its own words.
   struct Whole {};
   InvalidInput(Whole, std::string where, const std::string& message)
-      : std::invalid_argument(message), where_(std::move(where)) {}
+      : std::invalid_argument(message), where_(std::move(where)), message_(message) {}
 
  private:
   std::string where_;
+  std::string message_;
 };
 
 /// An option's word or number that cannot be taken, wherever it was written. what() begins with the

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <string>
 
-namespace quadtune::cli {
+namespace quadtune {
 
 /// Why A is no e^(A_c dt) of a real A_c: it has a real logarithm if and only if no eigenvalue is 0
 /// and each Jordan block of a negative one occurs an even number of times (Culver 1966). A sampled
@@ -15,4 +15,4 @@ namespace quadtune::cli {
 /// @return   "has the eigenvalue 0"; empty if there is no reason
 [[nodiscard]] std::string why_not_sampled(const Eigen::MatrixXd& A);
 
-}  // namespace quadtune::cli
+}  // namespace quadtune

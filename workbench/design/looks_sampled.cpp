@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "laws/looks_sampled.hpp"
+#include "quadtune/workbench/design/looks_sampled.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <complex>
 #include <vector>
 
-namespace quadtune::cli {
+namespace quadtune {
 
 std::string why_not_sampled(const Eigen::MatrixXd& A) {
   constexpr double kNearOne = 0.5;
@@ -41,4 +41,4 @@ std::string why_not_sampled(const Eigen::MatrixXd& A) {
   return "";
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune
