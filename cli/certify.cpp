@@ -10,8 +10,8 @@
 #include <ostream>
 
 #include "arguments/flight_arguments.hpp"
-#include "arguments/plant_arguments.hpp"
 #include "arguments/read_number.hpp"
+#include "arguments/plant_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
@@ -25,10 +25,10 @@
 #include "quadtune/workbench/flown/flown_box.hpp"
 #include "quadtune/workbench/flown/flown_check.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
-#include "quadtune/workbench/verify/verify_directory.hpp"
 #include "report/gains/verify_report.hpp"
 #include "report/loops/certify_report.hpp"
 #include "report/text/print.hpp"
+#include "quadtune/workbench/verify/verify_directory.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -282,8 +282,8 @@ Verb certify_verb() {
                            "boxes that a proof may look at (default 20000)")
                 ->type_name("N");
             return [options](Context& context) {
-              options->controller = option_of_command(
-                  "certify", [&] { return controller_kind(options->controller); });
+              options->controller =
+                  option_of_command("certify", [&] { return controller_kind(options->controller); });
               run(*options, context);
             };
           }};

@@ -12,7 +12,6 @@
 
 #include "arguments/matrix_arguments.hpp"
 #include "arguments/plant_arguments.hpp"
-#include "arguments/plot_argument.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/discretize/sample_time.hpp"
@@ -20,6 +19,7 @@
 #include "quadtune/internal/json.hpp"
 #include "report/loops/method_comparison.hpp"
 #include "report/text/print.hpp"
+#include "arguments/plot_argument.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <ostream>
 
+#include "quadtune/workbench/design/given_gains.hpp"
 #include "arguments/trusted_covariances.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
@@ -17,7 +18,6 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/design/cascade_report.hpp"
 #include "quadtune/workbench/design/export_content.hpp"
-#include "quadtune/workbench/design/given_gains.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
 #include "report/gains/export_report.hpp"
 

@@ -12,8 +12,10 @@
 
 #include "arguments/flight_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"
-#include "arguments/plant_arguments.hpp"
 #include "arguments/plot_argument.hpp"
+#include "arguments/plant_arguments.hpp"
+#include "quadtune/workbench/design/given_gains.hpp"
+#include "quadtune/workbench/design/looks_sampled.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/control/cascade_law.hpp"
@@ -23,8 +25,6 @@
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/matrix_checks.hpp"
 #include "quadtune/model/vehicle.hpp"
-#include "quadtune/workbench/design/given_gains.hpp"
-#include "quadtune/workbench/design/looks_sampled.hpp"
 #include "quadtune/workbench/flown/flown_loop.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
 #include "report/loops/cascade_report.hpp"
@@ -33,7 +33,7 @@
 #include "report/plots/loop_figure.hpp"
 #include "report/text/print.hpp"
 
-namespace quadtune {
+namespace quadtune::cli {
 namespace {
 
 struct Options {
@@ -413,4 +413,4 @@ Verb margins_verb() {
       }};
 }
 
-}  // namespace quadtune
+}  // namespace quadtune::cli

@@ -13,8 +13,9 @@
 #include "arguments/cascade_arguments.hpp"
 #include "arguments/flight_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"
-#include "arguments/plant_arguments.hpp"
 #include "arguments/plot_argument.hpp"
+#include "arguments/plant_arguments.hpp"
+#include "report/gains/laws_json.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/internal/joined.hpp"
@@ -27,13 +28,12 @@
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/flown/flown_check.hpp"
 #include "quadtune/workbench/flown/flown_gains.hpp"
-#include "report/gains/laws_json.hpp"
-#include "report/gains/matrix_report.hpp"
 #include "report/loops/cascade_report.hpp"
 #include "report/loops/flown_report.hpp"
 #include "report/loops/margins_report.hpp"
 #include "report/plots/loop_figure.hpp"
 #include "report/text/print.hpp"
+#include "report/gains/matrix_report.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -356,7 +356,7 @@ void run_vehicle(const CommandLine& line, const Options& options, Context& conte
     FlownGainsOptions of_flown;
     of_flown.dt = specification.dt;
     flown = period_of_command("pid", line.was_given("--dt"),
-                              [&] { return flown_gains(vehicle, of_flown); });
+                           [&] { return flown_gains(vehicle, of_flown); });
   }
   const CascadeReport report =
       flown ? assess_written_cascade(vehicle, as_cascade(*flown, specification.dt),
