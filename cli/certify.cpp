@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune certify: is the loop of exported gains stable for all vehicles of a box?
+#include "quadtune/workbench/verify/certify.hpp"
+
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <functional>
 #include <memory>
-#include <optional>
 #include <ostream>
 
 #include "arguments/flight_arguments.hpp"
@@ -15,20 +13,10 @@
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
-#include "quadtune/errors.hpp"
-#include "quadtune/exports/manifest.hpp"
-#include "quadtune/exports/read_gains.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
-#include "quadtune/tuning/uncertain_vehicle.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
-#include "quadtune/workbench/flown/flown_box.hpp"
-#include "quadtune/workbench/flown/flown_check.hpp"
-#include "quadtune/workbench/flown/flying_loop.hpp"
-#include "report/gains/verify_report.hpp"
 #include "report/loops/certify_report.hpp"
-#include "report/text/print.hpp"
-#include "quadtune/workbench/verify/verify_directory.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -84,158 +72,37 @@ UncertainRange read_seconds(const std::string& text, const std::string& option, 
   return range;
 }
 
-/// Beyond that the states of the delay outgrow the proof.
-void require_short(const UncertainRange& delay, double dt) {
-  if (delay.high > kMostDelayPeriods * dt)
-    throw UsageError(fmt::format("quadtune certify: --delay is up to {} s, expected at most {} "
-                                 "periods of {} s",
-                                 number(delay.high), kMostDelayPeriods, number(dt)),
-                     "--delay");
-}
-
-VehicleUncertainty uncertainty_of(const Options& options, const Vehicle& vehicle, double dt) {
-  VehicleUncertainty u;
-  u.mass = read_ratios(options.mass, "--mass");
-  u.inertia = read_ratios(options.inertia, "--inertia");
-  u.thrust = read_ratios(options.thrust, "--thrust");
-  const double late = vehicle.motor.delay;  // then up to the jitter and one period of computing
-  u.delay = options.delay.empty() ? UncertainRange{late, late + vehicle.motor.delay_jitter + dt}
-                                  : read_seconds(options.delay, "--delay", true);
-  require_short(u.delay, dt);
-  const double own = slower_lag(vehicle.rotors.front());
-  u.lag =
-      options.lag.empty() ? UncertainRange{own, own} : read_seconds(options.lag, "--lag", false);
-  if (options.lag.empty() &&
-      std::any_of(vehicle.rotors.begin(), vehicle.rotors.end(),
-                  [&](const Rotor& rotor) { return slower_lag(rotor) != own; }))
-    throw InvalidInput(vehicle.name,
-                       "the rotors have different lags, expected --lag LOW:HIGH for all");
-  if (u.lag.high > kLongestLag)
-    throw UsageError(fmt::format("quadtune certify: --lag is up to {} s, expected at most {} s",
-                                 number(u.lag.high), number(kLongestLag)),
-                     "--lag");
-  return u;
-}
-
-/// What does not verify is not certified.
-void require_verified(const Options& options) {
-  const VerifyReport report = verify_directory(options.directory, options.vehicle);
-  for (const VerifyCheck& check : report.checks)
-    if (!check.ok)
-      throw Refusal(fmt::format("certify: {} does not verify: {}: {}", options.directory,
-                                check.name, check.detail),
-                    options.directory);
-}
-
-Vehicle vehicle_of(const Options& options, const Manifest& manifest) {
-  if (!options.vehicle.empty()) return load_vehicle(options.vehicle);
-  try {
-    return load_vehicle(manifest.vehicle);
-  } catch (const std::exception&) {
-    throw InvalidInput("certify", fmt::format("the manifest's vehicle '{}' is not built in, "
-                                              "expected its file by --vehicle FILE",
-                                              manifest.vehicle));
-  }
-}
-
-bool asked_for(const Options& options, const std::string& controller) {
-  return options.controller.empty() || options.controller == controller;
-}
-
-/// A law of the export that is asked for, not yet looked at, and how it flies.
-struct AskedLaw {
-  CertifiedLaw law;
-  std::function<PlannedFlight()> hover;  ///< none if the gains are of another flight
-};
-
-std::vector<AskedLaw> laws_of(const Options& options, const Vehicle& vehicle) {
-  const StoredLaws stored = read_laws(options.directory);
-  std::vector<AskedLaw> laws;
-  if (stored.gains && asked_for(options, "state-feedback")) {
-    const Gains& gains = *stored.gains;
-    AskedLaw& asked = laws.emplace_back();
-    asked.law.name = "state feedback";
-    asked.law.dt = gains.dt;
-    asked.law.family = uncertain_hover(vehicle, gains, uncertainty_of(options, vehicle, gains.dt));
-    if (has_flown_loop(linearization_of(vehicle, gains).trim))
-      asked.hover = [vehicle, gains, estimator = stored.estimator] {
-        return hover_under(vehicle, feedback_controller(gains, gains.dt), estimator,
-                           gains.convention);
-      };
-  }
-  if (stored.cascade && asked_for(options, "cascaded-pid")) {
-    CascadeDesign cascade = *stored.cascade;
-    if (!options.integrator.empty())
-      cascade.method = pid_method(options.integrator, "--integrator");
-    AskedLaw& asked = laws.emplace_back();
-    asked.law.name = "cascade";
-    asked.law.dt = cascade.gains.dt;
-    asked.law.family = uncertain_hover(vehicle, cascade.gains, cascade.method,
-                                       uncertainty_of(options, vehicle, cascade.gains.dt));
-    asked.hover = [vehicle, cascade, estimator = stored.estimator] {
-      return hover_under(vehicle, cascade_controller(cascade, cascade.gains), estimator, "");
-    };
-  }
-  if (laws.empty())
-    throw InvalidInput(options.directory,
-                       fmt::format("the export has no {}, expected a law whose loop can be closed",
-                                   options.controller.empty() ? "gains" : options.controller));
-  return laws;
-}
-
-/// The flown loops of the box, where the gains are for a hover.
-FlownBox flown_of(const AskedLaw& asked, const Context& context) {
-  FlownBox none;
-  if (!asked.hover) {
-    none.why = "the gains are not for a level hover with the heading north";
-    return none;
-  }
-  FlownBoxOptions options;
-  options.also = asked.law.robustness.worst.parameters;
-  options.threads = context.threads;
-  options.interrupted = interrupted;
-  try {
-    return flown_box(asked.hover(), asked.law.family, options);
-  } catch (const InvalidInput& error) {
-    none.why = error.what();
-    return none;
-  }
-}
-
-/// Before anything is read: a wrong range is told without an export.
-void require_ranges(const Options& options) {
-  (void)read_ratios(options.mass, "--mass");
-  (void)read_ratios(options.inertia, "--inertia");
-  (void)read_ratios(options.thrust, "--thrust");
-  if (!options.delay.empty()) (void)read_seconds(options.delay, "--delay", true);
-  if (!options.lag.empty()) (void)read_seconds(options.lag, "--lag", false);
-  if (!options.integrator.empty()) (void)pid_method(options.integrator, "--integrator");
-  (void)asks_for_flown_plant(options.plant, "certify");
+/// Wrong ranges are told before the export is read.
+CertifyOptions certify_options(const Options& options, const Context& context) {
+  CertifyOptions certify;
+  certify.vehicle = options.vehicle;
+  certify.controller = options.controller;
+  certify.mass = read_ratios(options.mass, "--mass");
+  certify.inertia = read_ratios(options.inertia, "--inertia");
+  certify.thrust = read_ratios(options.thrust, "--thrust");
+  if (!options.delay.empty()) certify.delay = read_seconds(options.delay, "--delay", true);
+  if (!options.lag.empty()) certify.lag = read_seconds(options.lag, "--lag", false);
+  if (!options.integrator.empty())
+    certify.integrator = pid_method(options.integrator, "--integrator");
+  certify.flown = asks_for_flown_plant(options.plant, "certify");
+  certify.most_boxes = static_cast<int>(options.budget);
+  certify.seed = context.seed;
+  certify.threads = context.threads;
+  certify.stop = interrupted;
+  return certify;
 }
 
 void run(const Options& options, Context& context) {
   if (options.directory.empty())
     throw UsageError("quadtune certify: expected an export's directory", "DIR");
-  require_ranges(options);
-  require_verified(options);
-  const Manifest manifest = read_manifest(options.directory);
-  const Vehicle vehicle = vehicle_of(options, manifest);
-  CertifyReport report{options.directory, vehicle.name, {}};
-  RobustnessOptions robustness;
-  robustness.seed = context.seed;
-  robustness.proof.most_boxes = static_cast<int>(options.budget);
-  robustness.proof.threads = context.threads;
-  robustness.proof.interrupted = interrupted;
-  for (AskedLaw& asked : laws_of(options, vehicle)) {
-    asked.law.robustness = assess_robustness(asked.law.family, robustness);
-    if (asked.law.robustness.proof.status == StabilityProofStatus::interrupted) throw Interrupted();
-    if (asks_for_flown_plant(options.plant, "certify")) asked.law.flown = flown_of(asked, context);
-    report.laws.push_back(std::move(asked.law));
-  }
-  if (context.json)
-    context.out << internal::readable(to_json(report)) << "\n";
-  else
-    context.out << to_text(report);
+  const CertifyOptions asked = certify_options(options, context);
+  const CertifyReport report =
+      option_of_command("certify", [&] { return certify(options.directory, asked); });
+  if (report.failed)
+    throw Refusal(fmt::format("certify: {} does not verify: {}: {}", options.directory,
+                              report.failed->name, report.failed->detail),
+                  options.directory);
+  context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report));
   for (const CertifiedLaw& law : report.laws)
     if (!law.proved()) throw AnswerIsNo(fmt::format("certify: {}", law.reason()));
 }
@@ -282,8 +149,8 @@ Verb certify_verb() {
                            "boxes that a proof may look at (default 20000)")
                 ->type_name("N");
             return [options](Context& context) {
-              options->controller =
-                  option_of_command("certify", [&] { return controller_kind(options->controller); });
+              options->controller = option_of_command(
+                  "certify", [&] { return controller_kind(options->controller); });
               run(*options, context);
             };
           }};

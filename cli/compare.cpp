@@ -2,9 +2,9 @@
 /// quadtune compare: the same mission flown twice, and where the two flights part.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <memory>
 #include <ostream>
+#include <utility>
 
 #include "arguments/flight_arguments.hpp"
 #include "program/command_line.hpp"
@@ -12,7 +12,6 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "report/flights/flight_difference.hpp"
-#include "report/flights/flight_story.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -91,50 +90,40 @@ std::array<std::string, 2> names_of(const Options& options) {
 }  // namespace
 
 Verb compare_verb() {
-  return {
-      "compare", "integrators|flow|filter|gains V [A B] [--mission NAME|FILE] [options]",
-      "fly the same mission twice and show where the flights part",
-      "quadtune compare integrators mambo --mission hover", [](CommandLine& line) -> Action {
-        auto options = std::make_shared<Options>();
-        line.add_option("WHAT", options->what,
-                        "integrators: euler against tustin; flow: simplified against full; "
-                        "filter: filtered velocity against raw; gains: A against B");
-        line.add_option("V", options->flight.vehicle, "a built-in vehicle or a vehicle file");
-        line.add_option("A", options->first, "gains of the first flight");
-        line.add_option("B", options->second, "gains of the second flight");
-        add_flight_options(line, options->flight);
-        return [options](Context& context) {
-          if (options->what.empty())
-            throw UsageError("quadtune compare: expected integrators, flow, filter or gains",
-                             "WHAT");
-          if (options->what != "gains" && !options->first.empty())
-            throw UsageError(fmt::format("quadtune compare: '{}' came after the vehicle, "
-                                         "expected nothing there but with gains",
-                                         options->first),
-                             "A");
-          options->flight.seed = context.seed;
-          const std::array<FlightOptions, 2> wanted =
-              option_of_command("compare", [&] { return both_flights(*options); });
-          // Both are planned before the first flies, so that a mistake in the second comes first.
-          std::array<PlannedFlight, 2> plans;
-          for (std::size_t i = 0; i < 2; ++i) {
-            plans[i] = plan_of_command(wanted[i], "compare");
-            option_of_command("compare", [&] { keep_log(plans[i]); });
-          }
-          for (const std::string& note : plans[0].notes) context.note("compare: note: " + note);
-          std::array<FlownFlight, 2> flights;
-          for (std::size_t i = 0; i < 2; ++i)
-            flights[i] = fly_planned(std::move(plans[i]), interrupted);
-          const FlightDifference difference =
-              difference_of(flights[0].result.log, flights[1].result.log);
-          const std::array<std::string, 2> names = names_of(*options);
-          if (context.json)
-            context.out << internal::readable(to_json(options->what, names, flights, difference))
-                        << "\n";
-          else
-            context.out << to_text(options->what, names, flights, difference);
-        };
-      }};
+  return {"compare", "integrators|flow|filter|gains V [A B] [--mission NAME|FILE] [options]",
+          "fly the same mission twice and show where the flights part",
+          "quadtune compare integrators mambo --mission hover", [](CommandLine& line) -> Action {
+            auto options = std::make_shared<Options>();
+            line.add_option("WHAT", options->what,
+                            "integrators: euler against tustin; flow: simplified against full; "
+                            "filter: filtered velocity against raw; gains: A against B");
+            line.add_option("V", options->flight.vehicle, "a built-in vehicle or a vehicle file");
+            line.add_option("A", options->first, "gains of the first flight");
+            line.add_option("B", options->second, "gains of the second flight");
+            add_flight_options(line, options->flight);
+            return [options](Context& context) {
+              if (options->what.empty())
+                throw UsageError("quadtune compare: expected integrators, flow, filter or gains",
+                                 "WHAT");
+              if (options->what != "gains" && !options->first.empty())
+                throw UsageError(fmt::format("quadtune compare: '{}' came after the vehicle, "
+                                             "expected nothing there but with gains",
+                                             options->first),
+                                 "A");
+              options->flight.seed = context.seed;
+              const std::array<FlightOptions, 2> wanted =
+                  option_of_command("compare", [&] { return both_flights(*options); });
+              if (options->flight.vehicle.empty())
+                throw UsageError("quadtune compare: expected a vehicle", "V");
+              std::array<PlannedFlight, 2> plans =
+                  option_of_command("compare", [&] { return plan_both(wanted, "compare"); });
+              for (const std::string& note : plans[0].notes) context.note("compare: note: " + note);
+              const ComparedFlights compared =
+                  fly_both(options->what, names_of(*options), std::move(plans), interrupted);
+              context.out << (context.json ? internal::readable(to_json(compared)) + "\n"
+                                           : to_text(compared));
+            };
+          }};
 }
 
 }  // namespace quadtune::cli

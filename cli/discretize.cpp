@@ -1,30 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune discretize: one system by one method, or back.
-#include "quadtune/discretize/discretize.hpp"
-
 #include <fmt/format.h>
 
-#include <cmath>
 #include <memory>
-#include <numbers>
-#include <optional>
 #include <ostream>
+#include <utility>
 
+#include "arguments/flight_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"
 #include "arguments/plant_arguments.hpp"
+#include "arguments/plot_argument.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
-#include "quadtune/discretize/sample_time.hpp"
-#include "quadtune/discretize/to_continuous.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/workbench/design/sampled_plant.hpp"
 #include "report/loops/method_comparison.hpp"
-#include "report/text/print.hpp"
-#include "arguments/plot_argument.hpp"
+#include "report/loops/sampled_plant.hpp"
 
 namespace quadtune::cli {
 namespace {
-
-using internal::Json;
 
 struct Options {
   std::string vehicle;
@@ -40,12 +34,6 @@ struct Options {
   bool compare = false;
 
   [[nodiscard]] bool is_fraction() const { return !num.empty() || !den.empty(); }
-};
-
-/// What was asked for, checked.
-struct Task {
-  DiscretizationMethod method;
-  DiscretizationOptions options;
 };
 
 // --- reading -------------------------------------------------------------------------------------
@@ -77,40 +65,9 @@ void refuse_mixtures(const Options& options) {
              "states of it");
 }
 
-std::optional<double> read_prewarp(const Options& options, DiscretizationMethod method) {
-  if (!options.has_prewarp) return {};
-  if (method != DiscretizationMethod::tustin)
-    refuse("--prewarp", fmt::format("came with --method {}, expected tustin because only it bends "
-                                    "frequencies in a way that this undoes",
-                                    options.method));
-  const double nyquist = std::numbers::pi / options.dt;
-  if (!(options.prewarp > 0 && options.prewarp < nyquist))
-    refuse("--prewarp",
-           fmt::format("is {:.6g} rad/s, expected more than 0 and less than {:.6g} rad/s "
-                       "(pi/dt) because samples do not show other frequencies",
-                       options.prewarp, nyquist));
-  return options.prewarp;
-}
-
 Eigen::VectorXd read_list(const std::string& text, const std::string& option) {
   const std::vector<double> numbers = number_list(text, "discretize", option);
   return Eigen::Map<const Eigen::VectorXd>(numbers.data(), std::ssize(numbers));
-}
-
-/// Seconds for each of `count` channels; one number stands for all.
-Eigen::VectorXd read_delays(const std::string& text, const std::string& option, Eigen::Index count,
-                            const std::string& channels) {
-  if (text.empty()) return {};
-  Eigen::VectorXd delays = read_list(text, option);
-  for (const double delay : delays)
-    if (delay < 0)
-      refuse(option,
-             fmt::format("has {} s, expected 0 or more because the future is not known", delay));
-  if (delays.size() == 1) return Eigen::VectorXd::Constant(count, delays[0]);
-  if (delays.size() != count)
-    refuse(option, fmt::format("has {} entries, expected {} or one for all {}", delays.size(),
-                               count, channels));
-  return delays;
 }
 
 /// ContinuousLti or DiscreteLti.
@@ -138,115 +95,41 @@ Fraction read_fraction(const Options& options) {
   return plant;
 }
 
-double read_delay(const Options& options) {
-  if (options.delay < 0)
-    refuse("--delay", fmt::format("is {} s, expected 0 or more because the future is not known",
-                                  options.delay));
-  return options.delay;
-}
-
-int delay_in_samples(const Options& options) {
-  const double samples = read_delay(options) / options.dt;
-  if (std::abs(samples - std::round(samples)) > 1e-9 || samples > 1e9)
-    refuse("--delay", fmt::format("is {} s, expected a whole number of samples of {} s because the "
-                                  "plant is discrete",
-                                  options.delay, options.dt));
-  return static_cast<int>(std::round(samples));
-}
-
-// --- printing ------------------------------------------------------------------------------------
-
-void warn(const std::vector<std::string>& warnings, const Context& context) {
-  for (const std::string& warning : warnings) context.note("discretize: warning: " + warning);
-}
-
-void finish(Json json, const Options& options, const std::vector<std::string>& warnings,
-            Context& context) {
-  json["dt"] = options.dt;
-  json["method"] = options.method;
-  if (options.inverse) json["inverse"] = true;
-  json["warnings"] = warnings;
-  context.out << internal::readable(json) << "\n";
-}
-
-std::string how(const Options& options) {
-  return number(options.dt) + " s, " + options.method + (options.inverse ? ", to continuous" : "");
-}
-
-/// Names of states are told where delays have added to them.
-template <class Lti>
-void print(const Lti& plant, const Options& options, const std::vector<std::string>& warnings,
-           Context& context) {
-  warn(warnings, context);
-  if (context.json) {
-    Json json;
-    json["A"] = internal::matrix_to_json(plant.A, "A");
-    json["B"] = internal::matrix_to_json(plant.B, "B");
-    json["C"] = internal::matrix_to_json(plant.C, "C");
-    json["D"] = internal::matrix_to_json(plant.D, "D");
-    if (!plant.states.empty())
-      json["states"] = names_or_numbers(plant.states, std::ssize(plant.states));
-    finish(std::move(json), options, warnings, context);
-    return;
-  }
-  context.out << section("A", plain(plant.A)) << section("B", plain(plant.B))
-              << section("C", plain(plant.C)) << section("D", plain(plant.D));
-  if (!plant.states.empty()) context.out << section("states", names(plant.states));
-  context.out << section("dt", how(options));
-}
-
-void print(const Eigen::VectorXd& num, const Eigen::VectorXd& den, const std::string& delay_key,
-           const Json& delay, const Options& options, const std::vector<std::string>& warnings,
-           Context& context) {
-  warn(warnings, context);
-  if (context.json) {
-    Json json;
-    json["num"] = internal::vector_to_json(num, "num");
-    json["den"] = internal::vector_to_json(den, "den");
-    json[delay_key] = delay;
-    finish(std::move(json), options, warnings, context);
-    return;
-  }
-  context.out << section("num", plain(num.transpose())) << section("den", plain(den.transpose()));
-  if (delay != 0)
-    context.out << section("delay", delay_key == "delay_s"
-                                        ? number(delay.get<double>()) + " s"
-                                        : internal::json_text(delay) + " samples");
-  context.out << section("dt", how(options));
-}
-
-// --- running -------------------------------------------------------------------------------------
-
-void run_fraction(const Options& options, const Task& task, Context& context) {
-  if (options.inverse) {
-    auto plant = read_fraction<DiscreteTransferFunction>(options);
-    plant.dt = options.dt;
-    plant.delay = delay_in_samples(options);
-    const ContinuousTransferFunction result =
-        to_continuous(plant, task.method, task.options.prewarp);
-    print(result.num, result.den, "delay_s", result.delay, options, {}, context);
-    return;
-  }
+SampledPlant sample_fraction(const Options& options, const SamplingOptions& by) {
+  if (options.inverse)
+    return continuous_plant(read_fraction<DiscreteTransferFunction>(options), options.delay, by);
   auto plant = read_fraction<ContinuousTransferFunction>(options);
-  plant.delay = read_delay(options);
-  const DiscreteTransferFunction result = discretize(plant, options.dt, task.method, task.options);
-  print(result.num, result.den, "delay_samples", result.delay, options,
-        sample_time_warnings(plant, options.dt), context);
+  plant.delay = options.delay;
+  return sampled_plant(plant, by);
 }
 
-void run_matrices(const Options& options, Task task, Context& context) {
-  if (options.inverse) {
-    auto plant = read_plant<DiscreteLti>(options, context.in);
-    plant.dt = options.dt;
-    print(to_continuous(plant, task.method, task.options.prewarp), options, {}, context);
-    return;
-  }
-  const auto plant = read_plant<ContinuousLti>(options, context.in);
-  task.options.delays = {
-      read_delays(options.input_delay, "--input-delay", plant.B.cols(), "inputs"),
-      read_delays(options.output_delay, "--output-delay", plant.C.rows(), "outputs")};
-  const DiscreteLti result = discretize(plant, options.dt, task.method, task.options);
-  print(result, options, sample_time_warnings(plant, options.dt), context);
+SampledPlant sample_matrices(const Options& options, const SamplingOptions& by, std::istream& in) {
+  if (options.inverse) return continuous_plant(read_plant<DiscreteLti>(options, in), by);
+  const auto plant = read_plant<ContinuousLti>(options, in);
+  ChannelDelays delays;
+  delays.input = channel_delays(read_list(options.input_delay, "--input-delay"), "input-delay",
+                                plant.B.cols(), "inputs");
+  delays.output = channel_delays(read_list(options.output_delay, "--output-delay"), "output-delay",
+                                 plant.C.rows(), "outputs");
+  return sampled_plant(plant, delays, by);
+}
+
+void run_system(const Options& options, Context& context) {
+  SamplingOptions by{discretization_method(options.method, "--method"), options.dt};
+  if (options.inverse && by.method != DiscretizationMethod::zoh &&
+      by.method != DiscretizationMethod::tustin)
+    refuse("--inverse", fmt::format("came with --method {}, expected zoh or tustin, whose way back "
+                                    "is built",
+                                    options.method));
+  if (options.has_prewarp) by.prewarp = options.prewarp;
+  const SampledPlant sampled = option_of_command("discretize", [&] {
+    require_prewarp(by);
+    return options.is_fraction() ? sample_fraction(options, by)
+                                 : sample_matrices(options, by, context.in);
+  });
+  for (const std::string& warning : sampled.warnings)
+    context.note("discretize: warning: " + warning);
+  context.out << (context.json ? internal::readable(to_json(sampled)) + "\n" : to_text(sampled));
 }
 
 /// The options of one system do not belong to the comparison, nor the comparison's to one system.
@@ -263,9 +146,11 @@ void run_comparison(const Options& options, Context& context) {
   if (options.vehicle.empty())
     refuse("--compare", "came without a vehicle, expected one: quadtune discretize V --compare");
   const bool flown = asks_for_flown_plant(options.compared_plant, "discretize");
-  const MethodComparison comparison = compare_methods(options.vehicle, options.dt, flown);
-  draw(options.plot, comparison.figure, context);
-  context.out << (context.json ? internal::readable(comparison.json) + "\n" : comparison.text);
+  const MethodComparison comparison = compare_sampling_methods(options.vehicle, options.dt, flown);
+  draw(
+      options.plot, [&] { return sampling_figure(comparison); }, context);
+  context.out << (context.json ? internal::readable(to_json(comparison)) + "\n"
+                               : to_text(comparison));
 }
 
 void run_discretize(const Options& options, const CommandLine& line, Context& context) {
@@ -286,17 +171,7 @@ void run_discretize(const Options& options, const CommandLine& line, Context& co
   if (!options.plot.file.empty())
     refuse("--plot", "came without --compare, expected it because only the comparison is drawn");
   refuse_mixtures(options);
-  Task task{discretization_method(options.method, "--method"), {}};
-  if (options.inverse && task.method != DiscretizationMethod::zoh &&
-      task.method != DiscretizationMethod::tustin)
-    refuse("--inverse", fmt::format("came with --method {}, expected zoh or tustin, whose way back "
-                                    "is built",
-                                    options.method));
-  task.options.prewarp = read_prewarp(options, task.method);
-  if (options.is_fraction())
-    run_fraction(options, task, context);
-  else
-    run_matrices(options, task, context);
+  run_system(options, context);
 }
 
 }  // namespace

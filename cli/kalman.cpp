@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <ostream>
 
 #include "arguments/matrix_arguments.hpp"
 #include "program/command_line.hpp"
@@ -86,8 +85,8 @@ Verb kalman_verb() {
                 fmt::format("kalman: {}: {}", to_string(result.status), result.culprit), "--A");
           if (!result.warning.empty()) context.note("kalman: warning: " + result.warning);
           const double period = options->continuous ? 0 : sampled ? options->sampled : 1;
-          context.out << (context.json ? internal::readable(to_json(result, period)) + "\n"
-                                       : to_text(result, period));
+          context.print([&] { return to_json(result, period); },
+                        [&] { return to_text(result, period); });
         };
       }};
 }

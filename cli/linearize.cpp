@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune linearize: trim and Jacobians.
 #include <memory>
-#include <ostream>
 
 #include "arguments/plant_arguments.hpp"
 #include "program/command_line.hpp"
@@ -22,8 +21,8 @@ Verb linearize_verb() {
               const LinearVehicle plant = make_plant(*arguments);
               for (const std::string& note : plant.model.notes)
                 context.note("linearize: note: " + note);
-              context.out << (context.json ? internal::readable(to_json(plant.model)) + "\n"
-                                           : to_text(plant.model));
+              context.print([&] { return to_json(plant.model); },
+                            [&] { return to_text(plant.model); });
             };
           }};
 }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <ostream>
 
 #include "arguments/flown_lqr_arguments.hpp"
 #include "program/command_line.hpp"
@@ -44,8 +43,7 @@ void run(const Options& options, Context& context) {
         return lqg_report(vehicle, asked, flight, at);
       });
   for (const std::string& message : report.messages) context.note("lqg: " + message);
-  context.out << (context.json ? internal::readable(to_json(report, vehicle)) + "\n"
-                               : to_text(report));
+  context.print([&] { return to_json(report, vehicle); }, [&] { return to_text(report); });
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <optional>
-#include <ostream>
 
 #include "arguments/matrix_arguments.hpp"
 #include "lqr_vehicle.hpp"
@@ -63,7 +62,7 @@ void run_matrices(const Options& options, bool sampled, Context& context) {
   const LqrReport report = lqr_report(problem, evidence);
   require_solved(report.riccati, "--A");
   for (const std::string& message : report.messages) context.note("lqr: " + message);
-  context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report));
+  context.print([&] { return to_json(report); }, [&] { return to_text(report); });
 }
 
 void run_vehicle(const CommandLine& line, Options& options, Context& context) {

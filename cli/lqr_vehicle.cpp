@@ -59,8 +59,7 @@ void run_flown_lqr(const LqrArguments& common, const FlownLqrArguments& argument
                           flight, at);
       });
   tell(report.messages, context);
-  context.out << (context.json ? internal::readable(to_json(report, vehicle)) + "\n"
-                               : to_text(report));
+  context.print([&] { return to_json(report, vehicle); }, [&] { return to_text(report); });
 }
 
 void run_matrix_lqr(const LqrArguments& common, const FlownLqrArguments& arguments,
@@ -72,8 +71,7 @@ void run_matrix_lqr(const LqrArguments& common, const FlownLqrArguments& argumen
         return matrix_report(vehicle, design, flight, at);
       });
   tell(report.messages, context);
-  context.out << (context.json ? internal::readable(to_json(report, vehicle)) + "\n"
-                               : to_text(report));
+  context.print([&] { return to_json(report, vehicle); }, [&] { return to_text(report); });
 }
 
 void run_ideal_lqr(const LqrArguments& arguments, const std::string& evidence, Context& context) {
@@ -86,7 +84,7 @@ void run_ideal_lqr(const LqrArguments& arguments, const std::string& evidence, C
   const VehicleLqrReport report = lqr_report(std::move(plant), design, margins);
   require_solved(report.feedback.riccati, arguments.plant.vehicle);
   tell(report.messages, context);
-  context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report));
+  context.print([&] { return to_json(report); }, [&] { return to_text(report); });
 }
 
 void run_schedule(const LqrArguments& arguments, const std::string& grid, Context& context) {

@@ -1,35 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune margins: of a transfer function, of a gain on matrices, or of a vehicle's gains.
-#include "quadtune/synthesis/margins.hpp"
-
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
-#include <cmath>
 #include <memory>
-#include <optional>
 #include <ostream>
 
 #include "arguments/flight_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"
-#include "arguments/plot_argument.hpp"
 #include "arguments/plant_arguments.hpp"
-#include "quadtune/workbench/design/given_gains.hpp"
-#include "quadtune/workbench/design/looks_sampled.hpp"
+#include "arguments/plot_argument.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
-#include "quadtune/control/cascade_law.hpp"
-#include "quadtune/discretize/delay.hpp"
-#include "quadtune/discretize/zoh.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/internal/text_file.hpp"
 #include "quadtune/matrix_checks.hpp"
-#include "quadtune/model/vehicle.hpp"
-#include "quadtune/workbench/flown/flown_loop.hpp"
-#include "quadtune/workbench/flown/flying_loop.hpp"
-#include "report/loops/cascade_report.hpp"
-#include "report/loops/flown_report.hpp"
-#include "report/loops/margins_report.hpp"
+#include "quadtune/workbench/design/named_loop.hpp"
+#include "report/loops/loop_report.hpp"
 #include "report/plots/loop_figure.hpp"
 #include "report/text/print.hpp"
 
@@ -49,17 +34,6 @@ struct Options {
   PlotArgument plot;
 };
 
-/// A loop with the names of its channels.
-struct NamedLoop {
-  OpenLoop loop;
-  std::vector<std::string> names;
-  std::string taken_as = {};    ///< what matrices were taken for, where nothing declared it
-  std::string controller = {};  ///< of a vehicle's loop: FlightOptions::controller
-};
-
-/// What A and B are, as `lqr` asks it.
-enum class Kind { continuous, discrete, sampled };
-
 bool cut_at_states(const Options& options) {
   if (options.cut == "inputs") return false;
   if (options.cut == "states") return true;
@@ -75,55 +49,22 @@ void require_delay(double delay) {
         "--delay");
 }
 
-/// Whole samples: of a discrete loop nothing between them is known.
-int delay_in_samples(double delay, double dt) {
-  const double samples = delay / dt;
-  if (std::abs(samples - std::round(samples)) > 1e-9 * std::max(1.0, samples))
-    throw UsageError(fmt::format("quadtune margins: --delay is {} s, expected a whole number of "
-                                 "samples of {} s because the loop is discrete",
-                                 number(delay), number(dt)),
-                     "--delay");
-  constexpr double kMost = 2000;
-  if (samples > kMost)
-    throw UsageError(fmt::format("quadtune margins: --delay is {} samples, expected at most {}",
-                                 number(samples), kMost),
-                     "--delay");
-  return static_cast<int>(std::round(samples));
-}
-
 NamedLoop transfer_function_loop(const Options& options, bool discrete) {
   const Eigen::VectorXd num = coefficients(options.num, "margins", "--num");
   const Eigen::VectorXd den = coefficients(options.den, "margins", "--den");
   if (discrete) {
     const DiscreteTransferFunction g{num, den, options.dt,
-                                     delay_in_samples(options.delay, options.dt)};
+                                     whole_samples(options.delay, options.dt)};
     validate(g, "--num, --den");
-    return {OpenLoop(g), {}};
+    return {OpenLoop(g)};
   }
   const ContinuousTransferFunction g{num, den, options.delay};
   validate(g, "--num, --den");
-  return {OpenLoop(g), {}};
-}
-
-DiscreteLti delayed(DiscreteLti loop, double delay) {
-  if (delay == 0) return loop;
-  const double exact = delay_in_samples(delay, loop.dt) * loop.dt;
-  return with_delays(loop, {Eigen::VectorXd::Constant(loop.B.cols(), exact), {}});
-}
-
-/// The loop K (λI - A)⁻¹ B, or (λI - A)⁻¹ B K.
-template <class Lti>
-Lti cut(const Lti& plant, const Eigen::MatrixXd& K, bool at_states) {
-  Lti loop = plant;
-  if (at_states)
-    loop.B = (plant.B * K).eval();
-  else
-    loop.C = K;
-  return loop;
+  return {OpenLoop(g)};
 }
 
 /// Declared, or by --dt alone.
-Kind kind_of(const Options& options, bool has_dt, bool has_sampled) {
+MatrixTime time_of(const Options& options, bool has_dt, bool has_sampled) {
   const auto refuse = [](const std::string& what, const std::string& option) {
     throw UsageError("quadtune margins: " + what, option);
   };
@@ -142,62 +83,29 @@ Kind kind_of(const Options& options, bool has_dt, bool has_sampled) {
         "--dt");
   if (has_sampled) {
     require_positive(options.sampled, "margins", "--sampled");
-    return Kind::sampled;
+    return MatrixTime::sampled;
   }
-  return has_dt ? Kind::discrete : Kind::continuous;
+  return has_dt ? MatrixTime::discrete : MatrixTime::continuous;
 }
 
-bool is_stable(const Eigen::MatrixXd& closed, bool discrete) {
-  const Eigen::VectorXcd poles = closed.eigenvalues();
-  return discrete ? poles.cwiseAbs().maxCoeff() < 1 : poles.real().maxCoeff() < 0;
-}
-
-/// Of matrices that nobody declared: what they are taken for, with a warning where that looks wrong
-/// because the loop is stable only when they are the other kind.
-std::string taken_as(const ContinuousLti& plant, const Eigen::MatrixXd& K, bool discrete) {
-  const Eigen::MatrixXd closed = plant.A - plant.B * K;
-  const bool looks_wrong = !is_stable(closed, discrete) && is_stable(closed, !discrete);
-  if (!discrete)
-    return looks_wrong ? "warning: A and B are taken as continuous, but A - B K is stable only if "
-                         "they are discrete: --discrete --dt T takes them so"
-                       : "";
-  const std::string taken = "A and B are taken as discrete because of --dt";
-  if (const std::string why = why_not_sampled(plant.A); !looks_wrong && !why.empty())
-    return fmt::format(
-        "warning: {}, but A {}, which no plant that is sampled without delays has: --sampled DT "
-        "takes them as continuous, --discrete says that they are discrete",
-        taken, why);
-  return looks_wrong
-             ? "warning: " + taken +
-                   ", but A - B K is stable only if they are continuous: --sampled DT takes "
-                   "them so, with the input held"
-             : "note: " + taken +
-                   "; --discrete says so, --sampled DT takes them as continuous, with the "
-                   "input held";
-}
-
-NamedLoop matrix_loop(const Options& options, Kind kind, std::istream& in) {
+NamedLoop matrix_loop(const Options& options, MatrixTime time, std::istream& in) {
   const Eigen::MatrixXd A = require_matrix(options.A, in, "margins", "--A");
   const Eigen::MatrixXd B = require_matrix(options.B, in, "margins", "--B");
   const Eigen::MatrixXd K = require_matrix(options.K, in, "margins", "--K");
   require_shape(K, B.cols(), A.rows(), "--K", "K", "one row per input, one column per state");
   require_finite(K, "--K", "K");
-  const bool at_states = cut_at_states(options);
-  const std::vector<std::string> names =
-      at_states ? numbered("x", A.rows()) : numbered("u", B.cols());
+  GainLoopOptions gain;
+  gain.time = time;
+  gain.dt = time == MatrixTime::sampled ? options.sampled : options.dt;
+  gain.declared = options.continuous || options.discrete || time == MatrixTime::sampled;
+  gain.at_states = cut_at_states(options);
+  gain.delay = options.delay;
   const ContinuousLti plant{A, B, {}, {}, {}, {}, {}};
   validate(plant, "--A, --B");
-  const bool declared = options.continuous || options.discrete || kind == Kind::sampled;
-  const std::string taken = declared ? "" : taken_as(plant, K, kind == Kind::discrete);
-  if (kind == Kind::continuous)
-    return {OpenLoop(cut(plant, K, at_states), options.delay), names, taken};
-  const DiscreteLti discrete = kind == Kind::sampled
-                                   ? discretize_zoh(plant, options.sampled)
-                                   : DiscreteLti{A, B, {}, {}, options.dt, {}, {}, {}};
-  return {OpenLoop(delayed(cut(discrete, K, at_states), options.delay)), names, taken};
+  return gain_loop(plant, K, gain);
 }
 
-NamedLoop vehicle_loop(const Options& options) {
+LoopReport vehicle_loop(const Options& options) {
   if (options.gains.empty())
     throw UsageError(
         "quadtune margins: --gains is missing, expected the gains of the vehicle: a "
@@ -208,45 +116,15 @@ NamedLoop vehicle_loop(const Options& options) {
         "quadtune margins: --cut states belongs to matrices, expected inputs with a "
         "vehicle",
         "--cut");
-  const Vehicle vehicle = load_vehicle(options.vehicle);
-  const GivenLaws given = read_given_laws(options.gains);
-  require_vehicle(given.laws, vehicle, options.gains);
-  if (!given.laws.gains) {
-    const CascadeDesign& cascade = *given.laws.cascade;
-    const DiscreteLti law = cascade_law(cascade.gains, cascade.method);
-    const DiscreteLti plant = cascade_plant(without_lag(vehicle), cascade, options.gains);
-    return {OpenLoop(delayed(cut_at_inputs(plant, law), options.delay)),
-            names_or_numbers(law.outputs, std::ssize(law.outputs)), "", "cascaded-pid"};
-  }
-  const Gains& gains = *given.laws.gains;
-  if (!(gains.dt > 0))
-    throw InvalidInput(options.gains,
-                       "the gains have no sample period; expected one because the "
-                       "flown loop is sampled");
-  const VerifyModel model = model_of(vehicle, gains);
-  return {OpenLoop(delayed(open_loop(model.plant, gains), options.delay)),
-          names_or_numbers(gains.inputs, std::ssize(gains.inputs)), "", "state-feedback"};
-}
-
-/// The flown loop of a vehicle: with the rotors' lag, the sensors and the estimator.
-FlownLoop flown_vehicle_loop(const Options& options, const std::string& controller) {
   FlightOptions flight;
   flight.vehicle = options.vehicle;
   flight.gains = options.gains;
-  flight.controller = controller;
   flight.estimator = options.estimator;
   flight.sensors = options.sensors;
   FlownLoopOptions at;
   at.height = options.height;
   at.command_delay = options.delay;
-  const PlannedFlight plan = plan_of_command(flight, "margins");
-  const double most = kMostDelayPeriods * control_period(plan.setup);
-  if (options.delay > most * (1 + 1e-9))
-    throw UsageError(fmt::format("quadtune margins: --delay is {} s, expected at most {} s, {} "
-                                 "samples, because each delayed sample is a state of the loop",
-                                 number(options.delay), number(most), kMostDelayPeriods),
-                     "--delay");
-  return flown_loop(plan, at);
+  return loop_report(flight, at, options.plant == "flown");
 }
 
 /// Exactly one of the three ways to name a loop.
@@ -296,6 +174,15 @@ void require_flown(const Options& options, const std::string& flown_option) {
                      flown_option);
 }
 
+void tell(const LoopReport& report, const Context& context) {
+  const auto note = [&](const std::string& text) { context.note("margins: " + text); };
+  if (!report.loop.taken_as.empty()) note(report.loop.taken_as);
+  if (report.flown)
+    for (const std::string& text : flown_notes(*report.flown)) note("note: " + text);
+  for (const std::string& text : margin_notes(report.margins())) note("note: " + text);
+  for (const std::string& text : margin_warnings(report.margins())) note("warning: " + text);
+}
+
 void run(const Options& options, bool has_dt, bool has_sampled, Context& context) {
   require_one_loop(options);
   require_picture(options.plot, "margins");
@@ -315,42 +202,18 @@ void run(const Options& options, bool has_dt, bool has_sampled, Context& context
         has_sampled          ? "--sampled"
         : options.continuous ? "--continuous"
                              : "--discrete");
-  const NamedLoop named =
-      !options.vehicle.empty() ? vehicle_loop(options)
-      : matrices ? matrix_loop(options, kind_of(options, has_dt, has_sampled), context.in)
-                 : transfer_function_loop(options, has_dt);
-  const MarginsReport ideal = margins_report(named.loop, named.names);
-  std::optional<FlownLoop> flown;
-  if (!options.vehicle.empty() && options.plant == "flown")
-    flown = flown_vehicle_loop(options, named.controller);
-  const MarginsReport& report = flown ? flown->margins : ideal;
+  const LoopReport report = option_of_command("margins", [&] {
+    if (!options.vehicle.empty()) return vehicle_loop(options);
+    return loop_report(matrices
+                           ? matrix_loop(options, time_of(options, has_dt, has_sampled), context.in)
+                           : transfer_function_loop(options, has_dt));
+  });
   draw(
-      options.plot, [&] { return margins_figure(figure_title(options), named.loop, ideal); },
+      options.plot,
+      [&] { return margins_figure(figure_title(options), report.loop.loop, report.ideal); },
       context);
-  if (context.json) {
-    internal::Json json = to_json(report);
-    json["time"] = named.loop.discrete() ? "discrete" : "continuous";
-    json["dt"] = named.loop.discrete() ? internal::Json(named.loop.dt()) : internal::Json();
-    if (!options.vehicle.empty()) json["plant"] = options.plant;
-    if (flown) {
-      json["flown"] = to_json(*flown);
-      json["ideal"] = to_json(ideal);
-    }
-    context.out << internal::readable(json) << "\n";
-  } else {
-    context.out << section(
-        "loop", named.loop.discrete() ? fmt::format("discrete, every {} s", number(named.loop.dt()))
-                                      : "continuous");
-    if (flown) context.out << section("flown loop", to_text(*flown));
-    context.out << section(flown ? "margins of the flown loop" : "margins", to_text(report));
-    if (flown) context.out << section("margins of the ideal plant", to_text(ideal));
-  }
-  if (!named.taken_as.empty()) context.note("margins: " + named.taken_as);
-  if (flown)
-    for (const std::string& note : flown_notes(*flown)) context.note("margins: note: " + note);
-  for (const std::string& note : margin_notes(report)) context.note("margins: note: " + note);
-  for (const std::string& warning : margin_warnings(report))
-    context.note("margins: warning: " + warning);
+  context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report));
+  tell(report, context);
 }
 
 }  // namespace

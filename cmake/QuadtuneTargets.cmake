@@ -57,9 +57,14 @@ if(QUADTUNE_SANITIZE)
                                                   -fno-omit-frame-pointer)
   target_link_options(quadtune_flags INTERFACE -fsanitize=${QUADTUNE_SANITIZE})
   if(QUADTUNE_SANITIZE MATCHES undefined)
-    # Half of the compile time for what others see as well: ASan stops at a null pointer and at what
-    # lies beyond an object, and Eigen asserts the alignment of its matrices.
-    target_compile_options(quadtune_flags INTERFACE -fno-sanitize=null,alignment,pointer-overflow)
+    # Up to half of the compile time for what others see as well: ASan stops at a null pointer and at
+    # what lies beyond an object, and Eigen asserts the alignment of its matrices. The weekly run has
+    # the checks of null and alignment on all the same.
+    if(QUADTUNE_SANITIZE_POINTERS)
+      target_compile_options(quadtune_flags INTERFACE -fno-sanitize=pointer-overflow)
+    else()
+      target_compile_options(quadtune_flags INTERFACE -fno-sanitize=null,alignment,pointer-overflow)
+    endif()
   endif()
 endif()
 

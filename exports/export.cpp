@@ -9,8 +9,7 @@
 
 #include "json/to_json.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/exports/mambo.hpp"
-#include "quadtune/exports/uquad.hpp"
+#include "quadtune/exports/exporter.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/version.hpp"
@@ -19,20 +18,6 @@ namespace quadtune {
 namespace {
 
 using internal::Json;
-
-std::vector<FileContent> content_files(ExportKind kind, const ExportContent& content) {
-  switch (kind) {
-    case ExportKind::uquad:
-      if (!content.gains)
-        throw InvalidInput("uquad", "no gains came, expected a state feedback (section lqr)");
-      return uquad_files(*content.gains, content.Q, content.R, content.uquad_filter);
-    case ExportKind::mambo:
-      return mambo_files(content);
-    case ExportKind::json:
-      return {{kGainsJsonName, gains_json_text(content)}};
-  }
-  return {};
-}
 
 ManifestFile listed(const FileContent& file) {
   return {file.name, sha256(file.bytes), file.bytes.size()};
@@ -49,10 +34,10 @@ std::vector<std::pair<std::string, std::string>> own_versions() {
           {"OpenSSL", OPENSSL_VERSION_STR}};
 }
 
-Manifest make_manifest(ExportKind kind, const ExportContent& content,
+Manifest make_manifest(const Exporter& exporter, const ExportContent& content,
                        const std::vector<FileContent>& files) {
   Manifest manifest;
-  manifest.kind = kind;
+  manifest.kind = ExportKind(exporter.target.name);
   manifest.vehicle = content.vehicle.name;
   manifest.versions = own_versions();
   manifest.versions.insert(manifest.versions.end(), content.versions.begin(),
@@ -61,7 +46,7 @@ Manifest make_manifest(ExportKind kind, const ExportContent& content,
   for (const FileContent& file : content.inputs) manifest.inputs.push_back(listed(file));
   for (const FileContent& file : files) manifest.files.push_back(listed(file));
   manifest.gains = content.gains;
-  if (kind != ExportKind::uquad) manifest.cascade = content.cascade;  // its files have none
+  if (exporter.writes_cascade) manifest.cascade = content.cascade;
   manifest.Q = content.Q;
   manifest.R = content.R;
   manifest.evidence = content.evidence;
@@ -69,9 +54,9 @@ Manifest make_manifest(ExportKind kind, const ExportContent& content,
     manifest.closed_loop_poles = closed_loop_poles(*content.plant, *content.gains);
   if (manifest.cascade && content.cascade_plant)
     manifest.cascade_poles = closed_loop_poles(*content.cascade_plant, *content.cascade);
-  if (kind == ExportKind::mambo)
+  if (exporter.numbers)
     for (const FileContent& file : files)
-      for (NamedMatrix& number : parse_m_file(file.bytes, file.name))
+      for (NamedMatrix& number : exporter.numbers(file))
         manifest.numbers.push_back(std::move(number));
   return manifest;
 }
@@ -95,15 +80,16 @@ std::vector<std::string> left_behind(const std::filesystem::path& directory,
 
 }  // namespace
 
-std::vector<FileContent> export_files(ExportKind kind, const ExportContent& content) {
-  std::vector<FileContent> files = content_files(kind, content);
-  const Manifest manifest = make_manifest(kind, content, files);
+std::vector<FileContent> export_files(const ExportKind& kind, const ExportContent& content) {
+  const Exporter& exporter = exporter_of(kind, "export");
+  std::vector<FileContent> files = exporter.files(content);
+  const Manifest manifest = make_manifest(exporter, content, files);
   files.push_back({kManifestName, manifest_text(manifest)});
   return files;
 }
 
-std::vector<ManifestFile> write_export(const std::filesystem::path& directory, ExportKind kind,
-                                       const ExportContent& content,
+std::vector<ManifestFile> write_export(const std::filesystem::path& directory,
+                                       const ExportKind& kind, const ExportContent& content,
                                        const std::function<bool()>& interrupted) {
   const std::vector<FileContent> files = export_files(kind, content);
   write_files(directory, files, left_behind(directory, files), interrupted);

@@ -14,7 +14,9 @@
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/estimation/tuned_noise.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
+#include "quadtune/export_target.hpp"
 #include "quadtune/gains.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -404,28 +406,25 @@ FlightCondition read_trim(const TomlTable& table) {
 }
 
 std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& design) {
-  const std::vector<std::string> known = {"uquad", "mambo", "json"};
   std::vector<ExportRequest> exports;
   for (const TomlTable& table : file.tables("export")) {
     table.allow({{"to"}});
     const ExportRequest request{table.text("to")};
     const std::string where = table.where("to");
-    if (std::find(known.begin(), known.end(), request.to) == known.end())
-      throw InvalidInput(
-          where,
-          fmt::format("no export to '{}', expected {}{}", internal::printable(request.to),
-                      internal::joined(known, ", "), internal::did_you_mean(request.to, known)));
+    const ExportTarget& target = export_target(request.to, where);
     for (const ExportRequest& earlier : exports)
       if (earlier.to == request.to)
         throw InvalidInput(where, "export to '" + request.to + "' stands twice, expected once");
     const bool matrix = design.lqi && design.lqi->matrix;
-    if (request.to != "json" && design.lqi && !matrix)
+    if (!target.takes_memory && design.lqi && !matrix)
       throw InvalidInput(where, fmt::format("export to '{}' has no place for the past commands and "
                                             "lags of a law with lqr.plant 'flown', expected json, "
                                             "or lqr.structure 'matrix'",
                                             request.to));
-    if (request.to == "uquad" && !design.lqr && !matrix)
-      throw InvalidInput(where, "export to 'uquad' has no gains to write, expected an [lqr] table");
+    if (target.needs_gains && !design.lqr && !matrix)
+      throw InvalidInput(where, fmt::format("export to '{}' has no gains to write, expected an "
+                                            "[lqr] table",
+                                            request.to));
     exports.push_back(request);
   }
   return exports;
@@ -477,27 +476,14 @@ Vehicle read_vehicle(const TomlTable& file, const std::filesystem::path& folder)
 
 }  // namespace
 
-std::string to_string(LqrMethod method) {
-  switch (method) {
-    case LqrMethod::continuous:
-      return "continuous";
-    case LqrMethod::discrete:
-      return "discrete";
-    case LqrMethod::sampled:
-      return "sampled";
-  }
-  return "";
-}
+constexpr internal::EnumName<LqrMethod> kLqrMethods[] = {{LqrMethod::continuous, "continuous"},
+                                                         {LqrMethod::discrete, "discrete"},
+                                                         {LqrMethod::sampled, "sampled"}};
+
+std::string to_string(LqrMethod method) { return internal::name_in(kLqrMethods, method); }
 
 LqrMethod lqr_method(const std::string& name, const std::string& where) {
-  std::vector<std::string> known;
-  for (const LqrMethod method : {LqrMethod::continuous, LqrMethod::discrete, LqrMethod::sampled}) {
-    if (to_string(method) == name) return method;
-    known.push_back(to_string(method));
-  }
-  throw InvalidInput(
-      where, fmt::format("no method '{}', expected {}{}", internal::printable(name),
-                         internal::joined(known, ", "), internal::did_you_mean(name, known)));
+  return internal::require_in(kLqrMethods, name, "method", where);
 }
 
 namespace {

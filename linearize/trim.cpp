@@ -9,6 +9,7 @@
 
 #include "least_norm.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "trim_newton.hpp"
 
 namespace quadtune {
@@ -211,25 +212,16 @@ void accept(const TrimProblem& problem, const Eigen::VectorXd& z, TrimResult& re
 
 }  // namespace
 
-std::string to_string(TrimStatus status) {
-  switch (status) {
-    case TrimStatus::not_run:
-      return "not run";
-    case TrimStatus::solved:
-      return "solved";
-    case TrimStatus::not_enough_thrust:
-      return "not enough thrust";
-    case TrimStatus::rotor_too_fast:
-      return "rotor too fast";
-    case TrimStatus::rotor_too_slow:
-      return "rotor too slow";
-    case TrimStatus::no_authority:
-      return "no authority";
-    case TrimStatus::no_convergence:
-      return "no convergence";
-  }
-  return "";
-}
+constexpr internal::EnumName<TrimStatus> kTrimStatuses[] = {
+    {TrimStatus::not_run, "not run"},
+    {TrimStatus::solved, "solved"},
+    {TrimStatus::not_enough_thrust, "not enough thrust"},
+    {TrimStatus::rotor_too_fast, "rotor too fast"},
+    {TrimStatus::rotor_too_slow, "rotor too slow"},
+    {TrimStatus::no_authority, "no authority"},
+    {TrimStatus::no_convergence, "no convergence"}};
+
+std::string to_string(TrimStatus status) { return internal::name_in(kTrimStatuses, status); }
 
 TrimResult trim(const Vehicle& vehicle, const FlightCondition& condition,
                 const TrimOptions& options, const TrimResult* neighbour) {

@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "program/command_line.hpp"
-#include "program/gnuplot.hpp"
 #include "program/program.hpp"
+#include "report/plots/gnuplot.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -31,10 +31,12 @@ void require_picture(const PlotArgument& argument, const std::string& verb) {
                    "--plot");
 }
 
-void draw(const PlotArgument& argument, const std::function<report::Figure()>& figure, Context& context) {
+void draw(const PlotArgument& argument, const std::function<report::Figure()>& figure,
+          Context& context) {
   if (argument.file.empty()) return;
   const PictureFormat format = ending(argument) == ".png" ? PictureFormat::png : PictureFormat::svg;
-  write_file(argument.file, run_gnuplot(gnuplot_script(figure(), format), argument.file));
+  write_file(argument.file,
+             run_gnuplot(gnuplot_script(figure(), format), argument.file, interrupted));
   context.written.push_back(argument.file);
 }
 

@@ -28,6 +28,7 @@ void require_picture(const PlotArgument& argument, const std::string& verb);
 /// Draws the figure into the file, whole or not at all; without a file does nothing, and does not
 /// ask for the figure.
 /// @throws FileError   when gnuplot is missing or fails, or the file cannot be written
-void draw(const PlotArgument& argument, const std::function<report::Figure()>& figure, Context& context);
+void draw(const PlotArgument& argument, const std::function<report::Figure()>& figure,
+          Context& context);
 
 }  // namespace quadtune::cli

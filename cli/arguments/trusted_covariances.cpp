@@ -8,7 +8,7 @@
 
 namespace quadtune::cli {
 
-void require_tuned(const DesignOutcome& outcome, bool force, Context& context) {
+void require_tuned(const DesignOutcome& outcome, bool force, const Context& context) {
   const std::string file = outcome.design.file.string();
   for (const std::string& doubt : doubtful_covariances(outcome.design)) {
     if (!force)

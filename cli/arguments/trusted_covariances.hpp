@@ -10,6 +10,6 @@ struct Context;
 
 /// Refuses covariances from a tuning whose verdict is another than pass, or with `force` notes it.
 /// @throws AnswerIsNo
-void require_tuned(const DesignOutcome& outcome, bool force, Context& context);
+void require_tuned(const DesignOutcome& outcome, bool force, const Context& context);
 
 }  // namespace quadtune::cli

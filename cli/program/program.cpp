@@ -22,8 +22,8 @@
 #include "program/missing_file.hpp"
 #include "program/refusal.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/instruction_set.hpp"
 #include "quadtune/exports/file_set.hpp"
+#include "quadtune/instruction_set.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -337,6 +337,14 @@ void Context::note(const std::string& line) const {
   if (quiet || !noted.insert(line).second) return;
   out.flush();
   err << internal::visible_text(line) << "\n";
+}
+
+void Context::print(const std::function<internal::Json()>& to_json,
+                    const std::function<std::string()>& to_text) {
+  if (json)
+    out << internal::readable(to_json()) << "\n";
+  else
+    out << to_text();
 }
 
 void WrittenFiles::push_back(const std::string& name) {

@@ -13,6 +13,7 @@
 
 #include "program/stop_signals.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/json_fwd.hpp"
 
 namespace quadtune::report {}
 
@@ -82,6 +83,10 @@ struct Context {
 
   /// One line on the error stream that is not an error; silent with --quiet, and said once.
   void note(const std::string& line) const;
+
+  /// Writes a result to `out`: with --json its JSON and a line feed, else its text as it is. The
+  /// other of the two is not asked for.
+  void print(const std::function<internal::Json()>& json, const std::function<std::string()>& text);
 };
 
 /// Runs a verb whose options have been parsed.

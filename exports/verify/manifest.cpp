@@ -110,29 +110,6 @@ Eigen::VectorXcd closed_loop_from_json(const Json& json, const std::string& wher
 
 }  // namespace
 
-std::string to_string(ExportKind kind) {
-  switch (kind) {
-    case ExportKind::uquad:
-      return "uquad";
-    case ExportKind::mambo:
-      return "mambo";
-    case ExportKind::json:
-      return "json";
-  }
-  return "";
-}
-
-ExportKind export_kind(const std::string& name, const std::string& where) {
-  std::vector<std::string> known;
-  for (const ExportKind kind : {ExportKind::uquad, ExportKind::mambo, ExportKind::json}) {
-    if (to_string(kind) == name) return kind;
-    known.push_back(to_string(kind));
-  }
-  throw InvalidInput(
-      where, fmt::format("no export '{}', expected {}{}", name, internal::joined(known, ", "),
-                         internal::did_you_mean(name, known)));
-}
-
 std::string manifest_text(const Manifest& manifest) {
   Json json;
   json["format"] = exports::kManifestFormat;

@@ -13,10 +13,8 @@
 #include "json/to_json.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/diff.hpp"
-#include "quadtune/exports/export.hpp"
-#include "quadtune/exports/mambo.hpp"
+#include "quadtune/exports/exporter.hpp"
 #include "quadtune/exports/read_gains.hpp"
-#include "quadtune/exports/uquad.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -50,21 +48,17 @@ VerifyCheck check_file(const fs::path& directory, const ManifestFile& file) {
   return check;
 }
 
-// Every name under which a flight program of ours would find gains.
-std::vector<std::string> gain_file_names() {
-  std::vector<std::string> all = {"vehicleVars.m", "controllerVars.m", "estimatorVars.m",
-                                  kGainsJsonName,  "lqr-Q.txt",        "lqr-R.txt",
-                                  "kalman-Q.txt",  "kalman-R.txt"};
-  for (const UquadFileSet& set : uquad_file_sets()) {
-    all.push_back(set.proportional);
-    if (!set.integral.empty()) all.push_back(set.integral);
-  }
+// Every name under which some flight program would find gains.
+std::vector<std::string> all_gain_files() {
+  std::vector<std::string> all;
+  for (const Exporter& exporter : exporters())
+    all.insert(all.end(), exporter.gain_files.begin(), exporter.gain_files.end());
   return all;
 }
 
 VerifyCheck check_no_others(const fs::path& directory, const Manifest& manifest) {
   std::vector<std::string> others;
-  for (const std::string& name : gain_file_names())
+  for (const std::string& name : all_gain_files())
     if (fs::exists(directory / name) &&
         std::none_of(manifest.files.begin(), manifest.files.end(),
                      [&](const ManifestFile& file) { return file.path == name; }))
@@ -109,34 +103,6 @@ VerifyCheck check_inputs(const Manifest& manifest, const std::vector<InputAtHand
   return check;
 }
 
-// The filter's diagonals that travel with uquad's gains.
-void read_diagonals(const fs::path& directory, const Manifest& manifest) {
-  for (const ManifestFile& file : manifest.files) {
-    const bool is_Q = file.path == "kalman-Q.txt";
-    if (!is_Q && file.path != "kalman-R.txt") continue;
-    const fs::path path = directory / file.path;
-    const Eigen::MatrixXd variances =
-        parse_uquad_matrix(exports::export_text(path), 1, is_Q ? 15 : 16, path.string());
-    if (is_Q ? variances.minCoeff() < 0 : !(variances.minCoeff() > 0))
-      throw InvalidInput(path.string(),
-                         fmt::format("has a variance of {:g}, expected {}", variances.minCoeff(),
-                                     is_Q ? "0 or more" : "more than 0"));
-  }
-}
-
-// The weights that travel with uquad's gains, in the same plain format.
-void read_weights(const fs::path& directory, const Manifest& manifest, const Gains& gains) {
-  const auto n = static_cast<Eigen::Index>(gains.states.size() + gains.integrals.size());
-  const auto nu = static_cast<Eigen::Index>(gains.inputs.size());
-  for (const ManifestFile& file : manifest.files) {
-    const bool is_Q = file.path == "lqr-Q.txt";
-    if (!is_Q && file.path != "lqr-R.txt") continue;
-    const fs::path path = directory / file.path;
-    (void)parse_uquad_matrix(exports::export_text(path), is_Q ? n : nu, is_Q ? n : nu,
-                             path.string());
-  }
-}
-
 std::string in_words(const StoredLaws& laws) {
   std::string text;
   if (laws.gains)
@@ -154,11 +120,9 @@ void check_readable(const fs::path& directory, const Manifest* manifest, VerifyR
       throw InvalidInput(directory.string(), "has no state feedback, but its manifest has");
     if (manifest != nullptr && manifest->cascade && !laws.cascade)
       throw InvalidInput(directory.string(), "has no cascade, but its manifest has");
-    if (laws.gains && manifest != nullptr && manifest->kind == ExportKind::uquad) {
-      (void)uquad_file_set(*laws.gains);  // refuses a trim that the flight program does not fly
-      read_weights(directory, *manifest, *laws.gains);
-      read_diagonals(directory, *manifest);
-    }
+    if (laws.gains && manifest != nullptr)
+      if (const auto& check_files = exporter_of(manifest->kind, kManifestName).check)
+        check_files(directory, *manifest, *laws.gains);
     check.detail = in_words(laws);
     check.ok = true;
     report.gains = std::move(laws.gains);
@@ -251,43 +215,11 @@ VerifyCheck check_same_cascade(const CascadeDesign& read, const CascadeDesign& e
                       difference.entries.size(), name_of(worst), worst.a, worst.b)};
 }
 
-bool same(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-  return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
-}
-
-// What differs between lqr-Q.txt and lqr-R.txt and the manifest's weights in their order, or "".
-std::string uquad_weights_difference(const fs::path& directory, const Manifest& manifest) {
-  const auto is_weights = [](const std::string& name) { return name.starts_with("lqr-"); };
-  std::ptrdiff_t left = std::count_if(manifest.files.begin(), manifest.files.end(),
-                                      [&](const ManifestFile& f) { return is_weights(f.path); });
-  for (const FileContent& file : uquad_files(*manifest.gains, manifest.Q, manifest.R)) {
-    if (!is_weights(file.name)) continue;
-    --left;
-    const Eigen::Index n = file.name == "lqr-Q.txt" ? manifest.Q.rows() : manifest.R.rows();
-    const fs::path path = directory / file.name;
-    if (!same(parse_uquad_matrix(exports::export_text(path), n, n, path.string()),
-              parse_uquad_matrix(file.bytes, n, n, file.name)))
-      return file.name + " differs";
-  }
-  return left == 0 ? "" : "the manifest lists files of weights but not the weights of each";
-}
-
-std::string json_weights_difference(const fs::path& directory, const Manifest& manifest) {
-  const fs::path path = directory / kGainsJsonName;
-  const auto [Q, R] =
-      exports::weights_from_json(exports::parse_json(exports::export_text(path), path.string(),
-                                                     "quadtune-gains", exports::kGainsVersion),
-                                 path.string());
-  if (!same(Q, manifest.Q)) return std::string(kGainsJsonName) + ": weights.Q differs";
-  return same(R, manifest.R) ? "" : std::string(kGainsJsonName) + ": weights.R differs";
-}
-
-VerifyCheck check_weights(const fs::path& directory, const Manifest& manifest) {
+VerifyCheck check_weights(const fs::path& directory, const Manifest& manifest,
+                          const Exporter& exporter) {
   VerifyCheck check{"weights are those of the manifest", false, ""};
   try {
-    check.detail = manifest.kind == ExportKind::uquad
-                       ? uquad_weights_difference(directory, manifest)
-                       : json_weights_difference(directory, manifest);
+    check.detail = exporter.weights_difference(directory, manifest);
     check.ok = check.detail.empty();
     if (check.ok)
       check.detail = manifest.Q.size() + manifest.R.size() > 0 ? "every entry is the same double"
@@ -300,13 +232,14 @@ VerifyCheck check_weights(const fs::path& directory, const Manifest& manifest) {
   return check;
 }
 
-VerifyCheck check_numbers(const fs::path& directory, const Manifest& manifest) {
+VerifyCheck check_numbers(const fs::path& directory, const Manifest& manifest,
+                          const Exporter& exporter) {
   VerifyCheck check{"numbers and expressions are those of the manifest", false, ""};
   try {
     std::vector<NamedMatrix> found;
     for (const ManifestFile& file : manifest.files)
-      for (NamedMatrix& number : parse_m_file(exports::export_text(directory / file.path),
-                                              (directory / file.path).string())) {
+      for (NamedMatrix& number : exporter.numbers(
+               {(directory / file.path).string(), exports::export_text(directory / file.path)})) {
         number.file = file.path;
         found.push_back(std::move(number));
       }
@@ -487,15 +420,17 @@ VerifyReport verify_export(const fs::path& directory, const std::optional<Verify
   check_readable(directory, manifest ? &*manifest : nullptr, report);
   if (manifest && manifest->gains && report.gains)
     report.checks.push_back(check_same_gains(*report.gains, *manifest->gains));
-  if (manifest && report.cascade && (manifest->cascade || manifest->kind == ExportKind::json))
+  const Exporter* exporter =
+      manifest ? &exporter_of(manifest->kind, (directory / kManifestName).string()) : nullptr;
+  if (manifest && report.cascade && (manifest->cascade || !exporter->always_has_cascade))
     report.checks.push_back(
         manifest->cascade
             ? check_same_cascade(*report.cascade, *manifest->cascade)
             : VerifyCheck{"cascade is that of the manifest", false, "the manifest has none"});
-  if (manifest && manifest->gains && manifest->kind != ExportKind::mambo)
-    report.checks.push_back(check_weights(directory, *manifest));
-  if (manifest && manifest->kind == ExportKind::mambo)
-    report.checks.push_back(check_numbers(directory, *manifest));
+  if (manifest && manifest->gains && exporter->weights_difference)
+    report.checks.push_back(check_weights(directory, *manifest, *exporter));
+  if (manifest && exporter->numbers)
+    report.checks.push_back(check_numbers(directory, *manifest, *exporter));
   if (manifest && manifest->gains && report.gains)
     report.checks.push_back(check_trim(*report.gains, model));
   const Manifest* known = manifest ? &*manifest : nullptr;

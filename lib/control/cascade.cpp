@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -23,9 +24,6 @@ constexpr std::array<LoopWords, kCascadeAxes> kWords = {
      {"roll", "tau_x", "N m/rad"},
      {"yaw", "tau_z", "N m/rad"},
      {"altitude", "force along +z beside -m g", "N/m"}}};
-
-constexpr std::array<PidMethod, 3> kMethods = {PidMethod::forward_euler, PidMethod::backward_euler,
-                                               PidMethod::tustin};
 
 }  // namespace
 
@@ -52,27 +50,15 @@ PidLoop cascade_loop(CascadeAxis axis) {
   return {words.name, words.output, words.unit, 0, 0, 0};
 }
 
-std::string to_string(PidMethod method) {
-  switch (method) {
-    case PidMethod::forward_euler:
-      return "euler";
-    case PidMethod::backward_euler:
-      return "backward-euler";
-    case PidMethod::tustin:
-      return "tustin";
-  }
-  return "";
-}
+constexpr internal::EnumName<PidMethod> kPidMethods[] = {
+    {PidMethod::forward_euler, "euler"},
+    {PidMethod::backward_euler, "backward-euler"},
+    {PidMethod::tustin, "tustin"}};
+
+std::string to_string(PidMethod method) { return internal::name_in(kPidMethods, method); }
 
 PidMethod pid_method(const std::string& name, const std::string& where) {
-  std::vector<std::string> known;
-  for (const PidMethod method : kMethods) {
-    known.push_back(to_string(method));
-    if (known.back() == name) return method;
-  }
-  throw InvalidInput(
-      where, fmt::format("no method '{}', expected {}{}", internal::printable(name),
-                         internal::joined(known, ", "), internal::did_you_mean(name, known)));
+  return internal::require_in(kPidMethods, name, "method", where);
 }
 
 }  // namespace quadtune

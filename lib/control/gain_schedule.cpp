@@ -4,20 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 
 namespace quadtune {
 namespace {
-
-constexpr std::array kQuantities = {ScheduleQuantity::speed, ScheduleQuantity::climb,
-                                    ScheduleQuantity::yaw_rate, ScheduleQuantity::mass,
-                                    ScheduleQuantity::density};
-constexpr std::array kStatuses = {PointStatus::solved, PointStatus::no_trim, PointStatus::no_gain};
 
 /// Beyond a grid by this share of its span, or off a single value by this share of it, is rounding.
 constexpr double kRounding = 1e-9;
@@ -96,29 +91,20 @@ auto as_matrix(const M& columns, Eigen::Index point, Eigen::Index rows) {
 
 }  // namespace
 
+constexpr internal::EnumName<ScheduleQuantity> kScheduleQuantities[] = {
+    {ScheduleQuantity::speed, "speed"},
+    {ScheduleQuantity::climb, "climb"},
+    {ScheduleQuantity::yaw_rate, "yaw_rate"},
+    {ScheduleQuantity::mass, "mass"},
+    {ScheduleQuantity::density, "density"}};
+
 std::string to_string(ScheduleQuantity quantity) {
-  switch (quantity) {
-    case ScheduleQuantity::speed:
-      return "speed";
-    case ScheduleQuantity::climb:
-      return "climb";
-    case ScheduleQuantity::yaw_rate:
-      return "yaw_rate";
-    case ScheduleQuantity::mass:
-      return "mass";
-    case ScheduleQuantity::density:
-      return "density";
-  }
-  return "";
+  return internal::name_in(kScheduleQuantities, quantity);
 }
 
 ScheduleQuantity schedule_quantity(const std::string& name, const std::string& where) {
-  std::vector<std::string> known;
-  known.reserve(kQuantities.size());
-  for (const ScheduleQuantity quantity : kQuantities) {
-    known.push_back(to_string(quantity));
-    if (known.back() == name) return quantity;
-  }
+  if (const auto quantity = internal::value_in(kScheduleQuantities, name)) return *quantity;
+  const std::vector<std::string> known = internal::names_in(kScheduleQuantities);
   throw InvalidInput(
       where, fmt::format("no axis '{}', expected one of {}{}", name, internal::joined(known, ", "),
                          internal::did_you_mean(name, known)));
@@ -138,21 +124,14 @@ std::string unit(ScheduleQuantity quantity) {
   return "";
 }
 
-std::string to_string(PointStatus status) {
-  switch (status) {
-    case PointStatus::solved:
-      return "solved";
-    case PointStatus::no_trim:
-      return "no trim";
-    case PointStatus::no_gain:
-      return "no gain";
-  }
-  return "";
-}
+constexpr internal::EnumName<PointStatus> kPointStatuses[] = {{PointStatus::solved, "solved"},
+                                                              {PointStatus::no_trim, "no trim"},
+                                                              {PointStatus::no_gain, "no gain"}};
+
+std::string to_string(PointStatus status) { return internal::name_in(kPointStatuses, status); }
 
 PointStatus point_status(const std::string& name, const std::string& where) {
-  for (const PointStatus status : kStatuses)
-    if (to_string(status) == name) return status;
+  if (const auto status = internal::value_in(kPointStatuses, name)) return *status;
   throw InvalidInput(where, "'" + name + "', expected solved, no trim or no gain");
 }
 

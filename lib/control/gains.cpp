@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/matrix_checks.hpp"
@@ -55,16 +56,16 @@ void validate(const Gains& gains, const std::string& where) {
   require_finite(memory.K_past, where, "K_past");
 }
 
-std::string to_string(PositionAxes axes) {
-  return axes == PositionAxes::heading ? "heading" : "world";
-}
+constexpr internal::EnumName<PositionAxes> kPositionAxes[] = {{PositionAxes::world, "world"},
+                                                              {PositionAxes::heading, "heading"}};
+
+std::string to_string(PositionAxes axes) { return internal::name_in(kPositionAxes, axes); }
 
 PositionAxes position_axes(const std::string& name, const std::string& where) {
-  if (name == "world") return PositionAxes::world;
-  if (name == "heading") return PositionAxes::heading;
+  if (const auto axes = internal::value_in(kPositionAxes, name)) return *axes;
   throw InvalidInput(
       where, fmt::format("axes is '{}', expected world or heading{}", internal::printable(name),
-                         internal::did_you_mean(name, {"world", "heading"})));
+                         internal::did_you_mean(name, internal::names_in(kPositionAxes))));
 }
 
 namespace {

@@ -6,22 +6,24 @@
 #include <algorithm>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/mixer.hpp"
 
 namespace quadtune {
 
-std::string to_string(AllocationRule rule) {
-  return rule == AllocationRule::prioritized ? "prioritized" : "clipped";
-}
+constexpr internal::EnumName<AllocationRule> kAllocationRules[] = {
+    {AllocationRule::prioritized, "prioritized"}, {AllocationRule::clipped, "clipped"}};
+
+std::string to_string(AllocationRule rule) { return internal::name_in(kAllocationRules, rule); }
 
 AllocationRule allocation_rule(const std::string& name, const std::string& where) {
-  if (name == "prioritized") return AllocationRule::prioritized;
-  if (name == "clipped") return AllocationRule::clipped;
-  throw InvalidInput(where, fmt::format("no allocation '{}', expected prioritized or clipped{}",
-                                        internal::printable(name),
-                                        internal::did_you_mean(name, {"prioritized", "clipped"})));
+  if (const auto rule = internal::value_in(kAllocationRules, name)) return *rule;
+  throw InvalidInput(
+      where, fmt::format("no allocation '{}', expected prioritized or clipped{}",
+                         internal::printable(name),
+                         internal::did_you_mean(name, internal::names_in(kAllocationRules))));
 }
 
 ThrustLimits<double> thrust_limits(const Vehicle& vehicle) {

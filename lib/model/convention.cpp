@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 
@@ -149,42 +150,26 @@ Eigen::MatrixXd input_from_ned(const Convention& convention, InputKind kind, int
   return Eigen::MatrixXd::Identity(rotors, rotors);
 }
 
-std::string to_string(InputKind kind) {
-  switch (kind) {
-    case InputKind::rotor_speed:
-      return "rotor-speed";
-    case InputKind::rotor_thrust:
-      return "rotor-thrust";
-    case InputKind::wrench:
-      return "wrench";
-    case InputKind::command:
-      return "command";
-  }
-  return "";
-}
+constexpr internal::EnumName<InputKind> kInputKinds[] = {{InputKind::rotor_speed, "rotor-speed"},
+                                                         {InputKind::rotor_thrust, "rotor-thrust"},
+                                                         {InputKind::wrench, "wrench"},
+                                                         {InputKind::command, "command"}};
+
+std::string to_string(InputKind kind) { return internal::name_in(kInputKinds, kind); }
 
 InputKind input_kind(const std::string& name, const std::string& where) {
-  std::vector<std::string> known;
-  for (const InputKind kind :
-       {InputKind::rotor_speed, InputKind::rotor_thrust, InputKind::wrench, InputKind::command}) {
-    if (to_string(kind) == name) return kind;
-    known.push_back(to_string(kind));
-  }
-  throw InvalidInput(
-      where, fmt::format("no inputs '{}', expected {}{}", name, internal::joined(known, ", "),
-                         internal::did_you_mean(name, known)));
+  return internal::require_in(kInputKinds, name, "inputs", where);
 }
 
-std::string to_string(SignLaw law) {
-  return law == SignLaw::set_point_minus_state ? "set-point-minus-state" : "state-minus-set-point";
-}
+constexpr internal::EnumName<SignLaw> kSignLaws[] = {
+    {SignLaw::set_point_minus_state, "set-point-minus-state"},
+    {SignLaw::state_minus_set_point, "state-minus-set-point"}};
+
+std::string to_string(SignLaw law) { return internal::name_in(kSignLaws, law); }
 
 SignLaw sign_law(const std::string& name, const std::string& where) {
-  std::vector<std::string> known;
-  for (const SignLaw law : {SignLaw::set_point_minus_state, SignLaw::state_minus_set_point}) {
-    if (to_string(law) == name) return law;
-    known.push_back(to_string(law));
-  }
+  if (const auto law = internal::value_in(kSignLaws, name)) return *law;
+  const std::vector<std::string> known = internal::names_in(kSignLaws);
   throw InvalidInput(
       where, fmt::format("no sign law '{}', expected {}{}", name, internal::joined(known, " or "),
                          internal::did_you_mean(name, known)));

@@ -2,6 +2,7 @@
 #include "quadtune/flight_condition.hpp"
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/suggest.hpp"
 
 namespace quadtune {
@@ -23,26 +24,17 @@ FlightCondition steady_flight(double speed, double climb, double yaw_rate, doubl
   return condition;
 }
 
-std::string to_string(FlightKind kind) {
-  switch (kind) {
-    case FlightKind::hover:
-      return "hover";
-    case FlightKind::line:
-      return "line";
-    case FlightKind::circle:
-      return "circle";
-    case FlightKind::spin:
-      return "spin";
-  }
-  return "";
-}
+constexpr internal::EnumName<FlightKind> kFlightKinds[] = {{FlightKind::hover, "hover"},
+                                                           {FlightKind::line, "line"},
+                                                           {FlightKind::circle, "circle"},
+                                                           {FlightKind::spin, "spin"}};
+
+std::string to_string(FlightKind kind) { return internal::name_in(kFlightKinds, kind); }
 
 FlightKind flight_kind(const std::string& name, const std::string& where) {
-  for (const FlightKind kind :
-       {FlightKind::hover, FlightKind::line, FlightKind::circle, FlightKind::spin})
-    if (to_string(kind) == name) return kind;
+  if (const auto kind = internal::value_in(kFlightKinds, name)) return *kind;
   throw InvalidInput(where, "'" + name + "', expected hover, line, circle or spin" +
-                                internal::did_you_mean(name, {"hover", "line", "circle", "spin"}));
+                                internal::did_you_mean(name, internal::names_in(kFlightKinds)));
 }
 
 }  // namespace quadtune

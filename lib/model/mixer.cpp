@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/matrix_checks.hpp"
 
 namespace quadtune {
@@ -254,17 +255,11 @@ Eigen::MatrixXd allocation_matrix(const Vehicle& vehicle) {
   });
 }
 
-std::string to_string(MixStatus status) {
-  switch (status) {
-    case MixStatus::solved:
-      return "solved";
-    case MixStatus::saturated:
-      return "saturated";
-    case MixStatus::infeasible:
-      return "infeasible";
-  }
-  return "";
-}
+constexpr internal::EnumName<MixStatus> kMixStatuses[] = {{MixStatus::solved, "solved"},
+                                                          {MixStatus::saturated, "saturated"},
+                                                          {MixStatus::infeasible, "infeasible"}};
+
+std::string to_string(MixStatus status) { return internal::name_in(kMixStatuses, status); }
 
 MixResult speeds_for_wrench(const Vehicle& vehicle, const Eigen::Vector4d& wrench,
                             double density_ratio) {

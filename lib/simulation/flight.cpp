@@ -13,6 +13,7 @@
 #include "quadtune/control/state_feedback_law.hpp"
 #include "quadtune/delay_limit.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -24,19 +25,6 @@
 
 namespace quadtune {
 namespace {
-
-template <class Enum>
-Enum of_name(const std::string& name, const std::vector<Enum>& all, const std::string& what,
-             const std::string& where) {
-  std::vector<std::string> known;
-  for (const Enum value : all) {
-    if (to_string(value) == name) return value;
-    known.push_back(to_string(value));
-  }
-  throw InvalidInput(
-      where, fmt::format("no {} '{}', expected {}{}", what, internal::printable(name),
-                         internal::joined(known, ", "), internal::did_you_mean(name, known)));
-}
 
 int lagging_rotors(const FlightSetup& setup) {
   const std::vector<Rotor>& rotors = flown_vehicle(setup).rotors;
@@ -68,55 +56,32 @@ bool has_pack(const FlightSetup& setup) {
 
 }  // namespace
 
-std::string to_string(EstimatorKind kind) {
-  switch (kind) {
-    case EstimatorKind::mambo:
-      return "mambo";
-    case EstimatorKind::uquad:
-      return "uquad";
-    case EstimatorKind::general:
-      return "general";
-    case EstimatorKind::truth:
-      break;
-  }
-  return "truth";
-}
+constexpr internal::EnumName<EstimatorKind> kEstimatorKinds[] = {
+    {EstimatorKind::mambo, "mambo"},
+    {EstimatorKind::uquad, "uquad"},
+    {EstimatorKind::general, "general"},
+    {EstimatorKind::truth, "truth"}};
+
+std::string to_string(EstimatorKind kind) { return internal::name_in(kEstimatorKinds, kind); }
 
 EstimatorKind estimator_kind(const std::string& name, const std::string& where) {
-  return of_name<EstimatorKind>(
-      name,
-      {EstimatorKind::mambo, EstimatorKind::uquad, EstimatorKind::general, EstimatorKind::truth},
-      "estimator", where);
+  return internal::require_in(kEstimatorKinds, name, "estimator", where);
 }
 
-std::string to_string(FlowModel model) {
-  switch (model) {
-    case FlowModel::full:
-      return "full";
-    case FlowModel::simplified:
-      return "simplified";
-    case FlowModel::off:
-      break;
-  }
-  return "off";
-}
+constexpr internal::EnumName<FlowModel> kFlowModels[] = {
+    {FlowModel::full, "full"}, {FlowModel::simplified, "simplified"}, {FlowModel::off, "off"}};
+
+std::string to_string(FlowModel model) { return internal::name_in(kFlowModels, model); }
 
 FlowModel flow_model(const std::string& name, const std::string& where) {
-  return of_name<FlowModel>(name, {FlowModel::full, FlowModel::simplified, FlowModel::off},
-                            "flow model", where);
+  return internal::require_in(kFlowModels, name, "flow model", where);
 }
 
-std::string to_string(FlightEnd end) {
-  switch (end) {
-    case FlightEnd::completed:
-      return "completed";
-    case FlightEnd::safety_exit:
-      return "safety exit";
-    case FlightEnd::diverged:
-      break;
-  }
-  return "diverged";
-}
+constexpr internal::EnumName<FlightEnd> kFlightEnds[] = {{FlightEnd::completed, "completed"},
+                                                         {FlightEnd::safety_exit, "safety exit"},
+                                                         {FlightEnd::diverged, "diverged"}};
+
+std::string to_string(FlightEnd end) { return internal::name_in(kFlightEnds, end); }
 
 double control_period(const FlightSetup& setup) {
   if (const auto* cascade = std::get_if<CascadeController>(&setup.controller))

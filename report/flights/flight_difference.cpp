@@ -3,29 +3,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "quadtune/internal/json.hpp"
+#include "report/flights/flight_story.hpp"
 
 namespace quadtune::report {
 namespace {
 
 using internal::Json;
-
-constexpr const char* kCompared[][2] = {{"command.T", "T"},
-                                        {"command.tau_x", "tau_x"},
-                                        {"command.tau_y", "tau_y"},
-                                        {"command.tau_z", "tau_z"},
-                                        {"x.px", "px"},
-                                        {"x.py", "py"},
-                                        {"x.pz", "pz"},
-                                        {"x.roll", "roll"},
-                                        {"x.pitch", "pitch"},
-                                        {"x.yaw", "yaw"},
-                                        {"estimate.px", "believed_px"},
-                                        {"estimate.py", "believed_py"},
-                                        {"estimate.pz", "believed_pz"}};
 
 Json flight_json(const std::string& name, const FlownFlight& flight) {
   const EstimateError error = estimate_error(flight.result.log);
@@ -43,45 +29,9 @@ std::string figure(double value) {
 
 }  // namespace
 
-FlightDifference difference_of(const LogTable& a, const LogTable& b) {
-  FlightDifference difference;
-  const std::size_t rows = std::min(a.rows(), b.rows());
-  const std::vector<double>& t = a.columns.front().values;
-  if (rows > 0) difference.duration = t[rows - 1];
-  for (const auto& [column, name] : kCompared) {
-    const LogColumn* first = a.find(column);
-    const LogColumn* second = b.find(column);
-    if (first == nullptr || second == nullptr) continue;
-    ColumnDifference one{column, name, first->unit};
-    for (std::size_t k = 0; k < rows; ++k) {
-      const double d = std::abs(first->values[k] - second->values[k]);
-      one.mean_squared += d * d / static_cast<double>(rows);
-      if (d <= one.max) continue;
-      one.max = d;
-      one.max_at = t[k];
-    }
-    difference.columns.push_back(one);
-  }
-  return difference;
-}
-
-EstimateError estimate_error(const LogTable& log) {
-  EstimateError error;
-  const auto& px = log.find("x.px")->values;
-  const auto& py = log.find("x.py")->values;
-  const auto& ex = log.find("estimate.px")->values;
-  const auto& ey = log.find("estimate.py")->values;
-  for (std::size_t k = 0; k < px.size(); ++k) {
-    error.final = std::hypot(ex[k] - px[k], ey[k] - py[k]);
-    error.mean_absolute += error.final / static_cast<double>(px.size());
-    error.max = std::max(error.max, error.final);
-  }
-  return error;
-}
-
-Json to_json(const std::string& what, const std::array<std::string, 2>& names,
-             const std::array<FlownFlight, 2>& flights, const FlightDifference& difference) {
-  Json json = {{"what", what}};
+Json to_json(const ComparedFlights& compared) {
+  const FlightDifference& difference = compared.difference;
+  Json json = {{"what", compared.what}};
   json["difference"] = {{"duration_s", difference.duration},
                         {"mean_squared", Json::object()},
                         {"max", Json::object()}};
@@ -89,13 +39,13 @@ Json to_json(const std::string& what, const std::array<std::string, 2>& names,
     json["difference"]["mean_squared"][column.name] = column.mean_squared;
     json["difference"]["max"][column.name] = column.max;
   }
-  json["a"] = flight_json(names[0], flights[0]);
-  json["b"] = flight_json(names[1], flights[1]);
+  json["a"] = flight_json(compared.names[0], compared.flights[0]);
+  json["b"] = flight_json(compared.names[1], compared.flights[1]);
   return json;
 }
 
-std::string to_text(const std::string& what, const std::array<std::string, 2>& names,
-                    const std::array<FlownFlight, 2>& flights, const FlightDifference& difference) {
+std::string to_text(const ComparedFlights& compared) {
+  const auto& [what, names, flights, difference] = compared;
   const FlightSetup& setup = flights[0].plan.setup;
   std::string text =
       fmt::format("{} flies {} twice, compared by {}: a {}, b {}\n  a  {}\n", setup.vehicle.name,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Written files as JSON, for `export` and `design`.
+/// Files that were written for another program.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "quadtune/exports/manifest.hpp"
@@ -9,6 +10,11 @@
 
 namespace quadtune::report {
 
+/// [{"path": …, "sha256": …}, …]
 [[nodiscard]] internal::Json to_json(const std::vector<ManifestFile>& files);
+/// One line a file, as sha256sum prints it.
+/// @param directory  in which they are
+[[nodiscard]] std::string to_text(const std::vector<ManifestFile>& files,
+                                  const std::string& directory);
 
 }  // namespace quadtune::report

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "quadtune/internal/json.hpp"
@@ -16,18 +15,6 @@ using internal::finite_or_null;
 using internal::Json;
 
 bool is_fixed(const UncertainParameter& p) { return p.low == p.high; }
-
-/// "mass 0.9, delay 0.01 s"; parameters that have no width stay away.
-std::string point_text(const LoopFamily& family, const Eigen::VectorXd& values) {
-  std::string text;
-  for (std::size_t i = 0; i < family.parameters.size(); ++i) {
-    const UncertainParameter& p = family.parameters[i];
-    if (is_fixed(p)) continue;
-    text += fmt::format("{}{} {:.5g}{}", text.empty() ? "" : ", ", p.name,
-                        values(static_cast<Eigen::Index>(i)), p.unit.empty() ? "" : " " + p.unit);
-  }
-  return text.empty() ? "the only loop of the box" : text;
-}
 
 Json point_json(const LoopFamily& family, const Eigen::VectorXd& values) {
   Json point = Json::object();
@@ -90,7 +77,7 @@ std::string scale_text(const CertifiedLaw& law) {
   std::string text = fmt::format("proved up to {:.4g} times the box about nominal", r.proved_scale);
   if (std::isfinite(r.found_scale))
     return text + fmt::format("\nunstable at {:.4g} times: {}", r.found_scale,
-                              point_text(law.family, r.found.parameters));
+                              in_words(law.family, r.found.parameters));
   return text + fmt::format("\nnothing unstable found up to {:.4g} times: {}",
                             law.family.greatest_scale, law.family.greatest_scale_reason);
 }
@@ -102,7 +89,7 @@ std::string flown_text(const CertifiedLaw& law) {
       "{} vehicles of the box with their sensors and the estimator {}: {}\n"
       "worst: {}; {}",
       flown.vehicles, flown.worst->estimator, law.flown_unstable() ? "UNSTABLE" : "stable",
-      in_words(*flown.worst), point_text(law.family, flown.parameters));
+      in_words(*flown.worst), in_words(law.family, flown.parameters));
 }
 
 Json flown_json(const CertifiedLaw& law) {
@@ -125,7 +112,7 @@ std::string law_text(const CertifiedLaw& law) {
          section("proof", proof_text(r.proof)) +
          section("worst found", fmt::format("largest |z| {:.9f}{}: {}", r.worst.radius,
                                             r.worst.unstable() ? ", UNSTABLE" : "",
-                                            point_text(law.family, r.worst.parameters))) +
+                                            in_words(law.family, r.worst.parameters))) +
          section("bracket", scale_text(law)) + (law.flown ? section("flown", flown_text(law)) : "");
 }
 
@@ -172,40 +159,6 @@ Json law_json(const CertifiedLaw& law) {
 }
 
 }  // namespace
-
-bool CertifiedLaw::proved() const { return reason().empty(); }
-
-std::string CertifiedLaw::reason() const {
-  if (family.greatest_scale < 1)
-    return fmt::format("the vehicle cannot hover everywhere in the box: {}",
-                       family.greatest_scale_reason);
-  if (robustness.worst.unstable())
-    return fmt::format("{} is unstable, largest |z| {:.6f}, at {}", name, robustness.worst.radius,
-                       point_text(family, robustness.worst.parameters));
-  if (flown_unstable())
-    return fmt::format(
-        "{}: the flown loop, with sensors and the estimator {}, is unstable: {}; at {}", name,
-        flown->worst->estimator, in_words(*flown->worst), point_text(family, flown->parameters));
-  if (robustness.proof.proved()) return "";
-  return fmt::format(
-      "{} is not proved, nor was an unstable loop found: {}; the worst found has "
-      "|z| {:.6f}, at {}",
-      name, robustness.proof.culprit, robustness.worst.radius,
-      point_text(family, robustness.worst.parameters));
-}
-
-bool CertifyReport::proved() const {
-  return !laws.empty() && std::all_of(laws.begin(), laws.end(),
-                                      [](const CertifiedLaw& law) { return law.proved(); });
-}
-
-std::string CertifyReport::verdict() const {
-  if (proved()) return "proved";
-  const bool unstable = std::any_of(laws.begin(), laws.end(), [](const CertifiedLaw& law) {
-    return law.robustness.worst.unstable() || law.flown_unstable();
-  });
-  return unstable ? "unstable" : "not proved";
-}
 
 Json to_json(const CertifyReport& report) {
   Json laws = Json::array();

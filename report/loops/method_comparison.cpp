@@ -5,207 +5,34 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <functional>
-#include <limits>
 #include <numbers>
-#include <optional>
-#include <ostream>
 #include <utility>
-#include <vector>
 
-#include "quadtune/control/cascade_law.hpp"
-#include "quadtune/discretize/compare.hpp"
 #include "quadtune/discretize/zoh.hpp"
-#include "quadtune/errors.hpp"
 #include "quadtune/frequency_response.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/model/vehicle.hpp"
-#include "quadtune/workbench/design/cascade_report.hpp"
-#include "quadtune/workbench/design/chosen_law.hpp"
-#include "quadtune/workbench/design/standard_lqr.hpp"
-#include "quadtune/workbench/flown/flown_periods.hpp"
 #include "report/plots/comparison_figure.hpp"
 #include "report/text/print.hpp"
+#include "report/text/text_table.hpp"
 
 namespace quadtune::report {
 namespace {
 
 using internal::finite_or_null;
 using internal::Json;
-
-/// Outputs that the four set points ask for: px, py, pz, yaw.
-const std::vector<Eigen::Index> kFollowed = {0, 1, 2, 5};
-
-constexpr std::array<DiscretizationMethod, 7> kMethods = {
-    DiscretizationMethod::zoh,     DiscretizationMethod::foh,
-    DiscretizationMethod::impulse, DiscretizationMethod::euler,
-    DiscretizationMethod::tustin,  DiscretizationMethod::backward_euler,
-    DiscretizationMethod::matched};
-
-constexpr std::array<PidMethod, 3> kIntegrators = {PidMethod::forward_euler,
-                                                   PidMethod::backward_euler, PidMethod::tustin};
-
-/// A law as designed in continuous time, with the plant it was designed on.
-struct Law {
-  std::string name;   ///< "lqr", "cascade"
-  std::string about;  ///< how it was designed
-  ContinuousLti plant;
-  ContinuousLti law;                                      ///< set points and states to the wrench
-  std::function<DiscreteLti(double, PidMethod)> sampled;  ///< the law as it runs
-  std::function<Controller(PidMethod)> on_board;          ///< the same as a flight's controller
-  bool integrates = false;
-};
-
-/// One row: a way to sample, at all periods.
-struct Row {
-  std::string name;
-  std::array<std::optional<SamplingError>, 3> errors;  ///< none where the method cannot be had
-  double limit = 0;                                    ///< stable up to this period [s]
-  double searched = 0;  ///< up to which it was looked for; 0 where a formula gives it
-};
-
-Law lqr_law(const CascadeVehicle& vehicle, const Vehicle& file) {
-  const RiccatiResult riccati = standard_lqr(vehicle, "discretize");
-  Law law;
-  law.name = "lqr";
-  law.about =
-      "LQR, continuous, weights by Bryson's rule; designed without the motors' lag, flown with it";
-  law.plant = with_actuator_lag(vehicle.hover, vehicle.lag);
-  law.law.A = Eigen::MatrixXd(0, 0);
-  law.law.B = Eigen::MatrixXd(0, 16);
-  law.law.C = Eigen::MatrixXd(4, 0);
-  law.law.D = Eigen::MatrixXd(4, 16);
-  law.law.D << riccati.K(Eigen::all, kFollowed), -riccati.K;
-  const ContinuousLti held = law.law;
-  law.sampled = [held](double dt, PidMethod) {
-    return DiscreteLti{held.A, held.B, held.C, held.D, dt, {}, {}, {}};
-  };
-  const Gains gains = standard_gains(file, "discretize");
-  law.on_board = [gains](PidMethod) { return feedback_controller(gains, kUsualPeriod); };
-  return law;
-}
-
-Law cascade_law_of(const CascadeVehicle& vehicle, const CascadeReport& report) {
-  Law law;
-  law.name = "cascade";
-  law.about = fmt::format(
-      "PID cascade of `quadtune pid {} --method loops --dt {}`, its integrals "
-      "continuous",
-      report.vehicle, number(report.specification.dt));
-  law.plant = with_actuator_lag(vehicle.hover, vehicle.lag);
-  const CascadeGains gains = report.cascade.gains;
-  law.law = cascade_law(gains);
-  law.integrates = law.law.A.rows() > 0;
-  law.sampled = [gains](double dt, PidMethod method) {
-    CascadeGains other = gains;
-    other.dt = dt;
-    return cascade_law(other, method);
-  };
-  law.on_board = [gains](PidMethod method) {
-    CascadeController controller{gains};
-    controller.method = method;
-    return controller;
-  };
-  return law;
-}
-
-template <class Lti>
-Lti followed(Lti loop) {
-  loop.C = Eigen::MatrixXd(loop.C(kFollowed, Eigen::all));
-  loop.D = Eigen::MatrixXd::Zero(4, loop.B.cols());
-  loop.outputs.clear();
-  return loop;
-}
-
-DiscreteLti run_every(const Law& law, double dt, PidMethod method) {
-  return followed(closed_loop(discretize_zoh(law.plant, dt), law.sampled(dt, method)));
-}
-
-/// A hundred time constants of the slowest pole: nobody samples so rarely.
-double longest_period(const ContinuousLti& loop) {
-  return 100 / -loop.A.eigenvalues().real().maxCoeff();
-}
-
-Row method_row(const ContinuousLti& loop, DiscretizationMethod method,
-               const std::array<double, 3>& periods) {
-  Row row;
-  row.name = to_string(method);
-  row.limit = stability_limit(loop.A.eigenvalues(), method);
-  for (std::size_t i = 0; i < periods.size(); ++i) {
-    try {
-      row.errors[i] = sampling_error(loop, discretize_channels(loop, periods[i], method));
-    } catch (const InvalidInput&) {
-      row.errors[i].reset();  // e.g. tustin with a pole at 2/dt
-    }
-  }
-  return row;
-}
-
-Row flown_row(const Law& law, const ContinuousLti& loop, PidMethod method,
-              const std::array<double, 3>& periods) {
-  Row row;
-  row.name = law.integrates ? "run, " + to_string(method) : "run";
-  for (std::size_t i = 0; i < periods.size(); ++i)
-    row.errors[i] = sampling_error(loop, run_every(law, periods[i], method));
-  row.searched = longest_period(loop);
-  row.limit = stability_limit([&](double dt) { return run_every(law, dt, method).A; }, periods[1],
-                              row.searched);
-  return row;
-}
-
-std::vector<Row> rows_of(const Law& law, const ContinuousLti& loop,
-                         const std::array<double, 3>& periods) {
-  std::vector<Row> rows;
-  rows.reserve(kMethods.size() + kIntegrators.size());
-  for (const DiscretizationMethod method : kMethods)
-    rows.push_back(method_row(loop, method, periods));
-  for (const PidMethod method : kIntegrators) {
-    rows.push_back(flown_row(law, loop, method, periods));
-    if (!law.integrates) break;
-  }
-  return rows;
-}
-
-// --- the plant that flies ------------------------------------------------------------------------
-
-/// A law as it runs, on the flown plant at all periods.
-struct FlownRow {
-  std::string name;
-  std::vector<FlownPeriod> periods;
-};
-
-std::vector<FlownRow> flown_rows(const Vehicle& vehicle, const Law& law,
-                                 const std::array<double, 3>& periods) {
-  std::vector<FlownRow> rows;
-  for (const PidMethod method : kIntegrators) {
-    rows.push_back(
-        {law.integrates ? "run, " + to_string(method) : "run",
-         flown_at_periods(vehicle, law.on_board(method), {periods.begin(), periods.end()})});
-    if (!law.integrates) break;
-  }
-  return rows;
-}
-
-/// The smallest margins of all loops at one period.
-struct LeastMargins {
-  double phase = std::numeric_limits<double>::infinity();  ///< [rad]
-  double Ms = 0;
-  double disk = 2;
-};
-
-LeastMargins least_of(const FlownLoop& loop) {
-  LeastMargins least;
-  for (const LoopMargins& one : loop.margins.loops) {
-    least.phase = std::min(least.phase, one.phase_margin);
-    least.Ms = std::max(least.Ms, one.Ms);
-    least.disk = std::min(least.disk, one.disk.alpha);
-  }
-  return least;
-}
+using Side = TextColumn::Side;
 
 // --- text ----------------------------------------------------------------------------------------
+
+/// A table with three columns for each of three quantities, one for each period.
+std::vector<TextColumn> columns_by_period(const std::string& first,
+                                          const std::array<double, 3>& periods) {
+  std::vector<TextColumn> columns = {{first, 22, Side::left}};
+  for (int part = 0; part < 3; ++part)
+    for (const double dt : periods) columns.push_back({number(dt), 8, Side::right});
+  return columns;
+}
 
 std::string percent(const std::optional<SamplingError>& error, double SamplingError::*part) {
   if (!error) return "-";
@@ -219,67 +46,69 @@ std::string percent(const std::optional<SamplingError>& error, double SamplingEr
                             : fmt::format("{:.0f}", 100 * value);
 }
 
-std::string law_text(const Law& law, const std::vector<Row>& rows,
-                     const std::array<double, 3>& periods) {
-  std::string text = law.about + "\n";
-  text += fmt::format("{:<22}{:^24}{:^24}{:^24}{:>11}\n", "", "poles [%]", "step [%]",
-                      "frequency [%]", "stable to");
-  text += fmt::format("{:<22}", "method");
-  for (int part = 0; part < 3; ++part)
-    for (const double dt : periods) text += fmt::format("{:>8}", number(dt));
-  text += fmt::format("{:>11}", "[s]");
-  for (const Row& row : rows) {
-    text += fmt::format("\n{:<22}", row.name);
-    for (double SamplingError::*part :
-         {&SamplingError::pole, &SamplingError::step, &SamplingError::frequency})
-      for (const std::optional<SamplingError>& error : row.errors)
-        text += fmt::format("{:>8}", percent(error, part));
-    text += fmt::format("{:>11}", std::isfinite(row.limit) ? fmt::format("{:.4g}", row.limit)
-                                  : row.searched > 0       ? fmt::format("> {:.3g}", row.searched)
-                                                           : "any");
-  }
-  return text;
+std::string limit_text(const MethodErrors& method) {
+  if (std::isfinite(method.limit)) return fmt::format("{:.4g}", method.limit);
+  return method.searched > 0 ? fmt::format("> {:.3g}", method.searched) : "any";
 }
 
-std::string flown_text(const std::vector<FlownRow>& rows, const std::array<double, 3>& periods) {
+std::string methods_text(const ComparedLaw& law, const std::array<double, 3>& periods) {
+  std::vector<TextColumn> columns = columns_by_period("method", periods);
+  columns.push_back({"[s]", 11, Side::right});
+  TextTable table(std::move(columns));
+  for (const MethodErrors& method : law.methods) {
+    std::vector<std::string> cells = {method.name};
+    for (double SamplingError::*part :
+         {&SamplingError::pole, &SamplingError::step, &SamplingError::frequency})
+      for (const std::optional<SamplingError>& error : method.errors)
+        cells.push_back(percent(error, part));
+    cells.push_back(limit_text(method));
+    table.row(cells);
+  }
+  return fmt::format("{:<22}{:^24}{:^24}{:^24}{:>11}\n", "", "poles [%]", "step [%]",
+                     "frequency [%]", "stable to") +
+         table.text();
+}
+
+std::string flown_text(const ComparedLaw& law, const std::array<double, 3>& periods) {
   std::string estimator;
-  for (const FlownRow& row : rows)
-    for (const FlownPeriod& at : row.periods)
+  for (const FlownMethod& method : law.flown)
+    for (const FlownPeriod& at : method.periods)
       if (at.loop) estimator = ", estimator " + at.loop->estimator;
-  std::string text = fmt::format("\non the flown plant: rotor lag, sensors{}\n", estimator);
-  text += fmt::format("{:<22}{:^24}{:^24}{:^24}\n", "", "phase margin [deg]", "Ms", "disk margin");
-  text += fmt::format("{:<22}", "law");
-  for (int part = 0; part < 3; ++part)
-    for (const double dt : periods) text += fmt::format("{:>8}", number(dt));
+  TextTable table(columns_by_period("law", periods));
   std::vector<std::string> reasons;
-  for (const FlownRow& row : rows) {
-    std::array<std::string, 3> columns;
-    for (const FlownPeriod& at : row.periods) {
+  for (const FlownMethod& method : law.flown) {
+    std::vector<std::string> phase, Ms, disk;
+    for (const FlownPeriod& at : method.periods) {
       if (!at.loop || at.loop->grows()) {
         const std::string reason = fmt::format(
             "{} s: {}", number(at.dt), at.loop ? "unstable; " + in_words(*at.loop) : at.why);
-        for (std::string& column : columns) column += fmt::format("{:>8}", at.loop ? "lost" : "-");
+        for (auto* column : {&phase, &Ms, &disk}) column->emplace_back(at.loop ? "lost" : "-");
         if (std::find(reasons.begin(), reasons.end(), reason) == reasons.end())
           reasons.push_back(reason);
         continue;
       }
-      const LeastMargins least = least_of(*at.loop);
-      columns[0] += std::isfinite(least.phase) ? fmt::format("{:>8.1f}", degrees(least.phase))
-                                               : fmt::format("{:>8}", "any");
-      columns[1] += fmt::format("{:>8.2f}", least.Ms);
-      columns[2] += fmt::format("{:>8.2f}", least.disk);
+      const LeastMargins least = least_margins(*at.loop);
+      phase.push_back(std::isfinite(least.phase) ? fmt::format("{:.1f}", degrees(least.phase))
+                                                 : "any");
+      Ms.push_back(fmt::format("{:.2f}", least.Ms));
+      disk.push_back(fmt::format("{:.2f}", least.disk));
     }
-    text += fmt::format("\n{:<22}{}{}{}", row.name, columns[0], columns[1], columns[2]);
+    std::vector<std::string> cells = {method.name};
+    for (const auto* column : {&phase, &Ms, &disk})
+      cells.insert(cells.end(), column->begin(), column->end());
+    table.row(cells);
   }
+  std::string text = fmt::format("\non the flown plant: rotor lag, sensors{}\n", estimator);
+  text += fmt::format("{:<22}{:^24}{:^24}{:^24}\n", "", "phase margin [deg]", "Ms", "disk margin");
+  text += table.text();
   for (const std::string& reason : reasons) text += "\n" + reason;
   return text;
 }
 
 // --- JSON ----------------------------------------------------------------------------------------
 
-void add_rows(Json& methods, const Law& law, const std::vector<Row>& rows,
-              const std::array<double, 3>& periods) {
-  for (const Row& row : rows)
+void add_methods(Json& methods, const ComparedLaw& law, const std::array<double, 3>& periods) {
+  for (const MethodErrors& row : law.methods)
     for (std::size_t i = 0; i < periods.size(); ++i) {
       if (!row.errors[i]) continue;
       const SamplingError& error = *row.errors[i];
@@ -294,8 +123,8 @@ void add_rows(Json& methods, const Law& law, const std::vector<Row>& rows,
     }
 }
 
-void add_flown(Json& flown, const Law& law, const std::vector<FlownRow>& rows) {
-  for (const FlownRow& row : rows)
+void add_flown(Json& flown, const ComparedLaw& law) {
+  for (const FlownMethod& row : law.flown)
     for (const FlownPeriod& at : row.periods) {
       Json entry = {{"law", law.name}, {"name", row.name}, {"dt", at.dt}};
       if (!at.loop) {
@@ -307,7 +136,7 @@ void add_flown(Json& flown, const Law& law, const std::vector<FlownRow>& rows) {
       entry["estimator"] = at.loop->estimator;
       entry["stable"] = !lost;
       entry["slowest_mode"] = in_words(*at.loop);
-      const LeastMargins least = least_of(*at.loop);
+      const LeastMargins least = least_margins(*at.loop);
       entry["phase_margin_deg"] = lost ? Json(nullptr) : Json(finite_or_null(degrees(least.phase)));
       entry["Ms"] = lost ? Json(nullptr) : Json(finite_or_null(least.Ms));
       entry["disk"] = lost ? Json(nullptr) : Json(finite_or_null(least.disk));
@@ -344,13 +173,42 @@ SampledMethod picture_of(const std::string& name, const DiscreteLti& sampled,
   return method;
 }
 
-/// The set point of x of the cascade: the slowest chain of loops, where periods matter least, and
-/// the fastest poles, where they matter most.
-Figure figure_of(const std::string& vehicle, const Law& law, const ContinuousLti& loop, double dt) {
+}  // namespace
+
+Json to_json(const MethodComparison& comparison) {
+  Json json = {{"vehicle", comparison.vehicle}, {"dt", comparison.dt}};
+  json["methods"] = Json::array();
+  json["not_compared"] = Json::array();
+  if (comparison.flown) json["flown"] = Json::array();
+  for (const ComparedLaw& law : comparison.laws) {
+    if (!law.why.empty()) json["not_compared"].push_back({{"law", law.name}, {"why", law.why}});
+    add_methods(json["methods"], law, comparison.periods);
+    if (comparison.flown) add_flown(json["flown"], law);
+  }
+  return json;
+}
+
+std::string to_text(const MethodComparison& comparison) {
+  std::string text = section("vehicle", comparison.vehicle +
+                                            " at hover: errors of x, y, z and yaw after "
+                                            "their set points, the worst of the four");
+  for (const ComparedLaw& law : comparison.laws) {
+    std::string about = law.about + "\n" + law.why;
+    if (law.why.empty()) about += methods_text(law, comparison.periods);
+    if (!law.flown.empty()) about += flown_text(law, comparison.periods);
+    text += section(law.name, about);
+  }
+  return text;
+}
+
+Figure sampling_figure(const MethodComparison& methods) {
+  const ComparedLaw& law = methods.laws.back();
+  const ContinuousLti& loop = law.loop;
+  const double dt = methods.dt;
   Comparison comparison;
   comparison.dt = dt;
   comparison.title =
-      fmt::format("{}: {}, x by its set point, every {} s", vehicle, law.name, number(dt));
+      fmt::format("{}: {}, x by its set point, every {} s", methods.vehicle, law.name, number(dt));
   const Eigen::VectorXcd poles = loop.A.eigenvalues();
   const double duration = 7 / -poles.real().maxCoeff();
   const auto samples = static_cast<std::size_t>(std::clamp(duration / dt, 50.0, 4000.0));
@@ -367,50 +225,8 @@ Figure figure_of(const std::string& vehicle, const Law& law, const ContinuousLti
         DiscretizationMethod::matched})
     comparison.methods.push_back(
         picture_of(to_string(method), discretize_channels(loop, dt, method), loop, comparison));
-  comparison.methods.push_back(
-      picture_of("run, euler", run_every(law, dt, PidMethod::forward_euler), loop, comparison));
+  comparison.methods.push_back(picture_of("run, euler", law.run, loop, comparison));
   return comparison_figure(comparison);
-}
-
-}  // namespace
-
-MethodComparison compare_methods(const std::string& vehicle_name, double dt, bool flown) {
-  const Vehicle vehicle = load_vehicle(vehicle_name);
-  const CascadeVehicle hover = cascade_vehicle(vehicle, vehicle_name);
-  CascadeSpecification specification;
-  specification.dt = dt;
-  const CascadeReport report = design_cascade(vehicle, specification, vehicle_name);
-  const std::array<Law, 2> laws = {lqr_law(hover, vehicle), cascade_law_of(hover, report)};
-  const std::array<double, 3> periods = {dt / 2, dt, 2 * dt};
-  Json json = {{"vehicle", vehicle.name}, {"dt", dt}};
-  json["methods"] = Json::array();
-  json["not_compared"] = Json::array();
-  if (flown) json["flown"] = Json::array();
-  std::string text = section("vehicle", vehicle.name +
-                                            " at hover: errors of x, y, z and yaw after "
-                                            "their set points, the worst of the four");
-  for (const Law& law : laws) {
-    const ContinuousLti loop = followed(closed_loop(law.plant, law.law));
-    if (!(loop.A.eigenvalues().real().maxCoeff() < 0)) {
-      const std::string why = "the continuous loop is not stable: nothing to compare with";
-      json["not_compared"].push_back({{"law", law.name}, {"why", why}});
-      text += section(law.name, law.about + "\n" + why);
-      continue;
-    }
-    const std::vector<Row> rows = rows_of(law, loop, periods);
-    add_rows(json["methods"], law, rows, periods);
-    std::string about = law_text(law, rows, periods);
-    if (flown) {
-      const std::vector<FlownRow> on_plant = flown_rows(vehicle, law, periods);
-      add_flown(json["flown"], law, on_plant);
-      about += flown_text(on_plant, periods);
-    }
-    text += section(law.name, about);
-  }
-  const Law& drawn = laws[1];
-  return {std::move(json), std::move(text), [name = vehicle.name, drawn, dt] {
-            return figure_of(name, drawn, followed(closed_loop(drawn.plant, drawn.law)), dt);
-          }};
 }
 
 }  // namespace quadtune::report

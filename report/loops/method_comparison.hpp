@@ -1,27 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What sampling makes of a vehicle's closed loops: for `discretize V --compare`.
+/// What sampling makes of a vehicle's closed loops, as text, JSON and picture.
 #pragma once
 
-#include <functional>
 #include <string>
 
-#include "quadtune/internal/json_value.hpp"
+#include "quadtune/internal/json_fwd.hpp"
+#include "quadtune/workbench/design/method_comparison.hpp"
 #include "report/plots/figure.hpp"
 
 namespace quadtune::report {
 
-/// The comparison as JSON and as text.
-struct MethodComparison {
-  internal::Json json;
-  std::string text;
-  std::function<Figure()> figure;  ///< of the cascade, drawn where it is asked for
-};
+/// "vehicle", "dt", "methods", "not_compared", "flown" where it was asked for.
+[[nodiscard]] internal::Json to_json(const MethodComparison& comparison);
+[[nodiscard]] std::string to_text(const MethodComparison& comparison);
 
-/// Compares every method at dt/2, dt and 2 dt, for the loop of an LQR gain and of the PID cascade.
-/// @param vehicle  name or file
-/// @param dt       [s], > 0
-/// @param flown    whether the same laws are judged on the plant that flies as well
-/// @throws NoSolution  when the vehicle cannot hover or a law cannot be had
-[[nodiscard]] MethodComparison compare_methods(const std::string& vehicle, double dt, bool flown);
+/// The set point of x of the cascade: the slowest chain of loops, where periods matter least, and
+/// the fastest poles, where they matter most.
+[[nodiscard]] Figure sampling_figure(const MethodComparison& methods);
 
 }  // namespace quadtune::report

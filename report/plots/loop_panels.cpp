@@ -17,8 +17,6 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
 
-double degrees(double angle) { return angle * 180 / kPi; }
-
 // --- which frequencies ---------------------------------------------------------------------------
 
 /// Whether the largest value of |S| or |T| is more than where it is level.

@@ -26,6 +26,12 @@ std::vector<std::string> names_of(const std::vector<Signal>& signals) {
   return names_or_numbers(signals, std::ssize(signals));
 }
 
+std::string numbers(const Eigen::VectorXd& values) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : " ") + number(value);
+  return text;
+}
+
 double decibels(double gain) { return 20 * std::log10(gain); }
 
 double degrees(double angle) { return angle * 180 / std::numbers::pi; }

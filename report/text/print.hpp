@@ -28,6 +28,8 @@ namespace quadtune::report {
 
 /// "316.104", "1e-16": six significant digits.
 [[nodiscard]] std::string number(double value);
+/// "0.1 0.2 0.3"
+[[nodiscard]] std::string numbers(const Eigen::VectorXd& values);
 
 /// The names of signals, for the rows and columns of table().
 [[nodiscard]] std::vector<std::string> names_of(const std::vector<Signal>& signals);

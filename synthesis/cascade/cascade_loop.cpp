@@ -16,6 +16,7 @@
 #include "pid/golden_section.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/frequency_response.hpp"
+#include "quadtune/internal/enum_names.hpp"
 
 namespace quadtune {
 namespace {
@@ -478,18 +479,14 @@ CascadeLoopEvidence cascade_loop_evidence(const CascadePlant& plant, const PidGa
   return evidence_of(plant, gains, method);
 }
 
+constexpr internal::EnumName<CascadeLoopStatus> kCascadeLoopStatuses[] = {
+    {CascadeLoopStatus::not_run, "not run"},
+    {CascadeLoopStatus::solved, "solved"},
+    {CascadeLoopStatus::crossover_out_of_reach, "crossover out of reach"},
+    {CascadeLoopStatus::not_found, "not found"}};
+
 std::string to_string(CascadeLoopStatus status) {
-  switch (status) {
-    case CascadeLoopStatus::not_run:
-      return "not run";
-    case CascadeLoopStatus::solved:
-      return "solved";
-    case CascadeLoopStatus::crossover_out_of_reach:
-      return "crossover out of reach";
-    case CascadeLoopStatus::not_found:
-      return "not found";
-  }
-  return "unknown";
+  return internal::name_in(kCascadeLoopStatuses, status);
 }
 
 std::ostream& operator<<(std::ostream& out, const CascadeLoopDesign& design) {

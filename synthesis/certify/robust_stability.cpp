@@ -12,6 +12,7 @@
 #include "certify/contraction.hpp"
 #include "margins/loop_parts.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/in_parallel.hpp"
 
 namespace quadtune {
@@ -245,20 +246,15 @@ class Proof {
 
 }  // namespace
 
+constexpr internal::EnumName<StabilityProofStatus> kStabilityProofStatuses[] = {
+    {StabilityProofStatus::not_run, "not run"},
+    {StabilityProofStatus::proved, "proved"},
+    {StabilityProofStatus::unstable, "unstable"},
+    {StabilityProofStatus::not_proved, "not proved"},
+    {StabilityProofStatus::interrupted, "interrupted"}};
+
 std::string to_string(StabilityProofStatus status) {
-  switch (status) {
-    case StabilityProofStatus::not_run:
-      return "not run";
-    case StabilityProofStatus::proved:
-      return "proved";
-    case StabilityProofStatus::unstable:
-      return "unstable";
-    case StabilityProofStatus::not_proved:
-      return "not proved";
-    case StabilityProofStatus::interrupted:
-      return "interrupted";
-  }
-  return "";
+  return internal::name_in(kStabilityProofStatuses, status);
 }
 
 StabilityProof prove_stability(const UncertainLoop& loop, const LoopBox& box,

@@ -8,6 +8,7 @@
 #include <cstddef>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 
 namespace quadtune {
 namespace {
@@ -20,19 +21,12 @@ constexpr const char* kWhere = "flown axis";
 
 }  // namespace
 
-std::string to_string(FlownAxis axis) {
-  switch (axis) {
-    case FlownAxis::north:
-      return "north";
-    case FlownAxis::east:
-      return "east";
-    case FlownAxis::altitude:
-      return "altitude";
-    case FlownAxis::yaw:
-      break;
-  }
-  return "yaw";
-}
+constexpr internal::EnumName<FlownAxis> kFlownAxisNames[] = {{FlownAxis::north, "north"},
+                                                          {FlownAxis::east, "east"},
+                                                          {FlownAxis::altitude, "altitude"},
+                                                          {FlownAxis::yaw, "yaw"}};
+
+std::string to_string(FlownAxis axis) { return internal::name_in(kFlownAxisNames, axis); }
 
 const std::vector<Index>& states_of(FlownAxis axis) {
   static const std::array<std::vector<Index>, 4> kStates = {

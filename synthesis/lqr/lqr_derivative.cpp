@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/synthesis/lqr_derivative.hpp"
+#include "quadtune/synthesis/diagonal_lqr.hpp"
 
 #include <fmt/format.h>
 

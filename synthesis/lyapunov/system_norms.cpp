@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/synthesis/system_norms.hpp"
 
 #include <fmt/format.h>
 

@@ -6,22 +6,14 @@
 #include <ostream>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 
 namespace quadtune {
 
-std::string to_string(PidType type) {
-  switch (type) {
-    case PidType::P:
-      return "P";
-    case PidType::PI:
-      return "PI";
-    case PidType::PD:
-      return "PD";
-    case PidType::PID:
-      return "PID";
-  }
-  return "unknown";
-}
+constexpr internal::EnumName<PidType> kPidTypes[] = {
+    {PidType::P, "P"}, {PidType::PI, "PI"}, {PidType::PD, "PD"}, {PidType::PID, "PID"}};
+
+std::string to_string(PidType type) { return internal::name_in(kPidTypes, type); }
 
 std::complex<double> PidGains::operator()(std::complex<double> s) const {
   std::complex<double> C = Kp;

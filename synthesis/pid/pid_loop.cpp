@@ -13,6 +13,7 @@
 
 #include "pid/loop_shape.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 
 namespace quadtune {
 namespace {
@@ -331,23 +332,15 @@ std::string possible(const PidLoopDesign& design) {
 
 }  // namespace
 
-std::string to_string(PidLoopStatus status) {
-  switch (status) {
-    case PidLoopStatus::not_run:
-      return "not run";
-    case PidLoopStatus::solved:
-      return "solved";
-    case PidLoopStatus::phase_out_of_reach:
-      return "phase out of reach";
-    case PidLoopStatus::unstable:
-      return "unstable";
-    case PidLoopStatus::other_crossover:
-      return "other crossover";
-    case PidLoopStatus::Ms_exceeded:
-      return "Ms exceeded";
-  }
-  return "unknown";
-}
+constexpr internal::EnumName<PidLoopStatus> kPidLoopStatuses[] = {
+    {PidLoopStatus::not_run, "not run"},
+    {PidLoopStatus::solved, "solved"},
+    {PidLoopStatus::phase_out_of_reach, "phase out of reach"},
+    {PidLoopStatus::unstable, "unstable"},
+    {PidLoopStatus::other_crossover, "other crossover"},
+    {PidLoopStatus::Ms_exceeded, "Ms exceeded"}};
+
+std::string to_string(PidLoopStatus status) { return internal::name_in(kPidLoopStatuses, status); }
 
 std::ostream& operator<<(std::ostream& out, const PidLoopDesign& design) {
   out << to_string(design.status);

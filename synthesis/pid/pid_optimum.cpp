@@ -13,7 +13,7 @@
 #include "pid/golden_section.hpp"
 #include "pid/loop_shape.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/synthesis/fopdt.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/synthesis/pid_rules.hpp"
 
 namespace quadtune {
@@ -213,18 +213,14 @@ class Search {
 
 }  // namespace
 
+constexpr internal::EnumName<PidOptimumStatus> kPidOptimumStatuses[] = {
+    {PidOptimumStatus::not_run, "not run"},
+    {PidOptimumStatus::solved, "solved"},
+    {PidOptimumStatus::not_found, "not found"},
+    {PidOptimumStatus::unbounded, "unbounded"}};
+
 std::string to_string(PidOptimumStatus status) {
-  switch (status) {
-    case PidOptimumStatus::not_run:
-      return "not run";
-    case PidOptimumStatus::solved:
-      return "solved";
-    case PidOptimumStatus::not_found:
-      return "not found";
-    case PidOptimumStatus::unbounded:
-      return "unbounded";
-  }
-  return "unknown";
+  return internal::name_in(kPidOptimumStatuses, status);
 }
 
 std::ostream& operator<<(std::ostream& out, const PidOptimum& optimum) {

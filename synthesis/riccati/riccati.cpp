@@ -8,6 +8,7 @@
 
 #include "lyapunov/mode_names.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "riccati/riccati_parts.hpp"
 
 namespace quadtune {
@@ -332,23 +333,15 @@ RiccatiResult dare(const ConstRef& A, const ConstRef& B, const ConstRef& Q, cons
   return solve_once({Time::discrete, A, B, Q, R, N}, options);
 }
 
-std::string to_string(RiccatiStatus status) {
-  switch (status) {
-    case RiccatiStatus::not_run:
-      return "not run";
-    case RiccatiStatus::solved:
-      return "solved";
-    case RiccatiStatus::not_stabilizable:
-      return "not stabilizable";
-    case RiccatiStatus::not_detectable:
-      return "not detectable";
-    case RiccatiStatus::boundary_pair:
-      return "eigenvalues on the boundary";
-    case RiccatiStatus::no_convergence:
-      return "no convergence";
-  }
-  return "unknown";
-}
+constexpr internal::EnumName<RiccatiStatus> kRiccatiStatuses[] = {
+    {RiccatiStatus::not_run, "not run"},
+    {RiccatiStatus::solved, "solved"},
+    {RiccatiStatus::not_stabilizable, "not stabilizable"},
+    {RiccatiStatus::not_detectable, "not detectable"},
+    {RiccatiStatus::boundary_pair, "eigenvalues on the boundary"},
+    {RiccatiStatus::no_convergence, "no convergence"}};
+
+std::string to_string(RiccatiStatus status) { return internal::name_in(kRiccatiStatuses, status); }
 
 std::ostream& operator<<(std::ostream& out, const RiccatiResult& result) {
   out << to_string(result.status);

@@ -10,9 +10,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "program/gnuplot.hpp"
 #include "quadtune/errors.hpp"
 #include "report/plots/comparison_figure.hpp"
+#include "report/plots/gnuplot.hpp"
 #include "report/plots/label_placement.hpp"
 #include "report/plots/loop_figure.hpp"
 #include "report/plots/loop_panels.hpp"

@@ -8,6 +8,7 @@
 #include "matrix_near.hpp"
 #include "plants/random_plant.hpp"
 #include "quadtune/errors.hpp"
+#include "uniform_matrix.hpp"
 
 namespace quadtune {
 namespace {
@@ -29,7 +30,7 @@ TEST(DiscretizeBackwardEuler, TakesTheDerivativeAtTheEndOfTheSample) {
   VectorXd x = VectorXd::Zero(4);
   VectorXd state = VectorXd::Zero(4);
   for (int k = 0; k < 20; ++k) {
-    const VectorXd u = VectorXd::Random(2);
+    const VectorXd u = testing::uniform_vector(2, generator);
     x = (I - p.A * dt).inverse() * (x + dt * p.B * u);
     EXPECT_THAT(d.C * state + d.D * u, MatrixRelativelyNear((p.C * x + p.D * u).eval(), 1e-13));
     state = (d.A * state + d.B * u).eval();

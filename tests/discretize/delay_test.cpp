@@ -10,6 +10,7 @@
 #include "quadtune/discretize/discretize.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
+#include "uniform_matrix.hpp"
 
 namespace quadtune {
 namespace {
@@ -71,7 +72,7 @@ TEST(Delays, AgreeWithFinerHoldsForAnyFractions) {
     Eigen::VectorXi output(2);
     for (int& d : input) d = delay(generator);
     for (int& d : output) d = delay(generator);
-    const MatrixXd u = MatrixXd::Random(3, 30);
+    const MatrixXd u = testing::uniform_matrix(3, 30, generator);
     const DiscreteLti d = discretize_zoh(p, dt, {seconds(input, dt), seconds(output, dt)});
     EXPECT_THAT(response(d, u), MatrixNear(fine_response(p, dt, input, output, u), 1e-12))
         << "delays " << input.transpose() << " and " << output.transpose() << " tenths of a sample";
@@ -134,7 +135,7 @@ TEST(Delays, WholeSamplesGoWithEveryMethod) {
   std::mt19937_64 generator(9);
   const double dt = 0.1;
   const ContinuousLti p = testing::random_plant(3, 2, 2, false, generator);
-  const MatrixXd u = MatrixXd::Random(2, 20);
+  const MatrixXd u = testing::uniform_matrix(2, 20, generator);
   using Method = DiscretizationMethod;
   for (const Method method : {Method::zoh, Method::foh, Method::impulse, Method::euler,
                               Method::backward_euler, Method::tustin}) {

@@ -9,6 +9,7 @@
 #include "plants/random_plant.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
+#include "uniform_matrix.hpp"
 
 namespace quadtune {
 namespace {
@@ -45,7 +46,7 @@ TEST(DiscretizeFoh, FollowsAnInputThatIsLinearBetweenSamples) {
   VectorXd state = VectorXd::Zero(5);
   VectorXd u = VectorXd::Zero(2);
   for (int k = 0; k < 10; ++k) {
-    const VectorXd next = MatrixXd::Random(2, 1);
+    const VectorXd next = testing::uniform_vector(2, generator);
     state = (d.A * state + d.B * u).eval();
     for (int i = 0; i < kStairs; ++i)
       x = (stair.A * x + stair.B * (u + (i + 0.5) / kStairs * (next - u))).eval();

@@ -92,6 +92,9 @@ TEST(ToContinuous, RefusesPolesThatNoHoldHas) {
       ThrowsMessage<InvalidInput>(
           HasSubstr("zoh: A has a pole at 0, expected none because no continuous mode decays to "
                     "nothing in one sample; take delays out")));
+  // A delay alone: the pole and the rounding of A are both exactly 0.
+  EXPECT_THAT([] { (void)to_continuous_zoh(with_A(MatrixXd{{0}})); },
+              ThrowsMessage<InvalidInput>(HasSubstr("zoh: A has a pole at 0, expected none")));
   EXPECT_THAT(
       [] {
         (void)to_continuous_tustin(with_A(MatrixXd{{0.5, 1}, {0, -1}}));

@@ -46,10 +46,10 @@ inline void read(std::string_view bytes, const LogOptions& options) {
   }
 }
 
-inline void read(const std::uint8_t* data, std::size_t size, const char* format) {
+inline void read(std::string_view bytes, const char* format) {
   LogOptions options;
   options.format = format;
-  read({reinterpret_cast<const char*>(data), size}, options);
+  read(bytes, options);
 }
 
 }  // namespace quadtune::fuzz

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fuzz_log.hpp"
+#include "fuzz_targets.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  quadtune::fuzz::read(data, size, "text");
+  quadtune::fuzz::text({reinterpret_cast<const char*>(data), size});
   return 0;
 }

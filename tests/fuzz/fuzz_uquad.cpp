@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fuzz_log.hpp"
+#include "fuzz_targets.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  quadtune::fuzz::read(data, size, "uquad-frames");
-  quadtune::fuzz::read(data, size, "uquad-log");
+  quadtune::fuzz::uquad({reinterpret_cast<const char*>(data), size});
   return 0;
 }

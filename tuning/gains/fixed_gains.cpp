@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 
 namespace quadtune {
 namespace {
@@ -204,20 +205,15 @@ void require(const std::vector<FixedGainsMember>& members, const MatrixXd& start
 
 }  // namespace
 
+constexpr internal::EnumName<FixedGainsStatus> kFixedGainsStatuses[] = {
+    {FixedGainsStatus::not_run, "not run"},
+    {FixedGainsStatus::solved, "solved"},
+    {FixedGainsStatus::unstable_start, "unstable start"},
+    {FixedGainsStatus::bounds_violated, "bounds violated"},
+    {FixedGainsStatus::no_convergence, "no convergence"}};
+
 std::string to_string(FixedGainsStatus status) {
-  switch (status) {
-    case FixedGainsStatus::not_run:
-      break;
-    case FixedGainsStatus::solved:
-      return "solved";
-    case FixedGainsStatus::unstable_start:
-      return "unstable start";
-    case FixedGainsStatus::bounds_violated:
-      return "bounds violated";
-    case FixedGainsStatus::no_convergence:
-      return "no convergence";
-  }
-  return "not run";
+  return internal::name_in(kFixedGainsStatuses, status);
 }
 
 FixedGainsResult fixed_gains(const std::vector<FixedGainsMember>& members, const MatrixXd& start,

@@ -12,6 +12,7 @@
 #include "gains/gain_search.hpp"
 #include "gains/weight_description.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -211,41 +212,27 @@ void tell_weights(const GainTarget& target, const VectorXd& w0, const GainPoint&
 
 }  // namespace
 
+constexpr internal::EnumName<GainMatchStatus> kGainMatchStatuses[] = {
+    {GainMatchStatus::not_run, "not run"},
+    {GainMatchStatus::matched, "matched"},
+    {GainMatchStatus::not_matched, "not matched"},
+    {GainMatchStatus::not_stabilizing, "not stabilizing"},
+    {GainMatchStatus::no_solution, "no solution"},
+    {GainMatchStatus::interrupted, "interrupted"}};
+
 std::string to_string(GainMatchStatus status) {
-  switch (status) {
-    case GainMatchStatus::not_run:
-      return "not run";
-    case GainMatchStatus::matched:
-      return "matched";
-    case GainMatchStatus::not_matched:
-      return "not matched";
-    case GainMatchStatus::not_stabilizing:
-      return "not stabilizing";
-    case GainMatchStatus::no_solution:
-      return "no solution";
-    case GainMatchStatus::interrupted:
-      return "interrupted";
-  }
-  return "";
+  return internal::name_in(kGainMatchStatuses, status);
 }
 
-std::string to_string(WeightVerdict verdict) {
-  switch (verdict) {
-    case WeightVerdict::seen:
-      return "";
-    case WeightVerdict::hardly_seen:
-      return "hardly seen";
-    case WeightVerdict::combination:
-      return "in combination";
-    case WeightVerdict::not_seen:
-      return "not seen";
-    case WeightVerdict::at_zero:
-      return "at zero";
-    case WeightVerdict::fixed:
-      return "fixed";
-  }
-  return "";
-}
+constexpr internal::EnumName<WeightVerdict> kWeightVerdicts[] = {
+    {WeightVerdict::seen, ""},
+    {WeightVerdict::hardly_seen, "hardly seen"},
+    {WeightVerdict::combination, "in combination"},
+    {WeightVerdict::not_seen, "not seen"},
+    {WeightVerdict::at_zero, "at zero"},
+    {WeightVerdict::fixed, "fixed"}};
+
+std::string to_string(WeightVerdict verdict) { return internal::name_in(kWeightVerdicts, verdict); }
 
 GainMatch match_gains(const ContinuousLti& plant, const LqrDesign& start,
                       const Eigen::Ref<const MatrixXd>& K, const Eigen::Ref<const MatrixXd>& K_int,

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 
 namespace quadtune {
 namespace {
@@ -465,17 +466,11 @@ double DesignLimit::excess() const {
   return excess_of((at_least ? bound - value : value - bound) / size);
 }
 
-std::string to_string(SearchEnd end) {
-  switch (end) {
-    case SearchEnd::budget:
-      return "budget";
-    case SearchEnd::converged:
-      return "converged";
-    case SearchEnd::interrupted:
-      break;
-  }
-  return "interrupted";
-}
+constexpr internal::EnumName<SearchEnd> kSearchEnds[] = {{SearchEnd::budget, "budget"},
+                                                         {SearchEnd::converged, "converged"},
+                                                         {SearchEnd::interrupted, "interrupted"}};
+
+std::string to_string(SearchEnd end) { return internal::name_in(kSearchEnds, end); }
 
 MissionSearchResult search_missions(const DesignSpace& space, const MissionTrial& trial,
                                     const MissionSearchOptions& options) {

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/tails.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -45,28 +46,18 @@ bool ended_early(const FlightResult& result) { return result.end != FlightEnd::c
 
 }  // namespace
 
-std::string to_string(RobustMeasure measure) {
-  switch (measure) {
-    case RobustMeasure::mean:
-      return "mean";
-    case RobustMeasure::quantile:
-      return "quantile";
-    case RobustMeasure::worst:
-      break;
-  }
-  return "worst";
-}
+constexpr internal::EnumName<RobustMeasure> kRobustMeasures[] = {
+    {RobustMeasure::mean, "mean"},
+    {RobustMeasure::quantile, "quantile"},
+    {RobustMeasure::worst, "worst"}};
+
+std::string to_string(RobustMeasure measure) { return internal::name_in(kRobustMeasures, measure); }
 
 RobustMeasure robust_measure(const std::string& name, const std::string& where) {
-  std::vector<std::string> known;
-  for (const RobustMeasure measure :
-       {RobustMeasure::mean, RobustMeasure::quantile, RobustMeasure::worst}) {
-    if (to_string(measure) == name) return measure;
-    known.push_back(to_string(measure));
-  }
+  if (const auto measure = internal::value_in(kRobustMeasures, name)) return *measure;
   throw InvalidInput(
       where, fmt::format("'{}' came, expected mean, quantile or worst{}", internal::printable(name),
-                         internal::did_you_mean(name, known)));
+                         internal::did_you_mean(name, internal::names_in(kRobustMeasures))));
 }
 
 void validate(const TrialRequest& request, const std::string& where) {

@@ -13,6 +13,7 @@
 #include "noise/noise_description.hpp"
 #include "noise/noise_search.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/tuning/autocovariance_fit.hpp"
 
 namespace quadtune {
@@ -305,40 +306,25 @@ class Fit {
 
 }  // namespace
 
+constexpr internal::EnumName<ParameterVerdict> kParameterVerdicts[] = {
+    {ParameterVerdict::fixed, "fixed"},         {ParameterVerdict::seen, "seen"},
+    {ParameterVerdict::at_zero, "at zero"},     {ParameterVerdict::not_seen, "not seen"},
+    {ParameterVerdict::not_known, "not known"}, {ParameterVerdict::combination, "in combination"}};
+
 std::string to_string(ParameterVerdict verdict) {
-  switch (verdict) {
-    case ParameterVerdict::fixed:
-      return "fixed";
-    case ParameterVerdict::seen:
-      return "seen";
-    case ParameterVerdict::at_zero:
-      return "at zero";
-    case ParameterVerdict::not_seen:
-      return "not seen";
-    case ParameterVerdict::not_known:
-      return "not known";
-    case ParameterVerdict::combination:
-      break;
-  }
-  return "in combination";
+  return internal::name_in(kParameterVerdicts, verdict);
 }
 
+constexpr internal::EnumName<NoiseFitStatus> kNoiseFitStatuses[] = {
+    {NoiseFitStatus::not_run, "not run"},
+    {NoiseFitStatus::converged, "converged"},
+    {NoiseFitStatus::not_computed, "not computed"},
+    {NoiseFitStatus::not_converged, "not converged"},
+    {NoiseFitStatus::out_of_time, "out of time"},
+    {NoiseFitStatus::interrupted, "interrupted"}};
+
 std::string to_string(NoiseFitStatus status) {
-  switch (status) {
-    case NoiseFitStatus::not_run:
-      return "not run";
-    case NoiseFitStatus::converged:
-      return "converged";
-    case NoiseFitStatus::not_computed:
-      return "not computed";
-    case NoiseFitStatus::not_converged:
-      return "not converged";
-    case NoiseFitStatus::out_of_time:
-      return "out of time";
-    case NoiseFitStatus::interrupted:
-      break;
-  }
-  return "interrupted";
+  return internal::name_in(kNoiseFitStatuses, status);
 }
 
 NoiseFit fit_noise(const InnovationLikelihood& likelihood, const NoiseFitOptions& options) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/workbench/design/looks_sampled.hpp"
+#include "design/looks_sampled.hpp"
 
 #include <fmt/format.h>
 

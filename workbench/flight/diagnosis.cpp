@@ -8,6 +8,7 @@
 #include <complex>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/model/mixer.hpp"
 
 namespace quadtune {
@@ -333,33 +334,20 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
 
 }  // namespace
 
-std::string to_string(FlightCause cause) {
-  switch (cause) {
-    case FlightCause::none:
-      return "none";
-    case FlightCause::unstable_loop:
-      return "unstable loop";
-    case FlightCause::estimator_loop:
-      return "unstable loop with the estimator";
-    case FlightCause::event:
-      return "event";
-    case FlightCause::motor_limits:
-      return "motor limits";
-    case FlightCause::law:
-      return "law";
-    case FlightCause::mission_limits:
-      return "mission limits";
-    case FlightCause::estimator:
-      return "estimator";
-    case FlightCause::drift:
-      return "drift";
-    case FlightCause::sensors:
-      return "sensors";
-    case FlightCause::noise:
-      break;
-  }
-  return "noise";
-}
+constexpr internal::EnumName<FlightCause> kFlightCauses[] = {
+    {FlightCause::none, "none"},
+    {FlightCause::unstable_loop, "unstable loop"},
+    {FlightCause::estimator_loop, "unstable loop with the estimator"},
+    {FlightCause::event, "event"},
+    {FlightCause::motor_limits, "motor limits"},
+    {FlightCause::law, "law"},
+    {FlightCause::mission_limits, "mission limits"},
+    {FlightCause::estimator, "estimator"},
+    {FlightCause::drift, "drift"},
+    {FlightCause::sensors, "sensors"},
+    {FlightCause::noise, "noise"}};
+
+std::string to_string(FlightCause cause) { return internal::name_in(kFlightCauses, cause); }
 
 Diagnosis diagnose(const PlannedFlight& plan, const FlownFlight& flight) {
   Diagnosis diagnosis;

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/tails.hpp"
@@ -162,17 +163,12 @@ const UncertainQuantity& uncertain_quantity(const std::string& name, const std::
   return quantity_effects()[index_of(name, where)].quantity;
 }
 
-std::string to_string(DistributionKind kind) {
-  switch (kind) {
-    case DistributionKind::normal:
-      return "normal";
-    case DistributionKind::uniform:
-      return "uniform";
-    case DistributionKind::log_normal:
-      break;
-  }
-  return "log_normal";
-}
+constexpr internal::EnumName<DistributionKind> kDistributionKinds[] = {
+    {DistributionKind::normal, "normal"},
+    {DistributionKind::uniform, "uniform"},
+    {DistributionKind::log_normal, "log_normal"}};
+
+std::string to_string(DistributionKind kind) { return internal::name_in(kDistributionKinds, kind); }
 
 double value_at(const Distribution& d, double z) {
   if (d.kind == DistributionKind::uniform)

@@ -7,9 +7,11 @@
 
 #include <cstdlib>
 #include <numeric>
+#include <random>
 
 #include "data_memory.hpp"
 #include "matrix_near.hpp"
+#include "uniform_matrix.hpp"
 
 namespace quadtune {
 namespace {
@@ -58,7 +60,8 @@ TEST(Samples, OutliveALimitOfFiles) {
 }
 
 TEST(SampleMatrix, IsAMatrixOfEigen) {
-  const MatrixXd numbers = MatrixXd::Random(3, 5);
+  std::mt19937_64 random(1);
+  const MatrixXd numbers = testing::uniform_matrix(3, 5, random);
   SampleMatrix a = numbers;
   EXPECT_THAT(MatrixXd(a), testing::MatrixNear(numbers, 0.0));
   a = (2 * a).rightCols(4);  // of itself

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/synthesis/lqr_derivative.hpp"
 
 #include <Eigen/Dense>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/synthesis/system_norms.hpp"
+#include "quadtune/synthesis/lyapunov.hpp"
 
 #include <Eigen/SVD>
 #include <cmath>

@@ -12,7 +12,7 @@
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/synthesis/lqr.hpp"
-#include "quadtune/synthesis/system_norms.hpp"
+#include "quadtune/synthesis/lyapunov.hpp"
 #include "sanitized.hpp"
 
 namespace quadtune {

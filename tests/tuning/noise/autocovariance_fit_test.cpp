@@ -9,6 +9,7 @@
 #include "matrix_near.hpp"
 #include "plants/filter_models.hpp"
 #include "quadtune/errors.hpp"
+#include "uniform_matrix.hpp"
 
 namespace quadtune {
 namespace {
@@ -83,7 +84,7 @@ TEST(AutocovarianceFit, ItsTheoryIsTheLocalLevelsByHand) {
 TEST(AutocovarianceFit, ItsTheoryIsTheSumOverThePast) {
   std::mt19937_64 random(1);
   const FilterModel model = testing::random_model(random, 3, 0, false, true);
-  const MatrixXd M = 0.1 * MatrixXd::Random(3, 3);
+  const MatrixXd M = 0.1 * testing::uniform_matrix(3, 3, random);
   const VectorXd theta = start_of(model);
   MatrixXd C(3, 3), R = MatrixXd::Zero(3, 3);
   C << model.sensors[0].C, model.sensors[1].C;
@@ -117,7 +118,7 @@ TEST(AutocovarianceFit, RecoversWhatExactAutocovariancesAreOf) {
   for (const bool full : {false, true})
     for (const bool continuous : {false, true}) {
       const FilterModel truth = testing::random_model(random, 2, 0, continuous, full);
-      const MatrixXd M = 0.02 * MatrixXd::Random(2, 3);
+      const MatrixXd M = 0.02 * testing::uniform_matrix(2, 3, random);
       const VectorXd theta = start_of(truth);
       InnovationAutocovariances exact{0.1, M, {}, std::vector<double>(16, 10000)};
       exact.of = innovation_autocovariances(truth, 0.1, M, theta, 15);

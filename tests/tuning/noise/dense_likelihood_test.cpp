@@ -10,6 +10,7 @@
 #include "plants/filter_models.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/tuning/innovation_likelihood.hpp"
+#include "uniform_matrix.hpp"
 
 namespace quadtune {
 namespace {
@@ -57,7 +58,7 @@ TEST(DenseLikelihood, BackAgreesWithJets) {
           model.diffuse[0] = true;
         }
         const VectorXd truth = start_of(model),
-                       theta = truth + 0.2 * VectorXd::Random(truth.size());
+                       theta = truth + 0.2 * testing::uniform_vector(truth.size(), random);
         expect_both_ways(
             model,
             {testing::simulated(model, truth, 70, 0.1, random, 0.3, continuous ? 0.3 : 0),
@@ -75,7 +76,7 @@ TEST(DenseLikelihood, BackAgreesWithJetsOverSteadyStretches) {
     FilterRecord record = testing::simulated(model, truth, 6000, 0.1, random);
     for (int k = 2500; k < 2510; ++k) record.y.col(k).tail(2).setConstant(std::nan(""));
     for (std::size_t k = 4000; k < 6000; ++k) record.time[k] += 0.3;
-    expect_both_ways(model, {record}, truth + 0.2 * VectorXd::Random(truth.size()),
+    expect_both_ways(model, {record}, truth + 0.2 * testing::uniform_vector(truth.size(), random),
                      std::to_string(nx));
   }
 }
@@ -95,7 +96,7 @@ TEST(DenseLikelihood, BackThroughALongLog) {
   const InnovationLikelihood likelihood(model, {record});
   const Likelihood at = likelihood.evaluate(theta, LikelihoodOrder::gradient);
   ASSERT_TRUE(at.computed());
-  const VectorXd direction = VectorXd::Random(theta.size());
+  const VectorXd direction = testing::uniform_vector(theta.size(), random);
   const auto moved = [&](double by) { return likelihood.evaluate(theta + by * direction).value; };
   constexpr double h = 1e-3;  // of fourth order
   const double numeric = (8 * (moved(h) - moved(-h)) - (moved(2 * h) - moved(-2 * h))) / (12 * h);
@@ -110,7 +111,8 @@ TEST(DenseLikelihood, OfLinearizedInstantsIsThatOfTheModel) {
     FilterModel model = testing::random_model(random, nx, 2, false, false);
     model.Q.fixed.setZero();
     for (FilterSensor& sensor : model.sensors) sensor.D.resize(0, 0);
-    const VectorXd truth = start_of(model), theta = truth + 0.2 * VectorXd::Random(truth.size());
+    const VectorXd truth = start_of(model),
+                   theta = truth + 0.2 * testing::uniform_vector(truth.size(), random);
     const FilterRecord record = testing::simulated(model, truth, 90, 0.1, random, 0.2);
     FilterRecord told = record;
     told.start = FilterStart{model.x0, model.P0};

@@ -17,6 +17,7 @@
 #include "noise/constant_measurements.hpp"
 #include "noise/noise_description.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/matrix_checks.hpp"
 
 namespace quadtune {
@@ -297,22 +298,16 @@ class Fit {
 
 }  // namespace
 
+constexpr internal::EnumName<AutocovarianceStatus> kAutocovarianceStatuses[] = {
+    {AutocovarianceStatus::not_run, "not run"},
+    {AutocovarianceStatus::solved, "solved"},
+    {AutocovarianceStatus::no_uniform_stretch, "no uniform stretch"},
+    {AutocovarianceStatus::no_gain, "no gain"},
+    {AutocovarianceStatus::not_computed, "not computed"},
+    {AutocovarianceStatus::not_converged, "not converged"}};
+
 std::string to_string(AutocovarianceStatus status) {
-  switch (status) {
-    case AutocovarianceStatus::not_run:
-      return "not run";
-    case AutocovarianceStatus::solved:
-      return "solved";
-    case AutocovarianceStatus::no_uniform_stretch:
-      return "no uniform stretch";
-    case AutocovarianceStatus::no_gain:
-      return "no gain";
-    case AutocovarianceStatus::not_computed:
-      return "not computed";
-    case AutocovarianceStatus::not_converged:
-      break;
-  }
-  return "not converged";
+  return internal::name_in(kAutocovarianceStatuses, status);
 }
 
 AutocovarianceFit fit_autocovariances(const FilterModel& model,

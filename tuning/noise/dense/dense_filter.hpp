@@ -9,6 +9,7 @@
 #include "noise/dense/dense_model.hpp"
 #include "noise/dense/dense_tangents.hpp"
 #include "noise/dense/steady_information.hpp"
+#include "noise/likelihood/convergence.hpp"
 
 namespace quadtune::internal {
 
@@ -47,10 +48,8 @@ class DenseFilter {
   }
 
  private:
-  static constexpr Eigen::Index kEvery = 16;  ///< steps between looks whether P has settled
+  static constexpr Eigen::Index kEvery = Convergence::kEvery;
   static constexpr Eigen::Index kPiece = 1024;
-  static constexpr double kSettled = 1e-13;      ///< as in LikelihoodKernel
-  static constexpr double kLeastShare = 1e-4;    ///< as in LikelihoodKernel
   static constexpr Eigen::Index kEntry = N + 4;  ///< numbers on the tape of one measurement
   static constexpr int kAtOnce = 4;              ///< steps back of steady gains
   /// Numbers that all tapes may have; what has none goes through its stretch twice.
@@ -58,24 +57,17 @@ class DenseFilter {
 
   struct Settling {
     Square<N> before;
-    double change = -1;
     bool known = false;
+    Convergence convergence;
 
-    /// Changes shrink by the same factor from look to look: what is still to come is their sum.
     bool settled(const Square<N>& P) {
-      bool is = false;
-      if (known) {
-        double greatest = 0;
-        for (int j = 0; j < N; ++j)
-          for (int i = j; i < N; ++i) {
-            const double moved = std::abs(P(i, j) - before(i, j));
-            if (moved > 0) greatest = std::max(greatest, moved / std::sqrt(P(i, i) * P(j, j)));
-          }
-        const double factor = change > 0 && std::isfinite(change) ? greatest / change : 1;
-        is = greatest == 0 || greatest < 1e-16 ||
-             (factor < 0.999 && greatest * factor / (1 - factor) < kSettled);
-        change = greatest;
-      }
+      double greatest = 0;
+      for (int j = 0; known && j < N; ++j)
+        for (int i = j; i < N; ++i) {
+          const double moved = std::abs(P(i, j) - before(i, j));
+          if (moved > 0) greatest = std::max(greatest, moved / std::sqrt(P(i, i) * P(j, j)));
+        }
+      const bool is = known && convergence.reached(greatest);
       before = P;
       known = true;
       return is;
@@ -204,7 +196,7 @@ class DenseFilter {
       if (tangents_ != nullptr) tangents_->correct(i, c, K.at, inverse, e);
       add_scaled<N>(e, K.at, at_.x.at);
       add_outer(-1, K.at, PC.at, at_.P);
-      if (R < kLeastShare * S) {  // the rest of Joseph's form
+      if (R < kLeastShareOfR * S) {  // the rest of Joseph's form
         product(at_.P, c, PC.at);
         Column<N> rest;
         add_scaled<N>(R, K.at, rest.at);

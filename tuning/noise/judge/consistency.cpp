@@ -8,6 +8,7 @@
 
 #include "noise/judge/small_samples.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/tails.hpp"
 
 namespace quadtune {
@@ -279,16 +280,11 @@ Consistency check_consistency(const FilterModel& model, const std::vector<Filter
   return result;
 }
 
-std::string to_string(CheckVerdict verdict) {
-  switch (verdict) {
-    case CheckVerdict::pass:
-      return "pass";
-    case CheckVerdict::fail:
-      return "fail";
-    case CheckVerdict::too_short:
-      break;
-  }
-  return "too short to tell";
-}
+constexpr internal::EnumName<CheckVerdict> kCheckVerdicts[] = {
+    {CheckVerdict::pass, "pass"},
+    {CheckVerdict::fail, "fail"},
+    {CheckVerdict::too_short, "too short to tell"}};
+
+std::string to_string(CheckVerdict verdict) { return internal::name_in(kCheckVerdicts, verdict); }
 
 }  // namespace quadtune

@@ -11,6 +11,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "noise/likelihood/convergence.hpp"
 #include "noise/likelihood/kernel_model.hpp"
 
 namespace quadtune::internal {
@@ -69,16 +70,12 @@ class LikelihoodKernel {
       return nx;
   }
 
-  static constexpr Eigen::Index kEvery = 16;  ///< steps between looks whether P has settled
-  /// Relative distance from the limit at which P counts as settled.
-  static constexpr double kSettled = 1e-13;
-  /// Share of R in S below which what is left of P along C is lost in rounding.
-  static constexpr double kLeastShare = 1e-4;
+  static constexpr Eigen::Index kEvery = Convergence::kEvery;
 
   struct Settling {
     Matrix before;
-    double change = -1;
     bool known = false;
+    Convergence convergence;
   };
 
   void start() {
@@ -218,7 +215,7 @@ class LikelihoodKernel {
       c.each([&](int j, const Row& C) { PC += P.col(j) * C; });
       T S = R;
       c.each([&](int j, const Row& C) { S += C * PC(j); });
-      if (!(plain(R) > kLeastShare * plain(S))) break;
+      if (!(plain(R) > kLeastShareOfR * plain(S))) break;
       T e = measured(k, 0);
       c.each([&](int j, const Row& C) { e -= C * x(j); });
       const T inverse = T(1) / S;
@@ -380,16 +377,8 @@ class LikelihoodKernel {
     return greatest;
   }
 
-  /// Changes shrink by the same factor from look to look: what is still to come is their sum.
   bool settled(Settling& settling) const {
-    bool is = false;
-    if (settling.known) {
-      const double change = change_since(settling.before);
-      const double factor = settling.change > 0 ? change / settling.change : 1;
-      is = change == 0 || change < 1e-16 ||
-           (factor < 0.999 && change * factor / (1 - factor) < kSettled);
-      settling.change = change;
-    }
+    const bool is = settling.known && settling.convergence.reached(change_since(settling.before));
     settling.before = P_;
     settling.known = true;
     return is;

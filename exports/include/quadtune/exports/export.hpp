@@ -16,7 +16,8 @@ namespace quadtune {
 ///
 /// @throws InvalidInput  for content that the kind cannot express, and for any number that is not
 ///                       finite.
-[[nodiscard]] std::vector<FileContent> export_files(ExportKind kind, const ExportContent& content);
+[[nodiscard]] std::vector<FileContent> export_files(const ExportKind& kind,
+                                                    const ExportContent& content);
 
 /// Writes them into `directory` as write_files does, and takes away what an earlier manifest there
 /// lists and this export does not write, so that no old gain stays beside the new ones.
@@ -25,8 +26,8 @@ namespace quadtune {
 /// @throws InvalidInput  as export_files; nothing is written then.
 /// @throws FileError     with the path and the system's reason.
 /// @throws Interrupted   when `interrupted` says so.
-std::vector<ManifestFile> write_export(const std::filesystem::path& directory, ExportKind kind,
-                                       const ExportContent& content,
+std::vector<ManifestFile> write_export(const std::filesystem::path& directory,
+                                       const ExportKind& kind, const ExportContent& content,
                                        const std::function<bool()>& interrupted = {});
 
 /// gains.json: gains with trim and law, vehicle, filters, cascade and weights, in SI with units.

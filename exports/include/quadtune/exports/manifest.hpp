@@ -14,11 +14,25 @@
 
 namespace quadtune {
 
-/// For whom the files are.
-enum class ExportKind { uquad, mambo, json };
+/// For whom the files are: the name of an exporter (exporter.hpp).
+class ExportKind {
+ public:
+  static const ExportKind uquad, mambo, json;
 
-/// "uquad", "mambo" or "json", and back.
-[[nodiscard]] std::string to_string(ExportKind kind);
+  explicit ExportKind(std::string name) : name_(std::move(name)) {}
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  friend bool operator==(const ExportKind&, const ExportKind&) = default;
+
+ private:
+  std::string name_;
+};
+inline const ExportKind ExportKind::uquad("uquad");
+inline const ExportKind ExportKind::mambo("mambo");
+inline const ExportKind ExportKind::json("json");
+
+/// "uquad", "mambo", "json", or the name of an exporter that was added; and back.
+[[nodiscard]] std::string to_string(const ExportKind& kind);
 /// @throws InvalidInput  naming the word, the kinds that exist, and the nearest.
 [[nodiscard]] ExportKind export_kind(const std::string& name, const std::string& where);
 

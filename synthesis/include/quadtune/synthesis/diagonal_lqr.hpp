@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A design's LQR problem as a function of the diagonals of its weights, with its derivative: what
-/// a search over weights evaluates again and again.
+/// An LQR as a function of its weights: how its cost matrix and gain move with them.
+/// Derivation: docs/theory.md, "Derivative of the gain by the weights".
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -11,9 +12,52 @@
 #include "quadtune/design.hpp"
 #include "quadtune/lti.hpp"
 #include "quadtune/synthesis/lqr.hpp"
-#include "quadtune/synthesis/lqr_derivative.hpp"
 
 namespace quadtune {
+
+/// What a direction of the weights does to the solution.
+struct LqrTangent {
+  Eigen::MatrixXd dX;  ///< (nx × nx) symmetric
+  Eigen::MatrixXd dK;  ///< (nu × nx)
+};
+
+/// The derivative of X and K by Q, R and N at a solved problem. The closed loop is reduced to its
+/// Schur form once; each direction, or each gradient, is one back-substitution of O(nx³) more.
+///
+/// Not for X of an equation without digits: the relative error is of the order of 1e-16 over
+/// RiccatiResult::rcond, as that of X itself.
+class LqrDerivative {
+ public:
+  /// @param plant     that was solved for
+  /// @param weights   that were solved for
+  /// @param solution  of lqr(plant, weights); full or essential evidence
+  /// @throws InvalidInput  for a solution that is not solved, or of other shapes than the plant's
+  ///                       and the weights'.
+  LqrDerivative(const ContinuousLti& plant, const LqrWeights& weights,
+                const RiccatiResult& solution);
+  LqrDerivative(const DiscreteLti& plant, const LqrWeights& weights, const RiccatiResult& solution);
+  ~LqrDerivative();
+  LqrDerivative(LqrDerivative&&) noexcept;
+  LqrDerivative& operator=(LqrDerivative&&) noexcept;
+
+  /// @param direction  dQ (nx × nx) and dR (nu × nu), symmetric, and dN (nx × nu); each may be
+  ///                   empty for zero
+  /// @return           all NaN where LAPACK found no Schur form of the closed loop
+  /// @throws InvalidInput  for shapes, non-finite entries, asymmetry.
+  [[nodiscard]] LqrTangent along(const LqrWeights& direction) const;
+
+  /// The gradient of Σ Y_ij K_ij by the weights: Q and R symmetric, so that along any direction
+  /// Σ Y∘dK = Σ Q∘dQ + Σ R∘dR + Σ N∘dN.
+  ///
+  /// @param Y  (nu × nx)
+  /// @return   all NaN where LAPACK found no Schur form of the closed loop
+  /// @throws InvalidInput  for a shape or non-finite entries.
+  [[nodiscard]] LqrWeights gradient(const Eigen::Ref<const Eigen::MatrixXd>& Y) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<const Parts> parts_;
+};
 
 /// The plant is augmented by its integrals and sampled once. The cost that is solved is linear in
 /// the weights with every method, so it is a sum of costs of one weight each, worked out once too.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "program/gnuplot.hpp"
+#include "report/plots/gnuplot.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -16,10 +16,9 @@
 #include <string_view>
 #include <utility>
 
-#include "program/program.hpp"
 #include "quadtune/errors.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 [[noreturn]] void fail(const std::string& file, const std::string& why) {
@@ -140,7 +139,8 @@ std::string reason(const std::string& said) {
 
 }  // namespace
 
-std::string run_gnuplot(const std::string& script, const std::string& file) {
+std::string run_gnuplot(const std::string& script, const std::string& file,
+                        const std::function<bool()>& stop) {
   Channel in(file);
   Channel out(file);
   Channel err(file);
@@ -155,10 +155,10 @@ std::string run_gnuplot(const std::string& script, const std::string& file) {
     std::array<pollfd, 3> ready = {{{in.open() ? in.ours() : -1, POLLOUT, 0},
                                     {out.open() ? out.ours() : -1, POLLIN, 0},
                                     {err.open() ? err.ours() : -1, POLLIN, 0}}};
-    constexpr int kMilliseconds = 200;  // how long a signal may wait for its answer
+    constexpr int kMilliseconds = 200;  // between two questions whether to stop
     if (::poll(ready.data(), ready.size(), kMilliseconds) < 0 && errno != EINTR)
       fail(file, std::strerror(errno));
-    if (interrupted()) throw Interrupted();
+    if (stop && stop()) throw Interrupted();
     if (ready[0].revents != 0) send(in, left);
     if (ready[1].revents != 0) receive(out, picture);
     if (ready[2].revents != 0) receive(err, said);
@@ -171,4 +171,4 @@ std::string run_gnuplot(const std::string& script, const std::string& file) {
   return picture;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "built_in_exporters.hpp"
+#include "export_text.hpp"
+#include "json/to_json.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/export.hpp"
+#include "quadtune/internal/json.hpp"
+
+namespace quadtune::exports {
+namespace {
+
+namespace fs = std::filesystem;
+using internal::Json;
+
+/// The filter's numbers are of its period, which is that of the law.
+void require_one_period(const StoredLaws& laws, const std::string& origin) {
+  if (!laws.estimator || !laws.estimator->general) return;
+  const double dt = laws.estimator->general->dt;
+  const double of_law = laws.gains ? laws.gains->dt : laws.cascade ? laws.cascade->gains.dt : dt;
+  if (std::abs(dt - of_law) > 1e-9 * of_law)
+    throw InvalidInput(
+        origin + ": estimator.dt_s",
+        fmt::format("is {} s, expected {} s, the sample period of the law", dt, of_law));
+}
+
+// gains.json, and what `lqr` and `pid` print as JSON: there "vehicle" is the name alone.
+StoredLaws laws_of_json(const Json& json, const std::string& origin) {
+  StoredLaws laws;
+  const int version = format_version(json);
+  if (json.contains("gains")) {
+    laws.gains = gains_from_json(json["gains"], origin + ": gains", version);
+    laws.vehicle = laws.gains->vehicle;
+  }
+  if (json.contains("cascade"))
+    laws.cascade = cascade_from_json(json["cascade"], origin + ": cascade", version);
+  // From version 2 on it is there, null for true states.
+  if (version >= 2) {
+    const Json& estimator = internal::member(json, "estimator", origin);
+    if (!estimator.is_null())
+      laws.estimator = estimator_from_json(estimator, origin + ": estimator");
+  } else if (json.contains("estimator")) {
+    laws.estimator = estimator_from_json(json["estimator"], origin + ": estimator");
+  }
+  require_one_period(laws, origin);
+  if (laws.vehicle.empty() && json.contains("vehicle")) {
+    const Json& vehicle = json["vehicle"];
+    const std::string where = origin + ": vehicle";
+    laws.vehicle =
+        vehicle.is_object()
+            ? internal::string_from_json(internal::member(vehicle, "name", where), where + ".name")
+            : internal::string_from_json(vehicle, where);
+  }
+  return laws;
+}
+
+StoredLaws read(const fs::path& directory, const Manifest& /*manifest*/) {
+  const fs::path path = directory / kGainsJsonName;
+  return laws_of_json_text(export_text(path), path.string());
+}
+
+bool same(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
+}
+
+std::string weights_difference(const fs::path& directory, const Manifest& manifest) {
+  const fs::path path = directory / kGainsJsonName;
+  const auto [Q, R] = weights_from_json(
+      parse_json(export_text(path), path.string(), kGainsFormat, kGainsVersion), path.string());
+  if (!same(Q, manifest.Q)) return std::string(kGainsJsonName) + ": weights.Q differs";
+  return same(R, manifest.R) ? "" : std::string(kGainsJsonName) + ": weights.R differs";
+}
+
+}  // namespace
+
+StoredLaws laws_of_json_text(const std::string& text, const std::string& origin) {
+  return laws_of_json(parse_json(text, origin, kGainsFormat, kGainsVersion), origin);
+}
+
+Exporter json_exporter() {
+  Exporter exporter;
+  exporter.target = export_target("json", "exporter");
+  exporter.gain_files = {kGainsJsonName};
+  exporter.files = [](const ExportContent& content) -> std::vector<FileContent> {
+    return {{kGainsJsonName, gains_json_text(content)}};
+  };
+  exporter.read = read;
+  exporter.weights_difference = weights_difference;
+  return exporter;
+}
+
+}  // namespace quadtune::exports

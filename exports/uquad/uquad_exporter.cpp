@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "built_in_exporters.hpp"
+#include "export_text.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/uquad.hpp"
+
+namespace quadtune::exports {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<FileContent> files_of(const ExportContent& content) {
+  if (!content.gains)
+    throw InvalidInput("uquad", "no gains came, expected a state feedback (section lqr)");
+  return uquad_files(*content.gains, content.Q, content.R, content.uquad_filter);
+}
+
+std::vector<std::string> gain_files() {
+  std::vector<std::string> all = {"lqr-Q.txt", "lqr-R.txt", "kalman-Q.txt", "kalman-R.txt"};
+  for (const UquadFileSet& set : uquad_file_sets()) {
+    all.push_back(set.proportional);
+    if (!set.integral.empty()) all.push_back(set.integral);
+  }
+  return all;
+}
+
+// A uquad directory may hold other builds' files that the manifest does not list.
+fs::path listed_uquad_file(const fs::path& directory, const Manifest& manifest) {
+  for (const UquadFileSet& set : uquad_file_sets())
+    for (const ManifestFile& file : manifest.files)
+      if (file.path == set.proportional) return directory / file.path;
+  throw InvalidInput((directory / kManifestName).string(), "lists no gain file of uquad");
+}
+
+StoredLaws read(const fs::path& directory, const Manifest& manifest) {
+  StoredLaws laws{manifest.vehicle, read_uquad_gains(listed_uquad_file(directory, manifest)), {}};
+  Gains& gains = *laws.gains;
+  gains.vehicle = manifest.vehicle;
+  if (!manifest.gains) return laws;
+  // What the files cannot say; the columns are compared by name, so the order may differ.
+  gains.dt = manifest.gains->dt;
+  gains.sign_law = manifest.gains->sign_law;
+  gains.u0 = manifest.gains->u0;
+  for (std::size_t i = 0; i < gains.states.size(); ++i)
+    for (std::size_t j = 0; j < manifest.gains->states.size(); ++j)
+      if (gains.states[i].name == manifest.gains->states[j].name)
+        gains.x0(static_cast<Eigen::Index>(i)) = manifest.gains->x0(static_cast<Eigen::Index>(j));
+  return laws;
+}
+
+// The filter's diagonals that travel with uquad's gains.
+void read_diagonals(const fs::path& directory, const Manifest& manifest) {
+  for (const ManifestFile& file : manifest.files) {
+    const bool is_Q = file.path == "kalman-Q.txt";
+    if (!is_Q && file.path != "kalman-R.txt") continue;
+    const fs::path path = directory / file.path;
+    const Eigen::MatrixXd variances =
+        parse_uquad_matrix(export_text(path), 1, is_Q ? 15 : 16, path.string());
+    if (is_Q ? variances.minCoeff() < 0 : !(variances.minCoeff() > 0))
+      throw InvalidInput(path.string(),
+                         fmt::format("has a variance of {:g}, expected {}", variances.minCoeff(),
+                                     is_Q ? "0 or more" : "more than 0"));
+  }
+}
+
+// The weights that travel with uquad's gains, in the same plain format.
+void read_weights(const fs::path& directory, const Manifest& manifest, const Gains& gains) {
+  const auto n = static_cast<Eigen::Index>(gains.states.size() + gains.integrals.size());
+  const auto nu = static_cast<Eigen::Index>(gains.inputs.size());
+  for (const ManifestFile& file : manifest.files) {
+    const bool is_Q = file.path == "lqr-Q.txt";
+    if (!is_Q && file.path != "lqr-R.txt") continue;
+    const fs::path path = directory / file.path;
+    (void)parse_uquad_matrix(export_text(path), is_Q ? n : nu, is_Q ? n : nu, path.string());
+  }
+}
+
+void check(const fs::path& directory, const Manifest& manifest, const Gains& gains) {
+  (void)uquad_file_set(gains);  // refuses a trim that the flight program does not fly
+  read_weights(directory, manifest, gains);
+  read_diagonals(directory, manifest);
+}
+
+bool same(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
+}
+
+// What differs between lqr-Q.txt and lqr-R.txt and the manifest's weights in their order, or "".
+std::string weights_difference(const fs::path& directory, const Manifest& manifest) {
+  const auto is_weights = [](const std::string& name) { return name.starts_with("lqr-"); };
+  std::ptrdiff_t left = std::count_if(manifest.files.begin(), manifest.files.end(),
+                                      [&](const ManifestFile& f) { return is_weights(f.path); });
+  for (const FileContent& file : uquad_files(*manifest.gains, manifest.Q, manifest.R)) {
+    if (!is_weights(file.name)) continue;
+    --left;
+    const Eigen::Index n = file.name == "lqr-Q.txt" ? manifest.Q.rows() : manifest.R.rows();
+    const fs::path path = directory / file.name;
+    if (!same(parse_uquad_matrix(export_text(path), n, n, path.string()),
+              parse_uquad_matrix(file.bytes, n, n, file.name)))
+      return file.name + " differs";
+  }
+  return left == 0 ? "" : "the manifest lists files of weights but not the weights of each";
+}
+
+}  // namespace
+
+Exporter uquad_exporter() {
+  Exporter exporter;
+  exporter.target = export_target("uquad", "exporter");
+  exporter.convention = "uquad";
+  exporter.gain_files = gain_files();
+  exporter.writes_cascade = false;
+  exporter.files = files_of;
+  exporter.read = read;
+  exporter.check = check;
+  exporter.weights_difference = weights_difference;
+  return exporter;
+}
+
+}  // namespace quadtune::exports

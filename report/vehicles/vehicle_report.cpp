@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/vehicles/vehicle_report.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "quadtune/exports/export.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/model/assumed_values.hpp"
+#include "quadtune/model/mixer.hpp"
+#include "report/text/print.hpp"
+#include "report/text/text_table.hpp"
+#include "report/vehicles/sensors_text.hpp"
+
+namespace quadtune::report {
+namespace {
+
+using internal::Json;
+
+/// Hover speed [rad/s] of the first rotor, where the vehicle can hover.
+double hover_speed(const TrimResult& hover) { return hover.u(0); }
+
+double thrust_to_weight(const Vehicle& vehicle) {
+  return greatest_thrust(vehicle) / (vehicle.mass * vehicle.gravity);
+}
+
+Json warnings_json(const Vehicle& vehicle) {
+  Json warnings = Json::array();
+  for (const Implausibility& figure : implausible(vehicle))
+    warnings.push_back({{"quantity", figure.quantity},
+                        {"value", figure.value},
+                        {"unit", figure.unit},
+                        {"plausible", {figure.low, figure.high}},
+                        {"cause", figure.cause}});
+  return warnings;
+}
+
+std::string rotor_table(const Vehicle& vehicle) {
+  TextTable table({{"", 4, TextColumn::Side::left},
+                   {"position x y z [m]", 26},
+                   {"spin", 6},
+                   {"thrust [N]", 28},
+                   {"drag torque [N m]", 28}});
+  for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
+    const Rotor& rotor = vehicle.rotors[i];
+    table.row({fmt::format("{}", i + 1),
+               fmt::format("{:.4f} {:.4f} {:.4f}", rotor.position.x(), rotor.position.y(),
+                           rotor.position.z()),
+               to_string(rotor.spin),
+               fmt::format("{:.4g} w2 {:+.4g} w", rotor.thrust_a2, rotor.thrust_a1),
+               fmt::format("{:.4g} w2 {:+.4g} w", rotor.torque_d2, rotor.torque_d1)});
+  }
+  return table.text();
+}
+
+/// "0.072 s", or of rotors that differ "0.05 0.06 0.05 0.06 s".
+std::string of_rotors(const Vehicle& vehicle, double Rotor::*member, const char* unit) {
+  std::string all;
+  bool same = true;
+  for (const Rotor& rotor : vehicle.rotors) {
+    all += number(rotor.*member) + " ";
+    same = same && rotor.*member == vehicle.rotors.front().*member;
+  }
+  return (same ? number(vehicle.rotors.front().*member) + " " : all) + unit;
+}
+
+/// With the lag of slowing down written out where it is that of both.
+Vehicle slowing(Vehicle vehicle) {
+  for (Rotor& rotor : vehicle.rotors) rotor.lag_down = lag_down(rotor);
+  return vehicle;
+}
+
+/// What of a rotor is in no column of the table.
+std::string propeller_text(const Vehicle& vehicle) {
+  const Rotor& rotor = vehicle.rotors.front();
+  std::string text = fmt::format("lag {}; inertia {}", of_rotors(vehicle, &Rotor::lag, "s"),
+                                 of_rotors(vehicle, &Rotor::inertia, "kg m2"));
+  if (!std::isnan(rotor.radius)) text += "; radius " + of_rotors(vehicle, &Rotor::radius, "m");
+  if (!std::isnan(rotor.chord)) text += "; chord " + of_rotors(vehicle, &Rotor::chord, "m");
+  if (rotor.blades > 0) text += fmt::format("; {} blades", rotor.blades);
+  const auto any = [&](auto&& has) {
+    return std::any_of(vehicle.rotors.begin(), vehicle.rotors.end(), has);
+  };
+  if (any([](const Rotor& r) { return lag_down(r) != r.lag; }))
+    text += "; slowing down with lag " + of_rotors(slowing(vehicle), &Rotor::lag_down, "s");
+  if (any([](const Rotor& r) { return r.drag > 0; }))
+    text += "; drag " + of_rotors(vehicle, &Rotor::drag, "N s2/(rad m)");
+  if (any([](const Rotor& r) { return r.inflow > 0; }))
+    text += "; inflow " + of_rotors(vehicle, &Rotor::inflow, "N s2/(rad m)");
+  if (any([](const Rotor& r) { return r.flapping > 0; }))
+    text += "; flapping " + of_rotors(vehicle, &Rotor::flapping, "N s2/rad");
+  if (any([](const Rotor& r) { return r.ground_effect; })) text += "; ground effect";
+  return text;
+}
+
+std::string motors_text(const MotorCommand& motor) {
+  std::string text = fmt::format("{} = {} x command, command {} ... {} {}",
+                                 motor.law == CommandLaw::speed ? "w" : "w2", number(motor.gain),
+                                 number(motor.min), number(motor.max), motor.unit);
+  if (motor.quantum > 0)
+    text += fmt::format(", in steps of {} {}", number(motor.quantum), motor.unit);
+  if (motor.delay > 0) text += fmt::format(", {} s late", number(motor.delay));
+  if (motor.delay_jitter > 0)
+    text += fmt::format(", up to {} s of jitter", number(motor.delay_jitter));
+  const bool turned = std::any_of(motor.direction.begin(), motor.direction.end(),
+                                  [](int sign) { return sign < 0; });
+  if (turned) text += fmt::format("; signs {}", fmt::join(motor.direction, " "));
+  return text;
+}
+
+std::string drag_text(const Drag& drag) {
+  return fmt::format("area {} m2, linear {} N s/m along x y z", numbers(drag.cda),
+                     numbers(drag.linear));
+}
+
+std::string battery_text(const std::optional<Battery>& battery) {
+  if (!battery) return "assumed: a supply that never falls, as the file has no [battery]";
+  return fmt::format(
+      "{} A h, {} ... {} V, cut-off {} V, rated {} V, {} ohm, efficiency {}, idle {} W; {}",
+      number(battery->capacity / 3600), number(battery->empty_voltage),
+      number(battery->full_voltage), number(battery->cutoff_voltage),
+      number(battery->rated_voltage), number(battery->resistance), number(battery->efficiency),
+      number(battery->idle_power),
+      battery->regulated ? "only the greatest speed falls with the voltage"
+                         : "every speed falls with the voltage");
+}
+
+std::string assumed_text(const Vehicle& vehicle) {
+  std::string text;
+  for (const AssumedValue& assumed : assumed_values(vehicle))
+    text += fmt::format("{}{} = {}", text.empty() ? "" : "\n", assumed.key, assumed.value);
+  return text.empty() ? "nothing: the file has every key" : text;
+}
+
+std::string warnings_text(const Vehicle& vehicle) {
+  std::string text;
+  for (const Implausibility& figure : implausible(vehicle))
+    text += (text.empty() ? "" : "\n") + to_string(figure);
+  return text.empty() ? "" : section("warnings", text);
+}
+
+}  // namespace
+
+Json to_json(const Vehicle& vehicle) {
+  Json json = Json::parse(vehicle_json_text(vehicle));
+  const TrimResult hover = trim(vehicle, FlightCondition{});
+  json["assumed"] = Json::object();
+  for (const AssumedValue& assumed : assumed_values(vehicle))
+    json["assumed"][assumed.key] = assumed.value;
+  json["warnings"] = warnings_json(vehicle);
+  json["derived"]["can_hover"] = hover.solved();
+  if (hover.solved()) json["derived"]["hover_speed_rad_s"] = hover_speed(hover);
+  json["derived"]["thrust_to_weight"] = thrust_to_weight(vehicle);
+  return json;
+}
+
+std::string to_text(const Vehicle& vehicle) {
+  const TrimResult hover = trim(vehicle, FlightCondition{});
+  const double ratio = greatest_thrust(vehicle) / (vehicle.mass * vehicle.gravity);
+  std::string text = section("vehicle", vehicle.name + ": " + vehicle.description);
+  text += section("source", vehicle.source);
+  text += section("environment", fmt::format("gravity {} m/s2, air density {} kg/m3",
+                                             number(vehicle.gravity), number(vehicle.air_density)));
+  text += section("mass", number(vehicle.mass) + " kg");
+  text += section("inertia", plain(vehicle.inertia) + " kg m2" +
+                                 (vehicle.inertia_tolerance > 0
+                                      ? fmt::format(", tolerance {} of the triangle inequality",
+                                                    number(vehicle.inertia_tolerance))
+                                      : ""));
+  std::string size;
+  if (!std::isnan(vehicle.airframe_height))
+    size += fmt::format("height {} m ", number(vehicle.airframe_height));
+  if (!std::isnan(vehicle.airframe_diameter))
+    size += fmt::format("diameter {} m", number(vehicle.airframe_diameter));
+  if (!size.empty()) text += section("airframe", size);
+  text += section("rotors", rotor_table(vehicle) + "\n" + propeller_text(vehicle));
+  text += section("motors", motors_text(vehicle.motor));
+  text += section("drag", drag_text(vehicle.drag));
+  text += section("sensors", sensors_text(vehicle));
+  text += section("battery", battery_text(vehicle.battery));
+  text += section("flight", fmt::format("thrust at take-off {} m g; {} of the greatest thrust for "
+                                        "the altitude loop",
+                                        number(1 + vehicle.takeoff_gain),
+                                        number(vehicle.altitude_thrust_fraction)));
+  if (vehicle.published_cascade)
+    text += section("published", fmt::format("PID cascade every {} s: {}",
+                                             number(vehicle.published_cascade->gains.dt),
+                                             vehicle.published_cascade->source));
+  text += section("hover", hover.solved()
+                               ? fmt::format("{} rad/s ({:.6g} {}), thrust-to-weight {:.3f}",
+                                             number(hover_speed(hover)),
+                                             command_of_speed(vehicle.motor, hover_speed(hover)),
+                                             vehicle.motor.unit, ratio)
+                               : "impossible: " + hover.culprit);
+  text += section("assumed", assumed_text(vehicle));
+  return text + warnings_text(vehicle);
+}
+
+std::string to_text(const VehicleCheck& check, const std::string& name) {
+  std::string text = fmt::format("{}: {} is complete and can hover at {} rad/s\n", name,
+                                 check.vehicle.name, number(hover_speed(check.hover)));
+  for (const Implausibility& figure : check.warnings)
+    text += fmt::format("{}: warning: {}\n", name, to_string(figure));
+  return text;
+}
+
+std::string vehicle_list(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) {
+    const Vehicle vehicle = load_vehicle(name);
+    text +=
+        fmt::format("{:<16}{:<10}{}\n", name, number(vehicle.mass) + " kg", vehicle.description);
+  }
+  return text;
+}
+
+}  // namespace quadtune::report

@@ -1,0 +1,382 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Changes the numerical core and sees whether a test notices: mutate.py [HOW MANY] [SEED] [FOLDER]
+
+Each mutant is one small change of one line: an operator, a comparison, a constant, a sign, a returned
+value. It is made in a copy of the sources under build/mutate, built there, and the test programs of
+its folder run. A failing test or one without an end kills it; a mutant that does not compile is
+counted apart, and another one takes its place. What survives stands in build/mutate/report.md. A
+survivor that behaves as the original does is explained in scripts/mutants.txt: file, line, changed
+line and reason, separated by tabs.
+
+FOLDER limits the choice, e.g. discretize/ or synthesis/riccati/. Exit status 1 if a mutant survives
+without an explanation, 2 if the unchanged sources do not pass.
+"""
+
+import os
+import random
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+WORK = ROOT / "build" / "mutate"
+TREE = WORK / "tree"
+BUILD = WORK / "build"
+REPORT = WORK / "report.md"
+EXPLAINED = ROOT / "scripts" / "mutants.txt"
+
+# Folder of sources -> the programs that test it, each with the folders whose suites run; none: all.
+TESTS = {
+    "linearize/": [("test_linearize", [])],
+    "discretize/": [("test_discretize", [])],
+    "synthesis/cascade/": [("test_pid", ["tests/synthesis/cascade"])],
+    "synthesis/certify/": [("test_robustness", [])],
+    "synthesis/flown/": [("test_flown", ["tests/synthesis/flown", "tests/synthesis/lqr"])],
+    "synthesis/kalman/": [
+        ("test_lqr", ["tests/synthesis/kalman"]),
+        ("test_flown", ["tests/synthesis/kalman"]),
+    ],
+    "synthesis/lqr/": [("test_lqr", []), ("test_flown", ["tests/synthesis/lqr"])],
+    "synthesis/lyapunov/": [
+        ("test_riccati", ["tests/synthesis/lyapunov"]),
+        ("test_margins", ["tests/synthesis/lyapunov"]),
+    ],
+    "synthesis/margins/": [
+        ("test_margins", ["tests/synthesis/margins"]),
+        ("test_flown", ["tests/synthesis/margins"]),
+    ],
+    "synthesis/pid/": [
+        ("test_pid", ["tests/synthesis/pid", "tests/synthesis/cascade"]),
+        ("test_margins", ["tests/synthesis/pid"]),
+    ],
+    "synthesis/riccati/": [("test_riccati", ["tests/synthesis/riccati"]), ("test_lqr", [])],
+    "lib/model/": [
+        ("test_lib", ["tests/lib/model"]),
+        ("test_simulation", ["tests/lib/model"]),
+        ("test_realism", []),
+    ],
+    "lib/control/": [
+        ("test_lib", ["tests/lib/control"]),
+        ("test_simulation", ["tests/lib/control", "tests/lib/simulation"]),
+    ],
+}
+# Public headers with the physics and the laws; those of the other folders declare only.
+TESTS["lib/include/quadtune/model/"] = TESTS["lib/model/"]
+TESTS["lib/include/quadtune/control/"] = TESTS["lib/control/"]
+
+SHORTEST_LIMIT_S = 30  # for a program that takes less than a few seconds
+LIMIT_FACTOR = 5  # a mutant may take so many times as long as the original
+LIMIT_MEMORY = 8 << 30  # bytes of address space
+
+TOKEN = re.compile(
+    r"""
+      (?P<comment>//[^\n]*|/\*.*?\*/)
+    | (?P<raw>R"(?P<mark>[^(\s]*)\(.*?\)(?P=mark)")
+    | (?P<string>"(?:\\.|[^"\\\n])*")
+    | (?P<directive>^[ \t]*\#(?:\\\n|[^\n])*)
+    | (?P<number>(?:0[xX][0-9a-fA-F']+|(?:\d[\d']*(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)[uUlLfF]*)
+    | (?P<char>'(?:\\.|[^'\\\n])+')
+    | (?P<word>[A-Za-z_]\w*)
+    | (?P<operator><<=|>>=|<=>|->\*?|\+\+|--|&&|\|\||[-+*/<>=!]=|<<|>>|::|[-+*/<>])
+    """,
+    re.VERBOSE | re.DOTALL | re.MULTILINE,
+)
+# clang-format puts white space around an operator of two operands and none beside the star of a
+# pointer or the bracket of a template.
+BINARY = {
+    "+": "-", "-": "+", "*": "/", "/": "*",
+    "+=": "-=", "-=": "+=", "*=": "/=", "/=": "*=",
+    "<": "<=", "<=": "<", ">": ">=", ">=": ">",
+    "==": "!=", "!=": "==", "&&": "||", "||": "&&",
+}  # fmt: skip
+CONSTANTS = {
+    "0": "1", "1": "0", "2": "3", "3": "4", "4": "5",
+    "0.0": "1.0", "1.0": "0.0", "2.0": "3.0", "0.25": "0.3", "0.5": "0.6", "1.5": "1.6",
+}  # fmt: skip
+WORDS = {"true": "false", "false": "true"}
+RETURNED = re.compile(r"^(\s*(?:if \(.*\) |else )?return )([\w(-][^{};\"]*);\s*(?://.*)?$")
+TRUTH = re.compile(r" [<>=!]=? | && | \|\| |^!|\.(?:all|any|empty|allFinite)\(\)$|\bisfinite\(")
+# The line that opens a function or a lambda.
+OPENING = re.compile(r"^(?!\s*(?:\} )?(?:if|else|for|while|switch|do|try|namespace)\b).*\{$")
+# One that returns a number, a vector or a matrix.
+NUMBERS = re.compile(
+    r"^\s*(?:(?:\[\[nodiscard\]\]|static|inline|constexpr) )*"
+    r"(?:double|float|int|long|T|(?:Eigen::)?(?:Index|(?:Vector|Matrix|Array|RowVector)\w*(?:<.*?>)?)"
+    r"|std::complex<\w+>) [\w:]+\("
+)
+LEFT_ALONE = re.compile(r"\b\w*assert\w*\s*\(|\btemplate\s*<|^\s*using\b|///<")
+SUITE = re.compile(r"^(?:TYPED_)?TEST(?:_F|_P)?\(\s*(\w+)", re.MULTILINE)
+
+
+class Mutant:
+    """One change: the text from `start` to `end` of a file becomes `after`."""
+
+    def __init__(self, name, text, start, end, after):
+        self.name, self.start, self.end, self.after = name, start, end, after
+        self.line = text.count("\n", 0, start) + 1
+        begin = text.rfind("\n", 0, start) + 1
+        stop = text.find("\n", end)
+        stop = len(text) if stop < 0 else stop
+        self.was = text[begin:stop].strip()
+        self.now = (text[begin:start] + after + text[end:stop]).strip()
+
+    def __str__(self):
+        return f"{self.name}:{self.line}: {self.was}  ->  {self.now}"
+
+
+def sign_of(expression, lines_before):
+    """What to put before a returned value: "!", "-", or nothing where its type is not known to have
+    a negative. The minus of a truth value would be the same truth value."""
+    if "?" not in expression and TRUTH.search(expression):
+        return "!"
+    opening = next((line for line in reversed(lines_before) if OPENING.match(line)), "")
+    if re.search(r"\bbool [\w:]+\(|-> bool \{$", opening):
+        return "!"
+    return "-" if NUMBERS.match(opening) else ""
+
+
+def mutants_of(name, text):
+    """All mutants of a source file."""
+    lines = text.split("\n")
+    found = []
+
+    def add(start, end, after):
+        if not LEFT_ALONE.search(lines[text.count("\n", 0, start)]):
+            found.append(Mutant(name, text, start, end, after))
+
+    for token in TOKEN.finditer(text):
+        start, end, what = token.start(), token.end(), token.group()
+        spaced = text[start - 1 : start].isspace() and text[end : end + 1].isspace()
+        if token.lastgroup == "operator":
+            if what in BINARY and spaced:
+                add(start, end, BINARY[what])
+            elif what == "-" and re.match(r"[\w(.]", text[end : end + 1]):
+                add(start, end, "")  # a sign
+        elif token.lastgroup == "number" and what in CONSTANTS:
+            add(start, end, CONSTANTS[what])
+        elif token.lastgroup == "word" and what in WORDS:
+            add(start, end, WORDS[what])
+    at = 0
+    for number, line in enumerate(lines):
+        returned = RETURNED.match(line)
+        if returned and returned[2] not in WORDS:
+            sign = sign_of(returned[2], lines[:number])
+            if sign:
+                add(at + returned.start(2), at + returned.end(2), f"{sign}({returned[2]})")
+        at += len(line) + 1
+    return found
+
+
+def room_of(name):
+    return next((room for room in TESTS if name.startswith(room)), None)
+
+
+def project_files():
+    listed = subprocess.run(
+        ["git", "ls-files", "-co", "--exclude-standard", "-z"],
+        cwd=ROOT, capture_output=True, check=True,
+    ).stdout.decode()  # fmt: skip
+    return sorted(name for name in set(listed.split("\0")) if name and (ROOT / name).is_file())
+
+
+def copy_tree(names):
+    """Makes the tree what the checkout is; what did not change keeps its time of change."""
+    for name in names:
+        source, target = ROOT / name, TREE / name
+        if not target.exists() or target.read_bytes() != source.read_bytes():
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.unlink(missing_ok=True)
+            shutil.copyfile(source, target)
+        shutil.copymode(source, target)
+    known = set(names)
+    for path in TREE.rglob("*"):
+        if path.is_file() and str(path.relative_to(TREE)) not in known:
+            path.unlink()
+
+
+def build(programs):
+    """What the compiler says where it fails; nothing where all programs are built. A build that ends
+    without a word of the compiler was ended by somebody, and ends this program."""
+    run = subprocess.run(
+        ["cmake", "--build", str(BUILD), "-j", str(os.cpu_count()), "--target", *programs],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    said = run.stdout + run.stderr
+    if run.returncode and "error:" not in said:
+        sys.exit(f"mutate: the build ended with {run.returncode}: {said.strip()[-500:]}")
+    return said if run.returncode else ""
+
+
+def filter_of(folders):
+    suites = set()
+    for folder in folders:
+        for path in sorted((ROOT / folder).glob("*_test.cpp")):
+            suites.update(SUITE.findall(path.read_text(encoding="utf-8")))
+    return ":".join(f"{suite}.*:*/{suite}.*:{suite}/*" for suite in sorted(suites)) or "*"
+
+
+def test(program, folders, limit_s):
+    """How a test program ends: "passed", "failed" or "no end", with the first failing test."""
+    with tempfile.TemporaryDirectory() as folder:
+        output = Path(folder) / "output"
+        with output.open("wb") as stream:
+            run = subprocess.Popen(
+                [str(BUILD / "bin" / program), "--gtest_brief=1", "--gtest_fail_fast",
+                 f"--gtest_filter={filter_of(folders)}"],
+                cwd=folder, stdout=stream, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+                env={**os.environ, "OPENBLAS_NUM_THREADS": "1"}, start_new_session=True,
+                preexec_fn=lambda: resource.setrlimit(
+                    resource.RLIMIT_AS, (LIMIT_MEMORY, LIMIT_MEMORY)),
+            )  # fmt: skip
+            try:
+                status = run.wait(limit_s)
+            except subprocess.TimeoutExpired:
+                return "no end", ""
+            finally:
+                try:
+                    os.killpg(run.pid, signal.SIGKILL)
+                except ProcessLookupError:
+                    pass
+                run.wait()
+        if status == 0:
+            return "passed", ""
+        said = output.read_text(encoding="utf-8", errors="replace")
+        failed = re.search(r"\[  FAILED  \] (\S+)", said)
+        return "failed", failed[1] if failed else f"{program} ended with {status}"
+
+
+def limits_of(rooms):
+    """How long the programs of each folder may take, after the unchanged sources have passed."""
+    limits = {}
+    programs = sorted({program for room in rooms for program, _ in TESTS[room]})
+    print(f"mutate: building {' '.join(programs)}", flush=True)
+    said = build(programs)
+    if said:
+        print(said)
+        print("mutate: the unchanged sources do not build")
+        sys.exit(2)
+    for room in rooms:
+        for program, folders in TESTS[room]:
+            start = time.monotonic()
+            outcome, why = test(program, folders, 3600)
+            if outcome != "passed":
+                print(f"mutate: {program} does not pass with the unchanged sources: {why}")
+                sys.exit(2)
+            took = time.monotonic() - start
+            limits[room, program] = max(SHORTEST_LIMIT_S, LIMIT_FACTOR * took)
+    return limits
+
+
+def judge(mutant, limits):
+    """"invalid", "survived", or by what it was killed. The tree is as before afterwards."""
+    path = TREE / mutant.name
+    text = path.read_text(encoding="utf-8")
+    room = room_of(mutant.name)
+    try:
+        path.write_text(text[: mutant.start] + mutant.after + text[mutant.end :], encoding="utf-8")
+        for program, folders in TESTS[room]:
+            if build([program]):
+                return "invalid"
+            outcome, why = test(program, folders, limits[room, program])
+            if outcome != "passed":
+                return why or f"{program} did not end"
+        return "survived"
+    finally:
+        path.write_text(text, encoding="utf-8")
+
+
+def explanations():
+    """(file, line, changed line) -> reason."""
+    reasons = {}
+    if EXPLAINED.exists():
+        for number, line in enumerate(EXPLAINED.read_text(encoding="utf-8").splitlines(), 1):
+            if not line.strip() or line.startswith("#"):
+                continue
+            fields = [field.strip() for field in line.split("\t")]
+            if len(fields) != 4:
+                sys.exit(f"{EXPLAINED}:{number}: {len(fields)} fields between tabs, expected 4")
+            reasons[tuple(fields[:3])] = fields[3]
+    return reasons
+
+
+def write_report(seed, killed, survivors, explained, invalid):
+    judged = len(killed) + len(survivors) + len(explained)
+    text = [
+        "# Mutants", "",
+        f"Seed {seed}: {judged} mutants, {len(killed)} killed, {len(explained)} survived with an "
+        f"explanation, {len(survivors)} without. Besides, {invalid} did not compile.",
+    ]  # fmt: skip
+    if survivors:
+        text += ["", "## Survivors"]
+        for mutant in survivors:
+            text += ["", f"{mutant.name}:{mutant.line}", "", f"    {mutant.was}", f"->  {mutant.now}"]
+    if explained:
+        text += ["", "## Survivors that are explained"]
+        for mutant, reason in explained:
+            text += ["", f"{mutant.name}:{mutant.line}: {reason}", ""]
+            text += [f"    {mutant.was}", f"->  {mutant.now}"]
+    if killed:
+        text += ["", "## Killed", ""]
+        text += [f"- {mutant.name}:{mutant.line} by {by}" for mutant, by in killed]
+    REPORT.write_text("\n".join(text) + "\n", encoding="utf-8")
+
+
+def main(how_many=100, seed=1, folder=""):
+    how_many, seed = int(how_many), int(seed)
+    names = project_files()
+    candidates = []
+    for name in names:
+        if name.endswith((".cpp", ".hpp")) and room_of(name) and name.startswith(folder):
+            candidates += mutants_of(name, (ROOT / name).read_text(encoding="utf-8"))
+    if not candidates:
+        sys.exit(f"mutate: nothing to change in '{folder}', expected one of {' '.join(TESTS)}")
+    random.Random(seed).shuffle(candidates)
+    rooms = sorted({room_of(mutant.name) for mutant in candidates[: 3 * how_many]})
+
+    TREE.mkdir(parents=True, exist_ok=True)
+    copy_tree(names)
+    subprocess.run(
+        ["cmake", "--preset", "mutate", "-B", str(BUILD)],
+        cwd=TREE, stdout=subprocess.DEVNULL, check=True,
+    )  # fmt: skip
+    limits = limits_of(rooms)
+
+    reasons = explanations()
+    killed, survivors, explained, invalid = [], [], [], 0
+    for mutant in candidates[: 3 * how_many]:
+        if len(killed) + len(survivors) + len(explained) == how_many:
+            break
+        fate = judge(mutant, limits)
+        reason = reasons.get((mutant.name, mutant.was, mutant.now))
+        if fate == "invalid":
+            invalid += 1
+            continue
+        if fate != "survived":
+            killed.append((mutant, fate))
+            print(f"killed by {fate}: {mutant}", flush=True)
+        elif reason:
+            explained.append((mutant, reason))
+            print(f"survived, which is explained: {mutant}", flush=True)
+        else:
+            survivors.append(mutant)
+            print(f"SURVIVED: {mutant}", flush=True)
+        write_report(seed, killed, survivors, explained, invalid)
+    write_report(seed, killed, survivors, explained, invalid)
+    print(REPORT.read_text(encoding="utf-8").split("\n")[2])
+    print(f"mutate: {REPORT.relative_to(ROOT)} has the survivors")
+    return 1 if survivors else 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 4 or "-h" in sys.argv or "--help" in sys.argv:
+        sys.exit(__doc__)
+    if not all(word.isdecimal() for word in sys.argv[1:3]):
+        sys.exit(f"mutate: expected two numbers and a folder\n{__doc__}")
+    sys.exit(main(*sys.argv[1:]))

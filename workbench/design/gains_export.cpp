@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/design/gains_export.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "quadtune/convention.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/convert.hpp"
+#include "quadtune/exports/verify.hpp"
+#include "quadtune/workbench/design/cascade_report.hpp"
+#include "quadtune/workbench/design/export_content.hpp"
+#include "quadtune/workbench/flown/flying_loop.hpp"
+
+namespace quadtune {
+
+void require_sampled(const StoredLaws& laws, const std::string& path) {
+  if (laws.gains && !(laws.gains->dt > 0))
+    throw InvalidInput(path,
+                       "the gains are continuous, expected those of a sample period, e.g. by "
+                       "`quadtune lqr V --method sampled --dt T`, because a computer flies them");
+}
+
+ExportContent export_content(StoredLaws laws, const std::string& vehicle, const std::string& path) {
+  ExportContent content;
+  content.gains = std::move(laws.gains);
+  content.cascade = std::move(laws.cascade);
+  content.estimator = std::move(laws.estimator);
+  content.vehicle = load_vehicle(vehicle);
+  if (content.gains) content.gains->vehicle = content.vehicle.name;
+  if (content.cascade)
+    content.cascade_plant = cascade_plant(content.vehicle, *content.cascade, path);
+  content.versions = library_versions();
+  content.inputs = {{vehicle_file_name(content.vehicle), content.vehicle.text}};
+  return content;
+}
+
+std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kind) {
+  if (content.gains && kind != ExportKind::json)
+    content.gains = in_convention(
+        *content.gains, convention(kind == ExportKind::uquad ? "uquad" : "mambo", "--to"));
+  if (!content.gains || !(content.gains->dt > 0)) return {};
+  const VerifyModel model = model_of(content.vehicle, *content.gains);
+  content.plant = model.plant;
+  // The flight program's K*.txt have no trim.
+  if (!content.gains->u0.isZero(0)) return {};
+  content.gains->u0 = model.u0;
+  return {fmt::format("the gains come without a trim; that of {} is taken", content.vehicle.name)};
+}
+
+std::string unstable_loop(const ExportContent& content) {
+  const auto problem = [&](const char* what, const Eigen::VectorXcd& poles) -> std::string {
+    const double radius = poles.cwiseAbs().maxCoeff();
+    if (radius < 1) return "";
+    return fmt::format("the loop of {} with {} is unstable (spectral radius {:.6g})", what,
+                       content.vehicle.name, radius);
+  };
+  std::string found;
+  if (content.gains && content.plant)
+    found = problem("these gains", closed_loop_poles(*content.plant, *content.gains));
+  if (found.empty() && content.cascade && content.cascade_plant)
+    found = problem("this cascade", closed_loop_poles(*content.cascade_plant, *content.cascade));
+  return found;
+}
+
+}  // namespace quadtune

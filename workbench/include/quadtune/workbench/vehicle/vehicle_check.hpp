@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Whether a vehicle can fly at all: it hovers, and its rotors command thrust and all torques.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "quadtune/linearize/trim.hpp"
+#include "quadtune/model/plausibility.hpp"
+#include "quadtune/model/vehicle.hpp"
+
+namespace quadtune {
+
+/// A vehicle that passed.
+struct VehicleCheck {
+  Vehicle vehicle;
+  TrimResult hover;                      ///< solved
+  std::vector<Implausibility> warnings;  ///< figures outside their plausible ranges
+};
+
+/// A vehicle hovers by luck alone unless its rotors can change thrust and all three torques
+/// independently: the four rows of wrench_jacobian(), normalized, must be linearly independent.
+/// @param hover  a solved trim of the vehicle
+/// @param name   the vehicle's name or file, for messages
+/// @throws NoSolution  naming the axis that no rotor changes, where there is one
+void require_authority(const Vehicle& vehicle, const TrimResult& hover, const std::string& name);
+
+/// Reads a vehicle and asks whether it can hover.
+/// @param name  of a built-in vehicle, or a vehicle file
+/// @throws InvalidInput, FileError  as load_vehicle()
+/// @throws NoSolution               "NAME: cannot hover: …", or as require_authority()
+[[nodiscard]] VehicleCheck check_vehicle(const std::string& name);
+
+}  // namespace quadtune

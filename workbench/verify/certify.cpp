@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/verify/certify.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "quadtune/delay_limit.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/manifest.hpp"
+#include "quadtune/exports/read_gains.hpp"
+#include "quadtune/workbench/design/chosen_law.hpp"
+#include "quadtune/workbench/flown/flown_check.hpp"
+#include "quadtune/workbench/flown/flying_loop.hpp"
+#include "quadtune/workbench/verify/verify_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+VehicleUncertainty uncertainty_of(const CertifyOptions& options, const Vehicle& vehicle,
+                                  double dt) {
+  VehicleUncertainty u;
+  u.mass = options.mass;
+  u.inertia = options.inertia;
+  u.thrust = options.thrust;
+  const double late = vehicle.motor.delay;  // then up to the jitter and one period of computing
+  u.delay = options.delay.value_or(UncertainRange{late, late + vehicle.motor.delay_jitter + dt});
+  // Beyond that the states of the delay outgrow the proof.
+  if (u.delay.high > kMostDelayPeriods * dt)
+    throw OptionError("delay", fmt::format("delay is up to {:.6g} s, expected at most {} periods "
+                                           "of {:.6g} s",
+                                           u.delay.high, kMostDelayPeriods, dt));
+  const double own = slower_lag(vehicle.rotors.front());
+  u.lag = options.lag.value_or(UncertainRange{own, own});
+  if (!options.lag && std::any_of(vehicle.rotors.begin(), vehicle.rotors.end(),
+                                  [&](const Rotor& rotor) { return slower_lag(rotor) != own; }))
+    throw InvalidInput(vehicle.name,
+                       "the rotors have different lags, expected --lag LOW:HIGH for all");
+  if (u.lag.high > kLongestLag)
+    throw OptionError("lag", fmt::format("lag is up to {:.6g} s, expected at most {:.6g} s",
+                                         u.lag.high, kLongestLag));
+  return u;
+}
+
+Vehicle vehicle_of(const CertifyOptions& options, const Manifest& manifest) {
+  if (!options.vehicle.empty()) return load_vehicle(options.vehicle);
+  try {
+    return load_vehicle(manifest.vehicle);
+  } catch (const std::exception&) {
+    throw InvalidInput("certify", fmt::format("the manifest's vehicle '{}' is not built in, "
+                                              "expected its file by --vehicle FILE",
+                                              manifest.vehicle));
+  }
+}
+
+/// A law of the export that is asked for, not yet looked at, and how it flies.
+struct AskedLaw {
+  CertifiedLaw law;
+  std::function<PlannedFlight()> hover;  ///< none if the gains are of another flight
+};
+
+AskedLaw asked_feedback(const Gains& gains, const StoredLaws& stored, const CertifyOptions& options,
+                        const Vehicle& vehicle) {
+  AskedLaw asked;
+  asked.law.name = "state feedback";
+  asked.law.dt = gains.dt;
+  asked.law.family = uncertain_hover(vehicle, gains, uncertainty_of(options, vehicle, gains.dt));
+  if (has_flown_loop(linearization_of(vehicle, gains).trim))
+    asked.hover = [vehicle, gains, estimator = stored.estimator] {
+      return hover_under(vehicle, feedback_controller(gains, gains.dt), estimator,
+                         gains.convention);
+    };
+  return asked;
+}
+
+AskedLaw asked_cascade(CascadeDesign cascade, const StoredLaws& stored,
+                       const CertifyOptions& options, const Vehicle& vehicle) {
+  if (options.integrator) cascade.method = *options.integrator;
+  AskedLaw asked;
+  asked.law.name = "cascade";
+  asked.law.dt = cascade.gains.dt;
+  asked.law.family = uncertain_hover(vehicle, cascade.gains, cascade.method,
+                                     uncertainty_of(options, vehicle, cascade.gains.dt));
+  asked.hover = [vehicle, cascade, estimator = stored.estimator] {
+    return hover_under(vehicle, cascade_controller(cascade, cascade.gains), estimator, "");
+  };
+  return asked;
+}
+
+std::vector<AskedLaw> laws_of(const std::string& directory, const CertifyOptions& options,
+                              const std::string& controller, const Vehicle& vehicle) {
+  const StoredLaws stored = read_laws(directory);
+  const auto asked_for = [&](const char* kind) { return controller.empty() || controller == kind; };
+  std::vector<AskedLaw> laws;
+  if (stored.gains && asked_for(kStateFeedback))
+    laws.push_back(asked_feedback(*stored.gains, stored, options, vehicle));
+  if (stored.cascade && asked_for(kCascadedPid))
+    laws.push_back(asked_cascade(*stored.cascade, stored, options, vehicle));
+  if (laws.empty())
+    throw InvalidInput(directory,
+                       fmt::format("the export has no {}, expected a law whose loop can be closed",
+                                   controller.empty() ? "gains" : controller));
+  return laws;
+}
+
+/// The flown loops of the box, where the gains are for a hover.
+FlownBox flown_of(const AskedLaw& asked, const CertifyOptions& options) {
+  FlownBox none;
+  if (!asked.hover) {
+    none.why = "the gains are not for a level hover with the heading north";
+    return none;
+  }
+  FlownBoxOptions box;
+  box.also = asked.law.robustness.worst.parameters;
+  box.threads = options.threads;
+  box.interrupted = options.stop;
+  try {
+    return flown_box(asked.hover(), asked.law.family, box);
+  } catch (const InvalidInput& error) {
+    none.why = error.what();
+    return none;
+  }
+}
+
+}  // namespace
+
+bool CertifiedLaw::proved() const { return reason().empty(); }
+
+std::string CertifiedLaw::reason() const {
+  if (family.greatest_scale < 1)
+    return fmt::format("the vehicle cannot hover everywhere in the box: {}",
+                       family.greatest_scale_reason);
+  if (robustness.worst.unstable())
+    return fmt::format("{} is unstable, largest |z| {:.6f}, at {}", name, robustness.worst.radius,
+                       in_words(family, robustness.worst.parameters));
+  if (flown_unstable())
+    return fmt::format(
+        "{}: the flown loop, with sensors and the estimator {}, is unstable: {}; at {}", name,
+        flown->worst->estimator, in_words(*flown->worst), in_words(family, flown->parameters));
+  if (robustness.proof.proved()) return "";
+  return fmt::format(
+      "{} is not proved, nor was an unstable loop found: {}; the worst found has "
+      "|z| {:.6f}, at {}",
+      name, robustness.proof.culprit, robustness.worst.radius,
+      in_words(family, robustness.worst.parameters));
+}
+
+bool CertifyReport::proved() const {
+  return !laws.empty() && std::all_of(laws.begin(), laws.end(),
+                                      [](const CertifiedLaw& law) { return law.proved(); });
+}
+
+std::string CertifyReport::verdict() const {
+  if (proved()) return "proved";
+  const bool unstable = std::any_of(laws.begin(), laws.end(), [](const CertifiedLaw& law) {
+    return law.robustness.worst.unstable() || law.flown_unstable();
+  });
+  return unstable ? "unstable" : "not proved";
+}
+
+CertifyReport certify(const std::string& directory, const CertifyOptions& options) {
+  const std::string controller = controller_kind(options.controller);
+  CertifyReport report{directory, ""};
+  const VerifyReport verified = verify_directory(directory, options.vehicle);
+  for (const VerifyCheck& check : verified.checks)
+    if (!check.ok) {
+      report.failed = check;
+      return report;
+    }
+  const Vehicle vehicle = vehicle_of(options, read_manifest(directory));
+  report.vehicle = vehicle.name;
+  RobustnessOptions robustness;
+  robustness.seed = options.seed;
+  robustness.proof.most_boxes = options.most_boxes;
+  robustness.proof.threads = options.threads;
+  robustness.proof.interrupted = options.stop;
+  for (AskedLaw& asked : laws_of(directory, options, controller, vehicle)) {
+    asked.law.robustness = assess_robustness(asked.law.family, robustness);
+    if (asked.law.robustness.proof.status == StabilityProofStatus::interrupted) throw Interrupted();
+    if (options.flown) asked.law.flown = flown_of(asked, options);
+    report.laws.push_back(std::move(asked.law));
+  }
+  return report;
+}
+
+std::string in_words(const LoopFamily& family, const Eigen::VectorXd& values) {
+  std::string text;
+  for (std::size_t i = 0; i < family.parameters.size(); ++i) {
+    const UncertainParameter& p = family.parameters[i];
+    if (p.low == p.high) continue;
+    text += fmt::format("{}{} {:.5g}{}", text.empty() ? "" : ", ", p.name,
+                        values(static_cast<Eigen::Index>(i)), p.unit.empty() ? "" : " " + p.unit);
+  }
+  return text.empty() ? "the only loop of the box" : text;
+}
+
+}  // namespace quadtune
