@@ -9,7 +9,7 @@
 
 #include "arguments/flight_arguments.hpp"
 #include "arguments/read_number.hpp"
-#include "laws/flown_or_ideal.hpp"
+#include "arguments/plant_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"

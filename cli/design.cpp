@@ -8,7 +8,7 @@
 #include <optional>
 #include <ostream>
 
-#include "laws/trusted_covariances.hpp"
+#include "arguments/trusted_covariances.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/errors.hpp"
@@ -16,11 +16,11 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/export_content.hpp"
+#include "quadtune/workbench/verify/verify_directory.hpp"
 #include "report/flights/design_flights.hpp"
 #include "report/flights/flight_story.hpp"
 #include "report/gains/design_report.hpp"
 #include "report/gains/verify_report.hpp"
-#include "quadtune/workbench/verify/verify_directory.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "laws/trusted_covariances.hpp"
+#include "arguments/trusted_covariances.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"

@@ -5,13 +5,12 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <ostream>
 
 #include "arguments/matrix_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/internal/json.hpp"
-#include "report/text/print.hpp"
+#include "report/gains/kalman_report.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -50,36 +49,6 @@ KalmanResult solve(const Options& options, bool sampled, std::istream& in) {
   return sampled ? kalman_sampled(model, noise, options.sampled) : kalman(model, noise);
 }
 
-internal::Json to_json(const KalmanResult& result, bool is_discrete) {
-  internal::Json json;
-  json["status"] = to_string(result.status);
-  if (is_discrete) json["M"] = internal::matrix_to_json(result.M, "M");
-  json["L"] = internal::matrix_to_json(result.L, "L");
-  json["P"] = internal::matrix_to_json(result.P, "P");
-  if (is_discrete) json["Z"] = internal::matrix_to_json(result.Z, "Z");
-  json["poles"] = internal::poles_to_json(result.poles, "poles");
-  json["residual"] = internal::number_to_json(result.residual, "residual");
-  json["rcond"] = internal::number_to_json(result.rcond, "rcond");
-  json["iterations"] = result.iterations;
-  json["warning"] = result.warning;
-  return json;
-}
-
-void print(const KalmanResult& result, double dt, bool is_discrete, Context& context) {
-  if (!result.warning.empty()) context.note("kalman: warning: " + result.warning);
-  if (context.json) {
-    context.out << internal::readable(to_json(result, is_discrete)) << "\n";
-    return;
-  }
-  if (is_discrete) context.out << section("filter M", plain(result.M));
-  context.out << section(is_discrete ? "predictor L" : "gain L", plain(result.L))
-              << section("P", plain(result.P));
-  if (is_discrete) context.out << section("Z", plain(result.Z));
-  context.out << section("poles", pole_table(result.poles, is_discrete ? dt : 0))
-              << section("evidence", fmt::format("residual {:.2g}, rcond {:.2g}", result.residual,
-                                                 result.rcond));
-}
-
 }  // namespace
 
 Verb kalman_verb() {
@@ -114,8 +83,10 @@ Verb kalman_verb() {
           if (!result.solved())
             throw NoSolution(
                 fmt::format("kalman: {}: {}", to_string(result.status), result.culprit), "--A");
-          const bool is_discrete = !options->continuous;
-          print(result, sampled ? options->sampled : 1, is_discrete, context);
+          if (!result.warning.empty()) context.note("kalman: warning: " + result.warning);
+          const double period = options->continuous ? 0 : sampled ? options->sampled : 1;
+          context.print([&] { return to_json(result, period); },
+                        [&] { return to_text(result, period); });
         };
       }};
 }

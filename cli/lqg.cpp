@@ -3,23 +3,17 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <ostream>
 
-#include "arguments/flight_arguments.hpp"
-#include "arguments/matrix_arguments.hpp"
-#include "laws/lqr_flown.hpp"
+#include "arguments/flown_lqr_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/design/lqg_report.hpp"
-#include "report/loops/margins_report.hpp"
+#include "report/gains/lqg_report.hpp"
 #include "report/text/print.hpp"
-#include "report/gains/lqi_report.hpp"
 
 namespace quadtune::cli {
 namespace {
-
-using internal::Json;
 
 struct Options {
   LqrArguments common;
@@ -28,57 +22,6 @@ struct Options {
   bool recover = false;
   double noise_budget = LqgOptions().noise_budget;
 };
-
-std::vector<std::string> names_of(const std::vector<Signal>& signals) {
-  return names_or_numbers(signals, std::ssize(signals));
-}
-
-Json lqg_json(const LqgReport& report, const Vehicle& vehicle) {
-  Json json = to_json(report.lqi, vehicle);
-  json["margins_at_estimates"] = to_json(report.at_estimates);
-  const auto by_name = [](const std::vector<Signal>& signals, const Eigen::VectorXd& values) {
-    Json table = Json::object();
-    for (std::size_t i = 0; i < signals.size(); ++i)
-      table[signals[i].name] = internal::finite_or_null(values(static_cast<Eigen::Index>(i)));
-    return table;
-  };
-  const Gains& gains = report.lqi.design.lqi.gains;
-  json["predicted_rms"] = {{"time_s", report.rms.time},
-                           {"state", by_name(gains.states, report.rms.state)},
-                           {"estimate_error", by_name(gains.states, report.rms.error)},
-                           {"command", by_name(gains.inputs, report.rms.command)}};
-  Json recoveries = Json::array();
-  for (const Recovery& tried : report.recoveries)
-    recoveries.push_back({{"factor", tried.factor},
-                          {"share_of_margins", internal::finite_or_null(tried.share)},
-                          {"command_noise", internal::finite_or_null(tried.noise)},
-                          {"affordable", tried.affordable}});
-  json["recovery"] = {{"factor", report.recovery}, {"tried", recoveries}};
-  return json;
-}
-
-std::string recovery_text(const LqgReport& report) {
-  std::string text =
-      fmt::format("the filter's inertial noise times {}\n{:>8}{:>20}{:>16}",
-                  number(report.recovery), "factor", "share of margins", "command noise");
-  for (const Recovery& tried : report.recoveries)
-    text += fmt::format("\n{:>8}{:>20.3f}{:>16.3f}{}", number(tried.factor), tried.share,
-                        tried.noise, tried.affordable ? "" : "  exceeds the budget");
-  return text;
-}
-
-std::string lqg_text(const LqgReport& report) {
-  const Gains& gains = report.lqi.design.lqi.gains;
-  Eigen::MatrixXd rms(2, 12);
-  rms << report.rms.state.transpose(), report.rms.error.transpose();
-  std::string text =
-      to_text(report.lqi) + section("margins at the estimates", to_text(report.at_estimates)) +
-      section(fmt::format("rms after {} s", number(report.rms.time)),
-              table(rms, {"true", "estimate's error"}, names_of(gains.states)) + "\n" +
-                  table(report.rms.command.transpose(), {"command"}, names_of(gains.inputs)));
-  if (!report.recoveries.empty()) text += section("recovery", recovery_text(report));
-  return text;
-}
 
 void run(const Options& options, Context& context) {
   if (options.common.plant.vehicle.empty())
@@ -90,37 +33,17 @@ void run(const Options& options, Context& context) {
                                  number(options.time), number(kLongest)),
                      "--time");
   const Vehicle vehicle = load_vehicle(options.common.plant.vehicle);
-  FlightOptions flight;
-  flight.vehicle = options.common.plant.vehicle;
-  flight.estimator = options.flown.estimator;
-  flight.sensors = options.flown.sensors;
-  FlownLoopOptions at;
-  at.height = options.flown.height;
-  require_positive(at.height, "lqg", "--height", "metres");
-  const LqgReport report = weights_of_command(options.common, [&] {
-    require_flight_words(flight);
-    LqgOptions asked;
-    asked.design = flown_lqi_options(vehicle, lqi_design(options.common, options.flown));
-    asked.time = options.time;
-    asked.recover = options.recover;
-    asked.noise_budget = options.noise_budget;
-    return lqg_report(vehicle, asked, flight, at);
-  });
-  write_notes(report.lqi, "lqg", context);
-  const std::string& estimator = report.lqi.flown.estimator;
-  if (estimator != "general" && estimator != "truth")
-    context.note(
-        fmt::format("lqg: note: the deviations are linear; flights agree with them with "
-                    "the general filter, with the estimator {} they may be larger",
-                    estimator));
-  if (options.recover && report.recovery == 1)
-    context.note(
-        "lqg: note: no other noise of the filter has larger margins within the budget; what limits "
-        "them is the delay of the loop");
-  if (context.json)
-    context.out << internal::readable(lqg_json(report, vehicle)) << "\n";
-  else
-    context.out << lqg_text(report);
+  const LqgReport report = design_on_flown_plant(
+      options.common, options.flown, [&](const FlightOptions& flight, const FlownLoopOptions& at) {
+        LqgOptions asked;
+        asked.design = flown_lqi_options(vehicle, lqi_design(options.common, options.flown));
+        asked.time = options.time;
+        asked.recover = options.recover;
+        asked.noise_budget = options.noise_budget;
+        return lqg_report(vehicle, asked, flight, at);
+      });
+  for (const std::string& message : report.messages) context.note("lqg: " + message);
+  context.print([&] { return to_json(report, vehicle); }, [&] { return to_text(report); });
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 
 #include "arguments/flight_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"
+#include "arguments/plant_arguments.hpp"
 #include "arguments/plot_argument.hpp"
-#include "laws/flown_or_ideal.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/internal/json.hpp"

@@ -11,25 +11,6 @@
 #include "quadtune/internal/suggest.hpp"
 
 namespace quadtune::cli {
-namespace {
-
-/// The weights of the states, then of the integrals, from one list; one number stands for all.
-void read_weights(const LqrArguments& arguments, LqrDesign& design) {
-  std::vector<std::string> weighted = design.states;
-  for (const std::string& name : design.integrals) weighted.push_back("int_" + name);
-  const Eigen::MatrixXd Q = diagonal_weights(
-      arguments.Q.empty() ? "1" : arguments.Q, weighted.size(),
-      fmt::format("states: {}", internal::joined(weighted, " ")), arguments.verb, "--Q");
-  const auto nx = static_cast<Eigen::Index>(design.states.size());
-  design.Q = Q.topLeftCorner(nx, nx);
-  design.Q_integral = Q.bottomRightCorner(Q.rows() - nx, Q.rows() - nx);
-  design.R = diagonal_weights(arguments.R.empty() ? "1" : arguments.R, design.inputs.size(),
-                              fmt::format("inputs: {}", internal::joined(design.inputs, " ")),
-                              arguments.verb, "--R");
-}
-
-}  // namespace
-
 std::vector<std::string> read_integrals(const LqrArguments& arguments,
                                         const std::vector<std::string>& states) {
   const std::string& verb = arguments.verb;
@@ -50,6 +31,22 @@ std::vector<std::string> read_integrals(const LqrArguments& arguments,
   return names;
 }
 
+Eigen::VectorXd state_weights(const std::string& list, const std::vector<std::string>& states,
+                              const std::vector<std::string>& integrals, const std::string& verb) {
+  std::vector<std::string> weighted = states;
+  for (const std::string& name : integrals) weighted.push_back("int_" + name);
+  return diagonal_weights(list, weighted.size(),
+                          fmt::format("states: {}", internal::joined(weighted, " ")), verb, "--Q")
+      .diagonal();
+}
+
+Eigen::VectorXd input_weights(const std::string& list, const std::vector<std::string>& inputs,
+                              const std::string& verb, const std::string& option) {
+  return diagonal_weights(list, inputs.size(),
+                          fmt::format("inputs: {}", internal::joined(inputs, " ")), verb, option)
+      .diagonal();
+}
+
 LqrDesign make_design(const LqrArguments& arguments, const std::vector<Signal>& states,
                       const std::vector<Signal>& inputs) {
   LqrDesign design;
@@ -63,10 +60,17 @@ LqrDesign make_design(const LqrArguments& arguments, const std::vector<Signal>& 
                     arguments.verb, arguments.method),
         "--dt");
   if (arguments.has_dt) require_positive(arguments.dt, arguments.verb, "--dt");
-  for (const Signal& state : states) design.states.push_back(state.name);
-  for (const Signal& input : inputs) design.inputs.push_back(input.name);
+  design.states = names_or_numbers(states, std::ssize(states));
+  design.inputs = names_or_numbers(inputs, std::ssize(inputs));
   design.integrals = read_integrals(arguments, design.states);
-  read_weights(arguments, design);
+  // Where there is no list, all weights are 1.
+  const auto or_ones = [](const std::string& list) { return list.empty() ? "1" : list; };
+  const Eigen::VectorXd Q =
+      state_weights(or_ones(arguments.Q), design.states, design.integrals, arguments.verb);
+  const auto nx = static_cast<Eigen::Index>(design.states.size());
+  design.Q = Q.head(nx).asDiagonal();
+  design.Q_integral = Q.tail(Q.size() - nx).asDiagonal();
+  design.R = input_weights(or_ones(arguments.R), design.inputs, arguments.verb, "--R").asDiagonal();
   return design;
 }
 

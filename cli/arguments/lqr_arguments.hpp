@@ -26,6 +26,20 @@ struct LqrArguments {
 [[nodiscard]] std::vector<std::string> read_integrals(const LqrArguments& arguments,
                                                       const std::vector<std::string>& states);
 
+/// The diagonal of the weights of states, then of integrals, from a list; one number stands for
+/// all.
+/// @throws UsageError  naming --Q, what came and what was expected.
+[[nodiscard]] Eigen::VectorXd state_weights(const std::string& list,
+                                            const std::vector<std::string>& states,
+                                            const std::vector<std::string>& integrals,
+                                            const std::string& verb);
+
+/// The same of inputs.
+/// @param option  e.g. "--R"
+[[nodiscard]] Eigen::VectorXd input_weights(const std::string& list,
+                                            const std::vector<std::string>& inputs,
+                                            const std::string& verb, const std::string& option);
+
 /// The problem for a model with these states and inputs.
 /// @throws UsageError  naming the option, what came and what was expected.
 [[nodiscard]] LqrDesign make_design(const LqrArguments& arguments,

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arguments/plant_arguments.hpp"
 
+#include <fmt/format.h>
+
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/linearize_or_refuse.hpp"
 
 namespace quadtune::cli {
@@ -68,9 +72,18 @@ LinearVehicle make_plant(const PlantArguments& arguments) {
   } catch (const InvalidInput& error) {
     if (error.where() != "trim") throw;
     // A flight that there is not, such as one at a negative speed: the options are at fault.
-    throw InvalidInput("--at " + arguments.at, std::string(error.what()).substr(6));
+    throw InvalidInput("--at " + arguments.at, error.message());
   }
   return plant;
+}
+
+bool asks_for_flown_plant(const std::string& plant, const std::string& verb) {
+  if (plant == "flown") return true;
+  if (plant == "ideal") return false;
+  throw UsageError(
+      fmt::format("quadtune {}: --plant is '{}', expected flown or ideal{}", verb,
+                  internal::printable(plant), internal::did_you_mean(plant, {"flown", "ideal"})),
+      "--plant");
 }
 
 }  // namespace quadtune::cli

@@ -41,4 +41,9 @@ void add_plant_options(CommandLine& line, PlantArguments& arguments);
 /// @throws NoSolution  with the trim's culprit.
 [[nodiscard]] LinearVehicle make_plant(const PlantArguments& arguments);
 
+/// Whether an option --plant asks for the flown plant: "flown", not "ideal".
+/// @param verb  for the message, e.g. "margins"
+/// @throws UsageError  for another word
+[[nodiscard]] bool asks_for_flown_plant(const std::string& plant, const std::string& verb);
+
 }  // namespace quadtune::cli

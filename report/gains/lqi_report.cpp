@@ -15,10 +15,6 @@ namespace {
 
 using internal::Json;
 
-std::vector<std::string> names_of(const std::vector<Signal>& signals) {
-  return names_or_numbers(signals, std::ssize(signals));
-}
-
 /// "T[k-1]", "tau_x[k-1]", …
 std::vector<std::string> past_names(const std::vector<Signal>& inputs, int past) {
   std::vector<std::string> result;

@@ -16,10 +16,6 @@ namespace {
 
 using internal::Json;
 
-std::vector<std::string> names_of(const std::vector<Signal>& signals) {
-  return names_or_numbers(signals, std::ssize(signals));
-}
-
 /// The diagonals of the weights: of the 12 states of ned, of the wrench (T, tau_x, tau_y, tau_z),
 /// and of the integrals of px, py, pz and yaw.
 struct Weights {

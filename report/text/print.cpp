@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -20,6 +21,10 @@ std::string entry(double value, double scale) {
 }  // namespace
 
 std::string number(double value) { return fmt::format("{:.6g}", value); }
+
+std::vector<std::string> names_of(const std::vector<Signal>& signals) {
+  return names_or_numbers(signals, std::ssize(signals));
+}
 
 std::string numbers(const Eigen::VectorXd& values) {
   std::string text;

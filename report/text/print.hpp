@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "quadtune/lti.hpp"
+
 namespace quadtune::report {
 
 /// A matrix with a name per row and column, entries to six digits, entries that are zero up to
@@ -28,6 +30,9 @@ namespace quadtune::report {
 [[nodiscard]] std::string number(double value);
 /// "0.1 0.2 0.3"
 [[nodiscard]] std::string numbers(const Eigen::VectorXd& values);
+
+/// The names of signals, for the rows and columns of table().
+[[nodiscard]] std::vector<std::string> names_of(const std::vector<Signal>& signals);
 
 /// A gain as decibels, and an angle in radians as degrees: how every result shows them.
 [[nodiscard]] double decibels(double gain);

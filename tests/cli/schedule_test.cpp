@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "laws/lqr_schedule.hpp"
 #include "quadtune/exports/schedule_table.hpp"
+#include "quadtune/workbench/schedule/schedule_axes.hpp"
 #include "run_program.hpp"
 #include "sanitized.hpp"
 #include "temporary_directory.hpp"
@@ -25,12 +25,12 @@ constexpr char kGrid[] = "speed=0:4:8, yaw_rate=-2:2:2, mass=0.9:0.1:1.1";
 
 TEST(ScheduleGrid, StepsMeetTheLastValueAndZero) {
   const std::vector<ScheduleAxis> axes =
-      cli::schedule_axes(" yaw_rate = -0.3:0.1:0.3,mass=0.9:0.05:1.1 , density=1");
+      schedule_axes(" yaw_rate = -0.3:0.1:0.3,mass=0.9:0.05:1.1 , density=1", "--schedule");
   ASSERT_EQ(axes.size(), 3u);
   EXPECT_THAT(axes[0].values, ElementsAre(-0.3, -0.2, -0.1, 0, 0.1, 0.2, 0.3));
   EXPECT_THAT(axes[1].values, ElementsAre(0.9, 0.95, 1, 1.05, 1.1));
   EXPECT_THAT(axes[2].values, ElementsAre(1));
-  EXPECT_THAT(cli::schedule_axes("speed=2:1:2")[0].values, ElementsAre(2));
+  EXPECT_THAT(schedule_axes("speed=2:1:2", "--schedule")[0].values, ElementsAre(2));
 }
 
 TEST(Schedule, SummaryNamesGridAndInfeasibleCorners) {

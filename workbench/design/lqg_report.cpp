@@ -10,6 +10,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/in_parallel.hpp"
 #include "quadtune/synthesis/flown_plant.hpp"
+#include "quadtune/workbench/flown/flown_messages.hpp"
 
 namespace quadtune {
 namespace {
@@ -47,6 +48,66 @@ GeneralFilterSettings with_noise(GeneralFilterSettings settings, double factor) 
   return settings;
 }
 
+/// Tries more noise of the filter, and takes what has the largest margins within the budget.
+/// @param plan  gets the filter that was chosen
+void recover(LqgReport& report, PlannedFlight& plan, const LqgOptions& options,
+             const FlownLoopOptions& at) {
+  if (plan.estimator != "general" || !plan.setup.real_sensors)
+    throw OptionError("recover", fmt::format("recover came with the estimator {} and {} sensors, "
+                                             "expected the general filter and real sensors",
+                                             plan.estimator, plan.sensors));
+  const GeneralFilterSettings settings = general_filter_settings(plan.setup);
+  const FlownMargins& asked = options.design.margins;
+  const Eigen::VectorXd usual = predicted_rms(plan, options.time, at).command;
+  report.recoveries = {{1, share_of(report.lqi.flown, asked), 1, true}};
+  FlownLoop best = report.lqi.flown;
+  const std::vector<double> factors = {2, 4, 8, 16, 32, 64};
+  std::vector<FlownLoop> loops(factors.size());
+  std::vector<Eigen::VectorXd> commands(factors.size());
+  const auto one = [&](std::size_t i) {
+    PlannedFlight other = plan;
+    other.setup.general_filter = with_noise(settings, factors[i]);
+    loops[i] = flown_loop(other, at);
+    commands[i] = predicted_rms(other, options.time, at).command;
+  };
+  internal::in_parallel(factors.size(), internal::thread_count(0), [&] { return one; }, {});
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    const double factor = factors[i];
+    const FlownLoop& loop = loops[i];
+    Recovery tried{factor, share_of(loop, asked), commands[i].cwiseQuotient(usual).maxCoeff()};
+    tried.affordable = tried.noise <= options.noise_budget;
+    const auto chosen =
+        std::find_if(report.recoveries.begin(), report.recoveries.end(),
+                     [&](const Recovery& recovery) { return recovery.factor == report.recovery; });
+    // A thousandth more margin is worth no noise.
+    if (tried.affordable && tried.share > 1.001 * chosen->share) {
+      report.recovery = factor;
+      best = loop;
+    }
+    report.recoveries.push_back(tried);
+  }
+  report.lqi.flown = best;
+  if (report.recovery > 1) {
+    plan.setup.general_filter = with_noise(settings, report.recovery);
+    report.lqi.estimator = StoredEstimator{"general", plan.setup.general_filter};
+  }
+}
+
+std::vector<std::string> messages_of(const LqgReport& report, bool recovering) {
+  std::vector<std::string> messages = report.lqi.messages;
+  const std::string& estimator = report.lqi.flown.estimator;
+  if (estimator != "general" && estimator != "truth")
+    messages.push_back(
+        fmt::format("note: the deviations are linear; flights agree with them with the general "
+                    "filter, with the estimator {} they may be larger",
+                    estimator));
+  if (recovering && report.recovery == 1)
+    messages.emplace_back(
+        "note: no other noise of the filter has larger margins within the budget; what limits them "
+        "is the delay of the loop");
+  return messages;
+}
+
 }  // namespace
 
 LqgReport lqg_report(const Vehicle& vehicle, const LqgOptions& options, const FlightOptions& flight,
@@ -58,49 +119,11 @@ LqgReport lqg_report(const Vehicle& vehicle, const LqgOptions& options, const Fl
   LqgReport report;
   report.lqi = lqi_report(vehicle, options.design, flight, at);
   PlannedFlight plan = hover_under(vehicle, report.lqi.design.lqi.gains, flight);
-  if (options.recover) {
-    if (plan.estimator != "general" || !plan.setup.real_sensors)
-      throw OptionError("recover", fmt::format("recover came with the estimator {} and {} sensors, "
-                                               "expected the general filter and real sensors",
-                                               plan.estimator, plan.sensors));
-    const GeneralFilterSettings settings = general_filter_settings(plan.setup);
-    const FlownMargins& asked = options.design.margins;
-    const Eigen::VectorXd usual = predicted_rms(plan, options.time, at).command;
-    report.recoveries = {{1, share_of(report.lqi.flown, asked), 1, true}};
-    FlownLoop best = report.lqi.flown;
-    const std::vector<double> factors = {2, 4, 8, 16, 32, 64};
-    std::vector<FlownLoop> loops(factors.size());
-    std::vector<Eigen::VectorXd> commands(factors.size());
-    const auto one = [&](std::size_t i) {
-      PlannedFlight other = plan;
-      other.setup.general_filter = with_noise(settings, factors[i]);
-      loops[i] = flown_loop(other, at);
-      commands[i] = predicted_rms(other, options.time, at).command;
-    };
-    internal::in_parallel(factors.size(), internal::thread_count(0), [&] { return one; }, {});
-    for (std::size_t i = 0; i < factors.size(); ++i) {
-      const double factor = factors[i];
-      const FlownLoop& loop = loops[i];
-      Recovery tried{factor, share_of(loop, asked), commands[i].cwiseQuotient(usual).maxCoeff()};
-      tried.affordable = tried.noise <= options.noise_budget;
-      const auto chosen = std::find_if(
-          report.recoveries.begin(), report.recoveries.end(),
-          [&](const Recovery& recovery) { return recovery.factor == report.recovery; });
-      // A thousandth more margin is worth no noise.
-      if (tried.affordable && tried.share > 1.001 * chosen->share) {
-        report.recovery = factor;
-        best = loop;
-      }
-      report.recoveries.push_back(tried);
-    }
-    report.lqi.flown = best;
-    if (report.recovery > 1) {
-      plan.setup.general_filter = with_noise(settings, report.recovery);
-      report.lqi.estimator = StoredEstimator{"general", plan.setup.general_filter};
-    }
-  }
+  if (options.recover) recover(report, plan, options, at);
   report.at_estimates = margins_at_estimates(plan, at);
   report.rms = predicted_rms(plan, options.time, at);
+  report.lqi.messages = flown_messages(report.lqi.design.notes, report.lqi.flown);
+  report.messages = messages_of(report, options.recover);
   return report;
 }
 

@@ -3,6 +3,7 @@
 
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/design/near_hover.hpp"
+#include "quadtune/workbench/flown/flown_messages.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
 
 namespace quadtune {
@@ -22,6 +23,7 @@ LqiReport lqi_report(const Vehicle& vehicle, const FlownLqiOptions& options,
   report.ideal = margins_report(OpenLoop(open_loop(model_of(vehicle, gains).plant, gains)),
                                 report.flown.margins.names, at.evidence);
   report.estimator = stored_estimator(vehicle, flight.estimator, gains.dt);
+  report.messages = flown_messages(report.design.notes, report.flown);
   return report;
 }
 

@@ -8,6 +8,9 @@
 #include <numbers>
 #include <utility>
 
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/suggest.hpp"
+
 namespace quadtune {
 namespace {
 
@@ -19,6 +22,15 @@ double decibels(double gain) { return 20 * std::log10(gain); }
 double degrees(double angle) { return angle * 180 / std::numbers::pi; }
 
 }  // namespace
+
+MarginsEvidence margins_evidence(const std::string& word) {
+  if (word == "none") return MarginsEvidence::none;
+  if (word == "essential") return MarginsEvidence::essential;
+  if (word == "full") return MarginsEvidence::full;
+  throw OptionError("evidence",
+                    fmt::format("evidence is '{}', expected none, essential or full{}", word,
+                                internal::did_you_mean(word, {"none", "essential", "full"})));
+}
 
 MarginsReport margins_report(const OpenLoop& loop, std::vector<std::string> names,
                              MarginsEvidence evidence) {

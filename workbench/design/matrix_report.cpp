@@ -5,6 +5,7 @@
 
 #include <Eigen/QR>
 #include <cmath>
+#include <utility>
 
 #include "quadtune/convention.hpp"
 #include "quadtune/errors.hpp"
@@ -14,6 +15,7 @@
 #include "quadtune/workbench/design/lqi_report.hpp"
 #include "quadtune/workbench/design/near_hover.hpp"
 #include "quadtune/workbench/flown/flown_check.hpp"
+#include "quadtune/workbench/flown/flown_messages.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
 
 namespace quadtune {
@@ -62,6 +64,22 @@ void drop_rounding(MatrixXd& K) {
     for (Index j = 0; j < K.cols(); ++j)
       if (std::abs(K(i, j)) < least) K(i, j) = 0;
   }
+}
+
+/// @param estimator  that was asked for; empty: none
+std::vector<std::string> messages_of(const MatrixReport& report, const std::string& estimator) {
+  std::vector<std::string> messages;
+  if (!report.estimator && !estimator.empty())
+    messages.push_back(fmt::format(
+        "note: no file of gains holds the estimator '{0}': fly them with --estimator {0}",
+        estimator));
+  if (report.gains.axes == PositionAxes::world)
+    messages.emplace_back(
+        "note: the law sees the position error in world axes, as its flight program does: a "
+        "heading off north takes its angle from the phase of the position loops");
+  for (std::string& text : flown_messages(report.design.notes, report.flown))
+    messages.push_back(std::move(text));
+  return messages;
 }
 
 }  // namespace
@@ -117,6 +135,7 @@ MatrixReport matrix_report(const Vehicle& vehicle, const LqiDesign& design,
       OpenLoop(open_loop(model_of(vehicle, report.gains).plant, report.gains)),
       names_or_numbers(report.gains.inputs, std::ssize(report.gains.inputs)), at.evidence);
   report.estimator = stored_estimator(vehicle, flown.estimator, design.dt);
+  report.messages = messages_of(report, flight.estimator);
   return report;
 }
 

@@ -3,6 +3,7 @@
 /// margins that a faster filter recovers. Theory: docs/theory.md, "Predicted deviations".
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "quadtune/model/vehicle.hpp"
@@ -31,8 +32,9 @@ struct LqgReport {
   LqiReport lqi;               ///< with the filter that was chosen
   MarginsReport at_estimates;  ///< of the loop cut where the law reads its estimates
   PredictedRms rms;
-  std::vector<Recovery> recoveries;  ///< that were tried, factor 1 first; empty unless asked
-  double recovery = 1;               ///< the factor that was chosen
+  std::vector<Recovery> recoveries;   ///< that were tried, factor 1 first; empty unless asked
+  double recovery = 1;                ///< the factor that was chosen
+  std::vector<std::string> messages;  ///< "note: …" and "warning: …" for the user
 };
 
 /// Designs by lqi_report(), with the filter that flies: the steady gains of the general filter.

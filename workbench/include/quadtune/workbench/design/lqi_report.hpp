@@ -3,6 +3,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "quadtune/exports/stored_estimator.hpp"
 #include "quadtune/gains.hpp"
@@ -19,6 +21,7 @@ struct LqiReport {
   FlownLoop flown;      ///< of the complete law about a hover
   MarginsReport ideal;  ///< of the same law with true states, rotors without lag and no delays
   std::optional<StoredEstimator> estimator;  ///< of the flown loop; none: true states
+  std::vector<std::string> messages;         ///< for the user, flown_messages()
 };
 
 /// Designs by flown_lqi() and judges the result.

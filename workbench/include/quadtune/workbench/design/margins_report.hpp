@@ -18,6 +18,10 @@ enum class MarginsEvidence {
   full,       ///< and all at once, which takes many times as long
 };
 
+/// "none", "essential" or "full".
+/// @throws OptionError  "evidence", for other words
+[[nodiscard]] MarginsEvidence margins_evidence(const std::string& word);
+
 /// The margins of a loop's channels, one at a time and all at once.
 struct MarginsReport {
   double dt = 0;                   ///< [s]; 0 of a continuous loop

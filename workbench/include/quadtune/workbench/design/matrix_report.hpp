@@ -4,6 +4,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "quadtune/design.hpp"
 #include "quadtune/exports/stored_estimator.hpp"
@@ -25,6 +27,7 @@ struct MatrixReport {
   FlownLoop flown;      ///< of the law about a hover
   MarginsReport ideal;  ///< of the same law with true states, rotors without lag and no delays
   std::optional<StoredEstimator> estimator;  ///< of the flown loop; none: true states
+  std::vector<std::string> messages;         ///< "note: …" and "warning: …" for the user
 };
 
 /// Designs by flown_gains() and judges the result.

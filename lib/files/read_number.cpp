@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "arguments/read_number.hpp"
+#include "quadtune/internal/read_number.hpp"
 
 #include <charconv>
 #include <cmath>
 
-namespace quadtune::cli {
+namespace quadtune::internal {
 
 bool read_number(std::string_view word, double& value) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
@@ -16,4 +16,4 @@ bool read_number(std::string_view word, double& value) {
   return true;
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune::internal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "laws/trusted_covariances.hpp"
+#include "arguments/trusted_covariances.hpp"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "arguments/flown_lqr_arguments.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "program/command_line.hpp"
+#include "program/program.hpp"
+#include "quadtune/synthesis/flown_axis.hpp"
+#include "report/text/print.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+constexpr const char* kFlownOptions[] = {"--change", "--past", "--estimator", "--sensors",
+                                         "--height"};
+
+/// @throws UsageError  unless it is a whole number of periods in range
+int past_periods(double past, const std::string& verb) {
+  if (past != std::floor(past) || past < 0 || past > kMostPastCommands)
+    throw UsageError(fmt::format("quadtune {}: --past is {}, expected a whole number from 0 to {}",
+                                 verb, number(past), kMostPastCommands),
+                     "--past");
+  return static_cast<int>(past);
+}
+
+/// A gain of given structure answers each state that is integrated, and its integral.
+void require_weights(const LqiDesign& design) {
+  const auto positive = [](const std::string& name, double weight) {
+    if (!(weight > 0))
+      throw UsageError(fmt::format("quadtune lqr: --Q: the weight of {} is {}, expected more than "
+                                   "0 with --structure matrix",
+                                   name, number(weight)),
+                       "--Q");
+  };
+  if (!design.Q) return;
+  for (std::size_t i = 0; i < kFlownAxes.size(); ++i) {
+    const std::string& name = design.integrals[i];
+    positive(name, (*design.Q)(states_of(kFlownAxes[i]).front()));
+    positive("int_" + name, (*design.Q_integral)(static_cast<Eigen::Index>(i)));
+  }
+}
+
+}  // namespace
+
+void add_flown_lqr_options(CommandLine& line, FlownLqrArguments& arguments) {
+  line.add_option("--change", arguments.change,
+                  "flown plant: weights of the change of each command from one period to "
+                  "the next; none")
+      ->type_name("LIST");
+  line.add_number("--past", arguments.past,
+                  "flown plant: control periods by which the law predicts; default: what meets the "
+                  "margins with the smallest increase of the weights")
+      ->type_name("N");
+  line.add_option("--estimator", arguments.estimator,
+                  "flown plant: as for `quadtune fly`; default: what the sensors allow")
+      ->type_name("NAME");
+  line.add_option("--sensors", arguments.sensors, "flown plant: real (default) or ideal")
+      ->type_name("NAME");
+  line.add_number("--height", arguments.height, "flown plant: height of the hover [m], default 1.1")
+      ->type_name("M");
+}
+
+std::set<std::string> given_flown_options(const CommandLine& line) {
+  std::set<std::string> given;
+  for (const char* name : kFlownOptions)
+    if (line.was_given(name)) given.insert(name);
+  return given;
+}
+
+LqiDesign lqi_design(const LqrArguments& common, const FlownLqrArguments& arguments) {
+  const std::string& verb = common.verb;
+  LqiDesign design;
+  if (common.has_dt) {
+    require_positive(common.dt, verb, "--dt");
+    design.dt = common.dt;
+  }
+  const std::vector<std::string> states = names_of(ned_convention().states);
+  const std::vector<std::string> inputs = names_of(ned_convention().wrench);
+  if (!common.integral.empty()) design.integrals = read_integrals(common, states);
+  if (arguments.given.count("--past") > 0) design.past = past_periods(arguments.past, verb);
+  if (!common.Q.empty()) {
+    const Eigen::VectorXd Q = state_weights(common.Q, states, design.integrals, verb);
+    design.Q = Q.head(12);
+    design.Q_integral = Q.tail(Q.size() - 12);
+  }
+  if (!common.R.empty()) {
+    design.R = input_weights(common.R, inputs, verb, "--R");
+    if (!(design.R->minCoeff() > 0))
+      throw UsageError(fmt::format("quadtune {}: --R has a weight of 0, expected weights of more "
+                                   "than 0",
+                                   verb),
+                       "--R");
+  }
+  if (!arguments.change.empty()) {
+    if (design.past && *design.past < 1)
+      throw UsageError(
+          fmt::format("quadtune {}: --change came with --past 0, expected --past of at least 1 "
+                      "because the law must know its last command",
+                      verb),
+          "--change");
+    design.R_change = input_weights(arguments.change, inputs, verb, "--change");
+  }
+  return design;
+}
+
+LqiDesign matrix_design(const LqrArguments& common, const FlownLqrArguments& arguments,
+                        bool asks_for_inputs) {
+  LqiDesign design = lqi_design(common, arguments);
+  MatrixWords words;
+  words.convention = common.plant.convention;
+  (void)convention(words.convention, "--convention");
+  if (asks_for_inputs) words.input_kind = input_kind(common.plant.inputs, "--inputs");
+  design.matrix = words;
+  require_weights(design);
+  return design;
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Options of a state feedback that is designed on the plant that flies: rotors' lag, sensors'
+/// delays, estimator.
+#pragma once
+
+#include <set>
+#include <string>
+
+#include "arguments/flight_arguments.hpp"
+#include "arguments/lqr_arguments.hpp"
+#include "arguments/matrix_arguments.hpp"
+#include "quadtune/design.hpp"
+#include "quadtune/workbench/flown/flown_loop.hpp"
+
+namespace quadtune::cli {
+
+class CommandLine;
+
+struct FlownLqrArguments {
+  std::string change;  // list: weights of a command's change
+  double past = 0;     // control periods
+  std::string estimator, sensors;
+  double height = FlownLoopOptions().height;
+  std::set<std::string> given = {};  // names of the options of the flown plant that came
+};
+
+/// Adds --change, --past, --estimator, --sensors and --height.
+void add_flown_lqr_options(CommandLine& line, FlownLqrArguments& arguments);
+
+/// Which of those were given.
+/// @param line  after parse()
+[[nodiscard]] std::set<std::string> given_flown_options(const CommandLine& line);
+
+/// The design that --Q, --R, --change, --integral, --past and --dt ask for.
+/// @throws UsageError  naming the option, what came and what was expected
+[[nodiscard]] LqiDesign lqi_design(const LqrArguments& common, const FlownLqrArguments& arguments);
+
+/// The same of a matrix on the states, in the words of --convention and --inputs.
+/// @param asks_for_inputs  whether --inputs came; otherwise the inputs are the wrench
+[[nodiscard]] LqiDesign matrix_design(const LqrArguments& common,
+                                      const FlownLqrArguments& arguments, bool asks_for_inputs);
+
+/// Calls `design` with the hover on which it is to be judged.
+/// @throws UsageError  for words and numbers of the hover, and in place of OptionError; NoSolution
+/// of
+///                     weights that are given names --Q
+template <class Function>
+auto design_on_flown_plant(const LqrArguments& common, const FlownLqrArguments& arguments,
+                           Function&& design) {
+  require_positive(arguments.height, common.verb, "--height", "metres");
+  FlightOptions flight;
+  flight.vehicle = common.plant.vehicle;
+  flight.estimator = arguments.estimator;
+  flight.sensors = arguments.sensors;
+  FlownLoopOptions at;
+  at.height = arguments.height;
+  try {
+    return period_of_command(common.verb, common.has_dt, [&] {
+      require_flight_words(flight);
+      return design(flight, at);
+    });
+  } catch (const NoSolution& error) {
+    // Weights that are given leave a state unseen.
+    if (common.Q.empty()) throw;
+    throw NoSolution(error.what(), "--Q");
+  }
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lqr_vehicle.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <ostream>
+
+#include "quadtune/exports/schedule_table.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/workbench/design/lqr_report.hpp"
+#include "quadtune/workbench/design/matrix_report.hpp"
+#include "quadtune/workbench/schedule/schedule_axes.hpp"
+#include "quadtune/workbench/schedule/schedule_report.hpp"
+#include "report/gains/lqi_report.hpp"
+#include "report/gains/lqr_report.hpp"
+#include "report/gains/matrix_report.hpp"
+#include "report/gains/schedule_report.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+void tell(const std::vector<std::string>& messages, const Context& context) {
+  for (const std::string& message : messages) context.note("lqr: " + message);
+}
+
+/// How the table of a schedule is to be written, if at all.
+std::optional<TableFormat> wanted_table(const Context& context) {
+  if (context.file.empty()) return context.json ? std::optional(TableFormat::json) : std::nullopt;
+  TableFormat format = TableFormat::toml;
+  try {
+    format = table_format(context.file, "-o");
+  } catch (const InvalidInput& error) {
+    throw UsageError(fmt::format("quadtune lqr: {}", error.what()), "-o");
+  }
+  if (context.json && format != TableFormat::json)
+    throw UsageError(fmt::format("quadtune lqr: -o is '{}' and --json came, expected a name that "
+                                 "ends in .json, or no --json",
+                                 internal::printable(context.file)),
+                     "-o");
+  return format;
+}
+
+}  // namespace
+
+void require_solved(const RiccatiResult& riccati, const std::string& plant) {
+  if (!riccati.solved())
+    throw NoSolution(fmt::format("lqr: {}: {}", to_string(riccati.status), riccati.culprit),
+                     riccati.status == RiccatiStatus::not_detectable ? "--Q" : plant);
+}
+
+void run_flown_lqr(const LqrArguments& common, const FlownLqrArguments& arguments,
+                   Context& context) {
+  const Vehicle vehicle = load_vehicle(common.plant.vehicle);
+  const LqiReport report = design_on_flown_plant(
+      common, arguments, [&](const FlightOptions& flight, const FlownLoopOptions& at) {
+        return lqi_report(vehicle, flown_lqi_options(vehicle, lqi_design(common, arguments)),
+                          flight, at);
+      });
+  tell(report.messages, context);
+  context.print([&] { return to_json(report, vehicle); }, [&] { return to_text(report); });
+}
+
+void run_matrix_lqr(const LqrArguments& common, const FlownLqrArguments& arguments,
+                    bool asks_for_inputs, Context& context) {
+  const Vehicle vehicle = load_vehicle(common.plant.vehicle);
+  const LqiDesign design = matrix_design(common, arguments, asks_for_inputs);
+  const MatrixReport report = design_on_flown_plant(
+      common, arguments, [&](const FlightOptions& flight, const FlownLoopOptions& at) {
+        return matrix_report(vehicle, design, flight, at);
+      });
+  tell(report.messages, context);
+  context.print([&] { return to_json(report, vehicle); }, [&] { return to_text(report); });
+}
+
+void run_ideal_lqr(const LqrArguments& arguments, const std::string& evidence, Context& context) {
+  const MarginsEvidence margins =
+      evidence.empty() ? MarginsEvidence::full
+                       : option_of_command("lqr", [&] { return margins_evidence(evidence); });
+  LinearVehicle plant = make_plant(arguments.plant);
+  const LqrDesign design =
+      make_design(arguments, plant.model.plant.states, plant.model.plant.inputs);
+  const VehicleLqrReport report = lqr_report(std::move(plant), design, margins);
+  require_solved(report.feedback.riccati, arguments.plant.vehicle);
+  tell(report.messages, context);
+  context.print([&] { return to_json(report); }, [&] { return to_text(report); });
+}
+
+void run_schedule(const LqrArguments& arguments, const std::string& grid, Context& context) {
+  const std::vector<ScheduleAxis> axes =
+      option_of_command("lqr", [&] { return schedule_axes(grid, "--schedule"); });
+  const std::optional<TableFormat> format = wanted_table(context);
+  const Vehicle vehicle = load_vehicle(arguments.plant.vehicle);
+  const ContinuousLti words =
+      Linearizer(vehicle, linearize_options(arguments.plant)).unsolved().plant;
+  const LqrDesign design = make_design(arguments, words.states, words.inputs);
+  const ScheduleReport report =
+      schedule_report(vehicle, axes, design, {arguments.plant.yaw, context.threads, &interrupted},
+                      arguments.plant.vehicle);
+  tell(report.messages, context);
+  context.out << (format ? schedule_text(report.schedule, *format) : to_text(report.schedule));
+}
+
+}  // namespace quadtune::cli
