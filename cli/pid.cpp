@@ -3,10 +3,7 @@
 /// bounds.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <ostream>
 
@@ -14,32 +11,17 @@
 #include "arguments/flight_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"
 #include "arguments/plot_argument.hpp"
-#include "laws/flown_or_ideal.hpp"
-#include "report/gains/laws_json.hpp"
-#include "laws/lqr_matrix.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
-#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/internal/suggest.hpp"
-#include "quadtune/internal/text_file.hpp"
-#include "quadtune/synthesis/pid_loop.hpp"
-#include "quadtune/synthesis/pid_optimum.hpp"
-#include "quadtune/synthesis/pid_rules.hpp"
-#include "quadtune/workbench/design/chosen_law.hpp"
-#include "quadtune/workbench/flown/flown_check.hpp"
-#include "quadtune/workbench/flown/flown_gains.hpp"
-#include "report/loops/cascade_report.hpp"
-#include "report/loops/flown_report.hpp"
-#include "report/loops/margins_report.hpp"
-#include "report/plots/loop_figure.hpp"
+#include "quadtune/workbench/design/pid_report.hpp"
+#include "quadtune/workbench/design/vehicle_cascade.hpp"
+#include "report/loops/pid_report.hpp"
+#include "report/loops/vehicle_cascade.hpp"
 #include "report/text/print.hpp"
-#include "report/gains/matrix_report.hpp"
 
 namespace quadtune::cli {
 namespace {
-
-using internal::Json;
 
 struct Options {
   std::string vehicle;
@@ -63,22 +45,6 @@ struct Given {
   bool crossover, phase_margin, Tf, tau_c, Ms_max, Mt_max, noise_gain_max;
 };
 
-/// Gains, and how they were found, in words.
-struct Found {
-  PidGains gains;
-  std::string how;
-};
-
-const std::vector<std::string> kRules = {"amigo", "simc", "ziegler-nichols", "cohen-coon",
-                                         "lambda"};
-
-PidType read_type(const std::string& word) {
-  for (const PidType type : {PidType::P, PidType::PI, PidType::PD, PidType::PID})
-    if (word == to_string(type)) return type;
-  throw UsageError(fmt::format("quadtune pid: --type is '{}', expected P, PI, PD or PID", word),
-                   "--type");
-}
-
 ContinuousTransferFunction read_plant(const Options& options) {
   ContinuousTransferFunction plant{coefficients(options.num, "pid", "--num"),
                                    coefficients(options.den, "pid", "--den"), options.delay};
@@ -90,146 +56,12 @@ ContinuousTransferFunction read_plant(const Options& options) {
   return plant;
 }
 
-// --- three ways ----------------------------------------------------------------------------------
-
-Found by_requirement(const ContinuousTransferFunction& plant, PidType type,
-                     const Options& options) {
-  require_positive(options.crossover, "pid", "--crossover", "rad/s");
-  if (!(options.phase_margin > 0 && options.phase_margin < 180))
-    throw UsageError(fmt::format("quadtune pid: --phase-margin is {} deg, expected more than 0 and "
-                                 "less than 180",
-                                 number(options.phase_margin)),
-                     "--phase-margin");
-  LoopRequirement requirement;
-  requirement.type = type;
-  requirement.crossover = options.crossover;
-  requirement.phase_margin = options.phase_margin * std::numbers::pi / 180;
-  requirement.Tf = options.Tf;
-  const PidLoopDesign design = pid_for_crossover(plant, requirement);
-  if (!design.solved())
-    throw NoSolution(fmt::format("pid: {}: {}", to_string(design.status), design.culprit),
-                     "--crossover");
-  return {design.gains,
-          fmt::format("{} for a crossover of {} rad/s and a phase margin of {} deg", options.type,
-                      number(options.crossover), number(options.phase_margin))};
-}
-
-template <class Model>
-Model require_fitted(const LagFit<Model>& fit) {
-  if (!fit.fitted())
-    throw NoSolution("pid: the rule needs a model of one lag and a delay: " + fit.culprit,
-                     "--rule");
-  return fit.model;
-}
-
-std::string model_text(const FopdtModel& model) {
-  return fmt::format("{} e^(-{} s)/({} s + 1)", number(model.gain), number(model.delay),
-                     number(model.time_constant));
-}
-
-/// SIMC keeps a second lag for its PID, as its half rule gives it.
-Found by_simc(const ContinuousTransferFunction& plant, PidType type, double tau_c, bool has_tau_c) {
-  if (type == PidType::PID) {
-    const SopdtModel model = require_fitted(half_rule_sopdt(plant));
-    const double used = has_tau_c ? tau_c : model.delay;
-    return {simc(model, used),
-            fmt::format("PID by SIMC for {} e^(-{} s)/(({} s + 1)({} s + 1)), tau_c {} s",
-                        number(model.gain), number(model.delay), number(model.time_constant),
-                        number(model.second), number(used))};
-  }
-  if (type != PidType::PI)
-    throw UsageError("quadtune pid: --rule simc has PI and PID, expected one of them as --type",
-                     "--type");
-  const LagFit<FopdtModel> half = half_rule_fopdt(plant);
-  const FopdtModel model = half.fitted() ? half.model : require_fitted(fit_fopdt(plant));
-  const double used = has_tau_c ? tau_c : model.delay;
-  return {simc(model, used),
-          fmt::format("PI by SIMC for {}, tau_c {} s", model_text(model), number(used))};
-}
-
-Found by_rule(const ContinuousTransferFunction& plant, PidType type, const Options& options,
-              bool has_tau_c) {
-  if (std::find(kRules.begin(), kRules.end(), options.rule) == kRules.end())
-    throw UsageError(
-        fmt::format("quadtune pid: --rule is '{}', expected one of {}{}", options.rule,
-                    internal::joined(kRules, ", "), internal::did_you_mean(options.rule, kRules)),
-        "--rule");
-  const bool takes_tau_c = options.rule == "simc" || options.rule == "lambda";
-  if (has_tau_c && !takes_tau_c)
-    throw UsageError("quadtune pid: --tau-c belongs to the rules simc and lambda, expected none",
-                     "--tau-c");
-  if (has_tau_c) require_positive(options.tau_c, "pid", "--tau-c");
-  if (options.rule == "simc") return by_simc(plant, type, options.tau_c, has_tau_c);
-  const FopdtModel model = require_fitted(fit_fopdt(plant));
-  const double lambda = has_tau_c ? options.tau_c : std::max(model.delay, model.time_constant / 3);
-  const PidGains gains = options.rule == "amigo"             ? amigo(type, model)
-                         : options.rule == "ziegler-nichols" ? ziegler_nichols_step(type, model)
-                         : options.rule == "cohen-coon"      ? cohen_coon(type, model)
-                                                             : lambda_tuning(type, model, lambda);
-  return {gains, fmt::format(
-                     "{} by {} for {}{}", options.type, options.rule, model_text(model),
-                     options.rule == "lambda" ? fmt::format(", lambda {} s", number(lambda)) : "")};
-}
-
-Found by_bounds(const ContinuousTransferFunction& plant, PidType type, const Options& options,
-                const Given& given) {
+PidBounds bounds_of(const Options& options, const Given& given) {
   PidBounds bounds;
   if (given.Ms_max) bounds.Ms_max = options.Ms_max;
   if (given.Mt_max) bounds.Mt_max = options.Mt_max;
   if (given.noise_gain_max) bounds.noise_gain_max = options.noise_gain_max;
-  if (type != PidType::PI && type != PidType::PID)
-    throw UsageError(
-        "quadtune pid: --Ms-max asks for the greatest integral gain, expected --type "
-        "PI or PID",
-        "--type");
-  const PidOptimum optimum = greatest_integral_gain(plant, type, bounds, options.Tf);
-  if (!optimum.solved())
-    throw NoSolution(fmt::format("pid: {}: {}", to_string(optimum.status), optimum.culprit),
-                     "--Ms-max");
-  return {optimum.gains,
-          fmt::format("{} of the greatest Ki; bound by {}", options.type,
-                      optimum.binding.empty()
-                          ? "nothing"
-                          : fmt::format("{}", internal::joined(optimum.binding, ", ")))};
-}
-
-// --- what came out -------------------------------------------------------------------------------
-
-void print(const Found& found, const MarginsReport& margins, Context& context) {
-  const LoopMargins& m = margins.loops[0];
-  const PidGains& g = found.gains;
-  if (context.json) {
-    const Json loops = to_json(margins)["loops"];
-    const Json& loop = loops[0];
-    context.out << internal::readable(Json{{"Kp", g.Kp},
-                                           {"Ki", g.Ki},
-                                           {"Kd", g.Kd},
-                                           {"Tf", g.Tf},
-                                           {"stable", m.stable},
-                                           {"crossover", loop["crossover"]},
-                                           {"phase_margin_deg", loop["phase_margin_deg"]},
-                                           {"gain_margin_db", loop["gain_margin_db"]},
-                                           {"Ms", loop["Ms"]},
-                                           {"Mt", loop["Mt"]},
-                                           {"how", found.how},
-                                           {"margins", to_json(margins)}})
-                << "\n";
-    return;
-  }
-  std::string gains = fmt::format("Kp {}", number(g.Kp));
-  if (g.Ki != 0) gains += fmt::format("  Ki {} 1/s", number(g.Ki));
-  if (g.Kd != 0) gains += fmt::format("  Kd {} s  Tf {} s", number(g.Kd), number(g.Tf));
-  context.out << section("gains", gains) << section("by", found.how)
-              << section("margins", to_text(margins));
-}
-
-/// The gains and the plant in a line.
-std::string figure_title(const Options& options, const PidGains& g) {
-  std::string text = fmt::format("{}: Kp {}", options.type, number(g.Kp));
-  if (g.Ki != 0) text += fmt::format(", Ki {} 1/s", number(g.Ki));
-  if (g.Kd != 0) text += fmt::format(", Kd {} s, Tf {} s", number(g.Kd), number(g.Tf));
-  text += fmt::format(" with num {}, den {}", options.num, options.den);
-  return text + (options.delay > 0 ? fmt::format(", delay {} s", number(options.delay)) : "");
+  return bounds;
 }
 
 void run(const Options& options, const Given& given, Context& context) {
@@ -253,24 +85,28 @@ void run(const Options& options, const Given& given, Context& context) {
         "quadtune pid: --Tf does not belong to --rule, whose filter is a tenth of its "
         "derivative time",
         "--Tf");
-  const PidType type = read_type(options.type);
-  const ContinuousTransferFunction plant = read_plant(options);
-  const Found found = requirement ? by_requirement(plant, type, options)
-                      : rule      ? by_rule(plant, type, options, given.tau_c)
-                                  : by_bounds(plant, type, options, given);
-  const ContinuousTransferFunction loop = loop_of(plant, found.gains);
-  if (loop.num.size() > loop.den.size())
+  const PidReport report = option_of_command("pid", [&] {
+    PidRequest request;
+    request.type = pid_type(options.type);
+    request.Tf = options.Tf;
+    const ContinuousTransferFunction plant = read_plant(options);
+    if (requirement)
+      request.by = PidCrossover{options.crossover, options.phase_margin};
+    else if (rule)
+      request.by = PidRule{options.rule, given.tau_c ? std::optional(options.tau_c) : std::nullopt};
+    else
+      request.by = bounds_of(options, given);
+    return pid_report(plant, request);
+  });
+  if (report.needs_filter)
     throw UsageError(
         "quadtune pid: the derivative of this plant has no bound, expected a filter "
         "with --Tf",
         "--Tf");
-  const MarginsReport margins = margins_report(OpenLoop(loop), {});
   draw(
-      options.plot,
-      [&] { return pid_figure(figure_title(options, found.gains), plant, found.gains, margins); },
-      context);
-  print(found, margins, context);
-  for (const std::string& warning : margin_warnings(margins))
+      options.plot, [&] { return pid_figure(report, options.num, options.den); }, context);
+  context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report));
+  for (const std::string& warning : margin_warnings(report.margins))
     context.note("pid: warning: " + warning);
 }
 
@@ -283,62 +119,6 @@ void refuse_options(const CommandLine& line, const std::vector<std::string>& nam
     if (line.was_given(name)) throw UsageError(fmt::format("quadtune pid: {} {}", name, why), name);
 }
 
-/// Options that only the rules of the loops take.
-std::vector<std::string> loop_option_names() {
-  std::vector<std::string> names = {"--Ms-max"};
-  for (const std::string& name : cascade_option_names())
-    if (name != "--dt") names.push_back(name);
-  return names;
-}
-
-/// Whether --plant asks for the textbook plant, on which the loops are designed one by one.
-bool asks_for_ideal_plant(const CommandLine& line, const Options& options) {
-  if (options.plant.empty() || asks_for_flown_plant(options.plant, "pid")) return false;
-  if (options.method == "flown")
-    throw UsageError(
-        "quadtune pid: --method flown came with --plant ideal, expected --method loops, which "
-        "knows of no sensors and no estimator",
-        "--method");
-  refuse_options(line, {"--motor-lag"},
-                 "came with --plant ideal, expected none because rotors of the textbook plant do "
-                 "not lag");
-  return true;
-}
-
-/// The loop that flies under a cascade, about a hover; none, with a note, where it cannot be
-/// analysed.
-std::optional<FlownLoop> flown_loop_of(const Vehicle& vehicle, const CascadeDesign& cascade,
-                                       const std::optional<StoredEstimator>& estimator,
-                                       const Context& context) {
-  try {
-    return flown_loop(
-        hover_under(vehicle, cascade_controller(cascade, cascade.gains), estimator, ""));
-  } catch (const InvalidInput& error) {
-    context.note(fmt::format("pid: note: the flown loop is not analysed: {}", error.what()));
-    return {};
-  }
-}
-
-/// Whether all gains are designed at once on the flown plant, which is the default, or loop by
-/// loop.
-bool designs_on_flown_plant(const CommandLine& line, const Options& options,
-                            const Vehicle& vehicle) {
-  static const std::vector<std::string> kMethods = {"flown", "loops"};
-  if (!options.method.empty() && options.method != "loops" && options.method != "flown")
-    throw UsageError(fmt::format("quadtune pid: --method is '{}', expected flown or loops{}",
-                                 internal::printable(options.method),
-                                 internal::did_you_mean(options.method, kMethods)),
-                     "--method");
-  if (asks_for_ideal_plant(line, options) || options.method == "loops") return false;
-  const std::vector<std::string> names = loop_option_names();
-  if (options.method.empty())
-    return usually_on_flown_plant(vehicle) &&
-           std::none_of(names.begin(), names.end(),
-                        [&](const std::string& name) { return line.was_given(name); });
-  refuse_options(line, names, "belongs to --method loops, expected it");
-  return true;
-}
-
 void run_vehicle(const CommandLine& line, const Options& options, Context& context) {
   require_picture(options.plot, "pid");
   refuse_options(line,
@@ -347,76 +127,18 @@ void run_vehicle(const CommandLine& line, const Options& options, Context& conte
                  "belongs to a transfer function, expected --bandwidth, --Ms-max and the like with "
                  "a vehicle");
   const Vehicle vehicle = load_vehicle(options.vehicle);
-  CascadeSpecification specification =
-      cascade_specification(line, options.cascade, options.Ms_max, vehicle);
-  const bool on_flown_plant = designs_on_flown_plant(line, options, vehicle);
-  const bool ideal = !on_flown_plant && asks_for_ideal_plant(line, options);
-  if (ideal) specification.lag = 0;
-  std::optional<FlownGains> flown;
-  if (on_flown_plant) {
-    FlownGainsOptions of_flown;
-    of_flown.dt = specification.dt;
-    flown = period_of_command("pid", line.was_given("--dt"),
-                           [&] { return flown_gains(vehicle, of_flown); });
-  }
-  const CascadeReport report =
-      flown ? assess_written_cascade(vehicle, as_cascade(*flown, specification.dt),
-                                     specification.method, options.vehicle)
-            : design_cascade(vehicle, specification, options.vehicle);
+  CascadeOptions asked = given_cascade_options(line, options.cascade);
+  if (line.was_given("--Ms-max")) asked.Ms_max = options.Ms_max;
+  asked.method = options.method;
+  asked.plant = options.plant;
+  const VehicleCascade cascade =
+      option_of_command("pid", [&] { return vehicle_cascade(vehicle, asked, options.vehicle); });
   draw(
-      options.plot,
-      [&] {
-        return margins_figure(fmt::format("PID cascade of {} every {} s, cut at the wrench",
-                                          report.vehicle, number(report.specification.dt)),
-                              OpenLoop(report.open_loop), report.margins);
-      },
-      context);
-  ExportContent content;
-  content.vehicle = vehicle;
-  content.cascade = CascadeDesign{report.cascade.gains, {}, report.specification.method};
-  content.cascade->back_calculation = kDesignedBackCalculation;
-  content.cascade->velocity_feed_forward = true;
-  content.cascade->conditional_integration = true;
-  content.cascade->integrator_limit = CascadeController{}.integrator_limit;
-  content.cascade->attitude_limit =
-      flown ? kDesignedAttitudeLimit : CascadeController{}.attitude_limit;
-  content.estimator = stored_estimator(vehicle, "", report.cascade.gains.dt);
-  const std::optional<FlownLoop> loop =
-      flown_loop_of(vehicle, *content.cascade, content.estimator, context);
-  if (context.json) {
-    Json json = to_json(report);
-    json["method"] = flown ? "flown" : "loops";
-    json["plant"] = ideal ? "ideal" : flown ? "flown" : "lag";
-    if (flown) json["flown"] = family_json(*flown);
-    json["flown_loop"] = Json();
-    if (loop) {
-      json["flown_loop"] = to_json(*loop);
-      json["flown_loop"]["margins"] = to_json(loop->margins);
-    }
-    add_laws(json, content);
-    context.out << internal::readable(json) << "\n";
-  } else {
-    context.out << to_text(report);
-    if (flown) context.out << section("flown", family_text(*flown));
-    if (loop)
-      context.out << section("flown loop", to_text(*loop))
-                  << section("margins of the flown loop", to_text(loop->margins));
-  }
-  for (const std::string& note : report.cascade.notes) context.note("pid: note: " + note);
-  if (flown)
-    for (const std::string& note : flown->notes) context.note("pid: note: " + note);
-  for (const std::string& warning : cascade_warnings(report))
-    context.note("pid: warning: " + warning);
-  if (!loop) return;
-  for (const std::string& note : flown_notes(*loop)) context.note("pid: note: " + note);
-  for (const std::string& note : margin_notes(loop->margins)) context.note("pid: note: " + note);
-  if (loop->grows())
-    context.note(fmt::format("pid: warning: the flown loop is unstable; {}{}", in_words(*loop),
-                             ideal ? "; without --plant ideal the design includes the rotors' lag, "
-                                     "the sensors and the estimator"
-                                   : ""));
-  for (const std::string& warning : margin_warnings(loop->margins))
-    context.note("pid: warning: flown loop: " + warning);
+      options.plot, [&] { return cascade_figure(cascade); }, context);
+  if (!cascade.loop)
+    context.note("pid: note: the flown loop is not analysed: " + cascade.not_analysed);
+  context.out << (context.json ? internal::readable(to_json(cascade)) + "\n" : to_text(cascade));
+  for (const std::string& note : notes_of(cascade)) context.note("pid: " + note);
 }
 
 }  // namespace

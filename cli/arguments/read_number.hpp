@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Numbers of the command line, read as in files: decimal, with a dot in every locale.
+/// Numbers of the command line, read as in files.
 #pragma once
 
-#include <string_view>
+#include "quadtune/internal/words.hpp"
 
 namespace quadtune::cli {
 
-/// Reads a word as a finite number; "+1" is accepted, "0x10", "1_000" and "1e999" are not.
-/// @return  false, with `value` unchanged, for any other word.
-[[nodiscard]] bool read_number(std::string_view word, double& value);
+using internal::read_number;
 
 }  // namespace quadtune::cli

@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "laws/flown_or_ideal.hpp"
 
-#include <fmt/format.h>
-
-#include "program/program.hpp"
-#include "quadtune/internal/suggest.hpp"
-#include "quadtune/internal/text_file.hpp"
+#include "arguments/flight_arguments.hpp"
+#include "quadtune/workbench/flown/plant_word.hpp"
 
 namespace quadtune::cli {
 
 bool asks_for_flown_plant(const std::string& plant, const std::string& verb) {
-  if (plant == "flown") return true;
-  if (plant == "ideal") return false;
-  throw UsageError(
-      fmt::format("quadtune {}: --plant is '{}', expected flown or ideal{}", verb,
-                  internal::printable(plant), internal::did_you_mean(plant, {"flown", "ideal"})),
-      "--plant");
+  return option_of_command(verb, [&] { return quadtune::asks_for_flown_plant(plant); });
 }
 
 }  // namespace quadtune::cli
