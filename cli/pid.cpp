@@ -43,6 +43,8 @@ struct Options {
 /// Which options came; 0 may be a value.
 struct Given {
   bool crossover, phase_margin, Tf, tau_c, Ms_max, Mt_max, noise_gain_max;
+
+  [[nodiscard]] bool requirement() const { return crossover || phase_margin; }
 };
 
 ContinuousTransferFunction read_plant(const Options& options) {
@@ -64,9 +66,9 @@ PidBounds bounds_of(const Options& options, const Given& given) {
   return bounds;
 }
 
-void run(const Options& options, const Given& given, Context& context) {
-  require_picture(options.plot, "pid");
-  const bool requirement = given.crossover || given.phase_margin;
+/// Exactly one of the three ways to find gains.
+void require_one_way(const Options& options, const Given& given) {
+  const bool requirement = given.requirement();
   const bool rule = !options.rule.empty();
   const bool bounds = given.Ms_max || given.Mt_max || given.noise_gain_max;
   if (static_cast<int>(requirement) + static_cast<int>(rule) + static_cast<int>(bounds) != 1)
@@ -85,18 +87,27 @@ void run(const Options& options, const Given& given, Context& context) {
         "quadtune pid: --Tf does not belong to --rule, whose filter is a tenth of its "
         "derivative time",
         "--Tf");
+}
+
+PidRequest request_of(const Options& options, const Given& given) {
+  PidRequest request;
+  request.type = pid_type(options.type);
+  request.Tf = options.Tf;
+  if (given.requirement())
+    request.by = PidCrossover{options.crossover, options.phase_margin};
+  else if (!options.rule.empty())
+    request.by = PidRule{options.rule, given.tau_c ? std::optional(options.tau_c) : std::nullopt};
+  else
+    request.by = bounds_of(options, given);
+  return request;
+}
+
+void run(const Options& options, const Given& given, Context& context) {
+  require_picture(options.plot, "pid");
+  require_one_way(options, given);
   const PidReport report = option_of_command("pid", [&] {
-    PidRequest request;
-    request.type = pid_type(options.type);
-    request.Tf = options.Tf;
-    const ContinuousTransferFunction plant = read_plant(options);
-    if (requirement)
-      request.by = PidCrossover{options.crossover, options.phase_margin};
-    else if (rule)
-      request.by = PidRule{options.rule, given.tau_c ? std::optional(options.tau_c) : std::nullopt};
-    else
-      request.by = bounds_of(options, given);
-    return pid_report(plant, request);
+    const PidRequest request = request_of(options, given);
+    return pid_report(read_plant(options), request);
   });
   if (report.needs_filter)
     throw UsageError(
@@ -141,6 +152,39 @@ void run_vehicle(const CommandLine& line, const Options& options, Context& conte
   for (const std::string& note : notes_of(cascade)) context.note("pid: " + note);
 }
 
+void add_transfer_function_options(CommandLine& line, Options& options) {
+  line.add_option("--num", options.num, "numerator of the plant, descending powers")
+      ->type_name("LIST");
+  line.add_option("--den", options.den, "denominator, descending powers")->type_name("LIST");
+  line.add_number("--delay", options.delay, "delay of the plant [s]")->type_name("S");
+  line.add_option("--type", options.type, "P, PI, PD or PID (default)")->type_name("TYPE");
+  line.add_number("--crossover", options.crossover, "where the loop's gain shall be 1 [rad/s]")
+      ->type_name("W");
+  line.add_number("--phase-margin", options.phase_margin, "there [deg]")->type_name("DEG");
+  line.add_number("--Tf", options.Tf, "time constant of the derivative's filter [s]; 0")
+      ->type_name("S");
+  line.add_option("--rule", options.rule, "amigo, simc, ziegler-nichols, cohen-coon or lambda")
+      ->type_name("NAME");
+  line.add_number("--tau-c", options.tau_c,
+                  "with the rules simc and lambda: time constant of the closed loop [s]")
+      ->type_name("S");
+  line.add_number("--Ms-max", options.Ms_max, "greatest integral gain with max |S| up to this; 1.4")
+      ->type_name("M");
+  line.add_number("--Mt-max", options.Mt_max, "and max |T| up to this")->type_name("M");
+  line.add_number("--noise-gain-max", options.noise_gain_max, "and max |C S| up to this")
+      ->type_name("G");
+}
+
+Given given_of(const CommandLine& line) {
+  return {line.was_given("--crossover"),
+          line.was_given("--phase-margin"),
+          line.was_given("--Tf"),
+          line.was_given("--tau-c"),
+          line.was_given("--Ms-max"),
+          line.was_given("--Mt-max"),
+          line.was_given("--noise-gain-max")};
+}
+
 }  // namespace
 
 Verb pid_verb() {
@@ -165,43 +209,13 @@ Verb pid_verb() {
                 "the flown loop is told in both cases")
             ->type_name("NAME");
         add_cascade_options(line, options->cascade);
-        line.add_option("--num", options->num, "numerator of the plant, descending powers")
-            ->type_name("LIST");
-        line.add_option("--den", options->den, "denominator, descending powers")->type_name("LIST");
-        line.add_number("--delay", options->delay, "delay of the plant [s]")->type_name("S");
-        line.add_option("--type", options->type, "P, PI, PD or PID (default)")->type_name("TYPE");
-        Option* crossover = line.add_number("--crossover", options->crossover,
-                                            "where the loop's gain shall be 1 [rad/s]")
-                                ->type_name("W");
-        Option* phase = line.add_number("--phase-margin", options->phase_margin, "there [deg]")
-                            ->type_name("DEG");
-        Option* Tf =
-            line.add_number("--Tf", options->Tf, "time constant of the derivative's filter [s]; 0")
-                ->type_name("S");
-        line.add_option("--rule", options->rule,
-                        "amigo, simc, ziegler-nichols, cohen-coon or lambda")
-            ->type_name("NAME");
-        Option* tau_c =
-            line.add_number("--tau-c", options->tau_c,
-                            "with the rules simc and lambda: time constant of the closed loop [s]")
-                ->type_name("S");
-        Option* Ms = line.add_number("--Ms-max", options->Ms_max,
-                                     "greatest integral gain with max |S| up to this; 1.4")
-                         ->type_name("M");
-        Option* Mt =
-            line.add_number("--Mt-max", options->Mt_max, "and max |T| up to this")->type_name("M");
-        Option* noise =
-            line.add_number("--noise-gain-max", options->noise_gain_max, "and max |C S| up to this")
-                ->type_name("G");
+        add_transfer_function_options(line, *options);
         add_plot_option(line, options->plot);
         return [=, owner = &line](Context& context) {
           if (!options->vehicle.empty()) return run_vehicle(*owner, *options, context);
           refuse_options(*owner, {"--method", "--plant"}, "belongs to a vehicle, expected one");
           refuse_options(*owner, cascade_option_names(), "belongs to a vehicle, expected one");
-          run(*options,
-              {crossover->was_given(), phase->was_given(), Tf->was_given(), tau_c->was_given(),
-               Ms->was_given(), Mt->was_given(), noise->was_given()},
-              context);
+          run(*options, given_of(*owner), context);
         };
       }};
 }
