@@ -2,6 +2,7 @@
 /// quadtune compare: the same mission flown twice, and where the two flights part.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <ostream>
 #include <utility>
@@ -21,70 +22,48 @@ struct Options {
   FlightOptions flight;
 };
 
-/// The two flights: what the user asked for, but for the one thing that is compared.
-std::array<FlightOptions, 2> both_flights(Options options) {
-  FlightOptions& flight = options.flight;
-  const auto expect_none = [&](const std::string& value, const char* option, const char* because) {
-    if (!value.empty())
-      throw UsageError(fmt::format("quadtune compare: {} came with {}, expected none because {}",
-                                   option, options.what, because),
-                       option);
-  };
-  if (options.what == "integrators") {
-    expect_none(flight.integrator, "--integrator", "euler is compared with tustin");
-    flight = as_the_model_project(flight);
-    std::array<FlightOptions, 2> two = {flight, flight};
-    two[0].integrator = "euler";
-    two[1].integrator = "tustin";
-    return two;
-  }
-  if (options.what == "flow") {
-    expect_none(flight.flow, "--flow", "the simplified flow is compared with the full one");
-    if (!flight.vehicle.empty() && !load_vehicle(flight.vehicle).sensors.flow)
-      throw UsageError(fmt::format("quadtune compare: flow: '{}' has no optical flow sensor, "
-                                   "expected a vehicle with one",
-                                   flight.vehicle),
-                       "V");
-    if (flight.estimator.empty()) flight.estimator = "mambo-original";
-    flight = as_the_model_project(flight);
-    std::array<FlightOptions, 2> two = {flight, flight};
-    two[0].flow = "simplified";
-    two[1].flow = "full";
-    return two;
-  }
-  if (options.what == "filter") {
-    expect_none(flight.estimator, "--estimator",
-                "the position by filtered velocity is compared with that by the flow's own");
-    std::array<FlightOptions, 2> two = {flight, flight};
-    two[0].estimator = "mambo";
-    two[1].estimator = "mambo-raw";
-    return two;
-  }
-  if (options.what == "gains") {
-    if (options.first.empty() || options.second.empty())
-      throw UsageError(
-          "quadtune compare: gains: expected two, as for --gains of quadtune fly, e.g. "
-          "quadtune compare gains mambo published designed",
-          "A");
-    expect_none(flight.gains, "--gains", "the two that are compared follow the vehicle");
-    std::array<FlightOptions, 2> two = {flight, flight};
-    two[0].gains = options.first;
-    two[1].gains = options.second;
-    return two;
-  }
-  const std::vector<std::string> known = {"integrators", "flow", "filter", "gains"};
-  throw UsageError(
-      fmt::format("quadtune compare: no comparison '{}', expected integrators, flow, filter or "
-                  "gains{}",
-                  options.what, internal::did_you_mean(options.what, known)),
-      "WHAT");
+/// What differs, and where the user must say more than that.
+void require_words(const Options& options) {
+  const FlightOptions& flight = options.flight;
+  const std::vector<std::string>& known = compared_things();
+  if (options.what.empty())
+    throw UsageError("quadtune compare: expected integrators, flow, filter or gains", "WHAT");
+  if (options.what != "gains" && !options.first.empty())
+    throw UsageError(fmt::format("quadtune compare: '{}' came after the vehicle, "
+                                 "expected nothing there but with gains",
+                                 options.first),
+                     "A");
+  if (std::find(known.begin(), known.end(), options.what) == known.end())
+    throw UsageError(
+        fmt::format("quadtune compare: no comparison '{}', expected integrators, flow, filter or "
+                    "gains{}",
+                    options.what, internal::did_you_mean(options.what, known)),
+        "WHAT");
+  if (options.what == "flow" && flight.flow.empty() && !flight.vehicle.empty() &&
+      !load_vehicle(flight.vehicle).sensors.flow)
+    throw UsageError(fmt::format("quadtune compare: flow: '{}' has no optical flow sensor, "
+                                 "expected a vehicle with one",
+                                 flight.vehicle),
+                     "V");
+  if (options.what == "gains" && (options.first.empty() || options.second.empty()))
+    throw UsageError(
+        "quadtune compare: gains: expected two, as for --gains of quadtune fly, e.g. "
+        "quadtune compare gains mambo published designed",
+        "A");
 }
 
-std::array<std::string, 2> names_of(const Options& options) {
-  if (options.what == "integrators") return {"euler", "tustin"};
-  if (options.what == "flow") return {"simplified", "full"};
-  if (options.what == "filter") return {"filtered", "raw"};
-  return {options.first, options.second};
+void run(Options& options, Context& context) {
+  require_words(options);
+  options.flight.seed = context.seed;
+  const FlightPair pair = option_of_command("compare", [&] {
+    return flight_pair(options.what, options.flight, {options.first, options.second});
+  });
+  if (options.flight.vehicle.empty()) throw UsageError("quadtune compare: expected a vehicle", "V");
+  std::array<PlannedFlight, 2> plans =
+      option_of_command("compare", [&] { return plan_both(pair, "compare"); });
+  for (const std::string& note : plans[0].notes) context.note("compare: note: " + note);
+  const ComparedFlights compared = fly_both(pair, std::move(plans), interrupted);
+  context.out << (context.json ? internal::readable(to_json(compared)) + "\n" : to_text(compared));
 }
 
 }  // namespace
@@ -101,28 +80,7 @@ Verb compare_verb() {
             line.add_option("A", options->first, "gains of the first flight");
             line.add_option("B", options->second, "gains of the second flight");
             add_flight_options(line, options->flight);
-            return [options](Context& context) {
-              if (options->what.empty())
-                throw UsageError("quadtune compare: expected integrators, flow, filter or gains",
-                                 "WHAT");
-              if (options->what != "gains" && !options->first.empty())
-                throw UsageError(fmt::format("quadtune compare: '{}' came after the vehicle, "
-                                             "expected nothing there but with gains",
-                                             options->first),
-                                 "A");
-              options->flight.seed = context.seed;
-              const std::array<FlightOptions, 2> wanted =
-                  option_of_command("compare", [&] { return both_flights(*options); });
-              if (options->flight.vehicle.empty())
-                throw UsageError("quadtune compare: expected a vehicle", "V");
-              std::array<PlannedFlight, 2> plans =
-                  option_of_command("compare", [&] { return plan_both(wanted, "compare"); });
-              for (const std::string& note : plans[0].notes) context.note("compare: note: " + note);
-              const ComparedFlights compared =
-                  fly_both(options->what, names_of(*options), std::move(plans), interrupted);
-              context.out << (context.json ? internal::readable(to_json(compared)) + "\n"
-                                           : to_text(compared));
-            };
+            return [options](Context& context) { run(*options, context); };
           }};
 }
 

@@ -174,59 +174,61 @@ void run_discretize(const Options& options, const CommandLine& line, Context& co
   run_system(options, context);
 }
 
+/// Of one system, and how it is sampled.
+void add_system_options(CommandLine& line, Options& options) {
+  line.add_option("--A", options.A, "dynamics (nx x nx)")->type_name("FILE");
+  line.add_option("--B", options.B, "inputs (nx x nu)")->type_name("FILE");
+  line.add_option("--C", options.C, "outputs (ny x nx); the states")->type_name("FILE");
+  line.add_option("--D", options.D, "feed-through (ny x nu); zero")->type_name("FILE");
+  line.add_option("--num", options.num, "zeros' polynomial, highest power first")
+      ->type_name("LIST");
+  line.add_option("--den", options.den, "poles' polynomial, likewise")->type_name("LIST");
+  line.add_number("--delay", options.delay, "of --num/--den [s]")->type_name("T");
+  line.add_number("--dt", options.dt, "sample period [s]")->type_name("T");
+  line.add_option("--method", options.method,
+                  "zoh (default), foh, impulse, euler, backward-euler, tustin or matched")
+      ->type_name("NAME");
+  line.add_number("--prewarp", options.prewarp, "frequency at which tustin is exact [rad/s]")
+      ->type_name("W");
+  line.add_option("--input-delay", options.input_delay, "of each input, or of all [s]")
+      ->type_name("LIST");
+  line.add_option("--output-delay", options.output_delay, "of each output, or of all [s]")
+      ->type_name("LIST");
+  line.add_flag("--inverse", options.inverse,
+                "the system is discrete; back to continuous by zoh or tustin");
+}
+
 }  // namespace
 
 Verb discretize_verb() {
-  return {
-      "discretize",
-      "--A FILE --B FILE [--C FILE --D FILE] | --num LIST --den LIST | V --compare, --dt T "
-      "[--method NAME]",
-      "sample a continuous system, or back; or compare the methods on a vehicle's loops",
-      "quadtune discretize --A docs/examples/A.txt --B docs/examples/B.txt --dt 0.01 --method "
-      "tustin",
-      [](CommandLine& line) -> Action {
-        auto options = std::make_shared<Options>();
-        line.add_option("V", options->vehicle, "with --compare: a built-in vehicle or a file");
-        line.add_flag("--compare", options->compare,
-                      "every method at T/2, T and 2 T on the vehicle's LQR and PID loops");
-        line.add_option("--plant", options->compared_plant,
-                        "with --compare: flown (default) judges the laws as they run on the "
-                        "plant with the sensors and the estimator as well; ideal does not")
-            ->type_name("NAME");
-        add_plot_option(line, options->plot);
-        line.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
-        line.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");
-        line.add_option("--C", options->C, "outputs (ny x nx); the states")->type_name("FILE");
-        line.add_option("--D", options->D, "feed-through (ny x nu); zero")->type_name("FILE");
-        line.add_option("--num", options->num, "zeros' polynomial, highest power first")
-            ->type_name("LIST");
-        line.add_option("--den", options->den, "poles' polynomial, likewise")->type_name("LIST");
-        Option* delay =
-            line.add_number("--delay", options->delay, "of --num/--den [s]")->type_name("T");
-        Option* dt = line.add_number("--dt", options->dt, "sample period [s]")->type_name("T");
-        line.add_option("--method", options->method,
-                        "zoh (default), foh, impulse, euler, backward-euler, tustin or matched")
-            ->type_name("NAME");
-        Option* prewarp = line.add_number("--prewarp", options->prewarp,
-                                          "frequency at which tustin is exact [rad/s]")
-                              ->type_name("W");
-        line.add_option("--input-delay", options->input_delay, "of each input, or of all [s]")
-            ->type_name("LIST");
-        line.add_option("--output-delay", options->output_delay, "of each output, or of all [s]")
-            ->type_name("LIST");
-        line.add_flag("--inverse", options->inverse,
-                      "the system is discrete; back to continuous by zoh or tustin");
-        return [options, dt, delay, prewarp, owner = &line](Context& context) {
-          if (!dt->was_given())
-            throw UsageError(
-                "quadtune discretize: --dt is missing, expected a sample period "
-                "in seconds",
-                "--dt");
-          options->has_delay = delay->was_given();
-          options->has_prewarp = prewarp->was_given();
-          run_discretize(*options, *owner, context);
-        };
-      }};
+  return {"discretize",
+          "--A FILE --B FILE [--C FILE --D FILE] | --num LIST --den LIST | V --compare, --dt T "
+          "[--method NAME]",
+          "sample a continuous system, or back; or compare the methods on a vehicle's loops",
+          "quadtune discretize --A docs/examples/A.txt --B docs/examples/B.txt --dt 0.01 --method "
+          "tustin",
+          [](CommandLine& line) -> Action {
+            auto options = std::make_shared<Options>();
+            line.add_option("V", options->vehicle, "with --compare: a built-in vehicle or a file");
+            line.add_flag("--compare", options->compare,
+                          "every method at T/2, T and 2 T on the vehicle's LQR and PID loops");
+            line.add_option("--plant", options->compared_plant,
+                            "with --compare: flown (default) judges the laws as they run on the "
+                            "plant with the sensors and the estimator as well; ideal does not")
+                ->type_name("NAME");
+            add_plot_option(line, options->plot);
+            add_system_options(line, *options);
+            return [options, owner = &line](Context& context) {
+              if (!owner->was_given("--dt"))
+                throw UsageError(
+                    "quadtune discretize: --dt is missing, expected a sample period "
+                    "in seconds",
+                    "--dt");
+              options->has_delay = owner->was_given("--delay");
+              options->has_prewarp = owner->was_given("--prewarp");
+              run_discretize(*options, *owner, context);
+            };
+          }};
 }
 
 }  // namespace quadtune::cli

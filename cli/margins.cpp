@@ -157,8 +157,10 @@ std::string figure_title(const Options& options) {
          (options.delay > 0 ? fmt::format(", delay {} s", number(options.delay)) : "");
 }
 
-/// @param flown_option  the first option given of those for the flown loop; or empty
-void require_flown(const Options& options, const std::string& flown_option) {
+void require_flown(const Options& options, const CommandLine& line) {
+  std::string flown_option;  // the first that came
+  for (const char* name : {"--estimator", "--sensors", "--height", "--plant"})
+    if (flown_option.empty() && line.was_given(name)) flown_option = name;
   (void)asks_for_flown_plant(options.plant, "margins");
   require_positive(options.height, "margins", "--height", "metres");
   if (flown_option.empty()) return;
@@ -216,6 +218,30 @@ void run(const Options& options, bool has_dt, bool has_sampled, Context& context
   tell(report, context);
 }
 
+/// Of a transfer function or of matrices.
+void add_loop_options(CommandLine& line, Options& options) {
+  line.add_option("--num", options.num, "numerator, descending powers")->type_name("LIST");
+  line.add_option("--den", options.den, "denominator, descending powers")->type_name("LIST");
+  line.add_option("--A", options.A, "dynamics (nx x nx)")->type_name("FILE");
+  line.add_option("--B", options.B, "inputs (nx x nu)")->type_name("FILE");
+  line.add_option("--K", options.K, "gain of u = -K x (nu x nx)")->type_name("FILE");
+  line.add_option("--cut", options.cut,
+                  "with matrices: where the loop is cut, inputs (default) or states")
+      ->type_name("PLACE");
+  line.add_flag("--continuous", options.continuous, "A and B are continuous (default)");
+  line.add_flag("--discrete", options.discrete, "A and B are discrete, with --dt");
+  line.add_number("--sampled", options.sampled,
+                  "continuous A and B with the input held for DT seconds")
+      ->type_name("DT");
+  line.add_number("--dt", options.dt,
+                  "sample period [s]: the coefficients are of z, the matrices "
+                  "discrete")
+      ->type_name("T");
+  line.add_number("--delay", options.delay,
+                  "delay in the loop [s]; whole samples of a discrete one")
+      ->type_name("S");
+}
+
 }  // namespace
 
 Verb margins_verb() {
@@ -230,26 +256,7 @@ Verb margins_verb() {
         line.add_option("--gains", options->gains,
                         "with V: an export, a file of gains or a design file")
             ->type_name("FILE");
-        line.add_option("--num", options->num, "numerator, descending powers")->type_name("LIST");
-        line.add_option("--den", options->den, "denominator, descending powers")->type_name("LIST");
-        line.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
-        line.add_option("--B", options->B, "inputs (nx x nu)")->type_name("FILE");
-        line.add_option("--K", options->K, "gain of u = -K x (nu x nx)")->type_name("FILE");
-        line.add_option("--cut", options->cut,
-                        "with matrices: where the loop is cut, inputs (default) or states")
-            ->type_name("PLACE");
-        line.add_flag("--continuous", options->continuous, "A and B are continuous (default)");
-        line.add_flag("--discrete", options->discrete, "A and B are discrete, with --dt");
-        Option* sampled = line.add_number("--sampled", options->sampled,
-                                          "continuous A and B with the input held for DT seconds")
-                              ->type_name("DT");
-        Option* dt = line.add_number("--dt", options->dt,
-                                     "sample period [s]: the coefficients are of z, the matrices "
-                                     "discrete")
-                         ->type_name("T");
-        line.add_number("--delay", options->delay,
-                        "delay in the loop [s]; whole samples of a discrete one")
-            ->type_name("S");
+        add_loop_options(line, *options);
         line.add_option(
                 "--plant", options->plant,
                 "with V: flown (default) includes the rotors' lag, the sensors' clocks and delays "
@@ -262,16 +269,10 @@ Verb margins_verb() {
             ->type_name("NAME");
         line.add_number("--height", options->height, "with V: height of the hover [m], default 1.1")
             ->type_name("M");
-        std::vector<const Option*> of_flown;
-        for (const char* name : {"--estimator", "--sensors", "--height", "--plant"})
-          of_flown.push_back(line.find(name));
         add_plot_option(line, options->plot);
-        return [options, dt, sampled, of_flown](Context& context) {
-          std::string came;
-          for (const Option* option : of_flown)
-            if (came.empty() && option->was_given()) came = option->name();
-          require_flown(*options, came);
-          run(*options, dt->was_given(), sampled->was_given(), context);
+        return [options, owner = &line](Context& context) {
+          require_flown(*options, *owner);
+          run(*options, owner->was_given("--dt"), owner->was_given("--sampled"), context);
         };
       }};
 }

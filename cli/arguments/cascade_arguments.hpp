@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "quadtune/cascade.hpp"
-#include "quadtune/model/vehicle.hpp"
+#include "quadtune/workbench/design/cascade_options.hpp"
 
 namespace quadtune::cli {
 
@@ -30,10 +29,9 @@ void add_cascade_options(CommandLine& line, CascadeArguments& arguments);
 /// The options' names, for refusals.
 [[nodiscard]] const std::vector<std::string>& cascade_option_names();
 
-/// @param line  after parse(): which of the options, and whether --Ms-max, were given
-/// @throws UsageError  naming the option
-[[nodiscard]] CascadeSpecification cascade_specification(const CommandLine& line,
-                                                         const CascadeArguments& arguments,
-                                                         double Ms_max, const Vehicle& vehicle);
+/// Those of the options that were given.
+/// @param line  after parse()
+[[nodiscard]] CascadeOptions given_cascade_options(const CommandLine& line,
+                                                   const CascadeArguments& arguments);
 
 }  // namespace quadtune::cli

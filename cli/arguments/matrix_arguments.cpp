@@ -70,15 +70,7 @@ Eigen::MatrixXd require_matrix(const std::string& path, std::istream& in, const 
 }
 
 std::vector<std::string> word_list(const std::string& text) {
-  std::vector<std::string> words;
-  std::size_t start = 0;
-  while (start < text.size()) {
-    const std::size_t end = std::min(text.find(',', start), text.size());
-    words.push_back(text.substr(start, end - start));
-    start = end + 1;
-  }
-  if (!text.empty() && text.back() == ',') words.emplace_back();
-  return words;
+  return internal::comma_separated(text);
 }
 
 std::vector<double> number_list(const std::string& text, const std::string& verb,

@@ -2,7 +2,7 @@
 /// Numbers of the command line, read as in files.
 #pragma once
 
-#include "quadtune/internal/read_number.hpp"
+#include "quadtune/internal/words.hpp"
 
 namespace quadtune::cli {
 

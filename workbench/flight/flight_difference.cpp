@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quadtune/workbench/flight/flight_difference.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 
 namespace quadtune {
 namespace {
@@ -21,6 +26,45 @@ constexpr const char* kCompared[][2] = {{"command.T", "T"},
                                         {"estimate.px", "believed_px"},
                                         {"estimate.py", "believed_py"},
                                         {"estimate.pz", "believed_pz"}};
+
+/// One thing that can differ.
+struct Variant {
+  const char* what;
+  const char* key;  ///< of the option
+  std::string FlightOptions::*option;
+  std::array<std::string, 2> values;
+  std::array<std::string, 2> names;
+  const char* because;  ///< the option itself is not to be set
+};
+
+const std::vector<Variant>& variants() {
+  static const std::vector<Variant> all = {
+      {"integrators",
+       "integrator",
+       &FlightOptions::integrator,
+       {"euler", "tustin"},
+       {"euler", "tustin"},
+       "euler is compared with tustin"},
+      {"flow",
+       "flow",
+       &FlightOptions::flow,
+       {"simplified", "full"},
+       {"simplified", "full"},
+       "the simplified flow is compared with the full one"},
+      {"filter",
+       "estimator",
+       &FlightOptions::estimator,
+       {"mambo", "mambo-raw"},
+       {"filtered", "raw"},
+       "the position by filtered velocity is compared with that by the flow's own"},
+      {"gains",
+       "gains",
+       &FlightOptions::gains,
+       {},
+       {},
+       "the two that are compared follow the vehicle"}};
+  return all;
+}
 
 }  // namespace
 
@@ -60,19 +104,45 @@ EstimateError estimate_error(const LogTable& log) {
   return error;
 }
 
-std::array<PlannedFlight, 2> plan_both(const std::array<FlightOptions, 2>& options,
-                                       const std::string& who) {
+const std::vector<std::string>& compared_things() {
+  static const std::vector<std::string> all = [] {
+    std::vector<std::string> names;
+    for (const Variant& variant : variants()) names.emplace_back(variant.what);
+    return names;
+  }();
+  return all;
+}
+
+FlightPair flight_pair(const std::string& what, FlightOptions flight,
+                       const std::array<std::string, 2>& gains) {
+  const auto at = std::find_if(variants().begin(), variants().end(),
+                               [&](const Variant& variant) { return variant.what == what; });
+  if (at == variants().end())
+    throw InvalidInput("compare", fmt::format("no comparison '{}', expected {}", what,
+                                              internal::joined(compared_things(), ", ")));
+  if (!(flight.*at->option).empty())
+    throw OptionError(at->key, fmt::format("{} came with {}, expected none because {}", at->key,
+                                           what, at->because));
+  if (what == "flow" && flight.estimator.empty()) flight.estimator = "mambo-original";
+  if (what == "flow" || what == "integrators") flight = as_the_model_project(flight);
+  FlightPair pair{what, what == "gains" ? gains : at->names, {flight, flight}};
+  const std::array<std::string, 2>& values = what == "gains" ? gains : at->values;
+  for (std::size_t i = 0; i < 2; ++i) pair.options[i].*at->option = values[i];
+  return pair;
+}
+
+std::array<PlannedFlight, 2> plan_both(const FlightPair& pair, const std::string& who) {
   std::array<PlannedFlight, 2> plans;
   for (std::size_t i = 0; i < 2; ++i) {
-    plans[i] = plan_flight(options[i], who);
+    plans[i] = plan_flight(pair.options[i], who);
     keep_log(plans[i]);
   }
   return plans;
 }
 
-ComparedFlights fly_both(std::string what, std::array<std::string, 2> names,
-                         std::array<PlannedFlight, 2> plans, const std::function<bool()>& stop) {
-  ComparedFlights compared{std::move(what), std::move(names), {}, {}};
+ComparedFlights fly_both(const FlightPair& pair, std::array<PlannedFlight, 2> plans,
+                         const std::function<bool()>& stop) {
+  ComparedFlights compared{pair.what, pair.names, {}, {}};
   for (std::size_t i = 0; i < 2; ++i) compared.flights[i] = fly_planned(std::move(plans[i]), stop);
   compared.difference =
       difference_of(compared.flights[0].result.log, compared.flights[1].result.log);

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "quadtune/errors.hpp"
-#include "quadtune/internal/read_number.hpp"
+#include "quadtune/internal/words.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune {

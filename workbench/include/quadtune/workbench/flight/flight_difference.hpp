@@ -41,25 +41,43 @@ struct EstimateError {
 /// @param log  of a flight: with x.px, x.py, estimate.px and estimate.py
 [[nodiscard]] EstimateError estimate_error(const LogTable& log);
 
+/// Two flights that differ in one thing.
+struct FlightPair {
+  std::string what;                  ///< "integrators", "flow", "filter" or "gains"
+  std::array<std::string, 2> names;  ///< e.g. "euler" and "tustin"
+  std::array<FlightOptions, 2> options;
+};
+
+/// What can differ.
+[[nodiscard]] const std::vector<std::string>& compared_things();
+
+/// Forward Euler and Tustin of the PID's integrals; the simplified model of the optical flow and
+/// the full one, both as as_the_model_project(); the position by filtered velocity and by the
+/// flow's own; or two gains.
+/// @param what   one of compared_things()
+/// @param gains  the two of "gains", as FlightOptions::gains; otherwise not used
+/// @throws OptionError  for an option that is what differs
+[[nodiscard]] FlightPair flight_pair(const std::string& what, FlightOptions flight,
+                                     const std::array<std::string, 2>& gains = {});
+
+/// Plans both, so that a mistake in the second is told before the first flies.
+/// @param who  asked, e.g. "compare", for the message of NoSolution
+/// @throws OptionError, InvalidInput, FileError, NoSolution  as plan_flight() and keep_log()
+[[nodiscard]] std::array<PlannedFlight, 2> plan_both(const FlightPair& pair,
+                                                     const std::string& who);
+
 /// Two flights whose logs were kept.
 struct ComparedFlights {
-  std::string what;  ///< that differs, e.g. "integrators"
+  std::string what;  ///< as FlightPair
   std::array<std::string, 2> names;
   std::array<FlownFlight, 2> flights;
   FlightDifference difference;
 };
 
-/// Plans both, so that a mistake in the second is told before the first flies.
-/// @param who  asked, e.g. "compare", for the message of NoSolution
-/// @throws OptionError, InvalidInput, FileError, NoSolution  as plan_flight() and keep_log()
-[[nodiscard]] std::array<PlannedFlight, 2> plan_both(const std::array<FlightOptions, 2>& options,
-                                                     const std::string& who);
-
 /// Flies both, each like fly_planned().
-/// @param names  of the flights
+/// @param plans  of plan_both()
 /// @throws Interrupted  where `stop` returned true
-[[nodiscard]] ComparedFlights fly_both(std::string what, std::array<std::string, 2> names,
-                                       std::array<PlannedFlight, 2> plans,
+[[nodiscard]] ComparedFlights fly_both(const FlightPair& pair, std::array<PlannedFlight, 2> plans,
                                        const std::function<bool()>& stop = {});
 
 }  // namespace quadtune

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/design/pid_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "design/positive_option.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/synthesis/pid_loop.hpp"
+#include "quadtune/synthesis/pid_rules.hpp"
+
+namespace quadtune {
+namespace {
+
+/// Gains, and how they were found, in words.
+struct Found {
+  PidGains gains;
+  std::string how;
+};
+
+const std::vector<std::string> kRules = {"amigo", "simc", "ziegler-nichols", "cohen-coon",
+                                         "lambda"};
+
+/// As messages have it.
+std::string number(double value) { return fmt::format("{:.6g}", value); }
+
+Found by_crossover(const ContinuousTransferFunction& plant, const PidRequest& request,
+                   const PidCrossover& asked) {
+  require_positive_option("crossover", asked.crossover, "rad/s");
+  if (!(asked.phase_margin > 0 && asked.phase_margin < 180))
+    throw OptionError("phase-margin", fmt::format("phase-margin is {} deg, expected more than 0 "
+                                                  "and less than 180",
+                                                  number(asked.phase_margin)));
+  LoopRequirement requirement;
+  requirement.type = request.type;
+  requirement.crossover = asked.crossover;
+  requirement.phase_margin = asked.phase_margin * std::numbers::pi / 180;
+  requirement.Tf = request.Tf;
+  const PidLoopDesign design = pid_for_crossover(plant, requirement);
+  if (!design.solved())
+    throw NoSolution(fmt::format("pid: {}: {}", to_string(design.status), design.culprit),
+                     "--crossover");
+  return {design.gains, fmt::format("{} for a crossover of {} rad/s and a phase margin of {} deg",
+                                    to_string(request.type), number(asked.crossover),
+                                    number(asked.phase_margin))};
+}
+
+template <class Model>
+Model require_fitted(const LagFit<Model>& fit) {
+  if (!fit.fitted())
+    throw NoSolution("pid: the rule needs a model of one lag and a delay: " + fit.culprit,
+                     "--rule");
+  return fit.model;
+}
+
+std::string model_text(const FopdtModel& model) {
+  return fmt::format("{} e^(-{} s)/({} s + 1)", number(model.gain), number(model.delay),
+                     number(model.time_constant));
+}
+
+/// SIMC keeps a second lag for its PID, as its half rule gives it.
+Found by_simc(const ContinuousTransferFunction& plant, PidType type,
+              const std::optional<double>& tau_c) {
+  if (type == PidType::PID) {
+    const SopdtModel model = require_fitted(half_rule_sopdt(plant));
+    const double used = tau_c.value_or(model.delay);
+    return {simc(model, used),
+            fmt::format("PID by SIMC for {} e^(-{} s)/(({} s + 1)({} s + 1)), tau_c {} s",
+                        number(model.gain), number(model.delay), number(model.time_constant),
+                        number(model.second), number(used))};
+  }
+  if (type != PidType::PI)
+    throw OptionError("type", "rule simc has PI and PID, expected one of them as --type");
+  const LagFit<FopdtModel> half = half_rule_fopdt(plant);
+  const FopdtModel model = half.fitted() ? half.model : require_fitted(fit_fopdt(plant));
+  const double used = tau_c.value_or(model.delay);
+  return {simc(model, used),
+          fmt::format("PI by SIMC for {}, tau_c {} s", model_text(model), number(used))};
+}
+
+Found by_rule(const ContinuousTransferFunction& plant, PidType type, const PidRule& asked) {
+  const std::string& rule = asked.rule;
+  if (std::find(kRules.begin(), kRules.end(), rule) == kRules.end())
+    throw OptionError(
+        "rule", fmt::format("rule is '{}', expected one of {}{}", rule,
+                            internal::joined(kRules, ", "), internal::did_you_mean(rule, kRules)));
+  if (asked.tau_c && rule != "simc" && rule != "lambda")
+    throw OptionError("tau-c", "tau-c belongs to the rules simc and lambda, expected none");
+  if (asked.tau_c) require_positive_option("tau-c", *asked.tau_c, "seconds");
+  if (rule == "simc") return by_simc(plant, type, asked.tau_c);
+  const FopdtModel model = require_fitted(fit_fopdt(plant));
+  const double lambda = asked.tau_c.value_or(std::max(model.delay, model.time_constant / 3));
+  const PidGains gains = rule == "amigo"             ? amigo(type, model)
+                         : rule == "ziegler-nichols" ? ziegler_nichols_step(type, model)
+                         : rule == "cohen-coon"      ? cohen_coon(type, model)
+                                                     : lambda_tuning(type, model, lambda);
+  return {gains, fmt::format("{} by {} for {}{}", to_string(type), rule, model_text(model),
+                             rule == "lambda" ? fmt::format(", lambda {} s", number(lambda)) : "")};
+}
+
+Found by_bounds(const ContinuousTransferFunction& plant, const PidRequest& request,
+                const PidBounds& bounds) {
+  if (request.type != PidType::PI && request.type != PidType::PID)
+    throw OptionError("type",
+                      "Ms-max asks for the greatest integral gain, expected --type PI or PID");
+  const PidOptimum optimum = greatest_integral_gain(plant, request.type, bounds, request.Tf);
+  if (!optimum.solved())
+    throw NoSolution(fmt::format("pid: {}: {}", to_string(optimum.status), optimum.culprit),
+                     "--Ms-max");
+  return {
+      optimum.gains,
+      fmt::format("{} of the greatest Ki; bound by {}", to_string(request.type),
+                  optimum.binding.empty() ? "nothing" : internal::joined(optimum.binding, ", "))};
+}
+
+Found found_for(const ContinuousTransferFunction& plant, const PidRequest& request) {
+  if (const auto* crossover = std::get_if<PidCrossover>(&request.by))
+    return by_crossover(plant, request, *crossover);
+  if (const auto* rule = std::get_if<PidRule>(&request.by))
+    return by_rule(plant, request.type, *rule);
+  return by_bounds(plant, request, std::get<PidBounds>(request.by));
+}
+
+}  // namespace
+
+PidType pid_type(const std::string& word) {
+  for (const PidType type : {PidType::P, PidType::PI, PidType::PD, PidType::PID})
+    if (word == to_string(type)) return type;
+  throw OptionError("type", fmt::format("type is '{}', expected P, PI, PD or PID", word));
+}
+
+PidReport pid_report(const ContinuousTransferFunction& plant, const PidRequest& request) {
+  Found found = found_for(plant, request);
+  PidReport report{request.type, plant, found.gains, std::move(found.how)};
+  const ContinuousTransferFunction loop = loop_of(plant, report.gains);
+  report.needs_filter = loop.num.size() > loop.den.size();
+  if (!report.needs_filter) report.margins = margins_report(OpenLoop(loop), {});
+  return report;
+}
+
+}  // namespace quadtune

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/design/vehicle_cascade.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/workbench/design/chosen_law.hpp"
+#include "quadtune/workbench/flight/flight_plan.hpp"
+#include "quadtune/workbench/flown/flown_check.hpp"
+#include "quadtune/workbench/flown/plant_word.hpp"
+
+namespace quadtune {
+namespace {
+
+/// The first option that only the rules of the loops take; empty where none is set.
+std::string option_of_loops(const CascadeOptions& options) {
+  const std::pair<const char*, bool> all[] = {{"Ms-max", options.Ms_max.has_value()},
+                                              {"bandwidth", options.bandwidth.has_value()},
+                                              {"sensor-delay", options.sensor_delay.has_value()},
+                                              {"motor-lag", options.motor_lag.has_value()},
+                                              {"tracking-max", options.tracking_max.has_value()},
+                                              {"integral", options.integral.has_value()},
+                                              {"integrator", options.integrator.has_value()},
+                                              {"free", options.use_published.has_value()}};
+  for (const auto& [key, set] : all)
+    if (set) return key;
+  return "";
+}
+
+/// Whether the textbook plant is asked for, on which the loops are designed one by one.
+bool asks_for_ideal_plant(const CascadeOptions& options) {
+  if (options.plant.empty() || asks_for_flown_plant(options.plant)) return false;
+  if (options.method == "flown")
+    throw OptionError("method",
+                      "method flown came with --plant ideal, expected --method loops, which "
+                      "knows of no sensors and no estimator");
+  if (options.motor_lag)
+    throw OptionError("motor-lag",
+                      "motor-lag came with --plant ideal, expected none because rotors of the "
+                      "textbook plant do not lag");
+  return true;
+}
+
+/// Whether all gains are designed at once on the flown plant, or loop by loop.
+bool designs_on_flown_plant(const CascadeOptions& options, const Vehicle& vehicle) {
+  const std::string& method = options.method;
+  if (!method.empty() && method != "loops" && method != "flown")
+    throw OptionError("method", fmt::format("method is '{}', expected flown or loops{}",
+                                            internal::printable(method),
+                                            internal::did_you_mean(method, {"flown", "loops"})));
+  if (asks_for_ideal_plant(options) || method == "loops") return false;
+  const std::string of_loops = option_of_loops(options);
+  if (method.empty()) return usually_on_flown_plant(vehicle) && of_loops.empty();
+  if (!of_loops.empty())
+    throw OptionError(of_loops, of_loops + " belongs to --method loops, expected it");
+  return true;
+}
+
+FlownGains gains_on_flown_plant(const Vehicle& vehicle, double dt, bool asked_for_dt) {
+  FlownGainsOptions options;
+  options.dt = dt;
+  try {
+    return flown_gains(vehicle, options);
+  } catch (const OptionError&) {
+    throw;
+  } catch (const InvalidInput& error) {
+    // The period may be too short for the estimator.
+    if (!asked_for_dt || error.where() != "estimator general") throw;
+    throw OptionError("dt", fmt::format("dt: {}", error.what()));
+  }
+}
+
+ExportContent content_of(const Vehicle& vehicle, const CascadeReport& report, bool flown) {
+  ExportContent content;
+  content.vehicle = vehicle;
+  content.cascade = CascadeDesign{report.cascade.gains, {}, report.specification.method};
+  content.cascade->back_calculation = kDesignedBackCalculation;
+  content.cascade->velocity_feed_forward = true;
+  content.cascade->conditional_integration = true;
+  content.cascade->integrator_limit = CascadeController{}.integrator_limit;
+  content.cascade->attitude_limit =
+      flown ? kDesignedAttitudeLimit : CascadeController{}.attitude_limit;
+  content.estimator = stored_estimator(vehicle, "", report.cascade.gains.dt);
+  return content;
+}
+
+}  // namespace
+
+VehicleCascade vehicle_cascade(const Vehicle& vehicle, const CascadeOptions& options,
+                               const std::string& where) {
+  CascadeSpecification specification = cascade_specification(options, vehicle);
+  const bool on_flown_plant = designs_on_flown_plant(options, vehicle);
+  VehicleCascade result;
+  result.ideal = !on_flown_plant && asks_for_ideal_plant(options);
+  if (result.ideal) specification.lag = 0;
+  if (on_flown_plant) {
+    result.flown = gains_on_flown_plant(vehicle, specification.dt, options.dt.has_value());
+    result.report = assess_written_cascade(vehicle, as_cascade(*result.flown, specification.dt),
+                                           specification.method, where);
+  } else {
+    result.report = design_cascade(vehicle, specification, where);
+  }
+  result.content = content_of(vehicle, result.report, on_flown_plant);
+  const CascadeDesign& cascade = *result.content.cascade;
+  try {
+    result.loop = flown_loop(hover_under(vehicle, cascade_controller(cascade, cascade.gains),
+                                         result.content.estimator, ""));
+  } catch (const InvalidInput& error) {
+    result.not_analysed = error.what();
+  }
+  return result;
+}
+
+std::vector<std::string> notes_of(const VehicleCascade& cascade) {
+  std::vector<std::string> notes;
+  const auto add = [&](const char* kind, const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) notes.push_back(kind + text);
+  };
+  add("note: ", cascade.report.cascade.notes);
+  if (cascade.flown) add("note: ", cascade.flown->notes);
+  add("warning: ", cascade_warnings(cascade.report));
+  if (!cascade.loop) return notes;
+  const FlownLoop& loop = *cascade.loop;
+  add("note: ", flown_notes(loop));
+  add("note: ", margin_notes(loop.margins));
+  if (loop.grows())
+    notes.push_back(fmt::format("warning: the flown loop is unstable; {}{}", in_words(loop),
+                                cascade.ideal
+                                    ? "; without --plant ideal the design includes the rotors' "
+                                      "lag, the sensors and the estimator"
+                                    : ""));
+  add("warning: flown loop: ", margin_warnings(loop.margins));
+  return notes;
+}
+
+}  // namespace quadtune
