@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "quadtune/internal/json.hpp"
-#include "report/flights/flight_story.hpp"
+#include "report/flights/flight_text.hpp"
 
 namespace quadtune::report {
 
@@ -76,15 +76,6 @@ std::string missions_text(const DesignOutcome& outcome) {
   for (const std::vector<FlownFlight>* flights : {&outcome.flights, &outcome.disturbed})
     for (const FlownFlight& flight : *flights) text += (text.empty() ? "" : "\n") + text_of(flight);
   return text;
-}
-
-std::vector<std::string> notes_of_flights(const DesignOutcome& outcome) {
-  std::vector<std::string> notes;
-  for (const std::vector<FlownFlight>* flights : {&outcome.flights, &outcome.disturbed})
-    for (const FlownFlight& flight : *flights)
-      for (const std::string& note : flight.plan.notes)
-        if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
-  return notes;
 }
 
 }  // namespace quadtune::report

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "report/flights/flight_story.hpp"
+#include "report/flights/flight_text.hpp"
 
 namespace quadtune::report {
 

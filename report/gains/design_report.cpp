@@ -9,6 +9,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/mixer.hpp"
+#include "quadtune/workbench/design/design_verdict.hpp"
 #include "report/flights/design_flights.hpp"
 #include "report/gains/export_report.hpp"
 #include "report/gains/lqi_report.hpp"
@@ -196,30 +197,9 @@ bool told_with_the_gains(const DesignOutcome& outcome, const FlownLaw& law) {
   return (outcome.lqi || outcome.matrix) && law.name == "state feedback" && law.problem.empty();
 }
 
-std::vector<std::string> design_warnings(const DesignOutcome& outcome) {
-  std::vector<std::string> warnings;
-  if (outcome.feedback && !outcome.feedback->riccati.warning.empty())
-    warnings.push_back("lqr: " + outcome.feedback->riccati.warning);
-  if (outcome.lqi)
-    for (const std::string& note : outcome.lqi->design.notes) warnings.push_back("lqr: " + note);
-  if (outcome.matrix)
-    for (const std::string& note : outcome.matrix->design.notes) warnings.push_back("lqr: " + note);
-  if (outcome.margins)
-    for (const std::string& warning : margin_warnings(*outcome.margins))
-      warnings.push_back(warning);
-  if (outcome.cascade)
-    for (const std::string& warning : cascade_warnings(*outcome.cascade))
-      warnings.push_back("cascade: " + warning);
-  for (const FlownLaw& law : outcome.flown)
-    if (law.loop)
-      for (const std::string& warning : margin_warnings(law.loop->margins))
-        warnings.push_back("flown loop: " + warning);
-  return warnings;
-}
-
 /// "pass", "pass with warnings" or "fail".
 std::string verdict(const DesignOutcome& outcome, const std::vector<WrittenExport>& written) {
-  if (!passed(outcome, written)) return "fail";
+  if (failure_of(outcome, written) != DesignFailure::none) return "fail";
   return design_warnings(outcome).empty() ? "pass" : "pass with warnings";
 }
 
@@ -239,14 +219,6 @@ std::string written_text(const WrittenExport& written) {
 }
 
 }  // namespace
-
-bool passed(const DesignOutcome& outcome, const std::vector<WrittenExport>& written) {
-  if (outcome.cascade && unstable(*outcome.cascade)) return false;
-  if (!laws_hold(outcome)) return false;
-  if (!missions_passed(outcome)) return false;
-  return std::all_of(written.begin(), written.end(),
-                     [](const WrittenExport& one) { return one.verification.ok(); });
-}
 
 Json design_json(const DesignOutcome& outcome, const std::vector<WrittenExport>& written) {
   const Design& design = outcome.design;
