@@ -13,9 +13,11 @@
 
 #include "program/stop_signals.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/internal/json_fwd.hpp"
 
 namespace quadtune::report {}
+namespace quadtune::internal {
+class Json;
+}
 
 namespace quadtune::cli {
 
