@@ -103,9 +103,10 @@ Offer offer_of(const Verb& verb) {
     if (!option->takes_value()) offer.flags.push_back(name);
     if (!values.empty()) offer.values[name] = values;
   }
-  for (const char* option : {"--json", "--quiet", "--seed", "--threads"})
-    offer.options.emplace_back(option);
-  offer.flags.insert(offer.flags.end(), {"--json", "--quiet"});
+  for (const CommonOption& option : kCommonOptions) {
+    offer.options.emplace_back(option.name);
+    if (*option.type == '\0') offer.flags.emplace_back(option.name);
+  }
   return offer;
 }
 
