@@ -90,7 +90,7 @@ void run(const Options& options, Context& context) {
       [&] { return name.empty() ? overview_json(commands, kExitStatus) : usage_json(commands); },
       [&] {
         if (options.man) return man_page(commands, kExitStatus);
-        if (options.completion) return bash_completion();
+        if (options.completion) return bash_completion(completed_commands());
         return name.empty() ? overview_text(commands, kExitStatus) : usage_text(commands);
       });
 }
