@@ -75,8 +75,9 @@ void run(const Options& options, Context& context) {
   std::vector<WrittenExport> written;
   if (writes && (options.force || (laws_hold(outcome) && missions_passed(outcome))))
     written = write_all(outcome, options.directory, context);
-  context.print([&] { return design_json(outcome, written); },
-                [&] { return design_text(outcome, written); });
+  const MissionDiagnoses diagnoses = diagnose_missions(outcome);
+  context.print([&] { return design_json(outcome, diagnoses, written); },
+                [&] { return design_text(outcome, diagnoses, written); });
   const DesignFailure failure = failure_of(outcome, written);
   if (failure == DesignFailure::none) return;
   const bool kept_from_writing =

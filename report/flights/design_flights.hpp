@@ -5,12 +5,14 @@
 #include <string>
 
 #include "quadtune/internal/json_fwd.hpp"
-#include "quadtune/workbench/design/design.hpp"
+#include "quadtune/workbench/design/design_verdict.hpp"
 
 namespace quadtune::report {
 
-[[nodiscard]] internal::Json missions_json(const DesignOutcome& outcome);
+[[nodiscard]] internal::Json missions_json(const DesignOutcome& outcome,
+                                           const MissionDiagnoses& diagnoses);
 /// One line a mission, and why where it failed.
-[[nodiscard]] std::string missions_text(const DesignOutcome& outcome);
+[[nodiscard]] std::string missions_text(const DesignOutcome& outcome,
+                                        const MissionDiagnoses& diagnoses);
 
 }  // namespace quadtune::report

@@ -25,10 +25,6 @@ namespace {
 
 using internal::Json;
 
-double thrust_to_weight(const Vehicle& vehicle) {
-  return greatest_thrust(vehicle) / (vehicle.mass * vehicle.gravity);
-}
-
 // --- JSON ----------------------------------------------------------------------------------------
 
 Json lqr_json(const DesignOutcome& outcome) {
@@ -220,7 +216,8 @@ std::string written_text(const WrittenExport& written) {
 
 }  // namespace
 
-Json design_json(const DesignOutcome& outcome, const std::vector<WrittenExport>& written) {
+Json design_json(const DesignOutcome& outcome, const MissionDiagnoses& diagnoses,
+                 const std::vector<WrittenExport>& written) {
   const Design& design = outcome.design;
   const TrimResult& trim = outcome.model.trim;
   Json json;
@@ -246,7 +243,7 @@ Json design_json(const DesignOutcome& outcome, const std::vector<WrittenExport>&
   if (outcome.published) json["published"] = published_json(*outcome.published, *design.published);
   json["flown"] = Json::array();
   for (const FlownLaw& law : outcome.flown) json["flown"].push_back(flown_json(law));
-  json["missions"] = missions_json(outcome);
+  json["missions"] = missions_json(outcome, diagnoses);
   json["exports"] = Json::array();
   for (const WrittenExport& one : written) {
     Json entry = {
@@ -259,7 +256,8 @@ Json design_json(const DesignOutcome& outcome, const std::vector<WrittenExport>&
   return json;
 }
 
-std::string design_text(const DesignOutcome& outcome, const std::vector<WrittenExport>& written) {
+std::string design_text(const DesignOutcome& outcome, const MissionDiagnoses& diagnoses,
+                        const std::vector<WrittenExport>& written) {
   const Design& design = outcome.design;
   std::string text = section(
       "design", design.description.empty() ? design.name : design.name + ": " + design.description);
@@ -272,7 +270,7 @@ std::string design_text(const DesignOutcome& outcome, const std::vector<WrittenE
   if (design.estimator) text += section("estimator", estimator_text(*design.estimator));
   for (const FlownLaw& law : outcome.flown)
     if (!told_with_the_gains(outcome, law)) text += flown_text(law);
-  if (!outcome.flights.empty()) text += section("missions", missions_text(outcome));
+  if (!outcome.flights.empty()) text += section("missions", missions_text(outcome, diagnoses));
   for (const WrittenExport& one : written) text += section("written", written_text(one));
   for (const std::string& warning : design_warnings(outcome)) text += section("warning", warning);
   return text + section("verdict", verdict(outcome, written));

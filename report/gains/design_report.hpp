@@ -6,14 +6,15 @@
 #include <vector>
 
 #include "quadtune/internal/json_fwd.hpp"
-#include "quadtune/workbench/design/design.hpp"
-#include "quadtune/workbench/design/written_exports.hpp"
+#include "quadtune/workbench/design/design_verdict.hpp"
 
 namespace quadtune::report {
 
 [[nodiscard]] internal::Json design_json(const DesignOutcome& outcome,
+                                         const MissionDiagnoses& diagnoses,
                                          const std::vector<WrittenExport>& written);
 [[nodiscard]] std::string design_text(const DesignOutcome& outcome,
+                                      const MissionDiagnoses& diagnoses,
                                       const std::vector<WrittenExport>& written);
 
 }  // namespace quadtune::report

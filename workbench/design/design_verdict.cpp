@@ -60,4 +60,14 @@ std::vector<std::string> design_notes(const DesignOutcome& outcome) {
   return notes;
 }
 
+MissionDiagnoses diagnose_missions(const DesignOutcome& outcome) {
+  const auto each = [](const std::vector<FlownFlight>& flights) {
+    std::vector<std::optional<Diagnosis>> found;
+    for (const FlownFlight& flight : flights)
+      found.push_back(flight.passed ? std::nullopt : std::optional(diagnose(flight.plan, flight)));
+    return found;
+  };
+  return {each(outcome.flights), each(outcome.disturbed)};
+}
+
 }  // namespace quadtune

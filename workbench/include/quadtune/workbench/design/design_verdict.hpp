@@ -2,11 +2,13 @@
 /// Whether a design may be flown, and what its user has to know.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "quadtune/workbench/design/design.hpp"
 #include "quadtune/workbench/design/written_exports.hpp"
+#include "quadtune/workbench/flight/diagnosis.hpp"
 
 namespace quadtune {
 
@@ -33,5 +35,15 @@ enum class DesignFailure {
 /// What a reader must know of the model and of the flights, e.g. of sensors that were assumed: each
 /// once.
 [[nodiscard]] std::vector<std::string> design_notes(const DesignOutcome& outcome);
+
+/// Why flights of a design failed; none of one that passed.
+struct MissionDiagnoses {
+  std::vector<std::optional<Diagnosis>> flights;    ///< of each in DesignOutcome::flights
+  std::vector<std::optional<Diagnosis>> disturbed;  ///< likewise
+};
+
+/// Flies every flight that failed again, as diagnose() does.
+/// @throws InvalidInput, Interrupted  as diagnose()
+[[nodiscard]] MissionDiagnoses diagnose_missions(const DesignOutcome& outcome);
 
 }  // namespace quadtune
