@@ -13,6 +13,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "report/flights/flight_difference.hpp"
+#include "report/flights/flight_text.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -5,136 +5,112 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
-#include <ostream>
 
 #include "arguments/trusted_covariances.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
-#include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
-#include "quadtune/workbench/design/export_content.hpp"
-#include "quadtune/workbench/verify/verify_directory.hpp"
-#include "report/flights/design_flights.hpp"
-#include "report/flights/flight_story.hpp"
+#include "quadtune/workbench/design/design_verdict.hpp"
+#include "report/flights/flight_page.hpp"
 #include "report/gains/design_report.hpp"
-#include "report/gains/verify_report.hpp"
 
 namespace quadtune::cli {
 namespace {
 
-/// Writes every export that the design asks for and reads it back. A single one goes into the
-/// directory itself, several into one folder each.
+struct Options {
+  std::string file, directory;
+  bool force = false, has_seeds = false;
+  std::uint64_t seeds = kDesignSeeds;
+};
+
+[[noreturn]] void refuse(const std::string& option, const std::string& why) {
+  throw UsageError("quadtune design: " + why, option);
+}
+
+void require_sane(const Options& options) {
+  constexpr std::uint64_t kMostSeeds = 1000;
+  if (options.file.empty()) refuse("FILE", "expected a design file");
+  if (options.seeds > kMostSeeds)
+    refuse("--seeds", fmt::format("--seeds is {}, expected at most {}", options.seeds, kMostSeeds));
+}
+
+DesignOutcome designed_and_flown(const Options& options, const Context& context) {
+  DesignOutcome outcome = run_design(options.file);
+  if (options.has_seeds && outcome.design.missions.empty())
+    refuse("--seeds", fmt::format("--seeds came, but {} has no [[mission]] to fly",
+                                  internal::printable(options.file)));
+  require_tuned(outcome, options.force, context);
+  outcome.flights = fly_missions(outcome, context.seed, !options.directory.empty(), interrupted,
+                                 static_cast<std::uint32_t>(options.seeds));
+  outcome.disturbed = fly_disturbed(outcome, context.seed, interrupted);
+  for (const std::string& note : design_notes(outcome)) context.note("design: note: " + note);
+  return outcome;
+}
+
+/// The exports, and beside them a page for each mission.
 std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::string& directory,
                                      Context& context) {
-  const Design& design = outcome.design;
-  if (design.exports.empty())
-    throw InvalidInput(design.file.string(), "has no [[export]], expected one because of -o");
-  std::vector<WrittenExport> written;
-  const ExportContent content = export_content(outcome);
-  std::vector<InputAtHand> inputs;
-  for (const FileContent& input : content.inputs) inputs.push_back({input.name, "", input.bytes});
-  // All in memory first, so that what one cannot express keeps the others from being written.
-  for (const ExportRequest& request : design.exports)
-    (void)export_files(export_kind(request.to, design.file.string()), content);
-  for (const ExportRequest& request : outcome.design.exports) {
-    WrittenExport one;
-    one.kind = export_kind(request.to, outcome.design.file.string());
-    one.directory = outcome.design.exports.size() == 1
-                        ? directory
-                        : (std::filesystem::path(directory) / request.to).string();
-    {
-      const WritingFiles writing;
-      one.files = write_export(one.directory, one.kind, content, interrupted);
-      context.written.push_back(one.directory);
-    }
-    one.verification = verify_with(one.directory, design.vehicle, inputs, &outcome.flown);
-    written.push_back(std::move(one));
+  const auto write = [&](const std::filesystem::path& place, ExportKind kind,
+                         const ExportContent& content) {
+    const WritingFiles writing;
+    std::vector<ManifestFile> files = write_export(place, kind, content, interrupted);
+    context.written.push_back(place.string());
+    return files;
+  };
+  std::vector<WrittenExport> written = write_exports(outcome, directory, write);
+  for (const FlownFlight& flight : outcome.flights) {
+    const std::string name = "flight-" + flight.plan.setup.mission.name + ".html";
+    write_file((std::filesystem::path(directory) / name).string(),
+               html(flight_page(flight, context.command)));
   }
   return written;
 }
 
-/// A page for each mission, beside the exports.
-void write_reports(const DesignOutcome& outcome, const std::string& directory,
-                   const Context& context) {
-  for (const FlownFlight& flight : outcome.flights) {
-    const std::string file =
-        (std::filesystem::path(directory) / ("flight-" + flight.plan.setup.mission.name + ".html"))
-            .string();
-    write_file(file, html(report_of(flight, context.command)));
-  }
+void run(const Options& options, Context& context) {
+  require_sane(options);
+  const DesignOutcome outcome = designed_and_flown(options, context);
+  const bool writes = !options.directory.empty();
+  std::vector<WrittenExport> written;
+  if (writes && (options.force || (laws_hold(outcome) && missions_passed(outcome))))
+    written = write_all(outcome, options.directory, context);
+  const MissionDiagnoses diagnoses = diagnose_missions(outcome);
+  context.print([&] { return design_json(outcome, diagnoses, written); },
+                [&] { return design_text(outcome, diagnoses, written); });
+  const DesignFailure failure = failure_of(outcome, written);
+  if (failure == DesignFailure::none) return;
+  const bool kept_from_writing =
+      failure == DesignFailure::unstable_flown_loop || failure == DesignFailure::mission;
+  throw AnswerIsNo(fmt::format("design: {}{}", to_string(failure),
+                               kept_from_writing && writes && !options.force
+                                   ? ", so nothing is written; --force writes all the same"
+                                   : ""));
 }
-
-constexpr std::uint64_t kMostSeeds = 1000;
 
 }  // namespace
 
 Verb design_verb() {
-  struct Options {
-    std::string file, directory;
-    bool force = false;
-    std::uint64_t seeds = kDesignSeeds;
-  };
-  return {
-      "design", "FILE [-o DIR]",
-      "the whole way: trim, linearize, synthesize, fly, export, verify, report",
-      "quadtune design designs/uquad-hover.toml -o out/uquad-hover",
-      [](CommandLine& line) -> Action {
-        auto options = std::make_shared<Options>();
-        line.add_option("FILE", options->file, "a design file (docs/formats.md)");
-        line.add_option("-o", options->directory, "directory to write; without it, only print")
-            ->type_name("DIR");
-        line.add_flag("--force", options->force,
-                      "write although a flown loop is unstable or a mission failed, and take "
-                      "tuned covariances whatever their verdict");
-        line.add_count(
-                "--seeds", options->seeds, 1,
-                fmt::format("flights of each mission, all of which must pass; {}", kDesignSeeds))
-            ->type_name("N");
-        return [options, &line](Context& context) {
-          if (options->file.empty())
-            throw UsageError("quadtune design: expected a design file", "FILE");
-          if (options->seeds > kMostSeeds)
-            throw UsageError(fmt::format("quadtune design: --seeds is {}, expected at most {}",
-                                         options->seeds, kMostSeeds),
-                             "--seeds");
-          DesignOutcome outcome = run_design(options->file);
-          if (line.was_given("--seeds") && outcome.design.missions.empty())
-            throw UsageError(fmt::format("quadtune design: --seeds came, but {} has no [[mission]] "
-                                         "to fly",
-                                         internal::printable(options->file)),
-                             "--seeds");
-          require_tuned(outcome, options->force, context);
-          outcome.flights = fly_missions(outcome, context.seed, !options->directory.empty(),
-                                         interrupted, static_cast<std::uint32_t>(options->seeds));
-          outcome.disturbed = fly_disturbed(outcome, context.seed, interrupted);
-          for (const std::string& note : outcome.model.notes) context.note("design: note: " + note);
-          for (const std::string& note : notes_of_flights(outcome))
-            context.note("design: note: " + note);
-          if (outcome.design.condition.yaw != 0 && outcome.gains)
-            context.note("design: note: position is in world axes, so K holds at this yaw only");
-          std::vector<WrittenExport> written;
-          const bool holds = laws_hold(outcome), flies = missions_passed(outcome);
-          if (!options->directory.empty() && ((holds && flies) || options->force)) {
-            written = write_all(outcome, options->directory, context);
-            write_reports(outcome, options->directory, context);
-          }
-          if (context.json)
-            context.out << internal::readable(design_json(outcome, written)) << "\n";
-          else
-            context.out << design_text(outcome, written);
-          if (passed(outcome, written)) return;
-          if (outcome.cascade && unstable(*outcome.cascade))
-            throw AnswerIsNo("design: the cascade does not hold the vehicle");
-          if (holds && flies) throw AnswerIsNo("design: what was written does not verify");
-          std::string failed = !holds ? "the flown loop is unstable" : "a mission failed";
-          if (!options->directory.empty() && !options->force)
-            failed += ", so nothing is written; --force writes all the same";
-          throw AnswerIsNo("design: " + failed);
-        };
-      }};
+  return {"design", "FILE [-o DIR]",
+          "the whole way: trim, linearize, synthesize, fly, export, verify, report",
+          "quadtune design designs/uquad-hover.toml -o out/uquad-hover",
+          [](CommandLine& line) -> Action {
+            auto options = std::make_shared<Options>();
+            line.add_option("FILE", options->file, "a design file (docs/formats.md)");
+            line.add_option("-o", options->directory, "directory to write; without it, only print")
+                ->type_name("DIR");
+            line.add_flag("--force", options->force,
+                          "write although a flown loop is unstable or a mission failed, and take "
+                          "tuned covariances whatever their verdict");
+            line.add_count("--seeds", options->seeds, 1,
+                           fmt::format("flights of each mission, all of which must pass; {}",
+                                       kDesignSeeds))
+                ->type_name("N");
+            return [options, &line](Context& context) {
+              options->has_seeds = line.was_given("--seeds");
+              run(*options, context);
+            };
+          }};
 }
 
 }  // namespace quadtune::cli

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "program/fold_text.hpp"
 #include "program/program.hpp"
 #include "program/standard_streams.hpp"
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <deque>
+#include <functional>
 #include <stdexcept>
 #include <utility>
 
@@ -63,9 +64,15 @@ struct CommandLine::Parser {
     throw UsageError(fmt::format("quadtune {}: {}", verb, message), option);
   }
 
-  /// A value that is not what the option takes.
-  [[noreturn]] void refuse_value(const std::string& option, const std::string& message) const {
-    refuse(option, fmt::format("{}: {}", option, message));
+  /// An option that takes a value.
+  /// @param read  sets the variable; what it returns follows the value in a refusal, or is empty
+  Option* add_read(const std::string& name, const std::string& description,
+                   const std::function<std::string(const std::string& word)>& read) {
+    const auto take = [this, name, read](const std::string& word) {
+      if (const std::string why = read(word); !why.empty())
+        refuse(name, fmt::format("{}: '{}'{}", name, internal::printable(word), why));
+    };
+    return add(app.add_option_function<std::string>(name, take, description));
   }
 
   [[noreturn]] void refuse_missing_value(const std::string& option) const {
@@ -163,37 +170,30 @@ Option* CommandLine::add_flag(const std::string& names, bool& value,
 
 Option* CommandLine::add_number(const std::string& name, double& value,
                                 const std::string& description) {
-  const auto read = [parser = parser_.get(), &value, name](const std::string& word) {
-    if (!read_number(word, value))
-      parser->refuse_value(name, fmt::format("'{}' is not a finite number, expected one such as "
-                                             "0.01",
-                                             internal::printable(word)));
-  };
-  return parser_->add(parser_->app.add_option_function<std::string>(name, read, description));
+  return parser_->add_read(name, description, [&value](const std::string& word) {
+    return read_number(word, value) ? "" : " is not a finite number, expected one such as 0.01";
+  });
 }
 
 Option* CommandLine::add_positive(const std::string& name, std::optional<double>& value,
                                   const std::string& description) {
-  const auto read = [parser = parser_.get(), &value, name](const std::string& word) {
+  return parser_->add_read(name, description, [&value](const std::string& word) {
     double number = 0;
     if (!read_number(word, number) || !(number > 0))
-      parser->refuse_value(name, fmt::format("'{}' came, expected a number of more than 0",
-                                             internal::printable(word)));
+      return " came, expected a number of more than 0";
     value = number;
-  };
-  return parser_->add(parser_->app.add_option_function<std::string>(name, read, description));
+    return "";
+  });
 }
 
 Option* CommandLine::add_count(const std::string& name, std::uint64_t& value, std::uint64_t min,
                                const std::string& description) {
-  const auto read = [parser = parser_.get(), &value, name, min](const std::string& word) {
+  return parser_->add_read(name, description, [&value, min](const std::string& word) {
     const char* end = word.data() + word.size();
     const auto [stop, error] = std::from_chars(word.data(), end, value);
-    if (error != std::errc() || stop != end || value < min)
-      parser->refuse_value(name, fmt::format("'{}' came, expected a whole number of {} or more",
-                                             internal::printable(word), min));
-  };
-  return parser_->add(parser_->app.add_option_function<std::string>(name, read, description));
+    const bool right = error == std::errc() && stop == end && value >= min;
+    return right ? "" : fmt::format(" came, expected a whole number of {} or more", min);
+  });
 }
 
 void CommandLine::parse(const std::vector<std::string>& args) {

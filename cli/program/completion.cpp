@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "program/completion.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <map>
 #include <set>
 
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/estimation/filter_file.hpp"
-#include "quadtune/internal/joined.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/simulation/mission.hpp"
-#include "quadtune/version.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -81,42 +76,28 @@ Words values_of(const Option& option) {
   return listed_words(description);
 }
 
-struct Offer {
-  Words options;
-  Words flags;                          ///< those of them that take no value
-  std::map<std::string, Words> values;  ///< by option
-  Words arguments;                      ///< in the place of an argument
-};
-
-Offer offer_of(const Verb& verb) {
-  Offer offer;
+/// @param name  the last word of the verb
+CompletedCommand completed(const Verb& verb, const std::string& name) {
+  CompletedCommand command;
+  command.name = name;
   CommandLine line;
   (void)verb.define(line);
   for (const Option* option : line.options()) {
     const Words values = values_of(*option);
     if (option->is_argument()) {
-      offer.arguments.insert(offer.arguments.end(), values.begin(), values.end());
+      command.arguments.insert(command.arguments.end(), values.begin(), values.end());
       continue;
     }
-    const std::string name = option->name();
-    if (name.starts_with("--")) offer.options.push_back(name);
-    if (!option->takes_value()) offer.flags.push_back(name);
-    if (!values.empty()) offer.values[name] = values;
+    const std::string word = option->name();
+    if (word.starts_with("--")) command.options.push_back(word);
+    if (!option->takes_value()) command.flags.push_back(word);
+    if (!values.empty()) command.values[word] = values;
   }
-  for (const char* option : {"--json", "--quiet", "--seed", "--threads"})
-    offer.options.emplace_back(option);
-  offer.flags.insert(offer.flags.end(), {"--json", "--quiet"});
-  return offer;
-}
-
-/// "words=…; values=…" of one verb, as bash has it; values by the word before the cursor.
-std::string case_of(const Offer& offer) {
-  std::string text =
-      fmt::format("words=\"{}\" values=\"{}\"; case \"$before\" in",
-                  internal::joined(offer.options, " "), internal::joined(offer.arguments, " "));
-  for (const auto& [option, values] : offer.values)
-    text += fmt::format(" {}) values=\"{}\" ;;", option, internal::joined(values, " "));
-  return text + fmt::format(" {}) ;; -*) values=\"\" ;; esac", internal::joined(offer.flags, "|"));
+  for (const CommonOption& option : kCommonOptions) {
+    command.options.emplace_back(option.name);
+    if (*option.type == '\0') command.flags.emplace_back(option.name);
+  }
+  return command;
 }
 
 }  // namespace
@@ -131,52 +112,26 @@ Words listed_words(const std::string& description) {
   return before.size() > after.size() ? before : after;
 }
 
-std::string bash_completion() {
-  Words names;
-  std::string cases;
+std::vector<CompletedCommand> completed_commands() {
+  std::vector<CompletedCommand> commands;
   for (const Verb& verb : verbs()) {
-    const std::string first = verb.name.substr(0, verb.name.find(' '));
-    if (std::find(names.begin(), names.end(), first) != names.end()) continue;
-    names.push_back(first);
-    const Words kinds = kinds_of(first);
-    if (kinds.empty()) {
-      Offer offer = offer_of(verb);
-      if (verb.name == "help")
-        for (const Verb& other : verbs())
-          offer.arguments.push_back(other.name.substr(0, other.name.find(' ')));
-      cases += fmt::format("    {}) {} ;;\n", verb.name, case_of(offer));
+    const std::size_t blank = verb.name.find(' ');
+    const std::string first = verb.name.substr(0, blank);
+    if (blank == std::string::npos) {
+      commands.push_back(completed(verb, first));
       continue;
     }
-    cases += fmt::format("    {}) kinds=\"{}\"; case \"${{COMP_WORDS[2]}}\" in\n", first,
-                         internal::joined(kinds, " "));
-    for (const Verb& kind : verbs())
-      if (kind.name.starts_with(first + " "))
-        cases += fmt::format("      {}) {} ;;\n", kind.name.substr(first.size() + 1),
-                             case_of(offer_of(kind)));
-    cases += "    esac ;;\n";
+    const auto same = [&](const CompletedCommand& command) { return command.name == first; };
+    auto command = std::find_if(commands.begin(), commands.end(), same);
+    if (command == commands.end())
+      command = commands.insert(command, CompletedCommand{first, {}, {}, {}, {}, {}});
+    command->kinds.push_back(completed(verb, verb.name.substr(blank + 1)));
   }
-  return fmt::format(
-      "# bash completion for quadtune {}\n"
-      "_quadtune() {{\n"
-      "  local word=\"${{COMP_WORDS[COMP_CWORD]}}\" before=\"${{COMP_WORDS[COMP_CWORD-1]}}\"\n"
-      "  local words=\"\" kinds=\"\" values=\"\"\n"
-      "  if [ \"$COMP_CWORD\" -eq 1 ]; then words=\"{}\"; else case \"${{COMP_WORDS[1]}}\" in\n"
-      "{}"
-      "  esac; fi\n"
-      "  case \"$word\" in\n"
-      "    -*) COMPREPLY=($(compgen -W \"$words\" -- \"$word\")) ;;\n"
-      "    *) if [ \"$COMP_CWORD\" -eq 1 ]; then COMPREPLY=($(compgen -W \"$words\" -- "
-      "\"$word\"))\n"
-      "       elif [ \"$COMP_CWORD\" -eq 2 ] && [ -n \"$kinds\" ]; then\n"
-      "         COMPREPLY=($(compgen -W \"$kinds\" -- \"$word\"))\n"
-      "       else compopt -o filenames 2>/dev/null\n"
-      "         mapfile -t COMPREPLY < <(compgen -W \"$values\" -- \"$word\"; compgen -f -- "
-      "\"$word\")\n"
-      "       fi ;;\n"
-      "  esac\n"
-      "}}\n"
-      "complete -F _quadtune quadtune\n",
-      kVersion, internal::joined(names, " "), cases);
+  for (CompletedCommand& command : commands)
+    if (command.name == "help")
+      for (const Verb& other : verbs())
+        command.arguments.push_back(other.name.substr(0, other.name.find(' ')));
+  return commands;
 }
 
 }  // namespace quadtune::cli

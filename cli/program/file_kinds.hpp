@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a file is, by what is in it, and which commands take it: for messages about a file that
-/// came to the wrong one.
+/// Which commands take a kind of file: for messages about a file that came to the wrong one.
 #pragma once
 
 #include <string>

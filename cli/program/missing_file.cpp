@@ -3,25 +3,21 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 #include <vector>
 
 #include "program/command_line.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/internal/joined.hpp"
-#include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/simulation/mission.hpp"
+#include "quadtune/workbench/files/nearby_files.hpp"
 
 namespace quadtune::cli {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// The option that gave the path, or the folder in which it lies.
 const Option* option_of(const std::string& path, const CommandLine& line) {
@@ -40,42 +36,19 @@ std::vector<std::string> built_in_names(const std::string& description) {
   return names;
 }
 
-/// ": vehicles has mambo.toml, uquad.toml and 3 more", the nearest names first.
-std::string what_is_there(const fs::path& path) {
-  constexpr std::size_t kLooked = 10000, kNamed = 4;
-  std::error_code error;
-  fs::path folder = path.has_filename() ? path.parent_path() : path.parent_path().parent_path();
-  const fs::path wanted = path.has_filename() ? path.filename() : path.parent_path().filename();
-  if (folder.empty()) folder = ".";
-  if (!fs::exists(folder, error))
-    return fmt::format("; there is no folder {}", internal::printable(folder.string(), 200));
-  struct Entry {
-    bool other_kind;
-    std::size_t distance;
-    std::string name;
-    auto operator<=>(const Entry&) const = default;
-  };
-  std::vector<Entry> entries;
-  for (fs::directory_iterator entry(folder, error), end;
-       !error && entry != end && entries.size() < kLooked; entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    if (name.starts_with('.')) continue;
-    entries.push_back({entry->path().extension() != wanted.extension(),
-                       name.size() > 255 ? 255 : internal::edit_distance(name, wanted.string()),
-                       name});
-  }
-  if (entries.empty()) return "";
-  std::sort(entries.begin(), entries.end());
-  // Of another kind they would be noise.
-  if (!entries.front().other_kind)
-    std::erase_if(entries, [](const Entry& entry) { return entry.other_kind; });
-  const std::size_t more = entries.size() > kNamed ? entries.size() - kNamed : 0;
+/// "; vehicles has mambo.toml, uquad.toml and 3 more", the nearest names first.
+std::string what_is_there(const std::string& path) {
+  const NearbyFiles nearby = nearby_files(path, 4);
+  const std::string folder = nearby.folder.string();
+  if (!nearby.exists)
+    return fmt::format("; there is no folder {}", internal::printable(folder, 200));
+  if (nearby.names.empty()) return "";
   std::vector<std::string> names;
-  for (const Entry& entry : entries)
-    if (names.size() < kNamed) names.push_back(internal::printable(entry.name));
-  return fmt::format(
-      "; {} has {}{}", folder == "." ? "this folder" : internal::printable(folder.string(), 100),
-      internal::joined(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
+  for (const std::string& name : nearby.names) names.push_back(internal::printable(name));
+  return fmt::format("; {} has {}{}",
+                     folder == "." ? "this folder" : internal::printable(folder, 100),
+                     internal::joined(names, ", "),
+                     nearby.more > 0 ? fmt::format(" and {} more", nearby.more) : "");
 }
 
 }  // namespace

@@ -18,9 +18,9 @@
 #include "program/command_line.hpp"
 #include "program/file_kinds.hpp"
 #include "program/library_messages.hpp"
-#include "program/message_text.hpp"
 #include "program/missing_file.hpp"
 #include "program/refusal.hpp"
+#include "program/standard_streams.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/file_set.hpp"
 #include "quadtune/instruction_set.hpp"
@@ -30,6 +30,8 @@
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/utf8.hpp"
 #include "quadtune/version.hpp"
+#include "quadtune/workbench/campaign/campaign_scripts.hpp"
+#include "report/text/error_line.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -186,16 +188,6 @@ std::string error_json(int status, const std::string& message, const std::string
   return internal::json_text(internal::Json{
       {"error",
        {{"code", status}, {"message", error_line(message)}, {"where", error_line(where)}}}});
-}
-
-/// As a POSIX shell takes it for one word.
-std::string shell_word(const std::string& word) {
-  constexpr const char* kPlain =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./:=,@%+-";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
 }
 
 /// The command line as it is written into files. What may not change a byte of them is left out:

@@ -13,9 +13,11 @@
 
 #include "program/stop_signals.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/internal/json_fwd.hpp"
 
 namespace quadtune::report {}
+namespace quadtune::internal {
+class Json;
+}
 
 namespace quadtune::cli {
 
@@ -100,6 +102,16 @@ struct Verb {
   std::string example;  ///< a command that works as printed from the project's root
   std::function<Action(CommandLine&)> define;  ///< adds the options, gives what to run
 };
+
+/// An option of every verb, beside -o.
+struct CommonOption {
+  const char *name, *type, *description;  ///< the type with the blank before it; "": a flag
+};
+inline constexpr CommonOption kCommonOptions[] = {
+    {"--json", "", "print one JSON object instead of the text"},
+    {"--quiet", "", "no notes on the error stream"},
+    {"--seed", " N", "fixes everything random; 1"},
+    {"--threads", " N", "at most so many at once; one for each processor"}};
 
 /// All verbs in the order in which the work flows.
 [[nodiscard]] const std::vector<Verb>& verbs();

@@ -287,6 +287,10 @@ double greatest_thrust(const Vehicle& vehicle, double density_ratio) {
   return total;
 }
 
+double thrust_to_weight(const Vehicle& vehicle) {
+  return greatest_thrust(vehicle) / (vehicle.mass * vehicle.gravity);
+}
+
 double altitude_thrust_limit(const Vehicle& vehicle) {
   return vehicle.altitude_thrust_fraction * greatest_thrust(vehicle);
 }

@@ -113,7 +113,7 @@ class Search {
   }
 
   bool weight() {
-    const double ratio = greatest_thrust(vehicle_) / (vehicle_.mass * vehicle_.gravity);
+    const double ratio = thrust_to_weight(vehicle_);
     const bool speed = vehicle_.motor.law == CommandLaw::speed;
     const std::string most = speed ? "max_rad_s" : "max_count";
     std::vector<Mistake> mistakes;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A campaign's statistics as text, as JSON and as a page.
+/// A campaign's statistics as text and as JSON.
 #pragma once
 
-#include <span>
+#include <cstdint>
 #include <string>
 
-#include "quadtune/workbench/campaign/campaign_plan.hpp"
 #include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/simulation/campaign_statistics.hpp"
+#include "quadtune/workbench/campaign/campaign_plan.hpp"
 
 namespace quadtune::report {
 
@@ -16,16 +16,6 @@ namespace quadtune::report {
                                   const std::string& folder);
 [[nodiscard]] internal::Json to_json(const CampaignPlan& plan, const CampaignStatistics& statistics,
                                      const std::string& folder);
-
-/// The page of it all.
-/// @param records  all of the campaign, in order
-[[nodiscard]] std::string campaign_html(const CampaignPlan& plan,
-                                        const CampaignStatistics& statistics,
-                                        std::span<const CampaignRecord> records,
-                                        const std::string& folder);
-
-/// "estimator mambo, real sensors, wind calm"
-[[nodiscard]] std::string surroundings(const PlannedFlight& words);
 
 /// The command that flies one flight again.
 [[nodiscard]] std::string replay_command(const std::string& folder, std::uint64_t number);

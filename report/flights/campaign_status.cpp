@@ -48,4 +48,18 @@ std::string to_text(const CampaignPlan& plan, const CampaignStatus& status) {
   return text + "\n" + lines;
 }
 
+Json to_json(std::uint32_t shard, const ShardWork& work) {
+  return {{"shard", shard},
+          {"was_complete", work.was_complete},
+          {"found", work.found},
+          {"flown", work.flown},
+          {"damage", work.damage}};
+}
+
+std::string to_text(std::uint32_t shard, const ShardWork& work) {
+  if (work.was_complete)
+    return fmt::format("shard {} was complete: {} flights, verified\n", shard, work.found);
+  return fmt::format("shard {}: {} flown, {} found\n", shard, work.flown, work.found);
+}
+
 }  // namespace quadtune::report

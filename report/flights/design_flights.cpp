@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "quadtune/internal/json.hpp"
-#include "report/flights/flight_story.hpp"
+#include "report/flights/flight_text.hpp"
 
 namespace quadtune::report {
 
@@ -17,13 +17,7 @@ using internal::Json;
 
 namespace {
 
-/// Why it failed is found out by flying it again.
-std::optional<Diagnosis> diagnosis_of(const FlownFlight& flight) {
-  if (flight.passed) return std::nullopt;
-  return diagnose(flight.plan, flight);
-}
-
-Json told(const FlownFlight& flight) { return to_json(flight, diagnosis_of(flight)); }
+using Diagnoses = std::vector<std::optional<Diagnosis>>;
 
 std::string name_of_flight(const FlownFlight& flight) {
   const std::string& mission = flight.plan.setup.mission.name;
@@ -41,7 +35,7 @@ std::string seeds_of(const FlownFlight& flight) {
   return fmt::format(" ({} of {} seeds)", passed, flight.seeds.size());
 }
 
-std::string text_of(const FlownFlight& flight) {
+std::string text_of(const FlownFlight& flight, const std::optional<Diagnosis>& diagnosis) {
   const MetricValues& metrics = flight.result.metrics;
   std::string text =
       fmt::format("{}: {}{}; {:.4g} s flown", name_of_flight(flight),
@@ -57,34 +51,31 @@ std::string text_of(const FlownFlight& flight) {
   for (const WidenedLimit& widened : flight.plan.widened)
     if (flight.variant.empty()) text += fmt::format("\n  {}: {}", widened.label, in_words(widened));
   for (const std::string& reason : reasons(flight)) text += "\n  " + reason;
-  if (const std::optional<Diagnosis> diagnosis = diagnosis_of(flight))
-    text += fmt::format("\n  why: {}\n  next: {}", diagnosis->why, diagnosis->next);
+  if (diagnosis) text += fmt::format("\n  why: {}\n  next: {}", diagnosis->why, diagnosis->next);
   return text;
 }
 
 }  // namespace
 
-Json missions_json(const DesignOutcome& outcome) {
+Json missions_json(const DesignOutcome& outcome, const MissionDiagnoses& diagnoses) {
   Json json = Json::array();
-  for (const FlownFlight& flight : outcome.flights) json.push_back(told(flight));
-  for (const FlownFlight& flight : outcome.disturbed) json.push_back(told(flight));
+  const auto add = [&](const std::vector<FlownFlight>& flights, const Diagnoses& why) {
+    for (std::size_t i = 0; i < flights.size(); ++i) json.push_back(to_json(flights[i], why[i]));
+  };
+  add(outcome.flights, diagnoses.flights);
+  add(outcome.disturbed, diagnoses.disturbed);
   return json;
 }
 
-std::string missions_text(const DesignOutcome& outcome) {
+std::string missions_text(const DesignOutcome& outcome, const MissionDiagnoses& diagnoses) {
   std::string text;
-  for (const std::vector<FlownFlight>* flights : {&outcome.flights, &outcome.disturbed})
-    for (const FlownFlight& flight : *flights) text += (text.empty() ? "" : "\n") + text_of(flight);
+  const auto add = [&](const std::vector<FlownFlight>& flights, const Diagnoses& why) {
+    for (std::size_t i = 0; i < flights.size(); ++i)
+      text += (text.empty() ? "" : "\n") + text_of(flights[i], why[i]);
+  };
+  add(outcome.flights, diagnoses.flights);
+  add(outcome.disturbed, diagnoses.disturbed);
   return text;
-}
-
-std::vector<std::string> notes_of_flights(const DesignOutcome& outcome) {
-  std::vector<std::string> notes;
-  for (const std::vector<FlownFlight>* flights : {&outcome.flights, &outcome.disturbed})
-    for (const FlownFlight& flight : *flights)
-      for (const std::string& note : flight.plan.notes)
-        if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
-  return notes;
 }
 
 }  // namespace quadtune::report

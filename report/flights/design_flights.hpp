@@ -3,17 +3,16 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "quadtune/internal/json_fwd.hpp"
-#include "quadtune/workbench/design/design.hpp"
+#include "quadtune/workbench/design/design_verdict.hpp"
 
 namespace quadtune::report {
 
-[[nodiscard]] internal::Json missions_json(const DesignOutcome& outcome);
+[[nodiscard]] internal::Json missions_json(const DesignOutcome& outcome,
+                                           const MissionDiagnoses& diagnoses);
 /// One line a mission, and why where it failed.
-[[nodiscard]] std::string missions_text(const DesignOutcome& outcome);
-/// What a reader must know of the flights, e.g. of sensors that were assumed: each once.
-[[nodiscard]] std::vector<std::string> notes_of_flights(const DesignOutcome& outcome);
+[[nodiscard]] std::string missions_text(const DesignOutcome& outcome,
+                                        const MissionDiagnoses& diagnoses);
 
 }  // namespace quadtune::report

@@ -6,6 +6,7 @@
 
 #include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/workbench/flight/flight_difference.hpp"
+#include "report/flights/flight_text.hpp"
 
 namespace quadtune::report {
 

@@ -9,6 +9,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/mixer.hpp"
+#include "quadtune/workbench/design/design_verdict.hpp"
 #include "report/flights/design_flights.hpp"
 #include "report/gains/export_report.hpp"
 #include "report/gains/lqi_report.hpp"
@@ -23,10 +24,6 @@ namespace quadtune::report {
 namespace {
 
 using internal::Json;
-
-double thrust_to_weight(const Vehicle& vehicle) {
-  return greatest_thrust(vehicle) / (vehicle.mass * vehicle.gravity);
-}
 
 // --- JSON ----------------------------------------------------------------------------------------
 
@@ -196,30 +193,9 @@ bool told_with_the_gains(const DesignOutcome& outcome, const FlownLaw& law) {
   return (outcome.lqi || outcome.matrix) && law.name == "state feedback" && law.problem.empty();
 }
 
-std::vector<std::string> design_warnings(const DesignOutcome& outcome) {
-  std::vector<std::string> warnings;
-  if (outcome.feedback && !outcome.feedback->riccati.warning.empty())
-    warnings.push_back("lqr: " + outcome.feedback->riccati.warning);
-  if (outcome.lqi)
-    for (const std::string& note : outcome.lqi->design.notes) warnings.push_back("lqr: " + note);
-  if (outcome.matrix)
-    for (const std::string& note : outcome.matrix->design.notes) warnings.push_back("lqr: " + note);
-  if (outcome.margins)
-    for (const std::string& warning : margin_warnings(*outcome.margins))
-      warnings.push_back(warning);
-  if (outcome.cascade)
-    for (const std::string& warning : cascade_warnings(*outcome.cascade))
-      warnings.push_back("cascade: " + warning);
-  for (const FlownLaw& law : outcome.flown)
-    if (law.loop)
-      for (const std::string& warning : margin_warnings(law.loop->margins))
-        warnings.push_back("flown loop: " + warning);
-  return warnings;
-}
-
 /// "pass", "pass with warnings" or "fail".
 std::string verdict(const DesignOutcome& outcome, const std::vector<WrittenExport>& written) {
-  if (!passed(outcome, written)) return "fail";
+  if (failure_of(outcome, written) != DesignFailure::none) return "fail";
   return design_warnings(outcome).empty() ? "pass" : "pass with warnings";
 }
 
@@ -240,15 +216,8 @@ std::string written_text(const WrittenExport& written) {
 
 }  // namespace
 
-bool passed(const DesignOutcome& outcome, const std::vector<WrittenExport>& written) {
-  if (outcome.cascade && unstable(*outcome.cascade)) return false;
-  if (!laws_hold(outcome)) return false;
-  if (!missions_passed(outcome)) return false;
-  return std::all_of(written.begin(), written.end(),
-                     [](const WrittenExport& one) { return one.verification.ok(); });
-}
-
-Json design_json(const DesignOutcome& outcome, const std::vector<WrittenExport>& written) {
+Json design_json(const DesignOutcome& outcome, const MissionDiagnoses& diagnoses,
+                 const std::vector<WrittenExport>& written) {
   const Design& design = outcome.design;
   const TrimResult& trim = outcome.model.trim;
   Json json;
@@ -274,7 +243,7 @@ Json design_json(const DesignOutcome& outcome, const std::vector<WrittenExport>&
   if (outcome.published) json["published"] = published_json(*outcome.published, *design.published);
   json["flown"] = Json::array();
   for (const FlownLaw& law : outcome.flown) json["flown"].push_back(flown_json(law));
-  json["missions"] = missions_json(outcome);
+  json["missions"] = missions_json(outcome, diagnoses);
   json["exports"] = Json::array();
   for (const WrittenExport& one : written) {
     Json entry = {
@@ -287,7 +256,8 @@ Json design_json(const DesignOutcome& outcome, const std::vector<WrittenExport>&
   return json;
 }
 
-std::string design_text(const DesignOutcome& outcome, const std::vector<WrittenExport>& written) {
+std::string design_text(const DesignOutcome& outcome, const MissionDiagnoses& diagnoses,
+                        const std::vector<WrittenExport>& written) {
   const Design& design = outcome.design;
   std::string text = section(
       "design", design.description.empty() ? design.name : design.name + ": " + design.description);
@@ -300,7 +270,7 @@ std::string design_text(const DesignOutcome& outcome, const std::vector<WrittenE
   if (design.estimator) text += section("estimator", estimator_text(*design.estimator));
   for (const FlownLaw& law : outcome.flown)
     if (!told_with_the_gains(outcome, law)) text += flown_text(law);
-  if (!outcome.flights.empty()) text += section("missions", missions_text(outcome));
+  if (!outcome.flights.empty()) text += section("missions", missions_text(outcome, diagnoses));
   for (const WrittenExport& one : written) text += section("written", written_text(one));
   for (const std::string& warning : design_warnings(outcome)) text += section("warning", warning);
   return text + section("verdict", verdict(outcome, written));

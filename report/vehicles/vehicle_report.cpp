@@ -23,10 +23,6 @@ using internal::Json;
 /// Hover speed [rad/s] of the first rotor, where the vehicle can hover.
 double hover_speed(const TrimResult& hover) { return hover.u(0); }
 
-double thrust_to_weight(const Vehicle& vehicle) {
-  return greatest_thrust(vehicle) / (vehicle.mass * vehicle.gravity);
-}
-
 Json warnings_json(const Vehicle& vehicle) {
   Json warnings = Json::array();
   for (const Implausibility& figure : implausible(vehicle))
@@ -159,7 +155,6 @@ Json to_json(const Vehicle& vehicle) {
 
 std::string to_text(const Vehicle& vehicle) {
   const TrimResult hover = trim(vehicle, FlightCondition{});
-  const double ratio = greatest_thrust(vehicle) / (vehicle.mass * vehicle.gravity);
   std::string text = section("vehicle", vehicle.name + ": " + vehicle.description);
   text += section("source", vehicle.source);
   text += section("environment", fmt::format("gravity {} m/s2, air density {} kg/m3",
@@ -193,7 +188,7 @@ std::string to_text(const Vehicle& vehicle) {
                                ? fmt::format("{} rad/s ({:.6g} {}), thrust-to-weight {:.3f}",
                                              number(hover_speed(hover)),
                                              command_of_speed(vehicle.motor, hover_speed(hover)),
-                                             vehicle.motor.unit, ratio)
+                                             vehicle.motor.unit, thrust_to_weight(vehicle))
                                : "impossible: " + hover.culprit);
   text += section("assumed", assumed_text(vehicle));
   return text + warnings_text(vehicle);

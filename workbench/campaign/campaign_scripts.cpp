@@ -12,7 +12,7 @@ namespace quadtune {
 std::string shell_word(const std::string& word) {
   const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
     return std::isalnum(c) ||
-           std::string_view("/._-+:,@%").find(static_cast<char>(c)) != std::string_view::npos;
+           std::string_view("/._-+:,@%=").find(static_cast<char>(c)) != std::string_view::npos;
   });
   if (plain) return word;
   std::string quoted = "'";

@@ -8,11 +8,12 @@
 #include <sstream>
 
 #include "program/completion.hpp"
-#include "program/fold_text.hpp"
-#include "program/message_text.hpp"
 #include "program/program.hpp"
+#include "program/standard_streams.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/utf8.hpp"
+#include "report/text/error_line.hpp"
+#include "report/text/fold_text.hpp"
 #include "run_program.hpp"
 #include "sanitized.hpp"
 #include "source_folder.hpp"

@@ -95,6 +95,9 @@ struct MixResult {
 /// Sum of all thrusts at the greatest speed [N].
 [[nodiscard]] double greatest_thrust(const Vehicle& vehicle, double density_ratio = 1);
 
+/// The same over the weight [1].
+[[nodiscard]] double thrust_to_weight(const Vehicle& vehicle);
+
 /// Greatest total thrust that the altitude loop may ask for [N]: altitude_thrust_fraction of it.
 [[nodiscard]] double altitude_thrust_limit(const Vehicle& vehicle);
 

@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "program/fold_text.hpp"
-
-#include <sys/ioctl.h>
-#include <unistd.h>
+#include "report/text/fold_text.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cstdlib>
-#include <cstring>
 #include <string_view>
 #include <vector>
 
 #include "quadtune/internal/utf8.hpp"
 
-namespace quadtune::cli {
+namespace quadtune::report {
 namespace {
 
 /// A line by characters, each of which takes one column of the terminal.
@@ -200,18 +194,4 @@ std::string folded(const std::string& text, std::size_t width) {
   return result;
 }
 
-std::size_t terminal_width(int descriptor) {
-  constexpr std::size_t kUsual = 80;
-  if (::isatty(descriptor) == 0) return 0;
-  winsize size = {};
-  if (::ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
-  const char* const columns = std::getenv("COLUMNS");
-  std::size_t width = 0;
-  if (columns == nullptr ||
-      std::from_chars(columns, columns + std::strlen(columns), width).ec != std::errc() ||
-      width == 0)
-    return kUsual;
-  return width;
-}
-
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

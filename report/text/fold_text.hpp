@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string>
 
-namespace quadtune::cli {
+namespace quadtune::report {
 
 /// `text` with no line longer than `width` characters, where its words allow that. A table, lines
 /// whose columns are two blanks or more apart, becomes several, one below the other, each with as
@@ -13,8 +13,4 @@ namespace quadtune::cli {
 /// @param width  [characters]; 0: as it is
 [[nodiscard]] std::string folded(const std::string& text, std::size_t width);
 
-/// Columns of the terminal that a descriptor is, by the terminal itself or else COLUMNS; 0 if it is
-/// none.
-[[nodiscard]] std::size_t terminal_width(int descriptor);
-
-}  // namespace quadtune::cli
+}  // namespace quadtune::report

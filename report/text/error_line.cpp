@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/text/error_line.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include "quadtune/internal/utf8.hpp"
+
+namespace quadtune::report {
+namespace {
+
+/// `text` without its middle, at most `most` bytes.
+std::string without_middle(std::string_view text, std::size_t most) {
+  constexpr std::string_view kCut = " ... ";
+  const std::size_t kept = most - kCut.size();
+  const std::string_view head = internal::whole_characters(text, kept - kept / 2);
+  std::string_view tail = text.substr(text.size() - kept / 2);
+  // Not from within a character.
+  while (!tail.empty() && (static_cast<unsigned char>(tail[0]) & 0xc0U) == 0x80)
+    tail.remove_prefix(1);
+  return std::string(head).append(kCut).append(tail);
+}
+
+}  // namespace
+
+std::string error_line(const std::string& message) {
+  std::string line = internal::visible_text(message);
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  std::replace(line.begin(), line.end(), '\t', ' ');
+  return line.size() > kLongestError ? without_middle(line, kLongestError) : line;
+}
+
+}  // namespace quadtune::report

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/design/written_exports.hpp"
+
+#include <utility>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/export.hpp"
+#include "quadtune/workbench/design/export_content.hpp"
+#include "quadtune/workbench/verify/verify_directory.hpp"
+
+namespace quadtune {
+
+std::vector<WrittenExport> write_exports(const DesignOutcome& outcome, const std::string& directory,
+                                         const ExportWriter& write) {
+  const Design& design = outcome.design;
+  const std::string file = design.file.string();
+  if (design.exports.empty())
+    throw InvalidInput(file, "has no [[export]], expected one because of -o");
+  const ExportContent content = export_content(outcome);
+  std::vector<InputAtHand> inputs;
+  for (const FileContent& input : content.inputs) inputs.push_back({input.name, "", input.bytes});
+  for (const ExportRequest& request : design.exports)
+    (void)export_files(export_kind(request.to, file), content);
+  std::vector<WrittenExport> written;
+  for (const ExportRequest& request : design.exports) {
+    WrittenExport one;
+    one.kind = export_kind(request.to, file);
+    one.directory = design.exports.size() == 1
+                        ? directory
+                        : (std::filesystem::path(directory) / request.to).string();
+    one.files = write(one.directory, one.kind, content);
+    one.verification = verify_with(one.directory, design.vehicle, inputs, &outcome.flown);
+    written.push_back(std::move(one));
+  }
+  return written;
+}
+
+}  // namespace quadtune
