@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune log: what is in a log, and what is odd about it.
-#include <fmt/format.h>
-
-#include <cmath>
 #include <memory>
-#include <optional>
 #include <ostream>
 
 #include "arguments/log_arguments.hpp"
@@ -13,8 +9,8 @@
 #include "quadtune/estimation/model_needs.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/logs/log_survey.hpp"
+#include "quadtune/workbench/logs/log_notes.hpp"
 #include "report/logs/log_report.hpp"
-#include "report/text/print.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -33,10 +29,8 @@ void run(const Options& options, Context& context) {
   std::vector<ModelNeeds> models;
   for (const ModelSignals& model : signals_of_built_in_models())
     models.push_back(needs_of_model(model, survey));
-  if (context.json)
-    context.out << internal::readable(to_json(survey, models, options.file)) << "\n";
-  else
-    context.out << to_text(survey, models, options.file);
+  context.out << (context.json ? internal::readable(to_json(survey, models, options.file)) + "\n"
+                               : to_text(survey, models, options.file));
   for (const std::string& warning : log_warnings(survey.condition))
     context.note("log: warning: " + warning);
 }

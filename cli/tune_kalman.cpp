@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune tune kalman: noise covariances from logs, with a verdict.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <functional>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <ostream>
-#include <set>
+#include <utility>
 
 #include "arguments/log_arguments.hpp"
 #include "arguments/read_number.hpp"
@@ -19,19 +17,17 @@
 #include "program/program.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
-#include "quadtune/estimation/log_signals.hpp"
-#include "quadtune/estimation/record_of_log.hpp"
-#include "quadtune/estimation/rigid_body_filter.hpp"
-#include "quadtune/exports/file_set.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
-#include "report/logs/log_report.hpp"
-#include "report/logs/tune_report.hpp"
-#include "report/logs/tune_story.hpp"
+#include "quadtune/workbench/logs/filter_choice.hpp"
+#include "quadtune/workbench/logs/noise_evidence.hpp"
+#include "report/logs/noise_tuning_page.hpp"
+#include "report/logs/noise_tuning_report.hpp"
 
 namespace quadtune::cli {
 namespace {
+
+constexpr const char* kVerb = "tune";  ///< in messages
 
 struct Options {
   std::string model, file, report, method = "ml";
@@ -45,7 +41,7 @@ struct Options {
 };
 
 [[noreturn]] void refuse(const char* option, const std::string& why) {
-  throw UsageError(fmt::format("quadtune tune: {}", why), option);
+  throw UsageError(fmt::format("quadtune {}: {}", kVerb, why), option);
 }
 
 NoiseMethod noise_method(const std::string& name) {
@@ -65,174 +61,55 @@ std::pair<std::string, std::string> named_word(const std::string& text, const ch
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-FilterModel model_of(const Options& options) {
-  if (options.model.empty())
-    refuse("--model", "--model is missing, expected a filter model's name or file");
-  FilterModel model = load_filter_model(options.model);
-  for (const std::string& name : options.fixed)
-    model.parameters[static_cast<std::size_t>(parameter_index(model, name, "--fix"))].fixed = true;
+std::vector<NamedChannel> named_channels(const std::vector<std::string>& texts, const char* option,
+                                         const char* name) {
+  std::vector<NamedChannel> result;
+  result.reserve(texts.size());
+  for (const std::string& text : texts) result.push_back(named_word(text, option, name, "CHANNEL"));
+  return result;
+}
+
+FilterChoice choice_of(const Options& options) {
+  FilterChoice choice{options.fixed, {}, options.gate, options.student};
   for (const std::string& text : options.starts_at) {
     const auto [name, word] = named_word(text, "--start", "NAME", "NUMBER");
     double value = 0;
     if (!read_number(word, value))
       refuse("--start", fmt::format("--start: '{}' came for {}, expected a number",
                                     internal::printable(word), name));
-    model.parameters[static_cast<std::size_t>(parameter_index(model, name, "--start"))].start =
-        value;
+    choice.starts.emplace_back(name, value);
   }
-  for (FilterSensor& sensor : model.sensors) {
-    if (options.gate != 0) sensor.gate = options.gate;
-    if (options.student != 0) sensor.student = options.student;
-  }
-  validate(model, options.gate != 0 || options.student != 0 ? "--gate, --student" : "--start");
-  return model;
+  return choice;
 }
 
-/// Which channel feeds which input or output: as --map says. Of the others an input is fed by the
-/// channel of its name; so are the outputs, where --map names none of them.
-struct Mapping {
-  std::vector<std::pair<std::string, std::string>> named;
-  std::vector<Signal> by_name;
-};
-
-Mapping mapping(const Options& options, const FilterModel& model) {
-  Mapping map;
-  map.named.reserve(options.maps.size());
-  for (const std::string& text : options.maps)
-    map.named.push_back(named_word(text, "--map", "NAME", "CHANNEL"));
-  const auto mapped = [&map](const Signal& signal) {
-    return std::any_of(map.named.begin(), map.named.end(),
-                       [&](const auto& pair) { return pair.first == signal.name; });
-  };
-  std::vector<Signal> outputs;
-  std::copy_if(model.inputs.begin(), model.inputs.end(), std::back_inserter(map.by_name),
-               [&](const Signal& input) { return !mapped(input); });
-  for (const FilterSensor& sensor : model.sensors)
-    outputs.insert(outputs.end(), sensor.outputs.begin(), sensor.outputs.end());
-  if (std::none_of(outputs.begin(), outputs.end(), mapped))
-    map.by_name.insert(map.by_name.end(), outputs.begin(), outputs.end());
-  return map;
+FilterModel model_of(const Options& options) {
+  if (options.model.empty())
+    refuse("--model", "--model is missing, expected a filter model's name or file");
+  FilterModel model = load_filter_model(options.model);
+  return chosen_filter(std::move(model), choice_of(options));
 }
 
-/// Entries of θ that a covariance depends on.
-std::set<int> parameters_of(const CovarianceModel& covariance) {
-  std::set<int> result;
-  for (const ScaledCovariance& term : covariance.scaled) result.insert(term.parameter);
-  for (const FullCovariance& term : covariance.full) {
-    const auto n = static_cast<int>(term.entries.size());
-    for (int i = 0; i < n * (n + 1) / 2; ++i) result.insert(term.first_parameter + i);
-  }
-  return result;
+void require_sane(const Options& options) {
+  if (!options.report.empty() && !options.report.ends_with(".html"))
+    refuse("--report", fmt::format("--report is '{}', expected a name that ends in .html",
+                                   internal::printable(options.report)));
+  if (!options.report.empty() && options.report == options.file)
+    refuse("--report", "--report and -o are one file, expected two");
+  if (options.logs.empty()) refuse("--log", "--log is missing, expected a log of the sensors");
+  if (!(options.holdout >= 0 && options.holdout <= 0.9))
+    refuse("--holdout", fmt::format("--holdout is {}, expected 0 to 0.9", options.holdout));
+  for (const std::string& path : options.logs)
+    if (path == "-")
+      refuse("--log", "--log is -, expected a file because it is read twice, once for its hash");
 }
 
-/// What no channel measures stays as it is, and that is said.
-void leave_unmeasured(FilterModel& model, const std::vector<TunedLog>& logs, Context& context) {
-  const auto measured = [&](const FilterSensor& sensor) {
-    return std::any_of(sensor.outputs.begin(), sensor.outputs.end(), [&](const Signal& output) {
-      return std::any_of(logs.begin(), logs.end(), [&](const TunedLog& log) {
-        return std::any_of(log.channels.begin(), log.channels.end(),
-                           [&](const TunedChannel& use) { return use.signal == output.name; });
-      });
-    });
-  };
-  std::set<int> known = parameters_of(model.Q);
-  for (const FilterSensor& sensor : model.sensors)
-    if (measured(sensor)) known.merge(parameters_of(sensor.R));
-  for (const FilterSensor& sensor : model.sensors)
-    for (const int i : parameters_of(sensor.R)) {
-      NoiseParameter& p = model.parameters[static_cast<std::size_t>(i)];
-      if (p.fixed || known.contains(i)) continue;
-      p.fixed = true;
-      context.note(
-          fmt::format("tune: {} stays as it is: no measurements of {}", p.name, sensor.name));
-    }
-}
-
-/// Channels of one file, their times after `epoch_s` of the first file read.
-/// @param states  for each place the state that it is a truth for; empty for a measurement
-/// @return  what its reader warns of
-std::vector<std::string> read_file(const std::string& file, const FilterModel& model,
-                                   const std::vector<ChannelPlace>& places,
-                                   const std::vector<std::string>& states,
-                                   const LogOptions& log_options,
-                                   std::optional<std::int64_t>& epoch_s,
-                                   std::vector<ChannelUse>& uses, const Context& context) {
-  std::vector<std::string> channels;
-  for (const ChannelPlace& place : places)
-    if (place.file == file) channels.push_back(place.channel);
-  LogChannels log = read_channels(file, channels, log_options);
-  if (!epoch_s) epoch_s = log.epoch_s;
-  const auto offset = static_cast<double>(log.epoch_s - *epoch_s);
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (places[i].file != file) continue;
-    if (!states[i].empty()) require_same_world(file, model, states[i], log.groups);
-    uses[i].series = std::move(log.series[next++]);
-    for (double& t : uses[i].series.time) t += offset;
-  }
-  return tell_log_warnings(log.condition, file, "tune", context);
-}
-
-std::string with_unit(const std::string& channel, const std::string& unit) {
-  return unit.empty() ? channel : fmt::format("{} [{}]", channel, unit);
-}
-
-TunedLog read_log(const std::string& path, const FilterModel& model, const Options& options,
-                  const Mapping& map, std::vector<LeftOutRecord>& left_out, Context& context) {
-  const LogOptions log_options = cli::log_options(options.log, "tune");
-  std::vector<ChannelPlace> places;
-  std::vector<ChannelUse> uses;
-  std::vector<std::string> files, states;
-  auto all = map.named;
-  for (const std::string& text : options.truths)
-    all.push_back(named_word(text, "--truth", "STATE", "CHANNEL"));
-  for (const auto& [signal, word] : all) {
-    states.push_back(places.size() < map.named.size() ? "" : signal);
-    places.push_back(channel_place(word, path));
-    uses.push_back({signal, {}});
-    if (std::find(files.begin(), files.end(), places.back().file) == files.end())
-      files.push_back(places.back().file);
-  }
-  TunedLog result;
-  std::optional<std::int64_t> epoch_s;
-  std::vector<ChannelUse> fed;
-  if (!map.by_name.empty()) {
-    FedSignals log = [&] {
-      try {
-        return read_signals_by_name(path, model, map.by_name, log_options);
-      } catch (const UnknownChannel& lacking) {
-        throw lacks_channel(lacking);
-      }
-    }();
-    if (std::find(files.begin(), files.end(), path) == files.end()) {
-      result.warnings = tell_log_warnings(log.condition, path, "tune", context);
-      files.insert(files.begin(), path);
-    }
-    epoch_s = log.epoch_s;
-    for (FedSignal& signal : log.signals) {
-      result.channels.push_back(
-          {signal.use.signal, with_unit(signal.from, signal.use.series.unit), path});
-      fed.push_back(std::move(signal.use));
-    }
-  }
-  for (const std::string& file : files) {
-    if (std::any_of(places.begin(), places.end(),
-                    [&](const ChannelPlace& place) { return place.file == file; }))
-      for (std::string& line :
-           read_file(file, model, places, states, log_options, epoch_s, uses, context))
-        result.warnings.push_back(std::move(line));
-    result.files.push_back({file, sha256_of_file(file)});
-  }
-  const std::size_t truths = map.named.size();
-  for (std::size_t i = 0; i < uses.size(); ++i)
-    result.channels.push_back({(i < truths ? "" : "truth of ") + uses[i].signal,
-                               with_unit(uses[i].series.name, uses[i].series.unit),
-                               places[i].file});
-  const auto first_truth = uses.begin() + static_cast<std::ptrdiff_t>(truths);
-  fed.insert(fed.end(), std::make_move_iterator(uses.begin()),
-             std::make_move_iterator(first_truth));
-  result.records = records_of_log(model, fed, path, {first_truth, uses.end()}, &left_out);
-  return result;
+NoiseLogs read_logs(FilterModel model, const Options& options, const Context& context) {
+  NoiseLogOptions logs{options.logs};
+  logs.channels = named_channels(options.maps, "--map", "NAME");
+  logs.reading = log_options(options.log, kVerb);
+  logs.truths = named_channels(options.truths, "--truth", "STATE");
+  logs.note = notes_of(kVerb, context);
+  return read_noise_logs(std::move(model), logs);
 }
 
 /// One line that is written over while the search goes on; on a terminal only.
@@ -267,9 +144,7 @@ class Progress {
   Clock::time_point begin_, next_;
 };
 
-NoiseTuning tuned(const FilterModel& model, const std::vector<FilterRecord>& records,
-                  const Options& options, const Context& context) {
-  Progress progress(context);
+NoiseTuningOptions tuning_of(const Options& options, const Context& context, Progress& progress) {
   NoiseTuningOptions settings;
   settings.method = noise_method(options.method);
   settings.holdout = options.holdout;
@@ -283,57 +158,41 @@ NoiseTuning tuned(const FilterModel& model, const std::vector<FilterRecord>& rec
   settings.fit.threads = context.threads;
   settings.fit.interrupted = interrupted;
   settings.keep_records = !options.report.empty();
-  return model.linear() ? tune_noise(model, records, settings)
-                        : tune_noise(*nonlinear_filter(model, records, interrupted), settings);
+  return settings;
+}
+
+TunedNoise tuned(NoiseLogs logs, const Options& options, const Context& context) {
+  Progress progress(context);
+  return tune_noise(std::move(logs), tuning_of(options, context, progress));
 }
 
 void run(const Options& options, Context& context) {
   FilterModel model = model_of(options);
   (void)noise_method(options.method);  // refused before a long log is read
-  if (!options.report.empty() && !options.report.ends_with(".html"))
-    refuse("--report", fmt::format("--report is '{}', expected a name that ends in .html",
-                                   internal::printable(options.report)));
-  if (!options.report.empty() && options.report == options.file)
-    refuse("--report", "--report and -o are one file, expected two");
-  if (options.logs.empty()) refuse("--log", "--log is missing, expected a log of the sensors");
-  if (!(options.holdout >= 0 && options.holdout <= 0.9))
-    refuse("--holdout", fmt::format("--holdout is {}, expected 0 to 0.9", options.holdout));
-  for (const std::string& path : options.logs)
-    if (path == "-")
-      refuse("--log", "--log is -, expected a file because it is read twice, once for its hash");
-  const Mapping map = mapping(options, model);
-  std::vector<TunedLog> logs;
-  std::vector<LeftOutRecord> left_out;
-  for (const std::string& path : options.logs)
-    logs.push_back(read_log(path, model, options, map, left_out, context));
-  leave_unmeasured(model, logs, context);
-  std::vector<FilterRecord> joined;
-  if (logs.size() > 1)  // one log's may be long: no second copy
-    for (const TunedLog& log : logs)
-      joined.insert(joined.end(), log.records.begin(), log.records.end());
-  const std::vector<FilterRecord>& records = logs.size() > 1 ? joined : logs.front().records;
+  require_sane(options);
+  NoiseLogs logs = read_logs(std::move(model), options, context);
   std::optional<KeepsTheBest> keeps_the_best(std::in_place);
-  NoiseTuning tuning = tuned(model, records, options, context);
-  tuning.left_out.insert(tuning.left_out.begin(), left_out.begin(), left_out.end());
+  const TunedNoise noise = tuned(std::move(logs), options, context);
+  const NoiseTuning& tuning = noise.tuning;
   if (tuning.fit.status == NoiseFitStatus::not_computed)
     throw NoSolution("tune: " + tuning.fit.culprit, options.model);
-  const TuneReport report{model, logs, tuning};
   const bool passed = tuning.verdict == CheckVerdict::pass;
   // After an interrupt what was found is still told and written: that is little work.
   const bool ended = tuning.fit.status == NoiseFitStatus::interrupted || interrupted();
   const std::function<bool()> stop = ended ? nullptr : std::function<bool()>(interrupted);
   // First, so that a file that cannot be written does not take a long search with it.
-  context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report))
+  context.out << (context.json ? internal::readable(to_json(noise)) + "\n" : to_text(noise))
               << std::flush;
   context.answered = true;
   if (!options.file.empty() && (passed || options.force)) {
-    write_file(options.file, tuned_file(report, context.command), stop);
+    write_file(options.file, tuned_model_file(noise, context.command), stop);
     context.written.push_back(options.file);
   }
   keeps_the_best.reset();  // what was found is told: the page may be given up at any time
   if (!options.report.empty() && !ended) {
-    write_file(options.report, html(page_of(report, options.holdout, context.seed, context.threads,
-                                            context.command, interrupted)));
+    const NoiseEvidence evidence =
+        noise_evidence(noise, options.holdout, context.threads, interrupted);
+    write_file(options.report, html(page_of(noise, evidence, context.seed, context.command)));
     context.written.push_back(options.report);
   }
   if (ended) throw Interrupted();

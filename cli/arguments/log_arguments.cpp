@@ -4,28 +4,36 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "program/command_line.hpp"
 #include "program/program.hpp"
-#include "quadtune/errors.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
-#include "report/logs/log_report.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune::cli {
 namespace {
 
+[[noreturn]] void refuse(const std::string& verb, const char* option, const std::string& why) {
+  throw UsageError(fmt::format("quadtune {}: {}", verb, why), option);
+}
+
 void require_format(const std::string& format, const std::string& verb) {
   std::vector<std::string> known;
-  std::string names;
-  for (const LogFormat& one : log_formats()) {
-    known.push_back(one.name);
-    names += (names.empty() ? "" : ", ") + one.name;
-  }
+  for (const LogFormat& one : log_formats()) known.push_back(one.name);
   if (std::find(known.begin(), known.end(), format) == known.end())
-    throw UsageError(fmt::format("quadtune {}: --format is '{}', expected one of {}{}", verb,
-                                 format, names, internal::did_you_mean(format, known)),
-                     "--format");
+    refuse(verb, "--format",
+           fmt::format("--format is '{}', expected one of {}{}", format,
+                       internal::joined(known, ", "), internal::did_you_mean(format, known)));
+}
+
+std::optional<double> ticks_of(const std::string& unit) {
+  if (unit == "s") return 1;
+  if (unit == "ms") return 1e3;
+  if (unit == "us") return 1e6;
+  if (unit == "ns") return 1e9;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -41,27 +49,6 @@ void add_log_options(CommandLine& line, LogArguments& arguments) {
       ->type_name("HZ");
 }
 
-ChannelPlace channel_place(const std::string& word, const std::string& log) {
-  const std::size_t at = word.rfind('@');
-  if (at == std::string::npos || at == 0 || at + 1 == word.size()) return {word, log};
-  return {word.substr(0, at), word.substr(at + 1)};
-}
-
-InvalidInput lacks_channel(const UnknownChannel& lacking) {
-  std::string message = lacking.what();
-  message.erase(0, lacking.where().size() + 2);
-  return {lacking.where(), message + "; a channel of another file is called CHANNEL@FILE"};
-}
-
-LogChannels read_channels(const std::string& file, const std::vector<std::string>& names,
-                          const LogOptions& options, const std::vector<std::string>& optional) {
-  try {
-    return read_log_channels(file, names, options, optional);
-  } catch (const UnknownChannel& lacking) {
-    throw lacks_channel(lacking);
-  }
-}
-
 LogOptions log_options(const LogArguments& arguments, const std::string& verb) {
   LogOptions options;
   if (!arguments.format.empty()) require_format(arguments.format, verb);
@@ -72,14 +59,49 @@ LogOptions log_options(const LogArguments& arguments, const std::string& verb) {
   return options;
 }
 
-std::vector<std::string> tell_log_warnings(const LogCondition& condition, const std::string& file,
-                                           const std::string& verb, const Context& context) {
-  std::vector<std::string> lines = log_warnings(condition);
-  for (std::string& line : lines) {
-    line.insert(0, internal::printable(file) + ": ");
-    context.note(fmt::format("{}: warning: {}", verb, line));
+bool SensorLogArguments::given() const {
+  return log.rate_hz.has_value() ||
+         !(log.format.empty() && log.columns.empty() && time.empty() && time_unit.empty());
+}
+
+void add_sensor_log_options(CommandLine& line, SensorLogArguments& arguments) {
+  add_log_options(line, arguments.log);
+  line.add_option(
+          "--time", arguments.time,
+          "of a text, the column of times, by name or number; one called t, time, timestamp")
+      ->type_name("COLUMN");
+  line.add_option("--time-unit", arguments.time_unit,
+                  "s, ms, us or ns; the header's, else by the values")
+      ->type_name("U");
+}
+
+LogOptions sensor_log_options(const SensorLogArguments& arguments, const std::string& verb) {
+  LogOptions options = log_options(arguments.log, verb);
+  const std::string& unit = arguments.time_unit;
+  const std::optional<double> ticks = ticks_of(unit.empty() ? "s" : unit);
+  if (!ticks)
+    refuse(verb, "--time-unit",
+           fmt::format("the unit of time is '{}', expected --time-unit s, ms, us or ns",
+                       internal::printable(unit)));
+  if (arguments.time.empty()) {
+    if (!unit.empty()) refuse(verb, "--time-unit", "--time-unit came without --time");
+    return options;
   }
-  return lines;
+  if (options.rate_hz > 0)
+    refuse(verb, "--rate",
+           "--rate and --time both came, expected one of --rate HZ and --time COLUMN");
+  if (!options.columns.empty())
+    refuse(verb, "--columns",
+           "--columns and --time both came, expected one of them: --columns 't_us:2, *' names a "
+           "clock too");
+  options.columns = {{"t", unit, arguments.time, *ticks}, {}};
+  return options;
+}
+
+LogNote notes_of(const std::string& verb, const Context& context) {
+  return [&context, verb](const std::string& line) {
+    context.note(fmt::format("{}: {}", verb, line));
+  };
 }
 
 }  // namespace quadtune::cli

@@ -2,12 +2,15 @@
 /// Options that say how a log is to be read, shared by all verbs that read one.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "quadtune/logs/log_channels.hpp"
+#include "arguments/flight_arguments.hpp"
 #include "quadtune/logs/log_reader.hpp"
+#include "quadtune/workbench/logs/log_notes.hpp"
+#include "quadtune/workbench/logs/missing_option.hpp"
 
 namespace quadtune::cli {
 
@@ -26,28 +29,34 @@ void add_log_options(CommandLine& line, LogArguments& arguments);
 /// @throws UsageError, InvalidInput  naming the option.
 [[nodiscard]] LogOptions log_options(const LogArguments& arguments, const std::string& verb);
 
-/// Where a channel is: "px", of the log itself, or "px@FILE", of another log of the same flight.
-struct ChannelPlace {
-  std::string channel, file;
+/// Of the log of a sensor.
+struct SensorLogArguments {
+  LogArguments log;
+  std::string time;       ///< the column of a text that is its clock; empty: as the log says
+  std::string time_unit;  ///< s, ms, us or ns; empty: of the log, or by its values
+
+  [[nodiscard]] bool given() const;
 };
 
-/// @param log  the log itself
-[[nodiscard]] ChannelPlace channel_place(const std::string& word, const std::string& log);
+/// Adds --format, --columns, --rate, --time and --time-unit.
+void add_sensor_log_options(CommandLine& line, SensorLogArguments& arguments);
 
-/// The refusal of a channel that a file lacks, with how one of another file is named.
-[[nodiscard]] InvalidInput lacks_channel(const UnknownChannel& lacking);
+/// @throws UsageError, InvalidInput  as log_options(), and for options that contradict each other
+[[nodiscard]] LogOptions sensor_log_options(const SensorLogArguments& arguments,
+                                            const std::string& verb);
 
-/// As read_log_channels(); what the file lacks is refused as lacks_channel() says.
-[[nodiscard]] LogChannels read_channels(const std::string& file,
-                                        const std::vector<std::string>& names,
-                                        const LogOptions& options,
-                                        const std::vector<std::string>& optional = {});
+/// Lines for Context::note, after the verb.
+[[nodiscard]] LogNote notes_of(const std::string& verb, const Context& context);
 
-/// Those lines with the file's name before them, as the verbs that use a log list them in their
-/// JSON; each goes to Context::note, too.
-[[nodiscard]] std::vector<std::string> tell_log_warnings(const LogCondition& condition,
-                                                         const std::string& file,
-                                                         const std::string& verb,
-                                                         const Context& context);
+/// As option_of_command(), for a function that reads logs.
+/// @throws UsageError  in place of OptionError and MissingOption
+template <class Function>
+auto option_of_logs(const std::string& verb, Function&& function) {
+  try {
+    return option_of_command(verb, function);
+  } catch (const MissingOption& error) {
+    throw UsageError(fmt::format("quadtune {}: {}", verb, error.what()), "--" + error.option());
+  }
+}
 
 }  // namespace quadtune::cli

@@ -2,24 +2,12 @@
 /// The noises of an Allan deviation in the units in which data sheets give them.
 #pragma once
 
-#include <Eigen/Core>
 #include <string>
 #include <vector>
 
 #include "quadtune/tuning/allan.hpp"
 
 namespace quadtune::report {
-
-/// What was analysed.
-struct AllanRecord {
-  std::string log;
-  std::string column;
-  std::string unit;  ///< of the rate; may be empty
-  Eigen::VectorXd rate;
-  double dt = 0;                           ///< [s]
-  std::vector<std::string> warnings = {};  ///< of the log's reader
-  bool phase = false;                      ///< the column is the rate's integral
-};
 
 /// A reading with its names and units.
 struct AllanLine {

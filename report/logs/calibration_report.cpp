@@ -12,6 +12,7 @@
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "report/text/print.hpp"
+#include "report/text/text_table.hpp"
 
 namespace quadtune::report {
 namespace {
@@ -33,16 +34,17 @@ struct Sensor {
   const MadeUpSensor* truth;
 };
 
-std::vector<Sensor> sensors_of(const CalibrationReport& r) {
-  const ImuCalibration& c = r.found;
+std::vector<Sensor> sensors_of(const CalibratedImu& imu) {
+  const ImuCalibration& c = imu.found;
   std::vector<Sensor> sensors = {{"accelerometer", "m/s^2", "norm less gravity", "m/s^2", 1,
-                                  c.accelerometer, r.truth ? &r.truth->accelerometer : nullptr}};
+                                  c.accelerometer,
+                                  imu.truth ? &imu.truth->accelerometer : nullptr}};
   if (c.gyroscope.solved())
     sensors.push_back({"gyroscope", "rad/s", "gravity turned, less gravity seen", "deg", kDegree,
-                       c.gyroscope, r.truth ? &r.truth->gyroscope : nullptr});
+                       c.gyroscope, imu.truth ? &imu.truth->gyroscope : nullptr});
   if (c.magnetometer.solved())
     sensors.push_back({"magnetometer", "field", "norm less the field", "field", 1, c.magnetometer,
-                       r.truth ? &r.truth->magnetometer : nullptr});
+                       imu.truth ? &imu.truth->magnetometer : nullptr});
   return sensors;
 }
 
@@ -57,6 +59,7 @@ std::string with_interval(double value, double half) {
 std::string axes_table(const Sensor& sensor) {
   const SensorCalibration& c = sensor.found;
   const double q = c.quantile;
+  constexpr std::size_t kGap = 3;
   std::vector<std::array<std::string, 5>> rows = {
       {"T: x", "y", "z", "K [raw per " + std::string(sensor.unit) + "]", "b [raw]"}};
   for (int i = 0; i < 3; ++i) {
@@ -68,15 +71,19 @@ std::string axes_table(const Sensor& sensor) {
     row[4] = with_interval(c.b(i), q * c.b_error(i));
     rows.push_back(row);
   }
-  std::array<std::size_t, 5> widths{};
-  for (const auto& row : rows)
-    for (std::size_t j = 0; j < 5; ++j) widths[j] = std::max(widths[j], row[j].size());
-  std::string text;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    text += i == 0 ? " " : fmt::format("\n{}", "xyz"[i - 1]);
-    for (std::size_t j = 0; j < 5; ++j) text += fmt::format("   {:>{}}", rows[i][j], widths[j]);
+  std::vector<TextColumn> columns = {{"", 1, TextColumn::Side::left}};
+  for (std::size_t j = 0; j < 5; ++j) {
+    std::size_t width = 0;
+    for (const auto& row : rows) width = std::max(width, row[j].size());
+    columns.push_back({"", kGap + width});
   }
-  return text;
+  TextTable table(columns);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::vector<std::string> cells = {std::string(1, " xyz"[i])};
+    cells.insert(cells.end(), rows[i].begin(), rows[i].end());
+    table.row(cells);
+  }
+  return table.rows();
 }
 
 std::string temperature_text(const SensorCalibration& c) {
@@ -108,9 +115,9 @@ std::string truth_text(const Sensor& sensor, double t0) {
                      all);
 }
 
-std::string sensor_text(const Sensor& sensor, const CalibrationReport& report) {
+std::string sensor_text(const Sensor& sensor, const CalibratedImu& imu) {
   const SensorCalibration& c = sensor.found;
-  const bool turns = &c == &report.found.gyroscope;
+  const bool turns = &c == &imu.found.gyroscope;
   std::string text = axes_table(sensor);
   if (c.with_temperature) text += "\n" + temperature_text(c);
   text += fmt::format("\n{}: {:.3g} {} before, {:.3g} after (rms of {} {})", sensor.residual,
@@ -122,7 +129,7 @@ std::string sensor_text(const Sensor& sensor, const CalibrationReport& report) {
     text += fmt::format("\nleft out as outliers: {} {}", turns ? "turns" : "poses",
                         fmt::join(numbers, ", "));
   }
-  if (sensor.truth) text += "\n" + truth_text(sensor, report.truth->t0);
+  if (sensor.truth) text += "\n" + truth_text(sensor, imu.truth->t0);
   return text;
 }
 
@@ -143,18 +150,18 @@ Json sensor_json(const SensorCalibration& c) {
   return json;
 }
 
-std::string log_text(const CalibrationReport& report, std::size_t i) {
-  const ImuLog& log = report.logs[i];
-  const StillDetection& still = report.found.still[i];
+std::string log_text(const CalibratedImu& imu, std::size_t i) {
+  const ImuLog& log = imu.logs[i];
+  const StillDetection& still = imu.found.still[i];
   const double length = log.t(log.t.size() - 1) - log.t(0);
   std::string text = fmt::format(
       "{}: {} samples over {:.4g} s, {} still poses\nstill where {:.2g} s vary by at "
       "most {:.3g} raw",
-      log.name, log.t.size(), length, still.poses.size(), report.options.still.window,
+      log.name, log.t.size(), length, still.poses.size(), imu.options.still.window,
       still.accelerometer_threshold);
   if (log.gyroscope.cols() > 0)
     text += fmt::format(" (gyroscope {:.3g})", still.gyroscope_threshold);
-  text += fmt::format(", {} times the quietest tenth's variance", report.options.still.factor);
+  text += fmt::format(", {} times the quietest tenth's variance", imu.options.still.factor);
   if (log.gyroscope.cols() < StartUpOffset::kSamples) return text;
   const StartUpOffset start = start_up_offset(log, still);
   text += fmt::format("\ngyroscope's first {} samples: {:.3f} {:.3f} {:.3f} raw, +- {:.3f}",
@@ -166,43 +173,43 @@ std::string log_text(const CalibrationReport& report, std::size_t i) {
 
 }  // namespace
 
-Json to_json(const CalibrationReport& report) {
+Json to_json(const CalibratedImu& imu, const std::string& file) {
   Json json;
   Json before, after;
-  for (const Sensor& sensor : sensors_of(report)) {
+  for (const Sensor& sensor : sensors_of(imu)) {
     json[sensor.name] = sensor_json(sensor.found);
     before[sensor.name] = sensor.found.residual_before;
     after[sensor.name] = sensor.found.residual_after;
   }
   json["residual"] = {{"before", before}, {"after", after}};
-  json["poses"] = report.found.poses.size();
+  json["poses"] = imu.found.poses.size();
   json["still"] = Json::array();
-  for (std::size_t i = 0; i < report.logs.size(); ++i) {
-    const StillDetection& still = report.found.still[i];
-    Json entry = {{"log", report.logs[i].name},
+  for (std::size_t i = 0; i < imu.logs.size(); ++i) {
+    const StillDetection& still = imu.found.still[i];
+    Json entry = {{"log", imu.logs[i].name},
                   {"poses", still.poses.size()},
                   {"accelerometer_threshold", still.accelerometer_threshold},
                   {"gyroscope_threshold", still.gyroscope_threshold}};
-    if (report.logs[i].gyroscope.cols() >= StartUpOffset::kSamples) {
-      const StartUpOffset start = start_up_offset(report.logs[i], still);
+    if (imu.logs[i].gyroscope.cols() >= StartUpOffset::kSamples) {
+      const StartUpOffset start = start_up_offset(imu.logs[i], still);
       entry["start_up_offset"] = {{"offset", vector_to_json(start.offset, "offset")},
                                   {"error", vector_to_json(start.error, "error")},
                                   {"still", start.still}};
     }
     json["still"].push_back(entry);
   }
-  if (!report.file.empty()) json["file"] = report.file;
-  json["warnings"] = report.warnings;
+  if (!file.empty()) json["file"] = file;
+  json["warnings"] = imu.warnings;
   return json;
 }
 
-std::string to_text(const CalibrationReport& report) {
+std::string to_text(const CalibratedImu& imu, const std::string& file) {
   std::string text;
-  for (std::size_t i = 0; i < report.logs.size(); ++i) text += section("log", log_text(report, i));
+  for (std::size_t i = 0; i < imu.logs.size(); ++i) text += section("log", log_text(imu, i));
   text += "T K^-1 (raw - b), +- half of the 95 % interval\n";
-  for (const Sensor& sensor : sensors_of(report))
-    text += fmt::format("{}\n{}", sensor.name, section("", sensor_text(sensor, report)));
-  if (!report.file.empty()) text += section("written", report.file);
+  for (const Sensor& sensor : sensors_of(imu))
+    text += fmt::format("{}\n{}", sensor.name, section("", sensor_text(sensor, imu)));
+  if (!file.empty()) text += section("written", file);
   return text;
 }
 

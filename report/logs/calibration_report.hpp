@@ -3,25 +3,14 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "quadtune/internal/json_fwd.hpp"
-#include "quadtune/tuning/imu_calibration.hpp"
-#include "quadtune/tuning/made_up_imu.hpp"
+#include "quadtune/workbench/logs/imu_calibration.hpp"
 
 namespace quadtune::report {
 
-/// What was calibrated, and what came out.
-struct CalibrationReport {
-  const std::vector<ImuLog>& logs;
-  const ImuCalibrationOptions& options;
-  const ImuCalibration& found;
-  const MadeUpImu* truth;                    ///< of a made-up log; nullptr of a real one
-  const std::string& file;                   ///< that was written; empty for none
-  const std::vector<std::string>& warnings;  ///< of the logs' readers
-};
-
-[[nodiscard]] internal::Json to_json(const CalibrationReport& report);
-[[nodiscard]] std::string to_text(const CalibrationReport& report);
+/// @param file  of the numbers that was written; empty for none
+[[nodiscard]] internal::Json to_json(const CalibratedImu& imu, const std::string& file);
+[[nodiscard]] std::string to_text(const CalibratedImu& imu, const std::string& file);
 
 }  // namespace quadtune::report

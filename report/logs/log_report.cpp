@@ -3,11 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/internal/text_file.hpp"
+#include "quadtune/workbench/logs/log_notes.hpp"
+#include "report/text/aligned.hpp"
 #include "report/text/print.hpp"
 
 namespace quadtune::report {
@@ -22,12 +23,6 @@ std::string counted(std::uint64_t count, const std::string& one, const std::stri
 
 // Digits of a double that say something, or a dash.
 std::string figure(double value) { return std::isnan(value) ? "-" : fmt::format("{:.5g}", value); }
-
-std::string joined(const std::vector<std::string>& parts, const char* separator) {
-  std::string text;
-  for (const std::string& part : parts) text += (text.empty() ? "" : separator) + part;
-  return text;
-}
 
 void add_timing(const LogTiming& timing, Json& json) {
   json["rate_hz"] = finite_or_null(timing.rate_hz);
@@ -62,7 +57,7 @@ std::string group_line(const LogGroupSurvey& group) {
         fmt::format(" from {:.6g} s, {:.6g} s long", group.timing.first_s, group.timing.duration_s);
     for (std::string& part : oddities(group.timing)) parts.push_back(std::move(part));
   }
-  return joined(parts, "; ");
+  return internal::joined(parts, "; ");
 }
 
 std::string remarks(const LogChannelSurvey& channel, const LogGroupSurvey& group) {
@@ -76,51 +71,19 @@ std::string remarks(const LogChannelSurvey& channel, const LogGroupSurvey& group
     parts.push_back(fmt::format("{} without value", channel.nan));
     for (std::string& part : oddities(channel.timing)) parts.push_back(std::move(part));
   }
-  return joined(parts, ", ");
+  return internal::joined(parts, ", ");
 }
 
-class Table {
- public:
-  explicit Table(std::vector<std::string> titles) { add(std::move(titles)); }
-
-  void add(std::vector<std::string> row) {
-    widths_.resize(row.size());
-    for (std::size_t i = 0; i < row.size(); ++i) widths_[i] = std::max(widths_[i], row[i].size());
-    rows_.push_back(std::move(row));
-  }
-
-  // The first two columns and the last are words.
-  [[nodiscard]] std::string text() const {
-    std::string text;
-    for (const std::vector<std::string>& row : rows_) {
-      std::string line;
-      for (std::size_t i = 0; i < row.size(); ++i) {
-        if (i > 0) line += "  ";
-        line += i < 2 || i + 1 == row.size() ? fmt::format("{:<{}}", row[i], widths_[i])
-                                             : fmt::format("{:>{}}", row[i], widths_[i]);
-      }
-      line.erase(line.find_last_not_of(' ') + 1);
-      text += (text.empty() ? "" : "\n") + line;
-    }
-    return text;
-  }
-
- private:
-  std::vector<std::vector<std::string>> rows_;
-  std::vector<std::size_t> widths_;
-};
-
 std::string channel_table(const LogSurvey& survey, std::size_t group) {
-  Table table({"channel", "unit", "samples", "[Hz]", "min", "mean", "max", "std", ""});
-  bool any = false;
+  std::vector<std::vector<std::string>> rows = {
+      {"channel", "unit", "samples", "[Hz]", "min", "mean", "max", "std", ""}};
   for (const LogChannelSurvey& one : survey.channels) {
     if (one.group != group) continue;
-    any = true;
-    table.add({one.channel.name, one.channel.unit, fmt::format("{}", one.samples),
-               figure(one.timing.rate_hz), figure(one.min), figure(one.mean), figure(one.max),
-               figure(one.std), remarks(one, survey.groups[group])});
+    rows.push_back({one.channel.name, one.channel.unit, fmt::format("{}", one.samples),
+                    figure(one.timing.rate_hz), figure(one.min), figure(one.mean), figure(one.max),
+                    figure(one.std), remarks(one, survey.groups[group])});
   }
-  return any ? table.text() : "no channels";
+  return rows.size() > 1 ? aligned(rows, 2) : "no channels";
 }
 
 Json to_json(const ModelNeeds& needs) {
@@ -210,20 +173,6 @@ std::string to_text(const LogSurvey& survey, const std::vector<ModelNeeds>& mode
   std::string lines;
   for (const ModelNeeds& needs : models) lines += (lines.empty() ? "" : "\n") + to_text(needs);
   return text + "\n" + section("models", lines);
-}
-
-std::vector<std::string> log_warnings(const LogCondition& condition) {
-  std::vector<std::string> lines;
-  if (!condition.torn.empty()) lines.push_back("partial: " + condition.torn);
-  if (condition.skipped > 0)
-    lines.push_back(fmt::format("{} passed over, the first: {}",
-                                counted(condition.skipped, "record", "records"),
-                                condition.first_skipped));
-  if (condition.dropouts > 0)
-    lines.push_back(fmt::format("the logger itself lost records {}, {:.4g} s in all",
-                                counted(condition.dropouts, "time", "times"), condition.dropout_s));
-  lines.insert(lines.end(), condition.notes.begin(), condition.notes.end());
-  return lines;
 }
 
 }  // namespace quadtune::report

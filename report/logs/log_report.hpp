@@ -18,7 +18,4 @@ namespace quadtune::report {
 [[nodiscard]] std::string to_text(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
                                   const std::string& file);
 
-/// One line for each thing that is wrong with the file itself, or odd about how it was taken.
-[[nodiscard]] std::vector<std::string> log_warnings(const LogCondition& condition);
-
 }  // namespace quadtune::report

@@ -25,7 +25,8 @@ const Noise kLines[kNoises] = {
 
 }  // namespace
 
-Figure allan_figure(const AllanRecord& record, const AllanAnalysis& analysis) {
+Figure allan_figure(const SensorAllan& allan) {
+  const auto& [record, analysis] = allan;
   Series band, points, fit;
   points.name = "deviation";
   points.shape = Shape::dots;

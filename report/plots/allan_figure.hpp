@@ -2,11 +2,11 @@
 /// The picture of an Allan deviation: points with intervals, the fit and its noises.
 #pragma once
 
-#include "report/logs/allan_units.hpp"
+#include "quadtune/workbench/logs/allan_of_log.hpp"
 #include "report/plots/figure.hpp"
 
 namespace quadtune::report {
 
-[[nodiscard]] Figure allan_figure(const AllanRecord& record, const AllanAnalysis& analysis);
+[[nodiscard]] Figure allan_figure(const SensorAllan& allan);
 
 }  // namespace quadtune::report

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "quadtune/errors.hpp"
@@ -29,10 +30,19 @@ struct LogChannels {
   std::vector<LogGroup> groups;  ///< all that the log has
 };
 
-/// A channel was asked for that the log does not have.
+/// A channel was asked for that the log does not have; where() is the log.
 class UnknownChannel : public InvalidInput {
  public:
-  using InvalidInput::InvalidInput;
+  /// @param log      its file
+  /// @param problem  e.g. "has no channel 'pz', expected one of px py"
+  UnknownChannel(const std::string& log, std::string problem)
+      : InvalidInput(log, problem), problem_(std::move(problem)) {}
+
+  /// What is wrong with the log: what() without the file.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
+
+ private:
+  std::string problem_;
 };
 
 /// Reads channels of a log in one pass.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/logs/tune_story.hpp"
+#include "report/logs/noise_tuning_page.hpp"
 
 #include <fmt/format.h>
 
@@ -10,11 +10,8 @@
 #include <map>
 #include <vector>
 
-#include "quadtune/internal/in_parallel.hpp"
-#include "quadtune/tuning/likelihood_profile.hpp"
-#include "quadtune/tuning/running_size.hpp"
-#include "quadtune/tuning/smoother.hpp"
 #include "quadtune/version.hpp"
+#include "report/logs/noise_tuning_report.hpp"
 
 namespace quadtune::report {
 namespace {
@@ -24,16 +21,8 @@ using Eigen::Index;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kWide = 2;        ///< standard deviations of a band
 constexpr double kLevel = 1.9207;  ///< fall of the log-likelihood at the ends of a 95 % interval
-/// Entries of covariances that the smoother holds at once; beyond, states are the filter's.
-constexpr double kMostEntries = 5e7;
-
 /// A gap is seen where it has one row in so many.
 constexpr std::size_t kRowsAGap = 1000;
-
-/// Innovations that a running mean takes: enough to be steady, few enough to show a change.
-int window_of(Index innovations) {
-  return static_cast<int>(std::clamp<Index>(innovations / 50, 20, 500));
-}
 
 /// All records, one after the other, as columns over one time.
 class Timeline {
@@ -91,27 +80,6 @@ class Timeline {
   std::size_t start_ = 0;
 };
 
-/// States with their variances: smoothed, or where that cannot be the filter's.
-struct States {
-  bool smoothed = false;
-  Eigen::MatrixXd x, variance;  ///< (nx × N)
-};
-
-States states_of(const FilterModel& model, const Eigen::VectorXd& theta, const FilterRecord& record,
-                 const FilterRun& run) {
-  const Index nx = run.x.rows(), N = record.samples();
-  if (static_cast<double>(N) * static_cast<double>(nx * nx) < kMostEntries) {
-    const SmoothedStates smoothed = smooth(model, theta, record);
-    if (smoothed.solved()) {
-      States states{true, smoothed.x, Eigen::MatrixXd(nx, N)};
-      for (Index k = 0; k < N; ++k)
-        states.variance.col(k) = smoothed.P.middleCols(k * nx, nx).diagonal();
-      return states;
-    }
-  }
-  return {false, run.x, run.x_variance};
-}
-
 /// An output with the name that checks have for it, and its unit.
 struct Output {
   std::string name, unit;
@@ -125,35 +93,31 @@ std::vector<Output> outputs_of(const FilterModel& model) {
   return outputs;
 }
 
-/// Fills the timeline and the plots over it.
-class Story {
+/// Fills the page's columns over time and the plots of them.
+class TimePlots {
  public:
-  Story(const TuneReport& report, double holdout, TuningPage& page)
-      : report_(report), model_(report.model), open_(model_), holdout_(holdout), page_(page) {
-    // What gates refused is not in the records any more; the rest is looked at whole.
-    for (FilterSensor& sensor : open_.sensors)
-      sensor.gate = std::numeric_limits<double>::infinity();
-  }
+  TimePlots(const TunedNoise& tuned, const NoiseEvidence& evidence, TuningPage& page)
+      : tuning_(tuned.tuning), model_(tuned.model), evidence_(evidence), page_(page) {}
 
-  void tell() {
-    const NoiseTuning& tuning = report_.tuning;
+  void fill() {
     std::size_t logs = 0;
     double end = 0, offset = 0;
-    for (std::size_t r = 0; r < tuning.records_after.size(); ++r) {
-      const FilterRecord& record = tuning.records_after[r];
+    for (std::size_t r = 0; r < tuning_.records_after.size(); ++r) {
+      const FilterRecord& record = tuning_.records_after[r];
+      const NoiseRuns& runs = evidence_.records[r];
       const double begin = record.time.front();
       const bool fresh =
-          r == 0 || record.name != tuning.records_after[r - 1].name || begin + offset <= end;
+          r == 0 || record.name != tuning_.records_after[r - 1].name || begin + offset <= end;
       if (fresh) {
         offset = r == 0 ? 0 : end + 1 - begin;
         timeline_.event(begin + offset, "log", record.name);
         ++logs;
       }
       timeline_.begin(record.time, offset);
-      tell_cut(record, offset);
-      if (r < tuning.records_before.size())
-        tell_run(tuning.records_before[r], start_of(model_), "before");
-      tell_run(record, tuning.fit.theta, "after");
+      if (runs.fitted < record.time.size())
+        timeline_.event(record.time[runs.fitted] + offset, "held out", record.name);
+      if (runs.before) add_run(*runs.before, "before");
+      if (runs.after) add_run(*runs.after, "after");
       end = record.time.back() + offset;
     }
     plot_innovations();
@@ -161,51 +125,39 @@ class Story {
     plot_states();
     page_.log = timeline_.table();
     if (logs > 1) page_.remarks.emplace_back("The logs follow one another.");
-    if (holdout_ > 0)
+    if (evidence_.holdout > 0)
       page_.remarks.emplace_back(
           "Dashed lines: where a log begins, and where the part begins that was kept from the "
           "fit.");
   }
 
  private:
-  void tell_cut(const FilterRecord& record, double offset) {
-    const auto fitted =
-        static_cast<std::size_t>(fitted_parts({record}, holdout_).front().samples());
-    if (fitted < record.time.size())
-      timeline_.event(record.time[fitted] + offset, "held out", record.name);
-  }
-
-  void tell_run(const FilterRecord& record, const Eigen::VectorXd& theta,
-                const std::string& which) {
-    const FilterRun run = InnovationLikelihood(open_, {record}).run(0, theta);
-    if (run.status != LikelihoodStatus::computed) return;
+  void add_run(const NoiseRun& run, const std::string& which) {
     const std::vector<Output> outputs = outputs_of(model_);
     for (std::size_t j = 0; j < outputs.size(); ++j) {
-      const auto row = static_cast<Index>(j);
-      const Index missing = run.innovation.row(row).array().isNaN().count();
-      tell_innovations(run, row, outputs[j].unit, which);
-      tell_sizes(run, row, window_of(record.samples() - missing), which);
+      add_innovations(run, static_cast<Index>(j), outputs[j].unit, which);
+      add_sizes(run.size[j], j, which);
     }
-    tell_states(states_of(open_, theta, record, run), which);
+    add_states(run, which);
   }
 
-  void tell_states(const States& states, const std::string& which) {
-    smoothed_ = smoothed_ && states.smoothed;
-    for (Index i = 0; i < states.x.rows(); ++i) {
+  void add_states(const NoiseRun& run, const std::string& which) {
+    smoothed_ = smoothed_ && run.smoothed;
+    for (Index i = 0; i < run.x.rows(); ++i) {
       const std::string& unit = model_.states[static_cast<std::size_t>(i)].unit;
       const std::string name = fmt::format("state.{}.{}", i, which);
-      for (Index k = 0; k < states.x.cols(); ++k) {
-        const double width = kWide * std::sqrt(states.variance(i, k));
-        timeline_.at(name, unit, k) = states.x(i, k);
-        timeline_.at(name + ".low", unit, k) = states.x(i, k) - width;
-        timeline_.at(name + ".high", unit, k) = states.x(i, k) + width;
+      for (Index k = 0; k < run.x.cols(); ++k) {
+        const double width = kWide * std::sqrt(run.x_variance(i, k));
+        timeline_.at(name, unit, k) = run.x(i, k);
+        timeline_.at(name + ".low", unit, k) = run.x(i, k) - width;
+        timeline_.at(name + ".high", unit, k) = run.x(i, k) + width;
       }
     }
   }
 
   /// The band holds until the next sample, so that it is an area.
-  void tell_innovations(const FilterRun& run, Index row, const std::string& unit,
-                        const std::string& which) {
+  void add_innovations(const NoiseRun& run, Index row, const std::string& unit,
+                       const std::string& which) {
     const std::string name = fmt::format("innovation.{}.{}", row, which);
     double width = kNaN;
     for (Index k = 0; k < run.innovation.cols(); ++k) {
@@ -220,9 +172,8 @@ class Story {
   }
 
   /// A mean holds until the next one, so that it is a line.
-  void tell_sizes(const FilterRun& run, Index row, int window, const std::string& which) {
-    const RunningSize size = running_size(run, row, window);
-    const std::string name = fmt::format("size.{}", row), mean_name = name + "." + which,
+  void add_sizes(const RunningSize& size, std::size_t output, const std::string& which) {
+    const std::string name = fmt::format("size.{}", output), mean_name = name + "." + which,
                       low = name + ".low", high = name + ".high";
     Index last = size.value.size() - 1;
     while (last >= 0 && std::isnan(size.value(last))) --last;
@@ -294,29 +245,28 @@ class Story {
     }
   }
 
-  const TuneReport& report_;
+  const NoiseTuning& tuning_;
   const FilterModel& model_;
-  FilterModel open_;
-  double holdout_;
+  const NoiseEvidence& evidence_;
   TuningPage& page_;
   Timeline timeline_;
   bool smoothed_ = true;
 };
 
-void tell_parameters(const TuneReport& report, TuningPage& page) {
-  const NoiseFit& fit = report.tuning.fit;
+void add_parameters(const TunedNoise& tuned, TuningPage& page) {
+  const NoiseFit& fit = tuned.tuning.fit;
   for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
     const FittedParameter& p = fit.parameters[i];
     const bool doubtful =
         p.verdict == ParameterVerdict::not_seen || p.verdict == ParameterVerdict::combination;
     page.parameters.push_back(
-        {p.name, p.unit, report.model.parameters[i].start, p.value, p.low, p.high,
+        {p.name, p.unit, tuned.model.parameters[i].start, p.value, p.low, p.high,
          p.verdict == ParameterVerdict::seen ? "" : to_string(p.verdict), doubtful});
   }
   page.unseen = fit.unseen;
 }
 
-void tell_checks(const NoiseTuning& tuning, TuningPage& page) {
+void add_checks(const NoiseTuning& tuning, TuningPage& page) {
   const auto list = [](const Eigen::VectorXd& values) {
     return std::vector<double>(values.data(), values.data() + values.size());
   };
@@ -341,31 +291,10 @@ void tell_checks(const NoiseTuning& tuning, TuningPage& page) {
   }
 }
 
-/// Over the records as the fit saw them.
-void tell_profiles(const TuneReport& report, const std::vector<FilterRecord>& records,
-                   std::size_t threads, const std::function<bool()>& stop, TuningPage& page) {
-  const NoiseFit& fit = report.tuning.fit;
-  InnovationLikelihood likelihood(report.model, records);
-  likelihood.stop_when(stop);
-  std::vector<std::size_t> fitted;
-  for (std::size_t i = 0; i < fit.parameters.size(); ++i)
-    if (fit.parameters[i].verdict != ParameterVerdict::fixed &&
-        fit.parameters[i].verdict != ParameterVerdict::not_known)
-      fitted.push_back(i);
-  std::vector<LikelihoodProfile> profiles(fitted.size());
-  internal::in_parallel(
-      fitted.size(), internal::thread_count(threads),
-      [&]() -> internal::PartWorker {
-        return [&, copy = likelihood](std::size_t part) {
-          profiles[part] = likelihood_profile(copy, fit, static_cast<int>(fitted[part]));
-        };
-      },
-      stop);
-  for (std::size_t part = 0; part < fitted.size(); ++part) {
-    const std::size_t i = fitted[part];
-    const FittedParameter& p = fit.parameters[i];
-    const NoiseParameter& known = report.model.parameters[i];
-    const LikelihoodProfile& profile = profiles[part];
+void add_profiles(const TunedNoise& tuned, const NoiseEvidence& evidence, TuningPage& page) {
+  for (const auto& [i, profile] : evidence.profiles) {
+    const FittedParameter& p = tuned.tuning.fit.parameters[i];
+    const NoiseParameter& known = tuned.model.parameters[i];
     PageProfile curve{p.name, p.unit, known.logarithmic};
     for (Index k = 0; k < profile.theta.size(); ++k) {
       curve.x.push_back(known.logarithmic ? std::exp(profile.theta(k)) : profile.theta(k));
@@ -387,21 +316,20 @@ ReportVerdict verdict_of(CheckVerdict verdict) {
 
 }  // namespace
 
-TuningPage page_of(const TuneReport& report, double holdout, std::uint64_t seed,
-                   std::size_t threads, const std::string& command,
-                   const std::function<bool()>& stop) {
+TuningPage page_of(const TunedNoise& tuned, const NoiseEvidence& evidence, std::uint64_t seed,
+                   const std::string& command) {
   TuningPage page;
-  page.title = report.model.name + ": " + report.model.description;
-  if (report.model.description.empty()) page.title = report.model.name;
-  page.verdict = verdict_of(report.tuning.verdict);
-  page.reasons = report.tuning.reasons;
-  for (const std::string& warning : report.tuning.warnings)
+  page.title = tuned.model.name + ": " + tuned.model.description;
+  if (tuned.model.description.empty()) page.title = tuned.model.name;
+  page.verdict = verdict_of(tuned.tuning.verdict);
+  page.reasons = tuned.tuning.reasons;
+  for (const std::string& warning : tuned.tuning.warnings)
     page.reasons.push_back("warning: " + warning);
-  page.about = facts_of(report);
-  tell_parameters(report, page);
-  tell_checks(report.tuning, page);
-  tell_profiles(report, fitted_parts(report.tuning.records_after, holdout), threads, stop, page);
-  Story(report, holdout, page).tell();
+  page.about = facts_of(tuned);
+  add_parameters(tuned, page);
+  add_checks(tuned.tuning, page);
+  add_profiles(tuned, evidence, page);
+  TimePlots(tuned, evidence, page).fill();
   page.command = command;
   page.version = std::string(kVersion);
   page.seed = fmt::format("{}", seed);

@@ -1,90 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "arguments/sensor_log.hpp"
+#include "quadtune/workbench/logs/sensor_log.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <iterator>
-#include <optional>
 #include <utility>
 
-#include "program/command_line.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/text_file.hpp"
-#include "report/logs/log_report.hpp"
+#include "quadtune/workbench/logs/channel_place.hpp"
+#include "quadtune/workbench/logs/missing_option.hpp"
 
-namespace quadtune::cli {
+namespace quadtune {
 namespace {
 
-std::optional<double> ticks_of(const std::string& unit) {
-  if (unit == "s") return 1;
-  if (unit == "ms") return 1e3;
-  if (unit == "us") return 1e6;
-  if (unit == "ns") return 1e9;
-  return std::nullopt;
-}
-
-[[noreturn]] void refuse(const std::string& verb, const char* option, const std::string& why) {
-  throw UsageError(fmt::format("quadtune {}: {}", verb, why), option);
-}
-
-LogOptions options_of(const SensorLogArguments& arguments, const std::string& verb) {
-  LogOptions options = log_options(arguments.log, verb);
-  const std::string& unit = arguments.time_unit;
-  const std::optional<double> ticks = ticks_of(unit.empty() ? "s" : unit);
-  if (!ticks)
-    refuse(verb, "--time-unit",
-           fmt::format("the unit of time is '{}', expected --time-unit s, ms, us or ns",
-                       internal::printable(unit)));
-  if (arguments.time.empty()) {
-    if (!unit.empty()) refuse(verb, "--time-unit", "--time-unit came without --time");
-    return options;
-  }
-  if (options.rate_hz > 0)
-    refuse(verb, "--rate",
-           "--rate and --time both came, expected one of --rate HZ and --time COLUMN");
-  if (!options.columns.empty())
-    refuse(verb, "--columns",
-           "--columns and --time both came, expected one of them: --columns 't_us:2, *' names a "
-           "clock too");
-  options.columns = {{"t", unit, arguments.time, *ticks}, {}};
-  return options;
-}
-
-void require_timed(const LogSeries& series, const std::string& file, const std::string& verb) {
+void require_timed(const LogSeries& series, const std::string& file) {
   if (series.name.empty()) return;
   if (!series.timed)
-    refuse(verb, "--rate",
-           fmt::format("no sample rate came, expected one of --rate HZ and --time COLUMN: {} "
-                       "names no time",
-                       file));
+    throw MissingOption(
+        "rate", fmt::format("no sample rate came, expected one of --rate HZ and --time COLUMN: {} "
+                            "names no time",
+                            file));
   require_usable(series, file);
 }
 
 }  // namespace
 
-bool SensorLogArguments::given() const {
-  return log.rate_hz.has_value() ||
-         !(log.format.empty() && log.columns.empty() && time.empty() && time_unit.empty());
-}
-
-void add_sensor_log_options(CommandLine& line, SensorLogArguments& arguments) {
-  add_log_options(line, arguments.log);
-  line.add_option(
-          "--time", arguments.time,
-          "of a text, the column of times, by name or number; one called t, time, timestamp")
-      ->type_name("COLUMN");
-  line.add_option("--time-unit", arguments.time_unit,
-                  "s, ms, us or ns; the header's, else by the values")
-      ->type_name("U");
-}
-
 std::string log_name(const std::string& path) { return path == "-" ? "standard input" : path; }
 
 SensorLog read_sensors(const std::string& path, const std::vector<std::string>& names,
-                       const std::vector<std::string>& optional,
-                       const SensorLogArguments& arguments, const std::string& verb,
-                       Context& context) {
+                       const std::vector<std::string>& optional, LogOptions options,
+                       const LogNote& note) {
   std::vector<ChannelPlace> places;
   std::vector<std::string> files;
   for (const std::string& name : names) places.push_back(channel_place(name, path));
@@ -94,7 +42,6 @@ SensorLog read_sensors(const std::string& path, const std::vector<std::string>& 
       files.push_back(place.file);
   SensorLog result;
   result.series.resize(names.size());
-  LogOptions options = options_of(arguments, verb);
   for (const std::string& file : files) {
     std::vector<std::string> here;
     for (const ChannelPlace& place : places)
@@ -102,7 +49,7 @@ SensorLog read_sensors(const std::string& path, const std::vector<std::string>& 
     LogChannels log =
         read_channels(file, here, options, file == path ? optional : std::vector<std::string>{});
     options.epoch_s = log.epoch_s;  // of one clock: that of the first file
-    for (const LogSeries& series : log.series) require_timed(series, log_name(file), verb);
+    for (const LogSeries& series : log.series) require_timed(series, log_name(file));
     auto next = log.series.begin();
     for (std::size_t i = 0; i < places.size(); ++i) {
       if (places[i].file != file) continue;
@@ -110,7 +57,7 @@ SensorLog read_sensors(const std::string& path, const std::vector<std::string>& 
       if (file != path) result.series[i].name += '@' + file;
     }
     std::move(next, log.series.end(), std::back_inserter(result.series));
-    for (std::string& line : tell_log_warnings(log.condition, log_name(file), verb, context))
+    for (std::string& line : noted_log_warnings(log.condition, log_name(file), note))
       result.warnings.push_back(std::move(line));
   }
   return result;
@@ -170,4 +117,4 @@ double even_period(const LogSeries& series, const std::string& where) {
   return (t.back() - t.front()) / static_cast<double>(t.size() - 1);
 }
 
-}  // namespace quadtune::cli
+}  // namespace quadtune

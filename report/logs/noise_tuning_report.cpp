@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/logs/tune_report.hpp"
+#include "report/logs/noise_tuning_report.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/internal/text_file.hpp"
+#include "report/text/aligned.hpp"
 #include "report/text/print.hpp"
 
 namespace quadtune::report {
@@ -19,29 +18,14 @@ using Eigen::Index;
 using internal::finite_or_null;
 using internal::Json;
 
-/// Longest command or path that a tuned file repeats whole.
-constexpr std::size_t kCommentLength = 4096;
-
 std::string figure(double value, int digits = 4) {
   return std::isfinite(value) ? fmt::format("{:.{}g}", value, digits) : "-";
-}
-
-Index samples_of(const TunedLog& log) {
-  Index count = 0;
-  for (const FilterRecord& record : log.records) count += record.samples();
-  return count;
 }
 
 std::string names_of(const TunedLog& log) {
   std::string names;
   for (const TunedFile& file : log.files) names += (names.empty() ? "" : " with ") + file.path;
   return names;
-}
-
-double seconds_of(const TunedLog& log) {
-  double sum = 0;
-  for (const FilterRecord& record : log.records) sum += record.time.back() - record.time.front();
-  return sum;
 }
 
 Json checks_to_json(const Consistency& consistency, const std::string& name) {
@@ -60,35 +44,16 @@ Json checks_to_json(const Consistency& consistency, const std::string& name) {
   return checks;
 }
 
-/// Columns under their titles, the first and the last to the left.
-std::string aligned(const std::vector<std::vector<std::string>>& rows) {
-  std::vector<std::size_t> widths(rows.front().size(), 0);
-  for (const auto& row : rows)
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-  std::string text;
-  for (const auto& row : rows) {
-    std::string line;
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      const bool left = i == 0 || i + 1 == row.size();
-      line += (i > 0 ? "  " : "") + (left ? fmt::format("{:<{}}", row[i], widths[i])
-                                          : fmt::format("{:>{}}", row[i], widths[i]));
-    }
-    line.erase(line.find_last_not_of(' ') + 1);
-    text += (text.empty() ? "" : "\n") + line;
-  }
-  return text;
-}
-
-std::string parameter_table(const TuneReport& report) {
+std::string parameter_table(const TunedNoise& tuned) {
   std::vector<std::vector<std::string>> rows = {
       {"parameter", "before", "found", "from", "to", "unit"}};
-  for (std::size_t i = 0; i < report.tuning.fit.parameters.size(); ++i) {
-    const FittedParameter& p = report.tuning.fit.parameters[i];
+  for (std::size_t i = 0; i < tuned.tuning.fit.parameters.size(); ++i) {
+    const FittedParameter& p = tuned.tuning.fit.parameters[i];
     std::string about = p.unit;
     if (p.verdict != ParameterVerdict::seen)
       about += fmt::format("{}({})", about.empty() ? "" : " ", to_string(p.verdict));
-    rows.push_back({p.name, figure(report.model.parameters[i].start), figure(p.value),
-                    figure(p.low), figure(p.high), about});
+    rows.push_back({p.name, figure(tuned.model.parameters[i].start), figure(p.value), figure(p.low),
+                    figure(p.high), about});
   }
   return aligned(rows);
 }
@@ -133,17 +98,25 @@ std::string held_out(const HoldOut& holdout) {
 
 std::string log_line(const TunedLog& log) {
   return fmt::format(
-      "{}: {} instants, {:.6g} s{}", names_of(log), samples_of(log), seconds_of(log),
+      "{}: {} instants, {:.6g} s{}", names_of(log), log.samples(), log.seconds(),
       log.records.size() > 1 ? fmt::format(", in {} stretches", log.records.size()) : "");
 }
 
-/// "height: sonar [m]", one a line; a channel of another log of the flight with its file.
+/// "height: sonar [m]"; a channel of another log of the flight with its file.
+std::string channel_line(const TunedLog& log, const TunedChannel& channel) {
+  return fmt::format("{}: {}{}", channel.signal, channel.channel,
+                     log.files.size() > 1 ? " of " + channel.file : "");
+}
+
+/// One a line.
 std::string channel_lines(const TunedLog& log) {
-  std::string lines;
-  for (const TunedChannel& channel : log.channels)
-    lines += fmt::format("{}{}: {}{}", lines.empty() ? "" : "\n", channel.signal, channel.channel,
-                         log.files.size() > 1 ? " of " + channel.file : "");
-  return lines;
+  std::vector<std::string> lines;
+  for (const TunedChannel& channel : log.channels) lines.push_back(channel_line(log, channel));
+  return internal::joined(lines, "\n");
+}
+
+std::string refused_line(const RefusedCount& count) {
+  return fmt::format("{}: {} of {}", count.output, count.refused, count.measured);
 }
 
 Json to_json(const NoiseAgreement& agreement, const NoiseFit& fit) {
@@ -255,10 +228,6 @@ std::string likelihood_line(const NoiseFit& fit) {
                      figure(fit.after.value, 8));
 }
 
-}  // namespace
-
-namespace {
-
 Json files_to_json(const TunedLog& log) {
   Json files = Json::array();
   for (const TunedFile& file : log.files)
@@ -274,62 +243,10 @@ Json channels_to_json(const TunedLog& log) {
   return channels;
 }
 
-}  // namespace
-
-std::vector<std::pair<std::string, std::string>> facts_of(const TuneReport& report) {
-  const NoiseFit& fit = report.tuning.fit;
-  std::vector<std::pair<std::string, std::string>> facts;
-  for (const TunedLog& log : report.logs) {
-    facts.emplace_back("log", log_line(log));
-    for (const TunedFile& file : log.files) facts.emplace_back("sha256", file.sha256);
-    for (const TunedChannel& channel : log.channels)
-      facts.emplace_back("channel", fmt::format("{}: {}{}", channel.signal, channel.channel,
-                                                log.files.size() > 1 ? " of " + channel.file : ""));
-    for (const std::string& warning : log.warnings) facts.emplace_back("warning", warning);
-  }
-  if (!report.tuning.left_out.empty())
-    facts.emplace_back("left out", left_out_lines(report.tuning.left_out));
-  facts.emplace_back("fit", fit_line(report.tuning));
-  facts.emplace_back("likelihood", likelihood_line(fit));
-  for (const RefusedCount& count : report.tuning.refused)
-    facts.emplace_back("refused",
-                       fmt::format("{}: {} of {}", count.output, count.refused, count.measured));
-  facts.emplace_back("held out", held_out(report.tuning.holdout));
-  for (const StateAccuracy& state : report.tuning.accuracy)
-    facts.emplace_back(
-        state.held_out ? "rms error, held out" : "rms error",
-        fmt::format("{}: {} before, {} after", state.state, error_figure(state.before, state.unit),
-                    error_figure(state.after, state.unit)));
-  if (report.tuning.agreement && report.tuning.agreement->not_compared.empty())
-    for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
-      const ParameterAgreement& p = report.tuning.agreement->parameters[i];
-      if (!std::isfinite(p.factor)) continue;
-      facts.emplace_back(
-          "by " + to_string(report.tuning.agreement->other),
-          fmt::format("{}: {} ({} to {}), a factor of {}, {} standard deviations", p.other.name,
-                      figure(p.other.value), figure(p.other.low), figure(p.other.high),
-                      figure(p.factor, 3), figure(p.deviations, 3)));
-    }
-  return facts;
-}
-
-Json to_json(const TuneReport& report) {
-  const NoiseTuning& tuning = report.tuning;
-  const NoiseFit& fit = tuning.fit;
-  Json json;
-  json["model"] = report.model.name;
-  json["method"] = tuning.autocovariances ? "als" : "ml";
-  if (tuning.autocovariances) json["autocovariances"] = to_json(*tuning.autocovariances);
-  json["status"] = to_string(fit.status);
-  for (const TunedLog& log : report.logs)
-    json["logs"].push_back({{"files", files_to_json(log)},
-                            {"channels", channels_to_json(log)},
-                            {"samples", samples_of(log)},
-                            {"duration_s", seconds_of(log)},
-                            {"records", log.records.size()},
-                            {"warnings", log.warnings}});
-  json["Q"] = internal::matrix_to_json(covariance(report.model.Q, fit.theta), "Q");
-  for (const FilterSensor& sensor : report.model.sensors)
+void add_covariances(const TunedNoise& tuned, Json& json) {
+  const NoiseFit& fit = tuned.tuning.fit;
+  json["Q"] = internal::matrix_to_json(covariance(tuned.model.Q, fit.theta), "Q");
+  for (const FilterSensor& sensor : tuned.model.sensors)
     json["R"][sensor.name] = internal::matrix_to_json(covariance(sensor.R, fit.theta), "R");
   for (const FittedParameter& p : fit.parameters) {
     json["parameters"].push_back({{"name", p.name},
@@ -342,10 +259,9 @@ Json to_json(const TuneReport& report) {
     json["identifiable"].push_back(p.verdict == ParameterVerdict::seen ||
                                    p.verdict == ParameterVerdict::at_zero);
   }
-  json["unseen"] = fit.unseen;
-  json["log_likelihood"] = {{"before", finite_or_null(fit.before.value)},
-                            {"after", finite_or_null(fit.after.value)}};
-  json["evaluations"] = fit.evaluations;
+}
+
+void add_innovations(const NoiseTuning& tuning, Json& json) {
   json["nis"] = {{"before", checks_to_json(tuning.before, "size")},
                  {"after", checks_to_json(tuning.after, "size")}};
   json["whiteness"] = checks_to_json(tuning.after, "whiteness");
@@ -356,6 +272,66 @@ Json to_json(const TuneReport& report) {
   for (const RefusedCount& count : tuning.refused)
     json["refused"].push_back(
         {{"output", count.output}, {"refused", count.refused}, {"measured", count.measured}});
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> facts_of(const TunedNoise& tuned) {
+  const NoiseFit& fit = tuned.tuning.fit;
+  std::vector<std::pair<std::string, std::string>> facts;
+  for (const TunedLog& log : tuned.logs) {
+    facts.emplace_back("log", log_line(log));
+    for (const TunedFile& file : log.files) facts.emplace_back("sha256", file.sha256);
+    for (const TunedChannel& channel : log.channels)
+      facts.emplace_back("channel", channel_line(log, channel));
+    for (const std::string& warning : log.warnings) facts.emplace_back("warning", warning);
+  }
+  if (!tuned.tuning.left_out.empty())
+    facts.emplace_back("left out", left_out_lines(tuned.tuning.left_out));
+  facts.emplace_back("fit", fit_line(tuned.tuning));
+  facts.emplace_back("likelihood", likelihood_line(fit));
+  for (const RefusedCount& count : tuned.tuning.refused)
+    facts.emplace_back("refused", refused_line(count));
+  facts.emplace_back("held out", held_out(tuned.tuning.holdout));
+  for (const StateAccuracy& state : tuned.tuning.accuracy)
+    facts.emplace_back(
+        state.held_out ? "rms error, held out" : "rms error",
+        fmt::format("{}: {} before, {} after", state.state, error_figure(state.before, state.unit),
+                    error_figure(state.after, state.unit)));
+  if (tuned.tuning.agreement && tuned.tuning.agreement->not_compared.empty())
+    for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
+      const ParameterAgreement& p = tuned.tuning.agreement->parameters[i];
+      if (!std::isfinite(p.factor)) continue;
+      facts.emplace_back(
+          "by " + to_string(tuned.tuning.agreement->other),
+          fmt::format("{}: {} ({} to {}), a factor of {}, {} standard deviations", p.other.name,
+                      figure(p.other.value), figure(p.other.low), figure(p.other.high),
+                      figure(p.factor, 3), figure(p.deviations, 3)));
+    }
+  return facts;
+}
+
+Json to_json(const TunedNoise& tuned) {
+  const NoiseTuning& tuning = tuned.tuning;
+  const NoiseFit& fit = tuning.fit;
+  Json json;
+  json["model"] = tuned.model.name;
+  json["method"] = tuning.autocovariances ? "als" : "ml";
+  if (tuning.autocovariances) json["autocovariances"] = to_json(*tuning.autocovariances);
+  json["status"] = to_string(fit.status);
+  for (const TunedLog& log : tuned.logs)
+    json["logs"].push_back({{"files", files_to_json(log)},
+                            {"channels", channels_to_json(log)},
+                            {"samples", log.samples()},
+                            {"duration_s", log.seconds()},
+                            {"records", log.records.size()},
+                            {"warnings", log.warnings}});
+  add_covariances(tuned, json);
+  json["unseen"] = fit.unseen;
+  json["log_likelihood"] = {{"before", finite_or_null(fit.before.value)},
+                            {"after", finite_or_null(fit.after.value)}};
+  json["evaluations"] = fit.evaluations;
+  add_innovations(tuning, json);
   json["rounds"] = tuning.rounds;
   json["left_out"] = Json::array();
   for (const LeftOutRecord& record : tuning.left_out)
@@ -373,79 +349,45 @@ Json to_json(const TuneReport& report) {
   return json;
 }
 
-std::string to_text(const TuneReport& report) {
-  const NoiseFit& fit = report.tuning.fit;
+std::string to_text(const TunedNoise& tuned) {
+  const NoiseFit& fit = tuned.tuning.fit;
   std::string logs;
-  for (const TunedLog& log : report.logs) logs += (logs.empty() ? "" : "\n") + log_line(log);
+  for (const TunedLog& log : tuned.logs) logs += (logs.empty() ? "" : "\n") + log_line(log);
   std::string text =
-      section("model", fmt::format("{}: {}", report.model.name, report.model.description)) +
+      section("model", fmt::format("{}: {}", tuned.model.name, tuned.model.description)) +
       section("logs", logs);
   std::string channels;
-  for (const TunedLog& log : report.logs)
+  for (const TunedLog& log : tuned.logs)
     if (const std::string lines = channel_lines(log); channels.find(lines) == std::string::npos)
       channels += (channels.empty() ? "" : "\n") + lines;
   text += section("channels", channels);
-  if (!report.tuning.left_out.empty())
-    text += section("left out", left_out_lines(report.tuning.left_out));
-  text += section("fit", fit_line(report.tuning));
-  text += section("noise", parameter_table(report));
-  if (!fit.unseen.empty())
-    text += section("not seen", fmt::format("{}", internal::joined(fit.unseen, "\n")));
+  if (!tuned.tuning.left_out.empty())
+    text += section("left out", left_out_lines(tuned.tuning.left_out));
+  text += section("fit", fit_line(tuned.tuning));
+  text += section("noise", parameter_table(tuned));
+  if (!fit.unseen.empty()) text += section("not seen", internal::joined(fit.unseen, "\n"));
   text += section("likelihood", likelihood_line(fit));
-  if (!report.tuning.after.outputs.empty())
-    text += section("innovations", innovation_table(report.tuning));
+  if (!tuned.tuning.after.outputs.empty())
+    text += section("innovations", innovation_table(tuned.tuning));
   std::string errors;
-  for (const ConsistencyCheck& c : report.tuning.after.checks)
+  for (const ConsistencyCheck& c : tuned.tuning.after.checks)
     if (c.name == "error")
       errors += fmt::format("{}{}: squared error {} times its variance, consistent {} to {}",
                             errors.empty() ? "" : "\n", c.output, figure(c.value, 3),
                             figure(c.low, 3), figure(c.high, 3));
   if (!errors.empty()) text += section("errors", errors);
-  std::string refused;
-  for (const RefusedCount& count : report.tuning.refused)
-    refused += fmt::format("{}{}: {} of {}", refused.empty() ? "" : "\n", count.output,
-                           count.refused, count.measured);
-  if (!refused.empty()) text += section("refused", refused);
-  text += section("held out", held_out(report.tuning.holdout));
-  if (!report.tuning.accuracy.empty()) text += section("accuracy", accuracy_table(report.tuning));
-  if (report.tuning.agreement)
-    text += section("compared", agreement_table(*report.tuning.agreement, fit));
-  if (!report.tuning.warnings.empty())
-    text += section("warning", fmt::format("{}", internal::joined(report.tuning.warnings, "\n")));
-  std::string verdict = to_string(report.tuning.verdict);
-  for (const std::string& reason : report.tuning.reasons) verdict += "\n" + reason;
+  std::vector<std::string> refused;
+  for (const RefusedCount& count : tuned.tuning.refused) refused.push_back(refused_line(count));
+  if (!refused.empty()) text += section("refused", internal::joined(refused, "\n"));
+  text += section("held out", held_out(tuned.tuning.holdout));
+  if (!tuned.tuning.accuracy.empty()) text += section("accuracy", accuracy_table(tuned.tuning));
+  if (tuned.tuning.agreement)
+    text += section("compared", agreement_table(*tuned.tuning.agreement, fit));
+  if (!tuned.tuning.warnings.empty())
+    text += section("warning", internal::joined(tuned.tuning.warnings, "\n"));
+  std::string verdict = to_string(tuned.tuning.verdict);
+  for (const std::string& reason : tuned.tuning.reasons) verdict += "\n" + reason;
   return text + section("verdict", verdict);
-}
-
-std::string tuned_file(const TuneReport& report, const std::string& command) {
-  std::vector<std::string> comments = {"By " + internal::printable(command, kCommentLength)};
-  for (const TunedLog& log : report.logs)
-    for (const TunedFile& file : log.files)
-      comments.push_back(fmt::format("log {} sha256 {}",
-                                     internal::printable(file.path, kCommentLength), file.sha256));
-  for (const TunedLog& log : report.logs) {
-    for (const std::string& warning : log.warnings)
-      comments.push_back("warning: " + internal::printable(warning, kCommentLength));
-    for (const TunedChannel& channel : log.channels)
-      comments.push_back(fmt::format("{}: {} of {}", channel.signal,
-                                     internal::printable(channel.channel, kCommentLength),
-                                     internal::printable(channel.file, kCommentLength)));
-  }
-  for (const FittedParameter& p : report.tuning.fit.parameters)
-    comments.push_back(fmt::format("{}: {} ({} to {}), {}", p.name, figure(p.value, 6),
-                                   figure(p.low, 6), figure(p.high, 6), to_string(p.verdict)));
-  comments.push_back(fmt::format("verdict: {}", to_string(report.tuning.verdict)));
-  for (const std::string& reason : report.tuning.reasons) comments.push_back("  " + reason);
-  for (const std::string& warning : report.tuning.warnings)
-    comments.push_back("warning: " + warning);
-  FilterModel tuned = with_noise(report.model, report.tuning.fit.theta);
-  for (const FittedParameter& p : report.tuning.fit.parameters)
-    for (NoiseParameter& parameter : tuned.parameters)
-      if (parameter.name == p.name && parameter.logarithmic && p.low > 0 && p.low < p.high &&
-          std::isfinite(p.high))
-        parameter.interval = {p.low, p.high};
-  tuned.verdict = to_string(report.tuning.verdict);
-  return text_of_filter_model(tuned, comments);
 }
 
 }  // namespace quadtune::report

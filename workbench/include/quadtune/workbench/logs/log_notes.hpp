@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What is said of a log while it is read.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "quadtune/logs/log_reader.hpp"
+
+namespace quadtune {
+
+/// Takes one line for the user as soon as it is known, so that it is told although an error
+/// follows. May be empty.
+using LogNote = std::function<void(const std::string& line)>;
+
+/// One line for each thing that is wrong with the file itself, or odd about how it was taken.
+[[nodiscard]] std::vector<std::string> log_warnings(const LogCondition& condition);
+
+/// The same with the file's name before each.
+/// @param file  what messages call it
+/// @param note  takes each of them, after "warning: "
+[[nodiscard]] std::vector<std::string> noted_log_warnings(const LogCondition& condition,
+                                                          const std::string& file,
+                                                          const LogNote& note);
+
+}  // namespace quadtune

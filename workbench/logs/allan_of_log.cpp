@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/logs/allan_of_log.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <utility>
+
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/tuning/made_up_imu.hpp"
+#include "quadtune/workbench/logs/channel_place.hpp"
+#include "quadtune/workbench/logs/sensor_log.hpp"
+
+namespace quadtune {
+namespace {
+
+/// Of the rate whose integral is in `unit`.
+std::string unit_of_rate(const std::string& unit) {
+  if (unit.empty()) return "";
+  if (unit == "s") return "1";
+  return unit.ends_with("/s") ? unit + "^2" : unit + "/s";
+}
+
+/// A whole turn in the unit of an angle; 0 of anything else.
+double turn_in(const std::string& unit) {
+  if (unit == "rad") return 2 * std::numbers::pi;
+  return unit == "deg" ? 360 : 0;
+}
+
+/// Takes out the jumps of an angle that is kept within a turn: a still sensor's never changes by
+/// half a turn from one sample to the next.
+/// @return  how many there were
+Eigen::Index unwrap(Eigen::VectorXd& angle, double turn) {
+  Eigen::Index jumps = 0;
+  double added = 0;
+  for (Eigen::Index k = 1; k < angle.size(); ++k) {
+    const double change = angle(k) + added - angle(k - 1);
+    if (std::abs(change) > turn / 2) {
+      added -= turn * std::round(change / turn);
+      ++jumps;
+    }
+    angle(k) += added;
+  }
+  return jumps;
+}
+
+AllanRecord read(const AllanOptions& options) {
+  SensorLog log = read_sensors(options.log, {options.column}, {}, options.reading, options.note);
+  const LogSeries& series = log.series.front();
+  const std::string name = log_name(channel_place(options.column, options.log).file);
+  const Eigen::Map<const Eigen::VectorXd> values(series.values.data(), std::ssize(series.values));
+  const std::string unit = options.unit.empty() ? series.unit : options.unit;
+  const double dt = even_period(series, name);
+  AllanRecord record{name, series.name, unit, values, dt, std::move(log.warnings)};
+  if (!options.phase) return record;
+  record.phase = true;
+  record.unit = unit_of_rate(unit);
+  Eigen::VectorXd phase = values;
+  if (const double turn = turn_in(unit); turn > 0)
+    if (const Eigen::Index jumps = unwrap(phase, turn); jumps > 0) {
+      record.warnings.push_back(fmt::format(
+          "{}: '{}' jumps by more than half a turn {} times: the angle is kept within a turn, "
+          "and whole turns are added where it jumps",
+          name, internal::printable(series.name), jumps));
+      if (options.note) options.note(record.warnings.back());
+    }
+  record.rate = rate_of_phase(phase, dt);
+  return record;
+}
+
+SensorAllan analysed(AllanRecord record, AllanTaus taus) {
+  const auto samples = static_cast<std::size_t>(record.rate.size());
+  AllanAnalysis analysis = analyse_allan(record.rate, record.dt, allan_factors(samples, taus));
+  return {std::move(record), std::move(analysis)};
+}
+
+}  // namespace
+
+SensorAllan allan_of_log(const AllanOptions& options) {
+  return analysed(read(options), options.taus);
+}
+
+SensorAllan allan_of_made_up(std::uint64_t seed, const std::string& unit, AllanTaus taus) {
+  MadeUpGyroscope made = make_up_gyroscope(seed);
+  return analysed({fmt::format("made up with seed {}", seed), "wz", unit.empty() ? "rad/s" : unit,
+                   std::move(made.rate), 1 / made.sample_rate},
+                  taus);
+}
+
+}  // namespace quadtune
