@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/exports/exporter.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "plants/export_models.hpp"
+#include "quadtune/design.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/export.hpp"
+#include "quadtune/exports/read_gains.hpp"
+#include "quadtune/exports/verify.hpp"
+#include "quadtune/text_matrix.hpp"
+#include "source_folder.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::Contains;
+using ::testing::Field;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+/// A flight program that reads K alone, as numbers in rows: all that an exporter needs is here.
+Exporter rows_exporter() {
+  Exporter exporter;
+  exporter.target = {"rows", /*takes_memory=*/false, /*needs_gains=*/true};
+  exporter.gain_files = {"rows.txt"};
+  exporter.writes_cascade = false;
+  exporter.files = [](const ExportContent& content) -> std::vector<FileContent> {
+    std::string text;
+    for (const auto& row : content.gains->K.rowwise()) {
+      for (const double x : row) text += fmt::format("{} ", x);
+      text += "\n";
+    }
+    return {{"rows.txt", text}};
+  };
+  exporter.read = [](const std::filesystem::path& directory, const Manifest& manifest) {
+    StoredLaws laws{manifest.vehicle, *manifest.gains, {}};
+    laws.gains->K = read_text_matrix((directory / "rows.txt").string());
+    return laws;
+  };
+  return exporter;
+}
+
+TEST(Exporter, OneOfTheUsersOwnIsWrittenReadAndVerified) {
+  add_exporter(rows_exporter());
+  const ExportKind kind = export_kind("rows", "here");
+  EXPECT_EQ(to_string(kind), "rows");
+  const testing::TemporaryDirectory directory;
+  const ExportContent content = testing::uquad_content();
+  const std::vector<ManifestFile> files = write_export(directory.path(), kind, content);
+  EXPECT_THAT(files, Contains(Field(&ManifestFile::path, "rows.txt")));
+  EXPECT_EQ(read_gains(directory.path()).K, content.gains->K);
+  const VerifyReport good = verify_export(directory.path(), {});
+  for (const VerifyCheck& check : good.checks)
+    if (check.name.find("rows.txt") != std::string::npos) EXPECT_TRUE(check.ok) << check.detail;
+  // A number that was changed is found by the checks that every exporter has.
+  directory.write("rows.txt", "1 2 3\n4 5 6\n");
+  EXPECT_FALSE(verify_export(directory.path(), {}).ok());
+  // A design file may ask for it.
+  std::string design = load_design(testing::source_folder() + "/designs/uquad-hover.toml").text;
+  const std::string asked = "to = \"uquad\"";
+  ASSERT_NE(design.find(asked), std::string::npos);
+  design.replace(design.find(asked), asked.size(), "to = \"rows\"");
+  EXPECT_EQ(parse_design(design, "d.toml").exports.at(0).to, "rows");
+}
+
+TEST(Exporter, AnUnknownOneIsRefusedWithThoseThatThereAre) {
+  EXPECT_THAT(
+      [] { (void)export_kind("uqad", "--to"); },
+      ThrowsMessage<InvalidInput>(HasSubstr("--to: no export 'uqad', expected uquad, mambo, "
+                                            "json")));
+  EXPECT_THAT([] { (void)export_files(ExportKind("none"), testing::uquad_content()); },
+              ThrowsMessage<InvalidInput>(HasSubstr("no export 'none'")));
+}
+
+}  // namespace
+}  // namespace quadtune
