@@ -2,25 +2,21 @@
 #include "program/program.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdint>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <istream>
-#include <new>
 #include <ostream>
 #include <sstream>
 
 #include "program/command_line.hpp"
-#include "program/file_kinds.hpp"
 #include "program/library_messages.hpp"
 #include "program/missing_file.hpp"
 #include "program/refusal.hpp"
 #include "program/standard_streams.hpp"
+#include "program/tell_errors.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/file_set.hpp"
 #include "quadtune/instruction_set.hpp"
@@ -31,7 +27,6 @@
 #include "quadtune/internal/utf8.hpp"
 #include "quadtune/version.hpp"
 #include "quadtune/workbench/campaign/campaign_scripts.hpp"
-#include "report/text/error_line.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -176,20 +171,6 @@ void run_program(const std::vector<std::string>& args, Context& context) {
   run_verb(*verb, {args.begin() + static_cast<std::ptrdiff_t>(words), args.end()}, context);
 }
 
-/// After an error the user must know which directories were replaced already.
-std::string what_is_written(const WrittenFiles& written) {
-  std::string text;
-  for (const std::string& directory : written)
-    text += fmt::format("; {} is written and complete", directory);
-  return text;
-}
-
-std::string error_json(int status, const std::string& message, const std::string& where) {
-  return internal::json_text(internal::Json{
-      {"error",
-       {{"code", status}, {"message", error_line(message)}, {"where", error_line(where)}}}});
-}
-
 /// The command line as it is written into files. What may not change a byte of them is left out:
 /// how many threads worked, and what is printed beside.
 std::string recorded_command(const std::vector<std::string>& args) {
@@ -202,103 +183,6 @@ std::string recorded_command(const std::vector<std::string>& args) {
     command += " " + shell_word(arg);
   }
   return command;
-}
-
-/// One line on the error stream and, for scripts, one object on the output.
-int fail(const Context& context, int status, const std::string& message, const std::string& where) {
-  if (status == kInterrupted) take_last_words();
-  context.err << error_line(message) << "\n";
-  if (context.json && !context.answered) context.out << error_json(status, message, where) << "\n";
-  context.out.flush();
-  return status;
-}
-
-/// Of the process: a signal may come at any time.
-std::atomic<bool> json_asked{false};
-
-void tell_if_interrupted(const WrittenFiles& written) {
-  const std::string message = Interrupted().what() + what_is_written(written);
-  set_last_words(error_line(message), json_asked ? error_json(kInterrupted, message, "") : "");
-}
-
-int fail_inside(const Context& context, const std::string& what) {
-  return fail(context, kInternal,
-              fmt::format("quadtune: an error in quadtune itself: {}; please report it, with the "
-                          "command and its input{}",
-                          what, what_is_written(context.written)),
-              "");
-}
-
-/// Tells of the exception that is being handled.
-/// @return  the exit status
-int tell_exception(const Context& context, const std::vector<std::string>& args) {
-  context.out.flush();  // an error comes after what it is about
-  try {
-    throw;
-  } catch (const Refusal& error) {
-    return fail(context, kAnswerIsNo, error.what(), error.where());
-  } catch (const AnswerIsNo& error) {
-    context.err << error_line(error.what()) << "\n";
-    return kAnswerIsNo;
-  } catch (const std::exception&) {
-    // What fails after a signal mostly fails by it: a child that has ended, a read cut short.
-    if (interrupted())
-      return fail(context, kInterrupted, Interrupted().what() + what_is_written(context.written),
-                  "");
-  } catch (...) {
-    // Not even that: told below.
-  }
-  try {
-    throw;
-  } catch (const UsageError& error) {
-    return fail(context, kUsage, error.what(), error.where());
-  } catch (const InvalidInput& error) {
-    // What an option says is the command line; what a file says is the input.
-    const bool option = error.where().starts_with("--");
-    return fail(context, option ? kUsage : kBadInput, error.what() + who_takes(args, error.where()),
-                error.where());
-  } catch (const FileError& error) {
-    return fail(context, kFile,
-                error.what() + what_is_written(context.written) + who_takes(args, error.path()),
-                error.path());
-  } catch (const NoSolution& error) {
-    return fail(context, kNoSolution, error.what(), error.where());
-  } catch (const Interrupted& error) {
-    return fail(context, kInterrupted, error.what() + what_is_written(context.written), "");
-  } catch (const std::bad_alloc&) {
-    return fail(context, kBadInput, "not enough memory for a problem of this size", "");
-  } catch (const std::filesystem::filesystem_error& error) {
-    return fail(context, kFile,
-                fmt::format("{}: {}{}", error.path1().string(), error.code().message(),
-                            what_is_written(context.written)),
-                error.path1().string());
-  } catch (const std::exception& error) {
-    return fail_inside(context, error.what());
-  } catch (...) {
-    return fail_inside(context, "an exception without a text");
-  }
-}
-
-/// The run that a call of std::terminate() ends.
-std::atomic<const Context*> running{nullptr};
-
-[[noreturn]] void end_after_last_words() {
-  static std::atomic<bool> begun{false};
-  if (begun.exchange(true)) ::_exit(kInternal);  // telling it fails as well
-  const Context* const context = running.load();
-  if (context == nullptr) ::_exit(kInternal);
-  std::string what = "std::terminate() was called";
-  try {
-    if (std::current_exception()) throw;
-  } catch (const std::exception& error) {
-    what = error.what();
-  } catch (...) {
-    what = "an exception without a text";
-  }
-  const int status = fail_inside(*context, what);
-  context->out.flush();
-  context->err.flush();
-  ::_exit(status);
 }
 
 }  // namespace
@@ -339,13 +223,6 @@ void Context::print(const std::function<internal::Json()>& to_json,
     out << to_text();
 }
 
-void WrittenFiles::push_back(const std::string& name) {
-  names_.push_back(name);
-  tell_if_interrupted(*this);
-}
-
-void install_last_handler() { std::set_terminate(end_after_last_words); }
-
 int run(const std::vector<std::string>& args, std::istream& in, std::ostream& out,
         std::ostream& err, std::size_t width) {
   const auto asks = [&](const char* option) {
@@ -356,12 +233,10 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
   VisibleText visible(out, for_programs ? 0 : width);
   std::ostream shown(&visible);
   Context context{in, shown, err};
-  running.store(&context);
   const int status = [&] {
     try {
       context.json = asks("--json");
-      json_asked = context.json;
-      tell_if_interrupted(context.written);
+      begin_telling_errors(context);
       context.command = recorded_command(args);
       run_program(args, context);
       shown.flush();
@@ -371,7 +246,7 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
       return tell_exception(context, args);
     }
   }();
-  running.store(nullptr);
+  end_telling_errors();
   return status;
 }
 
