@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "quadtune/internal/json.hpp"
-#include "report/flights/flight_story.hpp"
+#include "report/flights/flight_text.hpp"
 
 namespace quadtune::report {
 namespace {
