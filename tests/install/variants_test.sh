@@ -16,9 +16,16 @@ for variant in "x86-64-v3 AVX2" "x86-64-v4 AVX-512"; do
   fi
 done
 
+# Laws that all of them fly: designed by one, as kernels that solve equations agree to rounding only.
+vehicles=(mambo crazyflie uquad)
+for vehicle in "${vehicles[@]}"; do
+  "$loader" --glibc-hwcaps-mask none "$program" pid "$vehicle" --json >"$work/$vehicle.json"
+done
+
 fly() { # VARIANT VEHICLE ESTIMATOR
-  "$loader" --glibc-hwcaps-mask "$1" "$program" fly "$2" --mission step-north --duration 4 \
-    --estimator "$3" --wind light --log "$work/$1-$2-$3.csv" --json >/dev/null || [ $? = 1 ]
+  "$loader" --glibc-hwcaps-mask "$1" "$program" fly "$2" --gains "$work/$2.json" \
+    --mission step-north --duration 4 --estimator "$3" --wind light \
+    --log "$work/$1-$2-$3.csv" --quiet >/dev/null 2>&1 || [ $? = 1 ]
 }
 
 for ((i = 0; i < ${#names[@]}; i += 2)); do
