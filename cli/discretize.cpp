@@ -13,7 +13,7 @@
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/workbench/design/sampled_plant.hpp"
+#include "quadtune/workbench/sampling/sampled_plant.hpp"
 #include "report/loops/method_comparison.hpp"
 #include "report/loops/sampled_plant.hpp"
 

@@ -15,7 +15,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/version.hpp"
-#include "report/gains/mission_tuning_report.hpp"
+#include "report/missions/mission_tuning_report.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "quadtune/internal/json_fwd.hpp"
-#include "quadtune/workbench/design/method_comparison.hpp"
+#include "quadtune/workbench/sampling/method_comparison.hpp"
 #include "report/plots/figure.hpp"
 
 namespace quadtune::report {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "quadtune/internal/json_fwd.hpp"
-#include "quadtune/workbench/design/sampled_plant.hpp"
+#include "quadtune/workbench/sampling/sampled_plant.hpp"
 
 namespace quadtune::report {
 

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <utility>
 
-#include "design/looks_sampled.hpp"
 #include "quadtune/control/cascade_law.hpp"
 #include "quadtune/delay_limit.hpp"
 #include "quadtune/discretize/delay.hpp"
@@ -18,6 +17,7 @@
 #include "quadtune/workbench/design/cascade_report.hpp"
 #include "quadtune/workbench/design/given_gains.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
+#include "sampling/looks_sampled.hpp"
 
 namespace quadtune {
 namespace {

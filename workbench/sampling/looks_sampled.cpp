@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "design/looks_sampled.hpp"
+#include "sampling/looks_sampled.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/workbench/design/method_comparison.hpp"
+#include "quadtune/workbench/sampling/method_comparison.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/workbench/design/sampled_plant.hpp"
+#include "quadtune/workbench/sampling/sampled_plant.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/gains/mission_tuning_report.hpp"
+#include "report/missions/mission_tuning_report.hpp"
 
 #include <fmt/format.h>
 
