@@ -178,7 +178,7 @@ void run_mission_tuning(const std::string& verb, const MissionTuning& tuning,
     context.written.push_back(arguments.file);
   }
   if (!arguments.report.empty()) {
-    GainsPage page = page_of(result, stop);
+    GainsPage page = page_of(result, tuned_flights(result, stop));
     page.command = context.command;
     page.version = std::string(kVersion);
     page.seed = fmt::format("{}", context.seed);

@@ -447,63 +447,23 @@ PageSearch search_of(const MissionSearchResult& result) {
   return search;
 }
 
-/// Distances from the reference over time [m], by the flight's log.
-struct Distance {
-  std::vector<double> time, value;
-
-  /// The last value at or before a time; NaN after the flight.
-  [[nodiscard]] double at(double t) const {
-    if (time.empty() || t > time.back() + 1e-9) return kNaN;
-    const auto after = std::upper_bound(time.begin(), time.end(), t + 1e-9);
-    return after == time.begin() ? kNaN : value[static_cast<std::size_t>(after - time.begin()) - 1];
-  }
-};
-
-Distance distance_of(const LogTable& log) {
-  Distance distance;
-  if (log.columns.empty()) return distance;
-  distance.time = log.columns.front().values;
-  distance.value.assign(distance.time.size(), 0);
-  for (const char* axis : {"px", "py", "pz"}) {
-    const LogColumn* was = log.find(std::string("x.") + axis);
-    const LogColumn* asked = log.find(std::string("reference.") + axis);
-    if (was == nullptr || asked == nullptr) return {};
-    for (std::size_t i = 0; i < distance.value.size(); ++i)
-      distance.value[i] = std::hypot(distance.value[i], was->values[i] - asked->values[i]);
-  }
-  return distance;
-}
-
-/// Flies each mission with each controller and draws how far it is from its reference.
-std::vector<PageFlown> flown(const Report& report, const std::vector<std::string>& names,
-                             const MissionTrial::Stop& stop) {
-  constexpr double kMostRows = 2e6;  // of a log in memory
-  constexpr double kLeast = 1e-4;    // [m]; the axis is logarithmic
-  std::vector<Controller> controllers = {
-      *report.tuning.design(report.tuning.start).point.controller,
-      *report.tuning.design(report.search.candidate).point.controller};
-  if (report.tuning.rival) controllers.push_back(report.tuning.rival->controller);
+/// How far each controller was from the reference, drawn for each mission.
+std::vector<PageFlown> flown(const std::vector<TunedFlights>& missions,
+                             const std::vector<std::string>& names) {
+  constexpr double kLeast = 1e-4;  // [m]; the axis is logarithmic
   std::vector<PageFlown> all;
-  for (std::size_t m = 0; m < report.request.missions.size(); ++m) {
-    std::vector<Distance> distances;
-    for (const Controller& controller : controllers) {
-      FlightSetup setup = report.trial->setup(controller, m, report.request.draws);
-      if (duration_of(setup) / control_period(setup) > kMostRows) return all;
-      setup.log = true;
-      distances.push_back(distance_of(fly(setup, stop).log));
-    }
-    const Distance& longest =
-        *std::max_element(distances.begin(), distances.end(), [](const auto& a, const auto& b) {
+  for (const TunedFlights& mission : missions) {
+    const DistanceOverTime& longest = *std::max_element(
+        mission.distances.begin(), mission.distances.end(), [](const auto& a, const auto& b) {
           return a.time.empty() || (!b.time.empty() && a.time.back() < b.time.back());
         });
     PageFlown& page = all.emplace_back();
-    page.plot = {
-        "Distance from the reference, " + report.request.missions[m].name, "m", {}, 1, true};
+    page.plot = {"Distance from the reference, " + mission.mission, "m", {}, 1, true};
     page.log.columns.push_back({"t", "s", longest.time});
-    for (std::size_t c = 0; c < distances.size(); ++c) {
+    for (std::size_t c = 0; c < mission.distances.size(); ++c) {
       LogColumn column{fmt::format("c{}", c), "m", {}};
       for (const double t : longest.time) {
-        const double distance = distances[c].at(t);
+        const double distance = mission.distances[c].at(t);
         column.values.push_back(std::isnan(distance) ? distance : std::max(distance, kLeast));
       }
       page.plot.series.push_back({names[c], column.name});
@@ -594,7 +554,7 @@ Json to_json(const Report& report) {
   return json;
 }
 
-GainsPage page_of(const Report& report, const MissionTrial::Stop& stop) {
+GainsPage page_of(const Report& report, const std::vector<TunedFlights>& flights) {
   const MissionSearchResult& r = report.search;
   GainsPage page;
   std::vector<std::string> missions;
@@ -624,7 +584,7 @@ GainsPage page_of(const Report& report, const MissionTrial::Stop& stop) {
   if (report.flown.after) page.tables.push_back(flown_table(report));
   page.tables.push_back(gains_table(report));
   page.search = search_of(r);
-  page.flown = flown(report, page.columns, stop);
+  page.flown = flown(flights, page.columns);
   std::vector<std::string> cost;
   for (const CostTerm& term : report.request.cost)
     if (term.weight > 0)

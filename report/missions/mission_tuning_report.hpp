@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "quadtune/internal/json_fwd.hpp"
 #include "quadtune/workbench/missions/mission_tuning.hpp"
@@ -13,9 +14,9 @@ namespace quadtune::report {
 [[nodiscard]] internal::Json to_json(const MissionTuningResult& result);
 [[nodiscard]] std::string to_text(const MissionTuningResult& result);
 
-/// The page. It flies each mission once more, with start, the best point and the rival, on the
-/// first of the fresh draws.
-/// @throws Interrupted  where `stop` says so
-[[nodiscard]] GainsPage page_of(const MissionTuningResult& result, const MissionTrial::Stop& stop);
+/// The page.
+/// @param flights  of tuned_flights(); one chart for each mission
+[[nodiscard]] GainsPage page_of(const MissionTuningResult& result,
+                                const std::vector<TunedFlights>& flights);
 
 }  // namespace quadtune::report

@@ -149,7 +149,8 @@ PlannedFlight flight_of(const Json& json, const std::string& where, const Vehicl
   flight.estimator = member(json, "estimator", where).get<std::string>();
   flight.sensors = member(json, "sensors", where).get<std::string>();
   flight.wind = member(json, "wind", where).get<std::string>();
-  flight.notes = member(json, "notes", where).get<std::vector<std::string>>();
+  for (const Json& note : member(json, "notes", where))
+    flight.notes.push_back(note.get<std::string>());
   for (const Json& limit : member(json, "widened", where))
     flight.widened.push_back(widened_of(limit, where));
   FlightSetup& setup = flight.setup;

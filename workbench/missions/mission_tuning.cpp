@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <utility>
 
 #include "quadtune/errors.hpp"
@@ -26,6 +28,21 @@ std::uint32_t proof_draws(const TrialRequest& request, const MissionTuningOption
                                   "little of the {:g} quantile",
                                   options.proof, least, request.share));
   return options.proof;
+}
+
+DistanceOverTime distance_of(const LogTable& log) {
+  DistanceOverTime distance;
+  if (log.columns.empty()) return distance;
+  distance.time = log.columns.front().values;
+  distance.value.assign(distance.time.size(), 0);
+  for (const char* axis : {"px", "py", "pz"}) {
+    const LogColumn* was = log.find(std::string("x.") + axis);
+    const LogColumn* asked = log.find(std::string("reference.") + axis);
+    if (was == nullptr || asked == nullptr) return {};
+    for (std::size_t i = 0; i < distance.value.size(); ++i)
+      distance.value[i] = std::hypot(distance.value[i], was->values[i] - asked->values[i]);
+  }
+  return distance;
 }
 
 }  // namespace
@@ -108,6 +125,34 @@ MissionTuningResult tune_missions(const MissionTuning& tuning,
   result.request = std::move(plan.request);
   result.trial = trial;
   return result;
+}
+
+double DistanceOverTime::at(double t) const {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  if (time.empty() || t > time.back() + 1e-9) return kNaN;
+  const auto after = std::upper_bound(time.begin(), time.end(), t + 1e-9);
+  return after == time.begin() ? kNaN : value[static_cast<std::size_t>(after - time.begin()) - 1];
+}
+
+std::vector<TunedFlights> tuned_flights(const MissionTuningResult& result,
+                                        const std::function<bool()>& stop) {
+  constexpr double kMostRows = 2e6;  // of a log in memory
+  std::vector<Controller> controllers = {
+      *result.tuning.design(result.tuning.start).point.controller,
+      *result.tuning.design(result.search.candidate).point.controller};
+  if (result.tuning.rival) controllers.push_back(result.tuning.rival->controller);
+  std::vector<TunedFlights> all;
+  for (std::size_t m = 0; m < result.request.missions.size(); ++m) {
+    TunedFlights flights{result.request.missions[m].name, {}};
+    for (const Controller& controller : controllers) {
+      FlightSetup setup = result.trial->setup(controller, m, result.request.draws);
+      if (duration_of(setup) / control_period(setup) > kMostRows) return all;
+      setup.log = true;
+      flights.distances.push_back(distance_of(fly(setup, stop).log));
+    }
+    all.push_back(std::move(flights));
+  }
+  return all;
 }
 
 std::string vehicle_text(const std::string& word) {

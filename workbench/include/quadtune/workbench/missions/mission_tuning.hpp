@@ -132,6 +132,26 @@ struct MissionTuningResult {
                                                 MissionTuningPlan plan,
                                                 const MissionTuningOptions& options);
 
+/// Distances from the reference over time.
+struct DistanceOverTime {
+  std::vector<double> time, value;  ///< [s], [m]; empty for a mission without a reference
+
+  /// The last value at or before a time; NaN after the flight.
+  [[nodiscard]] double at(double t) const;
+};
+
+/// One mission, flown by several controllers on the same draw.
+struct TunedFlights {
+  std::string mission;
+  std::vector<DistanceOverTime> distances;  ///< of the start, the best point, and the rival
+};
+
+/// Flies each mission with the start, the best point and the rival, on the first of the fresh
+/// draws. A mission whose record would not fit into memory ends the list.
+/// @throws Interrupted  where `stop` says so
+[[nodiscard]] std::vector<TunedFlights> tuned_flights(const MissionTuningResult& result,
+                                                      const std::function<bool()>& stop = {});
+
 /// A vehicle's name or path as a TOML text: a path becomes absolute.
 /// @throws InvalidInput  for a path that is not UTF-8
 [[nodiscard]] std::string vehicle_text(const std::string& word);
