@@ -22,8 +22,8 @@ seed = 4
 [[design]]
 name = "designed"
 [[design]]
-name = "published"
-gains = "published"
+name = "feedback"
+controller = "state-feedback"
 [[mission]]
 mission = "take-off-and-land"
 take_off = "thrust"
