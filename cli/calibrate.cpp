@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune calibrate imu: scale, cross-axis and bias of inertial sensors from logs.
 #include <optional>
-#include <ostream>
 
 #include "arguments/log_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"

@@ -9,7 +9,6 @@
 #include "program/program.hpp"
 #include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/flown/plant_word.hpp"
 #include "quadtune/workbench/verify/uncertain_range.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune compare: the same mission flown twice, and where the two flights part.
 #include <algorithm>
-#include <ostream>
 #include <utility>
 
 #include "arguments/flight_arguments.hpp"

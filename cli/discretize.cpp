@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune discretize: one system by one method, or back.
 #include <optional>
-#include <ostream>
 #include <utility>
 
 #include "arguments/flight_arguments.hpp"

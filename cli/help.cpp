@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <ostream>
 
 #include "program/command_line.hpp"
 #include "program/completion.hpp"

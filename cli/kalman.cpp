@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "arguments/matrix_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"

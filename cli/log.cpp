@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune log: what is in a log, and what is odd about it.
-#include <ostream>
 
 #include "arguments/log_arguments.hpp"
 #include "program/command_line.hpp"

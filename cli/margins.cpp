@@ -2,7 +2,7 @@
 /// quadtune margins: of a transfer function, of a gain on matrices, or of a vehicle's gains.
 #include <fmt/format.h>
 
-#include <ostream>
+#include <optional>
 
 #include "arguments/flight_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"

@@ -2,7 +2,6 @@
 /// quadtune pid: PID gains for a transfer function, by requirement, by rule, or the best within
 /// bounds.
 #include <optional>
-#include <ostream>
 
 #include "arguments/flight_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"

@@ -113,9 +113,8 @@ void run_tune_kalman(const Options& options, Context& context) {
   context.print([&] { return to_json(noise); }, [&] { return to_text(noise); });
   context.out << std::flush;
   context.answered = true;
-  if (!options.file.empty() && (passed || options.force)) {
+  if (!options.file.empty() && (passed || options.force))
     context.write(options.file, tuned_model_file(noise, context.command), stop);
-  }
   keeps_the_best.reset();  // what was found is told: the page may be given up at any time
   if (!options.report.empty() && !ended) {
     const NoiseEvidence evidence =

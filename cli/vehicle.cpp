@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune vehicle: the built-in vehicles, one in full, or whether a file is right.
-#include <ostream>
 
 #include "program/command_line.hpp"
 #include "program/program.hpp"

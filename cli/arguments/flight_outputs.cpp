@@ -11,6 +11,7 @@
 #include "report/flights/flight_text.hpp"
 
 namespace quadtune::cli {
+
 void add_flight_outputs(CommandLine& line, FlightOutputs& outputs) {
   line.add_option("--log FILE", outputs.log, "write every period to a .csv or .mat file");
   line.add_option("--report FILE", outputs.report, "write a page to look at: a .html file");
@@ -31,12 +32,9 @@ void keep_log_for(const FlightOutputs& outputs, PlannedFlight& plan, const std::
 
 void tell_flight(const FlownFlight& flight, const std::optional<Diagnosis>& diagnosis,
                  const FlightOutputs& outputs, const std::string& verb, Context& context) {
-  if (!outputs.log.empty()) {
-    context.write(outputs.log, log_bytes(flight.result.log, outputs.log));
-  }
-  if (!outputs.report.empty()) {
+  if (!outputs.log.empty()) context.write(outputs.log, log_bytes(flight.result.log, outputs.log));
+  if (!outputs.report.empty())
     context.write(outputs.report, html(flight_page(flight, context.command, diagnosis)));
-  }
   context.print([&] { return to_json(flight, diagnosis); },
                 [&] { return to_text(flight, diagnosis); });
   if (!flight.passed) throw AnswerIsNo(verb + ": " + reasons(flight).front());

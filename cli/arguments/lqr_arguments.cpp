@@ -12,6 +12,7 @@
 #include "quadtune/internal/suggest.hpp"
 
 namespace quadtune::cli {
+
 std::vector<std::string> read_integrals(const LqrArguments& arguments,
                                         const std::vector<std::string>& states) {
   const std::string& verb = arguments.verb;
