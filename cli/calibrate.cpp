@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune calibrate imu: scale, cross-axis and bias of inertial sensors from logs.
-#include <fmt/format.h>
-
-#include <memory>
 #include <optional>
-#include <ostream>
 
 #include "arguments/log_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/exports/imu_calibration_file.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -31,10 +28,6 @@ struct Options {
 
 constexpr const char* kVerb = "calibrate";
 constexpr const char* kNone = "none";
-
-[[noreturn]] void refuse(const char* option, const std::string& why) {
-  throw UsageError(fmt::format("quadtune {}: {}", kVerb, why), option);
-}
 
 /// Not set: the usual names; empty for "none".
 std::optional<std::vector<std::string>> axes(const std::string& given) {
@@ -59,12 +52,13 @@ CalibratedImu calibrated(const Options& options, const Context& context) {
   imu.calibration.field = options.field.value_or(imu.calibration.field);
   if (options.simulate) {
     if (!options.logs.empty())
-      refuse("--simulate", "--simulate came with --log, expected one of them");
+      refuse(kVerb, "--simulate", "--simulate came with --log, expected one of them");
     imu.made_up = context.seed;
     return calibrate_from_logs(imu);
   }
   if (options.logs.empty())
-    refuse("--log", "--log is missing, expected a log in which the sensor stands in many poses");
+    refuse(kVerb, "--log",
+           "--log is missing, expected a log in which the sensor stands in many poses");
   imu.logs = options.logs;
   imu.channels = channels_of(options);
   imu.reading = sensor_log_options(options.sensors, kVerb);
@@ -72,61 +66,50 @@ CalibratedImu calibrated(const Options& options, const Context& context) {
   return option_of_logs(kVerb, [&] { return calibrate_from_logs(imu); });
 }
 
-void run(const Options& options, Context& context) {
+void run_calibrate(const Options& options, Context& context) {
   if (options.what != "imu")
-    refuse("WHAT", fmt::format("'{}' came, expected: quadtune calibrate imu{}", options.what,
-                               internal::did_you_mean(options.what, {"imu"})));
+    refuse(kVerb, "WHAT", "'{}' came, expected: quadtune calibrate imu{}", options.what,
+           internal::did_you_mean(options.what, {"imu"}));
   std::optional<ImuCalibrationFile> base;
   if (!options.base.empty()) base = read_imu_calibration(options.base);
   const CalibratedImu imu = calibrated(options, context);
   if (!options.file.empty()) {
-    write_file(options.file, imu_calibration_text(option_of_logs(
-                                 kVerb, [&] { return calibration_file(imu.found, base); })));
-    context.written.push_back(options.file);
+    const ImuCalibrationFile file =
+        option_of_logs(kVerb, [&] { return calibration_file(imu.found, base); });
+    context.write(options.file, imu_calibration_text(file));
   }
-  context.out << (context.json ? internal::readable(to_json(imu, options.file)) + "\n"
-                               : to_text(imu, options.file));
+  context.print([&] { return to_json(imu, options.file); },
+                [&] { return to_text(imu, options.file); });
+}
+
+void add_options(CommandLine& line, Options& options) {
+  line.add_option("WHAT", options.what, "imu");
+  line.add_list("--log FILE", options.logs,
+                "a log of any format that quadtune log reads; several: repeat the option");
+  line.add_option("--accelerometer LIST", options.accelerometer,
+                  "its three channels, by name, or by number from 1 of a text; ax,ay,az; of "
+                  "another file as CHANNEL@FILE");
+  line.add_option("--gyroscope LIST", options.gyroscope, "likewise; gx,gy,gz, or none");
+  line.add_option("--magnetometer LIST", options.magnetometer, "likewise; mx,my,mz, or none");
+  line.add_option("--temperature COLUMN", options.temperature, "its column; temperature, or none");
+  line.add_positive("--temperature-scale X", options.temperature_scale,
+                    "degrees Celsius a unit of that column, e.g. 0.1; 1");
+  add_sensor_log_options(line, options.sensors);
+  line.add_positive("--gravity G", options.gravity, "where the log was taken [m/s^2]; 9.80665");
+  line.add_positive("--field B", options.field, "norm that the magnetometer is to have; 1");
+  line.add_option("--base FILE", options.base,
+                  "imu_calib.txt whose numbers stay for a sensor that the logs do not have");
+  line.add_flag("--simulate", options.simulate, "a made-up sensor of the seed instead of a log");
+  line.add_option("-o FILE", options.file, "imu_calib.txt to write, whole or not at all");
 }
 
 }  // namespace
 
 Verb calibrate_verb() {
-  return {
-      "calibrate", "imu --log FILE... [-o imu_calib.txt]",
-      "calibrate inertial sensors from logs of many poses",
-      "quadtune calibrate imu --simulate -o out/imu_calib.txt", [](CommandLine& line) -> Action {
-        auto options = std::make_shared<Options>();
-        line.add_option("WHAT", options->what, "imu");
-        line.add_list("--log", options->logs,
-                      "a log of any format that quadtune log reads; several: repeat the option")
-            ->type_name("FILE");
-        line.add_option("--accelerometer", options->accelerometer,
-                        "its three channels, by name, or by number from 1 of a text; ax,ay,az; of "
-                        "another file as CHANNEL@FILE")
-            ->type_name("LIST");
-        line.add_option("--gyroscope", options->gyroscope, "likewise; gx,gy,gz, or none")
-            ->type_name("LIST");
-        line.add_option("--magnetometer", options->magnetometer, "likewise; mx,my,mz, or none")
-            ->type_name("LIST");
-        line.add_option("--temperature", options->temperature, "its column; temperature, or none")
-            ->type_name("COLUMN");
-        line.add_positive("--temperature-scale", options->temperature_scale,
-                          "degrees Celsius a unit of that column, e.g. 0.1; 1")
-            ->type_name("X");
-        add_sensor_log_options(line, options->sensors);
-        line.add_positive("--gravity", options->gravity, "where the log was taken [m/s^2]; 9.80665")
-            ->type_name("G");
-        line.add_positive("--field", options->field, "norm that the magnetometer is to have; 1")
-            ->type_name("B");
-        line.add_option("--base", options->base,
-                        "imu_calib.txt whose numbers stay for a sensor that the logs do not have")
-            ->type_name("FILE");
-        line.add_flag("--simulate", options->simulate,
-                      "a made-up sensor of the seed instead of a log");
-        line.add_option("-o", options->file, "imu_calib.txt to write, whole or not at all")
-            ->type_name("FILE");
-        return [options](Context& context) { run(*options, context); };
-      }};
+  return {"calibrate", "imu --log FILE... [-o imu_calib.txt]",
+          "calibrate inertial sensors from logs of many poses",
+          "quadtune calibrate imu --simulate -o out/imu_calib.txt",
+          with_options(add_options, run_calibrate)};
 }
 
 }  // namespace quadtune::cli

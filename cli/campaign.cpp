@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune campaign: many flights with what is uncertain drawn for each, on one machine or many.
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
-#include <memory>
 #include <optional>
-#include <ostream>
 #include <utility>
 
 #include "arguments/flight_arguments.hpp"
 #include "arguments/flight_outputs.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/progress.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/campaign/campaign_folder.hpp"
@@ -36,50 +34,20 @@ namespace fs = std::filesystem;
 struct Options {
   std::string file, folder;
   std::uint64_t shards = 0, shard = 0, flight = 0;
-  Option* number = nullptr;  ///< --shard or --flight
   FlightOutputs outputs;
 };
 
-[[noreturn]] void refuse(const char* verb, const std::string& option, const std::string& why) {
-  throw UsageError(fmt::format("quadtune campaign {}: {}", verb, why), option);
-}
-
 void need(const std::string& word, const char* verb, const char* what, const char* expected) {
-  if (word.empty()) refuse(verb, what, fmt::format("expected {}", expected));
+  if (word.empty()) refuse(verb, what, "expected {}", expected);
 }
 
-/// One line that is written over while work goes on; on a terminal only.
-class Progress {
- public:
-  explicit Progress(const Context& context)
-      : shown_(!context.quiet && !context.json && isatty(STDERR_FILENO) != 0),
-        err_(context.err),
-        begin_(std::chrono::steady_clock::now()) {}
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-  ~Progress() {
-    if (drawn_) err_ << "\r\033[K" << std::flush;
-  }
-
-  void show(const CampaignProgress& now) {
-    if (!shown_) return;
-    const double passed =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-    const double left = passed / static_cast<double>(now.flown) * static_cast<double>(now.missing);
-    const std::uint64_t done = now.all - now.missing;
-    constexpr std::size_t kWidth = 30;
-    const auto filled = static_cast<std::size_t>(kWidth * done / now.all);
-    err_ << fmt::format("\r\033[K[{:#<{}}{:.<{}}] {} of {} flights, {:.0f} s left", "", filled, "",
-                        kWidth - filled, done, now.all, left)
-         << std::flush;
-    drawn_ = true;
-  }
-
- private:
-  bool shown_, drawn_ = false;
-  std::ostream& err_;
-  std::chrono::steady_clock::time_point begin_;
-};
+CampaignWatch watched(Progress& progress) {
+  return {[&progress](const CampaignProgress& now) {
+            progress.show(progress_line(now, progress.seconds()));
+          },
+          {},
+          interrupted};
+}
 
 /// Plans, and writes the plan into the folder.
 /// @return  whether it was there already
@@ -94,15 +62,14 @@ bool write_plan(const std::string& file, const std::string& folder, std::uint32_
 std::uint32_t shard_count(std::uint64_t shards, const char* verb) {
   constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
   if (shards > kMost)
-    refuse(verb, "--shards",
-           fmt::format("--shards is {}, expected at most as many as there are flights", shards));
+    refuse(verb, "--shards", "--shards is {}, expected at most as many as there are flights",
+           shards);
   return static_cast<std::uint32_t>(shards);
 }
 
 /// What `fly` would say of these flights.
 void note_words(const CampaignPlan& plan, const Context& context) {
-  for (const PlannedFlight& words : plan.words)
-    for (const std::string& note : words.notes) context.note("campaign: note: " + note);
+  for (const PlannedFlight& words : plan.words) context.notes("campaign: note: ", words.notes);
 }
 
 void note_damage(std::uint32_t shard, const ShardWork& work, const Context& context) {
@@ -113,38 +80,36 @@ void note_damage(std::uint32_t shard, const ShardWork& work, const Context& cont
 // --- what each verb does ---
 
 void init(Options& options, Context& context) {
-  need(options.file, "init", "FILE", "a campaign file and a folder");
-  need(options.folder, "init", "DIR", "a folder for the plan");
+  need(options.file, "campaign init", "FILE", "a campaign file and a folder");
+  need(options.folder, "campaign init", "DIR", "a folder for the plan");
   const bool was_there =
-      write_plan(options.file, options.folder, shard_count(options.shards, "init"));
+      write_plan(options.file, options.folder, shard_count(options.shards, "campaign init"));
   const CampaignPlan plan = load_plan(options.folder);
   note_words(plan, context);
   context.print([&] { return to_json(plan); },
                 [&] { return to_text(plan, options.folder, was_there); });
 }
 
-void work(Options& options, Context& context) {
-  need(options.folder, "work", "DIR", "a folder with a plan");
-  if (!options.number->was_given())
-    refuse("work", "--shard", "--shard is missing, expected the part to fly");
+void work(const CommandLine& line, Options& options, Context& context) {
+  need(options.folder, "campaign work", "DIR", "a folder with a plan");
+  if (!line.was_given("--shard"))
+    refuse("campaign work", "--shard", "--shard is missing, expected the part to fly");
   const CampaignPlan plan = load_plan(options.folder);
   if (options.shard >= plan.shards)
-    refuse("work", "--shard",
-           fmt::format("--shard is {}, expected 0 to {}", options.shard, plan.shards - 1));
+    refuse("campaign work", "--shard", "--shard is {}, expected 0 to {}", options.shard,
+           plan.shards - 1);
   const auto shard = static_cast<std::uint32_t>(options.shard);
   ShardWork done;
   {
     Progress progress(context);
-    done = fly_campaign_shard(
-        plan, options.folder, shard, context.threads,
-        {[&](const CampaignProgress& now) { progress.show(now); }, {}, interrupted});
+    done = fly_campaign_shard(plan, options.folder, shard, context.threads, watched(progress));
   }
   note_damage(shard, done, context);
   context.print([&] { return to_json(shard, done); }, [&] { return to_text(shard, done); });
 }
 
 void status(Options& options, Context& context) {
-  need(options.folder, "status", "DIR", "a folder with a plan");
+  need(options.folder, "campaign status", "DIR", "a folder with a plan");
   const CampaignPlan plan = load_plan(options.folder);
   const CampaignStatus status = campaign_status(plan, options.folder);
   context.print([&] { return to_json(plan, status); }, [&] { return to_text(plan, status); });
@@ -154,19 +119,15 @@ void status(Options& options, Context& context) {
 void merge_plan(const CampaignPlan& plan, const std::string& folder, Context& context) {
   const MergedCampaign merged = merge_campaign(plan, folder, context.threads, interrupted);
   std::vector<std::string> files;
-  const auto written = [&](const std::string& file) {
-    files.push_back(file);
-    context.written.push_back(file);
-  };
   const auto write = [&](const std::string& file, const std::string& bytes) {
-    write_file(file, bytes);
-    written(file);
+    context.write(file, bytes);
+    files.push_back(file);
   };
-  const auto write_tables = [&] {
+  {
     const WritingFiles writing;
-    return write_campaign_tables(plan, merged, folder, context.threads, interrupted);
-  };
-  for (const std::string& table : write_tables()) written(table);
+    files = write_campaign_tables(plan, merged, folder, context.threads, interrupted);
+  }
+  for (const std::string& table : files) context.written.push_back(table);
   internal::Json json = to_json(plan, merged.statistics, folder);
   write((fs::path(folder) / "statistics.json").string(), internal::readable(json) + "\n");
   write((fs::path(folder) / "report.html").string(),
@@ -188,15 +149,15 @@ void merge_plan(const CampaignPlan& plan, const std::string& folder, Context& co
 }
 
 void merge(Options& options, Context& context) {
-  need(options.folder, "merge", "DIR", "a folder with flown shards");
+  need(options.folder, "campaign merge", "DIR", "a folder with flown shards");
   merge_plan(load_plan(options.folder), options.folder, context);
 }
 
-void run(Options& options, Context& context) {
-  need(options.file, "run", "FILE", "a campaign file");
+void run_campaign(Options& options, Context& context) {
+  need(options.file, "campaign run", "FILE", "a campaign file");
   const bool unnamed = options.folder.empty();
   if (unnamed) options.folder = fs::path(options.file).stem().string() + "-campaign";
-  (void)write_plan(options.file, options.folder, shard_count(options.shards, "run"));
+  (void)write_plan(options.file, options.folder, shard_count(options.shards, "campaign run"));
   if (unnamed)
     context.note(
         fmt::format("campaign run: note: plan, flights and tables go into {}", options.folder));
@@ -204,24 +165,23 @@ void run(Options& options, Context& context) {
   note_words(plan, context);
   {
     Progress progress(context);
-    fly_campaign(
-        plan, options.folder, context.threads,
-        {[&](const CampaignProgress& now) { progress.show(now); },
-         [&](std::uint32_t shard, const ShardWork& done) { note_damage(shard, done, context); },
-         interrupted});
+    CampaignWatch watch = watched(progress);
+    watch.shard_done = [&](std::uint32_t shard, const ShardWork& done) {
+      note_damage(shard, done, context);
+    };
+    fly_campaign(plan, options.folder, context.threads, watch);
   }
   merge_plan(plan, options.folder, context);
 }
 
-void replay(Options& options, Context& context) {
-  need(options.folder, "replay", "DIR", "a folder with a plan");
-  if (!options.number->was_given())
-    refuse("replay", "--flight", "--flight is missing, expected a flight's number");
+void replay(const CommandLine& line, Options& options, Context& context) {
+  need(options.folder, "campaign replay", "DIR", "a folder with a plan");
+  if (!line.was_given("--flight"))
+    refuse("campaign replay", "--flight", "--flight is missing, expected a flight's number");
   const CampaignPlan plan = load_plan(options.folder);
   if (options.flight >= plan.campaign.records())
-    refuse("replay", "--flight",
-           fmt::format("--flight is {}, expected 0 to {}", options.flight,
-                       plan.campaign.records() - 1));
+    refuse("campaign replay", "--flight", "--flight is {}, expected 0 to {}", options.flight,
+           plan.campaign.records() - 1);
   require_output_names(options.outputs, "campaign replay");
   PlannedFlight flight = replayed_flight(plan, options.flight);
   keep_log_for(options.outputs, flight, "campaign replay");
@@ -231,54 +191,40 @@ void replay(Options& options, Context& context) {
 
 // --- their options ---
 
-using Run = void (*)(Options&, Context&);
-
-Action action_of(const std::shared_ptr<Options>& options, Run what) {
-  return [options, what](Context& context) { what(*options, context); };
-}
-
-/// Adds DIR of a campaign that is planned already.
-std::shared_ptr<Options> options_of_planned(CommandLine& line, const char* folder) {
-  auto options = std::make_shared<Options>();
-  line.add_option("DIR", options->folder, folder);
-  return options;
-}
-
 constexpr char kPlanned[] = "where `campaign init` wrote the plan";
 
-Action define_init(CommandLine& line) {
-  auto options = std::make_shared<Options>();
-  line.add_option("FILE", options->file, "a campaign file (docs/formats.md)");
-  line.add_option("DIR", options->folder, "a new folder");
-  line.add_count("--shards", options->shards, 1,
-                 "parts that workers fly; as many as take some minutes each")
-      ->type_name("N");
-  return action_of(options, init);
+void add_init_options(CommandLine& line, Options& options) {
+  line.add_option("FILE", options.file, "a campaign file (docs/formats.md)");
+  line.add_option("DIR", options.folder, "a new folder");
+  line.add_count("--shards N", options.shards, 1,
+                 "parts that workers fly; as many as take some minutes each");
 }
 
-Action define_work(CommandLine& line) {
-  auto options = options_of_planned(line, kPlanned);
-  options->number =
-      line.add_count("--shard", options->shard, 0, "the part, from 0")->type_name("K");
-  return action_of(options, work);
+void add_work_options(CommandLine& line, Options& options) {
+  line.add_option("DIR", options.folder, kPlanned);
+  line.add_count("--shard K", options.shard, 0, "the part, from 0");
 }
 
-Action define_run(CommandLine& line) {
-  auto options = std::make_shared<Options>();
-  line.add_option("FILE", options->file, "a campaign file (docs/formats.md)");
-  line.add_option("DIR", options->folder,
+void add_status_options(CommandLine& line, Options& options) {
+  line.add_option("DIR", options.folder, kPlanned);
+}
+
+void add_merge_options(CommandLine& line, Options& options) {
+  line.add_option("DIR", options.folder, "where all shards were flown");
+}
+
+void add_run_options(CommandLine& line, Options& options) {
+  line.add_option("FILE", options.file, "a campaign file (docs/formats.md)");
+  line.add_option("DIR", options.folder,
                   "a new folder, or one where this was stopped; if absent the file's name with "
                   "-campaign, here");
-  line.add_count("--shards", options->shards, 1, "as `campaign init`")->type_name("N");
-  return action_of(options, run);
+  line.add_count("--shards N", options.shards, 1, "as `campaign init`");
 }
 
-Action define_replay(CommandLine& line) {
-  auto options = options_of_planned(line, kPlanned);
-  options->number =
-      line.add_count("--flight", options->flight, 0, "its number in flights.csv")->type_name("N");
-  add_flight_outputs(line, options->outputs);
-  return action_of(options, replay);
+void add_replay_options(CommandLine& line, Options& options) {
+  line.add_option("DIR", options.folder, kPlanned);
+  line.add_count("--flight N", options.flight, 0, "its number in flights.csv");
+  add_flight_outputs(line, options.outputs);
 }
 
 }  // namespace
@@ -287,23 +233,21 @@ std::vector<Verb> campaign_verbs() {
   return {
       {"campaign init", "FILE DIR [--shards N]",
        "plan many flights: what flies, what is uncertain, in how many parts",
-       "quadtune campaign init campaigns/mambo-hover.toml out/campaign", define_init},
+       "quadtune campaign init campaigns/mambo-hover.toml out/campaign",
+       with_options(add_init_options, init)},
       {"campaign work", "DIR --shard K", "fly one part of a campaign; again where it was stopped",
-       "quadtune campaign work out/campaign --shard 0", define_work},
+       "quadtune campaign work out/campaign --shard 0", with_options(add_work_options, work)},
       {"campaign status", "DIR", "how far a campaign is, shard by shard",
-       "quadtune campaign status out/campaign",
-       [](CommandLine& line) { return action_of(options_of_planned(line, kPlanned), status); }},
+       "quadtune campaign status out/campaign", with_options(add_status_options, status)},
       {"campaign merge", "DIR", "put a campaign's flights together: database, statistics, page",
-       "quadtune campaign merge out/campaign",
-       [](CommandLine& line) {
-         return action_of(options_of_planned(line, "where all shards were flown"), merge);
-       }},
+       "quadtune campaign merge out/campaign", with_options(add_merge_options, merge)},
       {"campaign run", "FILE [DIR]", "plan, fly and merge a campaign on this machine",
-       "quadtune campaign run campaigns/mambo-hover.toml out/campaign", define_run},
+       "quadtune campaign run campaigns/mambo-hover.toml out/campaign",
+       with_options(add_run_options, run_campaign)},
       {"campaign replay", "DIR --flight N [--report FILE] [--log FILE]",
        "fly one flight of a campaign again and look at it",
        "quadtune campaign replay out/campaign --flight 4 --report out/flight-4.html",
-       define_replay}};
+       with_options(add_replay_options, replay)}};
 }
 
 }  // namespace quadtune::cli

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune compare: the same mission flown twice, and where the two flights part.
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <memory>
-#include <ostream>
 #include <utility>
 
 #include "arguments/flight_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "report/flights/flight_difference.hpp"
@@ -28,43 +25,45 @@ void require_words(const Options& options) {
   const FlightOptions& flight = options.flight;
   const std::vector<std::string>& known = compared_things();
   if (options.what.empty())
-    throw UsageError("quadtune compare: expected integrators, flow, filter or gains", "WHAT");
+    refuse("compare", "WHAT", "expected integrators, flow, filter or gains");
   if (options.what != "gains" && !options.first.empty())
-    throw UsageError(fmt::format("quadtune compare: '{}' came after the vehicle, "
-                                 "expected nothing there but with gains",
-                                 options.first),
-                     "A");
+    refuse("compare", "A", "'{}' came after the vehicle, expected nothing there but with gains",
+           options.first);
   if (std::find(known.begin(), known.end(), options.what) == known.end())
-    throw UsageError(
-        fmt::format("quadtune compare: no comparison '{}', expected integrators, flow, filter or "
-                    "gains{}",
-                    options.what, internal::did_you_mean(options.what, known)),
-        "WHAT");
+    refuse("compare", "WHAT", "no comparison '{}', expected integrators, flow, filter or gains{}",
+           options.what, internal::did_you_mean(options.what, known));
   if (options.what == "flow" && flight.flow.empty() && !flight.vehicle.empty() &&
       !load_vehicle(flight.vehicle).sensors.flow)
-    throw UsageError(fmt::format("quadtune compare: flow: '{}' has no optical flow sensor, "
-                                 "expected a vehicle with one",
-                                 flight.vehicle),
-                     "V");
+    refuse("compare", "V", "flow: '{}' has no optical flow sensor, expected a vehicle with one",
+           flight.vehicle);
   if (options.what == "gains" && (options.first.empty() || options.second.empty()))
-    throw UsageError(
-        "quadtune compare: gains: expected two, as for --gains of quadtune fly, e.g. "
-        "quadtune compare gains mambo published designed",
-        "A");
+    refuse("compare", "A",
+           "gains: expected two, as for --gains of quadtune fly, e.g. quadtune compare gains mambo "
+           "published designed");
 }
 
-void run(Options& options, Context& context) {
+void run_compare(Options& options, Context& context) {
   require_words(options);
   options.flight.seed = context.seed;
   const FlightPair pair = option_of_command("compare", [&] {
     return flight_pair(options.what, options.flight, {options.first, options.second});
   });
-  if (options.flight.vehicle.empty()) throw UsageError("quadtune compare: expected a vehicle", "V");
+  if (options.flight.vehicle.empty()) refuse("compare", "V", "expected a vehicle");
   std::array<PlannedFlight, 2> plans =
       option_of_command("compare", [&] { return plan_both(pair, "compare"); });
-  for (const std::string& note : plans[0].notes) context.note("compare: note: " + note);
+  context.notes("compare: note: ", plans[0].notes);
   const ComparedFlights compared = fly_both(pair, std::move(plans), interrupted);
-  context.out << (context.json ? internal::readable(to_json(compared)) + "\n" : to_text(compared));
+  context.print([&] { return to_json(compared); }, [&] { return to_text(compared); });
+}
+
+void add_options(CommandLine& line, Options& options) {
+  line.add_option("WHAT", options.what,
+                  "integrators: euler against tustin; flow: simplified against full; filter: "
+                  "filtered velocity against raw; gains: A against B");
+  line.add_option("V", options.flight.vehicle, "a built-in vehicle or a vehicle file");
+  line.add_option("A", options.first, "gains of the first flight");
+  line.add_option("B", options.second, "gains of the second flight");
+  add_flight_options(line, options.flight);
 }
 
 }  // namespace
@@ -72,17 +71,8 @@ void run(Options& options, Context& context) {
 Verb compare_verb() {
   return {"compare", "integrators|flow|filter|gains V [A B] [--mission NAME|FILE] [options]",
           "fly the same mission twice and show where the flights part",
-          "quadtune compare integrators mambo --mission hover", [](CommandLine& line) -> Action {
-            auto options = std::make_shared<Options>();
-            line.add_option("WHAT", options->what,
-                            "integrators: euler against tustin; flow: simplified against full; "
-                            "filter: filtered velocity against raw; gains: A against B");
-            line.add_option("V", options->flight.vehicle, "a built-in vehicle or a vehicle file");
-            line.add_option("A", options->first, "gains of the first flight");
-            line.add_option("B", options->second, "gains of the second flight");
-            add_flight_options(line, options->flight);
-            return [options](Context& context) { run(*options, context); };
-          }};
+          "quadtune compare integrators mambo --mission hover",
+          with_options(add_options, run_compare)};
 }
 
 }  // namespace quadtune::cli

@@ -4,11 +4,11 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 
 #include "arguments/trusted_covariances.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -25,27 +25,23 @@ struct Options {
   std::uint64_t seeds = kDesignSeeds;
 };
 
-[[noreturn]] void refuse(const std::string& option, const std::string& why) {
-  throw UsageError("quadtune design: " + why, option);
-}
-
 void require_sane(const Options& options) {
   constexpr std::uint64_t kMostSeeds = 1000;
-  if (options.file.empty()) refuse("FILE", "expected a design file");
+  if (options.file.empty()) refuse("design", "FILE", "expected a design file");
   if (options.seeds > kMostSeeds)
-    refuse("--seeds", fmt::format("--seeds is {}, expected at most {}", options.seeds, kMostSeeds));
+    refuse("design", "--seeds", "--seeds is {}, expected at most {}", options.seeds, kMostSeeds);
 }
 
 DesignOutcome designed_and_flown(const Options& options, const Context& context) {
   DesignOutcome outcome = run_design(options.file);
   if (options.has_seeds && outcome.design.missions.empty())
-    refuse("--seeds", fmt::format("--seeds came, but {} has no [[mission]] to fly",
-                                  internal::printable(options.file)));
+    refuse("design", "--seeds", "--seeds came, but {} has no [[mission]] to fly",
+           internal::printable(options.file));
   require_tuned(outcome, options.force, context);
   outcome.flights = fly_missions(outcome, context.seed, !options.directory.empty(), interrupted,
                                  static_cast<std::uint32_t>(options.seeds));
   outcome.disturbed = fly_disturbed(outcome, context.seed, interrupted);
-  for (const std::string& note : design_notes(outcome)) context.note("design: note: " + note);
+  context.notes("design: note: ", design_notes(outcome));
   return outcome;
 }
 
@@ -68,7 +64,8 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
   return written;
 }
 
-void run(const Options& options, Context& context) {
+void run_design(const CommandLine& line, Options& options, Context& context) {
+  options.has_seeds = line.was_given("--seeds");
   require_sane(options);
   const DesignOutcome outcome = designed_and_flown(options, context);
   const bool writes = !options.directory.empty();
@@ -88,29 +85,23 @@ void run(const Options& options, Context& context) {
                                    : ""));
 }
 
+void add_options(CommandLine& line, Options& options) {
+  line.add_option("FILE", options.file, "a design file (docs/formats.md)");
+  line.add_option("-o DIR", options.directory, "directory to write; without it, only print");
+  line.add_flag("--force", options.force,
+                "write although a flown loop is unstable or a mission failed, and take tuned "
+                "covariances whatever their verdict");
+  line.add_count("--seeds N", options.seeds, 1,
+                 fmt::format("flights of each mission, all of which must pass; {}", kDesignSeeds));
+}
+
 }  // namespace
 
 Verb design_verb() {
   return {"design", "FILE [-o DIR]",
           "the whole way: trim, linearize, synthesize, fly, export, verify, report",
           "quadtune design designs/uquad-hover.toml -o out/uquad-hover",
-          [](CommandLine& line) -> Action {
-            auto options = std::make_shared<Options>();
-            line.add_option("FILE", options->file, "a design file (docs/formats.md)");
-            line.add_option("-o", options->directory, "directory to write; without it, only print")
-                ->type_name("DIR");
-            line.add_flag("--force", options->force,
-                          "write although a flown loop is unstable or a mission failed, and take "
-                          "tuned covariances whatever their verdict");
-            line.add_count("--seeds", options->seeds, 1,
-                           fmt::format("flights of each mission, all of which must pass; {}",
-                                       kDesignSeeds))
-                ->type_name("N");
-            return [options, &line](Context& context) {
-              options->has_seeds = line.was_given("--seeds");
-              run(*options, context);
-            };
-          }};
+          with_options(add_options, run_design)};
 }
 
 }  // namespace quadtune::cli

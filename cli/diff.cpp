@@ -2,40 +2,41 @@
 /// quadtune diff: two gain sets entry by entry.
 #include <fmt/format.h>
 
-#include <memory>
-
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/design/gains_difference.hpp"
 #include "report/gains/diff_report.hpp"
 
 namespace quadtune::cli {
+namespace {
+
+struct Options {
+  std::string a, b;
+};
+
+void add_options(CommandLine& line, Options& options) {
+  line.add_option("A", options.a, "an export's directory, a file of gains or a design file");
+  line.add_option("B", options.b, "another such directory or file");
+}
+
+void run_diff(Options& options, Context& context) {
+  if (options.b.empty())
+    refuse("diff", options.a.empty() ? "A" : "B", "expected two gain sets, directories or files");
+  const LawsDifference difference = diff_laws(options.a, options.b);
+  if (!difference.left_out.empty())
+    context.note(fmt::format("diff: note: one of the two holds a {} as well, which is not compared",
+                             difference.left_out));
+  context.print([&] { return to_json(difference.entries); },
+                [&] { return to_text(difference.entries); });
+}
+
+}  // namespace
 
 Verb diff_verb() {
-  struct Options {
-    std::string a, b;
-  };
   return {"diff", "A B", "compare two gain sets entry by entry, across conventions",
-          "quadtune diff out/uquad-hover out/uquad-hover", [](CommandLine& line) -> Action {
-            auto options = std::make_shared<Options>();
-            line.add_option("A", options->a,
-                            "an export's directory, a file of gains or a design file");
-            line.add_option("B", options->b, "another such directory or file");
-            return [options](Context& context) {
-              if (options->b.empty())
-                throw UsageError("quadtune diff: expected two gain sets, directories or files",
-                                 options->a.empty() ? "A" : "B");
-              const LawsDifference difference = diff_laws(options->a, options->b);
-              if (!difference.left_out.empty())
-                context.note(
-                    fmt::format("diff: note: one of the two holds a {} as well, which is "
-                                "not compared",
-                                difference.left_out));
-              context.print([&] { return to_json(difference.entries); },
-                            [&] { return to_text(difference.entries); });
-            };
-          }};
+          "quadtune diff out/uquad-hover out/uquad-hover", with_options(add_options, run_diff)};
 }
 
 }  // namespace quadtune::cli

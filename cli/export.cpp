@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <memory>
 
 #include "arguments/trusted_covariances.hpp"
 #include "program/command_line.hpp"
@@ -28,17 +27,16 @@ struct Options {
 
 void require_complete(const Options& options) {
   if (options.source.empty() || options.to.empty() || options.directory.empty())
-    throw UsageError("quadtune export: expected a source, --to NAME and -o DIR",
-                     options.source.empty() ? "SOURCE"
-                     : options.to.empty()   ? "--to"
-                                            : "-o");
+    refuse("export",
+           options.source.empty() ? "SOURCE"
+           : options.to.empty()   ? "--to"
+                                  : "-o",
+           "expected a source, --to NAME and -o DIR");
   // An export over its own source would take away what it does not carry over.
   std::error_code ignored;
   if (std::filesystem::equivalent(options.source, options.directory, ignored))
-    throw UsageError(fmt::format("quadtune export: -o {} is the source itself, expected another "
-                                 "directory",
-                                 options.directory),
-                     "-o");
+    refuse("export", "-o", "-o {} is the source itself, expected another directory",
+           options.directory);
 }
 
 ExportContent content_of(const Options& options, const Context& context) {
@@ -51,19 +49,16 @@ ExportContent content_of(const Options& options, const Context& context) {
   require_sampled(given.laws, options.source);
   const std::string vehicle = options.vehicle.empty() ? given.laws.vehicle : options.vehicle;
   if (vehicle.empty())
-    throw UsageError(
-        "quadtune export: the gains do not say for which vehicle they are, expected "
-        "--vehicle V",
-        "--vehicle");
+    refuse("export", "--vehicle",
+           "the gains do not say for which vehicle they are, expected --vehicle V");
   return export_content(std::move(given.laws), vehicle, options.source);
 }
 
-void run(const Options& options, Context& context) {
+void run_export(const Options& options, Context& context) {
   require_complete(options);
   const ExportKind kind = export_kind(options.to, "--to");
   ExportContent content = content_of(options, context);
-  for (const std::string& note : adapt_to_program(content, kind))
-    context.note("export: note: " + note);
+  context.notes("export: note: ", adapt_to_program(content, kind));
   // Gains that do not hold the vehicle are not written.
   if (const std::string problem = unstable_loop(content); !problem.empty())
     throw Refusal(fmt::format("export: {}, nothing was written", problem), content.vehicle.name);
@@ -84,23 +79,21 @@ void run(const Options& options, Context& context) {
       [&] { return to_text(files, options.directory); });
 }
 
+void add_options(CommandLine& line, Options& options) {
+  line.add_option("SOURCE", options.source,
+                  "an export's directory, a gain file or a design file (.toml)");
+  line.add_option("--to NAME", options.to, "uquad, mambo or json");
+  line.add_option("-o DIR", options.directory, "directory to write");
+  line.add_option("--vehicle V", options.vehicle, "the vehicle, where the gains do not say");
+}
+
 }  // namespace
 
 Verb export_verb() {
   return {"export", "DIR|FILE --to NAME -o DIR",
           "write gains, or what a design gives, for another program",
           "quadtune export designs/uquad-hover.toml --to json -o out/uquad-json",
-          [](CommandLine& line) -> Action {
-            auto options = std::make_shared<Options>();
-            line.add_option("SOURCE", options->source,
-                            "an export's directory, a gain file or a design file (.toml)");
-            line.add_option("--to", options->to, "uquad, mambo or json")->type_name("NAME");
-            line.add_option("-o", options->directory, "directory to write")->type_name("DIR");
-            line.add_option("--vehicle", options->vehicle,
-                            "the vehicle, where the gains do not say")
-                ->type_name("V");
-            return [options](Context& context) { run(*options, context); };
-          }};
+          with_options(add_options, run_export)};
 }
 
 }  // namespace quadtune::cli

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "arguments/flight_outputs.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
 #include "report/flights/seeds_report.hpp"
 
@@ -26,10 +26,6 @@ struct Options {
   std::uint64_t seeds = 1;
 };
 
-[[noreturn]] void refuse(const std::string& option, const std::string& why) {
-  throw UsageError("quadtune fly: " + why, option);
-}
-
 /// Two outputs into one file would leave the second.
 void refuse_one_file(const std::vector<std::pair<std::string, std::string>>& outputs) {
   const auto path = [](const std::string& file) {
@@ -39,9 +35,8 @@ void refuse_one_file(const std::vector<std::pair<std::string, std::string>>& out
     for (std::size_t j = 0; j < i; ++j)
       if (!outputs[i].second.empty() && !outputs[j].second.empty() &&
           path(outputs[i].second) == path(outputs[j].second))
-        refuse(outputs[i].first,
-               fmt::format("{} and {} are both '{}', expected two files", outputs[j].first,
-                           outputs[i].first, outputs[i].second));
+        refuse("fly", outputs[i].first, "{} and {} are both '{}', expected two files",
+               outputs[j].first, outputs[i].first, outputs[i].second);
 }
 
 void require_sane(const Options& options, const Context& context) {
@@ -50,14 +45,13 @@ void require_sane(const Options& options, const Context& context) {
   require_output_names(options.outputs, "fly");
   refuse_one_file({{"--log", log}, {"--report", report}, {"-o", context.file}});
   if (options.seeds > kMostSeeds)
-    refuse("--seeds",
-           fmt::format("--seeds is {}, expected at most {}; quadtune campaign flies more",
-                       options.seeds, kMostSeeds));
+    refuse("fly", "--seeds", "--seeds is {}, expected at most {}; quadtune campaign flies more",
+           options.seeds, kMostSeeds);
   if (options.seeds == 1 || (log.empty() && report.empty())) return;
   const std::string name = log.empty() ? "--report" : "--log";
-  refuse(name, fmt::format("{} cannot be combined with --seeds {} because it records one flight; "
-                           "use --seed",
-                           name, options.seeds));
+  refuse("fly", name,
+         "{} cannot be combined with --seeds {} because it records one flight; use --seed", name,
+         options.seeds);
 }
 
 void fly_many(const PlannedFlight& plan, std::uint32_t seeds, Context& context) {
@@ -73,12 +67,12 @@ void fly_many(const PlannedFlight& plan, std::uint32_t seeds, Context& context) 
         fmt::format("fly: seed {}: {}", failed->plan.setup.seed, reasons(*failed).front()));
 }
 
-void run(Options& options, Context& context) {
+void run_fly(Options& options, Context& context) {
   require_sane(options, context);
   options.flight.seed = context.seed;
   PlannedFlight plan = plan_of_command(options.flight, "fly");
   keep_log_for(options.outputs, plan, "fly");
-  for (const std::string& note : plan.notes) context.note("fly: note: " + note);
+  context.notes("fly: note: ", plan.notes);
   if (options.seeds > 1) {
     fly_many(plan, static_cast<std::uint32_t>(options.seeds), context);
     return;
@@ -89,22 +83,21 @@ void run(Options& options, Context& context) {
   tell_flight(flight, diagnosis, options.outputs, "fly", context);
 }
 
+void add_options(CommandLine& line, Options& options) {
+  line.add_option("V", options.flight.vehicle, "a built-in vehicle or a vehicle file");
+  add_flight_options(line, options.flight);
+  line.add_count("--seeds N", options.seeds, 1,
+                 "flights with the seeds --seed, --seed + 1, ...; pass if all pass; 1");
+  add_flight_outputs(line, options.outputs);
+}
+
 }  // namespace
 
 Verb fly_verb() {
   return {"fly", "V [--mission NAME|FILE] [options]",
           "fly one mission in the nonlinear simulation, with a verdict",
           "quadtune fly mambo --mission hover --report out/hover.html",
-          [](CommandLine& line) -> Action {
-            auto options = std::make_shared<Options>();
-            line.add_option("V", options->flight.vehicle, "a built-in vehicle or a vehicle file");
-            add_flight_options(line, options->flight);
-            line.add_count("--seeds", options->seeds, 1,
-                           "flights with the seeds --seed, --seed + 1, ...; pass if all pass; 1")
-                ->type_name("N");
-            add_flight_outputs(line, options->outputs);
-            return [options](Context& context) { run(*options, context); };
-          }};
+          with_options(add_options, run_fly)};
 }
 
 }  // namespace quadtune::cli

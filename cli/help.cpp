@@ -5,12 +5,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <memory>
-#include <ostream>
 
 #include "program/command_line.hpp"
 #include "program/completion.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
@@ -27,8 +26,8 @@ struct Options {
 
 constexpr const char* kExitStatus =
     "0 done; 1 the answer is no; 2 the command line is wrong; 3 the input is wrong; 4 no solution "
-    "exists or none was found; 5 a file could not be read or written; 6 an "
-    "error in quadtune itself; 130 interrupted";
+    "exists or none was found; 5 a file could not be read or written; 6 an error in quadtune "
+    "itself; 130 interrupted";
 
 CommandHelp help_of(const Verb& verb) {
   CommandLine line;
@@ -73,17 +72,14 @@ std::vector<Verb> verbs_of(const std::string& name) {
     known.push_back(verb.name);
   }
   if (found.empty())
-    throw UsageError(
-        fmt::format("quadtune help: no command '{}'{}", name, internal::did_you_mean(name, known)),
-        name);
+    refuse("help", name, "no command '{}'{}", name, internal::did_you_mean(name, known));
   return found;
 }
 
-void run(const Options& options, Context& context) {
+void run_help(const Options& options, Context& context) {
   const std::string name = internal::joined(options.words, " ");
   if (context.json && (options.man || options.completion))
-    throw UsageError("quadtune help: --json came with --man or --completion, expected one of them",
-                     "--json");
+    refuse("help", "--json", "--json came with --man or --completion, expected one of them");
   const std::vector<CommandHelp> commands =
       help_of(name.empty() || options.man || options.completion ? verbs() : verbs_of(name));
   context.print(
@@ -95,17 +91,17 @@ void run(const Options& options, Context& context) {
       });
 }
 
+void add_options(CommandLine& line, Options& options) {
+  line.add_words("COMMAND", options.words, 2, "the command to explain");
+  line.add_flag("--man", options.man, "print the man page");
+  line.add_flag("--completion", options.completion, "print the bash completion");
+}
+
 }  // namespace
 
 Verb help_verb() {
   return {"help", "[COMMAND]", "show usage, with an example that works as printed",
-          "quadtune help lqr", [](CommandLine& line) -> Action {
-            auto options = std::make_shared<Options>();
-            line.add_words("COMMAND", options->words, 2, "the command to explain");
-            line.add_flag("--man", options->man, "print the man page");
-            line.add_flag("--completion", options->completion, "print the bash completion");
-            return [options](Context& context) { run(*options, context); };
-          }};
+          "quadtune help lqr", with_options(add_options, run_help)};
 }
 
 }  // namespace quadtune::cli

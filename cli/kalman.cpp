@@ -4,11 +4,12 @@
 
 #include <fmt/format.h>
 
-#include <memory>
+#include <optional>
 
 #include "arguments/matrix_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
 #include "report/gains/kalman_report.hpp"
 
@@ -17,27 +18,16 @@ namespace {
 
 struct Options {
   std::string A, G, C, Q, R, N;
-  bool discrete = false;
-  bool continuous = false;
-  double sampled = 0;
+  TimeArguments time;
 };
 
-void check(const Options& options, bool sampled) {
-  if (static_cast<int>(options.discrete) + static_cast<int>(options.continuous) +
-          static_cast<int>(sampled) !=
-      1)
-    throw UsageError(
-        "quadtune kalman: expected one of --discrete (A is discrete), --continuous, --sampled DT",
-        "--discrete");
-}
-
-KalmanResult solve(const Options& options, bool sampled, std::istream& in) {
+KalmanResult solve(const Options& options, std::istream& in) {
   const auto need = [&in](const std::string& path, const char* option) {
     return require_matrix(path, in, "kalman", option);
   };
   const KalmanNoise noise = {read_matrix(options.G, in), need(options.Q, "--Q"),
                              need(options.R, "--R"), read_matrix(options.N, in)};
-  if (options.discrete) {
+  if (options.time.discrete) {
     DiscreteLti model;
     model.A = need(options.A, "--A");
     model.C = need(options.C, "--C");
@@ -46,49 +36,49 @@ KalmanResult solve(const Options& options, bool sampled, std::istream& in) {
   ContinuousLti model;
   model.A = need(options.A, "--A");
   model.C = need(options.C, "--C");
-  return sampled ? kalman_sampled(model, noise, options.sampled) : kalman(model, noise);
+  const std::optional<double>& sampled = options.time.sampled;
+  return sampled ? kalman_sampled(model, noise, *sampled) : kalman(model, noise);
+}
+
+void add_options(CommandLine& line, Options& options) {
+  line.add_option("--A FILE", options.A, "dynamics (nx x nx)");
+  line.add_option("--G FILE", options.G, "where the process noise enters (nx x nw); identity");
+  line.add_option("--C FILE", options.C, "measurements (ny x nx)");
+  line.add_option(
+      "--Q FILE", options.Q,
+      "process noise: covariance per step, or density with --continuous and --sampled (nw x nw)");
+  line.add_option("--R FILE", options.R, "measurement noise, likewise (ny x ny)");
+  line.add_option("--N FILE", options.N, "cross-correlation (nw x ny); none");
+  line.add_flag("--discrete", options.time.discrete, "A is discrete");
+  line.add_flag("--continuous", options.time.continuous, "A is continuous");
+  line.add_number("--sampled DT", options.time.sampled,
+                  "sample the continuous model every DT seconds");
+}
+
+void run_kalman(const Options& options, Context& context) {
+  const TimeArguments& time = options.time;
+  if (time.count() != 1)
+    refuse("kalman", "--discrete",
+           "expected one of --discrete (A is discrete), --continuous, --sampled DT");
+  if (time.sampled) require_positive(*time.sampled, "kalman", "--sampled");
+  const KalmanResult result = solve(options, context.in);
+  if (!result.solved())
+    throw NoSolution(fmt::format("kalman: {}: {}", to_string(result.status), result.culprit),
+                     "--A");
+  if (!result.warning.empty()) context.note("kalman: warning: " + result.warning);
+  const double period = time.continuous ? 0 : time.sampled.value_or(1);
+  context.print([&] { return to_json(result, period); }, [&] { return to_text(result, period); });
 }
 
 }  // namespace
 
 Verb kalman_verb() {
-  return {
-      "kalman", "--A FILE --C FILE --Q FILE --R FILE (--discrete | --continuous | --sampled DT)",
-      "design a steady-state Kalman filter",
-      "quadtune kalman --A docs/examples/A.txt --C docs/examples/C.txt --Q docs/examples/Q.txt "
-      "--R docs/examples/R.txt --sampled 0.01",
-      [](CommandLine& line) -> Action {
-        auto options = std::make_shared<Options>();
-        line.add_option("--A", options->A, "dynamics (nx x nx)")->type_name("FILE");
-        line.add_option("--G", options->G, "where the process noise enters (nx x nw); identity")
-            ->type_name("FILE");
-        line.add_option("--C", options->C, "measurements (ny x nx)")->type_name("FILE");
-        line.add_option("--Q", options->Q,
-                        "process noise: covariance per step, or density with --continuous and "
-                        "--sampled (nw x nw)")
-            ->type_name("FILE");
-        line.add_option("--R", options->R, "measurement noise, likewise (ny x ny)")
-            ->type_name("FILE");
-        line.add_option("--N", options->N, "cross-correlation (nw x ny); none")->type_name("FILE");
-        line.add_flag("--discrete", options->discrete, "A is discrete");
-        line.add_flag("--continuous", options->continuous, "A is continuous");
-        Option* dt = line.add_number("--sampled", options->sampled,
-                                     "sample the continuous model every DT seconds")
-                         ->type_name("DT");
-        return [options, dt](Context& context) {
-          const bool sampled = dt->was_given();
-          check(*options, sampled);
-          if (sampled) require_positive(options->sampled, "kalman", "--sampled");
-          const KalmanResult result = solve(*options, sampled, context.in);
-          if (!result.solved())
-            throw NoSolution(
-                fmt::format("kalman: {}: {}", to_string(result.status), result.culprit), "--A");
-          if (!result.warning.empty()) context.note("kalman: warning: " + result.warning);
-          const double period = options->continuous ? 0 : sampled ? options->sampled : 1;
-          context.print([&] { return to_json(result, period); },
-                        [&] { return to_text(result, period); });
-        };
-      }};
+  return {"kalman",
+          "--A FILE --C FILE --Q FILE --R FILE (--discrete | --continuous | --sampled DT)",
+          "design a steady-state Kalman filter",
+          "quadtune kalman --A docs/examples/A.txt --C docs/examples/C.txt --Q docs/examples/Q.txt "
+          "--R docs/examples/R.txt --sampled 0.01",
+          with_options(add_options, run_kalman)};
 }
 
 }  // namespace quadtune::cli

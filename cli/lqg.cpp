@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune lqg: state feedback and filter together, with what the sensors' noise makes of them.
-#include <fmt/format.h>
-
-#include <memory>
-
 #include "arguments/flown_lqr_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/design/lqg_report.hpp"
 #include "report/gains/lqg_report.hpp"
@@ -18,75 +15,55 @@ namespace {
 struct Options {
   LqrArguments common;
   FlownLqrArguments flown;
-  double time = LqgOptions().time;
-  bool recover = false;
-  double noise_budget = LqgOptions().noise_budget;
+  LqgOptions lqg;
 };
 
-void run(const Options& options, Context& context) {
+void run_lqg(const CommandLine& line, const Options& options, Context& context) {
+  if (!options.lqg.recover && line.was_given("--noise-budget"))
+    refuse("lqg", "--noise-budget", "--noise-budget came without --recover, expected both");
   if (options.common.plant.vehicle.empty())
-    throw UsageError("quadtune lqg: expected a vehicle, built in or a file", "V");
-  require_positive(options.time, "lqg", "--time");
+    refuse("lqg", "V", "expected a vehicle, built in or a file");
+  require_positive(options.lqg.time, "lqg", "--time");
   constexpr double kLongest = 1e6;
-  if (options.time > kLongest)
-    throw UsageError(fmt::format("quadtune lqg: --time is {}, expected at most {} s",
-                                 number(options.time), number(kLongest)),
-                     "--time");
+  if (options.lqg.time > kLongest)
+    refuse("lqg", "--time", "--time is {}, expected at most {} s", number(options.lqg.time),
+           number(kLongest));
   const Vehicle vehicle = load_vehicle(options.common.plant.vehicle);
   const LqgReport report = design_on_flown_plant(
       options.common, options.flown, [&](const FlightOptions& flight, const FlownLoopOptions& at) {
-        LqgOptions asked;
+        LqgOptions asked = options.lqg;
         asked.design = flown_lqi_options(vehicle, lqi_design(options.common, options.flown));
-        asked.time = options.time;
-        asked.recover = options.recover;
-        asked.noise_budget = options.noise_budget;
         return lqg_report(vehicle, asked, flight, at);
       });
-  for (const std::string& message : report.messages) context.note("lqg: " + message);
+  context.notes("lqg: ", report.messages);
   context.print([&] { return to_json(report, vehicle); }, [&] { return to_text(report); });
+}
+
+void add_options(CommandLine& line, Options& options) {
+  options.common.verb = "lqg";
+  line.add_option("V", options.common.plant.vehicle, "built-in vehicle or vehicle file");
+  line.add_option("--Q FILE|LIST", options.common.Q,
+                  "weights of the 12 states, then of the integrals; one number stands for all; "
+                  "default: Bryson's rule, softened until the margins are met");
+  line.add_option("--R FILE|LIST", options.common.R, "weights of the wrench, likewise");
+  line.add_option("--integral LIST", options.common.integral,
+                  "states to integrate, or none; default px,py,pz,yaw");
+  line.add_number("--dt T", options.common.dt, "control period [s], default 0.005");
+  add_flown_lqr_options(line, options.flown);
+  line.add_number("--time S", options.lqg.time, "time of the prediction [s], default 60");
+  line.add_flag("--recover", options.lqg.recover,
+                "raise the noise that the filter assumes of gyroscope and accelerometer where that "
+                "gives larger margins (loop transfer recovery)");
+  line.add_number("--noise-budget F", options.lqg.noise_budget,
+                  "most by which --recover may multiply the rms of a command, default 1.5");
 }
 
 }  // namespace
 
 Verb lqg_verb() {
-  return {
-      "lqg", "V [options]",
-      "state feedback and filter of a vehicle: predicted deviations, margins with the filter",
-      "quadtune lqg mambo --recover", [](CommandLine& line) -> Action {
-        auto options = std::make_shared<Options>();
-        options->common.verb = "lqg";
-        line.add_option("V", options->common.plant.vehicle, "built-in vehicle or vehicle file");
-        line.add_option("--Q", options->common.Q,
-                        "weights of the 12 states, then of the integrals; one number stands for "
-                        "all; default: Bryson's rule, softened until the margins are met")
-            ->type_name("FILE|LIST");
-        line.add_option("--R", options->common.R, "weights of the wrench, likewise")
-            ->type_name("FILE|LIST");
-        line.add_option("--integral", options->common.integral,
-                        "states to integrate, or none; default px,py,pz,yaw")
-            ->type_name("LIST");
-        line.add_number("--dt", options->common.dt, "control period [s], default 0.005")
-            ->type_name("T");
-        add_flown_lqr_options(line, options->flown);
-        line.add_number("--time", options->time, "time of the prediction [s], default 60")
-            ->type_name("S");
-        line.add_flag("--recover", options->recover,
-                      "raise the noise that the filter assumes of gyroscope and accelerometer "
-                      "where that gives larger margins (loop transfer recovery)");
-        line.add_number("--noise-budget", options->noise_budget,
-                        "most by which --recover may multiply the rms of a command, default 1.5")
-            ->type_name("F");
-        return [options, owner = &line](Context& context) {
-          options->common.has_dt = owner->was_given("--dt");
-          options->flown.given = given_flown_options(*owner);
-          if (!options->recover && owner->was_given("--noise-budget"))
-            throw UsageError(
-                "quadtune lqg: --noise-budget came without --recover, expected "
-                "both",
-                "--noise-budget");
-          run(*options, context);
-        };
-      }};
+  return {"lqg", "V [options]",
+          "state feedback and filter of a vehicle: predicted deviations, margins with the filter",
+          "quadtune lqg mambo --recover", with_options(add_options, run_lqg)};
 }
 
 }  // namespace quadtune::cli

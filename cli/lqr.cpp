@@ -2,13 +2,15 @@
 /// quadtune lqr: of matrices, or of a vehicle about a trim.
 #include <fmt/format.h>
 
-#include <memory>
 #include <optional>
 
 #include "arguments/matrix_arguments.hpp"
 #include "lqr_vehicle.hpp"
 #include "program/command_line.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/lqr_report.hpp"
 #include "report/gains/lqr_report.hpp"
 
@@ -18,9 +20,7 @@ namespace {
 struct Options {
   LqrArguments vehicle;  // Q and R are the matrices', too
   std::string A, B, N;
-  bool continuous = false;
-  bool discrete = false;
-  double sampled = 0;
+  TimeArguments time;  // of the matrices
   std::string schedule;
   std::string evidence;
   std::string plant;      // "flown", "ideal"; empty: by the other options
@@ -28,21 +28,66 @@ struct Options {
   FlownLqrArguments flown;
 };
 
-/// Refuses options of the other kind of problem: taken in silence they would give another gain than
-/// was asked.
-void refuse_options(const CommandLine& line, const std::vector<std::string>& names,
-                    const std::string& why) {
-  for (const std::string& name : names)
-    if (line.was_given(name)) throw UsageError(fmt::format("quadtune lqr: {} {}", name, why), name);
+struct PlantChoice {
+  bool flown = true;       // with the rotors' lag, the sensors' delays and the estimator
+  bool matrix = false;     // --structure matrix
+  std::string implied_by;  // the option of the ideal plant that decided, where --plant is silent
+};
+
+/// Options of the ideal plant alone: another flight than hover, other words, another cost.
+constexpr const char* kIdealOptions[] = {"--at",       "--speed",  "--climb",      "--radius",
+                                         "--yaw-rate", "--yaw",    "--convention", "--inputs",
+                                         "--states",   "--method", "--schedule",   "--evidence"};
+
+/// Whether --structure asks for a matrix alone.
+bool asks_for_matrix(const std::string& structure, const CommandLine& line) {
+  if (structure.empty() || structure == "dynamic") return false;
+  if (structure != "matrix")
+    refuse("lqr", "--structure", "--structure is '{}', expected dynamic or matrix{}",
+           internal::printable(structure),
+           internal::did_you_mean(structure, {"dynamic", "matrix"}));
+  line.refuse_given({"--change", "--past", "--integral"},
+                    "came with --structure matrix, expected none because that law integrates "
+                    "px,py,pz,yaw and does not remember its commands");
+  return true;
 }
 
-void run_matrices(const Options& options, bool sampled, Context& context) {
-  if (static_cast<int>(options.continuous) + static_cast<int>(options.discrete) +
-          static_cast<int>(sampled) >
-      1)
-    throw UsageError(
-        "quadtune lqr: more than one of --continuous, --discrete and --sampled came, expected one",
-        sampled ? "--sampled" : "--discrete");
+/// The first option that came and belongs to the ideal plant alone; empty: none.
+std::string option_of_ideal(const CommandLine& line, bool matrix) {
+  for (const std::string name : kIdealOptions)
+    if (line.was_given(name) && !(matrix && (name == "--convention" || name == "--inputs")))
+      return name;
+  return "";
+}
+
+/// @throws UsageError  for other words, and for options of the other plant or structure
+PlantChoice choose_plant(const CommandLine& line, const std::string& plant,
+                         const std::string& structure) {
+  PlantChoice choice;
+  choice.matrix = asks_for_matrix(structure, line);
+  const std::string of_ideal = option_of_ideal(line, choice.matrix);
+  choice.flown = plant.empty() ? of_ideal.empty() : asks_for_flown_plant(plant, "lqr");
+  if (choice.flown && !of_ideal.empty())
+    refuse("lqr", of_ideal,
+           "{} belongs to --plant ideal, expected a hover in the words of ned with the wrench on "
+           "the flown plant",
+           of_ideal);
+  if (!choice.flown && structure == "dynamic" && !of_ideal.empty())
+    refuse("lqr", of_ideal, "{} came with --structure dynamic, expected --structure matrix or none",
+           of_ideal);
+  if (!choice.flown)
+    line.refuse_given({"--change", "--estimator", "--height", "--past", "--sensors", "--structure"},
+                      "belongs to the flown plant, expected none with " +
+                          (plant.empty() ? of_ideal : "--plant ideal"));
+  if (plant.empty()) choice.implied_by = of_ideal;
+  return choice;
+}
+
+// Options of the other kind of problem are refused: taken in silence they would give another gain
+// than was asked.
+
+void run_matrices(const Options& options, Context& context) {
+  require_one_time(options.time, "lqr");
   std::optional<MarginsEvidence> evidence;
   if (!options.evidence.empty())
     evidence = option_of_command("lqr", [&] { return margins_evidence(options.evidence); });
@@ -50,27 +95,23 @@ void run_matrices(const Options& options, bool sampled, Context& context) {
     return require_matrix(path, context.in, "lqr", option);
   };
   LqrProblem problem;
-  if (sampled) {
-    require_positive(options.sampled, "lqr", "--sampled");
-    problem.sampled = options.sampled;
-  }
-  problem.discrete = options.discrete;
+  if (options.time.sampled) require_positive(*options.time.sampled, "lqr", "--sampled");
+  problem.sampled = options.time.sampled;
+  problem.discrete = options.time.discrete;
   problem.A = need(options.A, "--A");
   problem.B = need(options.B, "--B");
   problem.weights = {need(options.vehicle.Q, "--Q"), need(options.vehicle.R, "--R"),
                      read_matrix(options.N, context.in)};
   const LqrReport report = lqr_report(problem, evidence);
   require_solved(report.riccati, "--A");
-  for (const std::string& message : report.messages) context.note("lqr: " + message);
+  context.notes("lqr: ", report.messages);
   context.print([&] { return to_json(report); }, [&] { return to_text(report); });
 }
 
 void run_vehicle(const CommandLine& line, Options& options, Context& context) {
-  refuse_options(line, {"--N", "--continuous", "--discrete", "--sampled"},
-                 "belongs to matrices, expected --method and --dt with a vehicle");
-  options.flown.given = given_flown_options(line);
-  if (!options.structure.empty()) options.flown.given.insert("--structure");
-  const PlantChoice choice = choose_plant(line, options.plant, options.structure, options.flown);
+  line.refuse_given({"--N", "--continuous", "--discrete", "--sampled"},
+                    "belongs to matrices, expected --method and --dt with a vehicle");
+  const PlantChoice choice = choose_plant(line, options.plant, options.structure);
   if (choice.flown && choice.matrix) {
     run_matrix_lqr(options.vehicle, options.flown, line.was_given("--inputs"), context);
   } else if (choice.flown) {
@@ -78,91 +119,80 @@ void run_vehicle(const CommandLine& line, Options& options, Context& context) {
   } else if (options.schedule.empty()) {
     run_ideal_lqr(options.vehicle, options.evidence, context);
   } else {
-    refuse_options(line, {"--evidence"},
-                   "came with --schedule, expected none because a schedule has no margins");
-    refuse_options(line, {"--at", "--speed", "--climb", "--radius", "--yaw-rate"},
-                   "came with --schedule, expected the flight as axes of the grid, e.g. --schedule "
-                   "\"speed=2\"");
+    line.refuse_given({"--evidence"},
+                      "came with --schedule, expected none because a schedule has no margins");
+    line.refuse_given(
+        {"--at", "--speed", "--climb", "--radius", "--yaw-rate"},
+        "came with --schedule, expected the flight as axes of the grid, e.g. --schedule "
+        "\"speed=2\"");
     run_schedule(options.vehicle, options.schedule, context);
   }
   if (!choice.implied_by.empty())
     context.note(
-        fmt::format("lqr: note: {} implies --plant ideal, the textbook plant without the "
-                    "rotors' lag, the sensors' delays and the estimator",
+        fmt::format("lqr: note: {} implies --plant ideal, the textbook plant without the rotors' "
+                    "lag, the sensors' delays and the estimator",
                     choice.implied_by));
 }
 
-void run(const CommandLine& line, Options& options, Context& context) {
+void run_lqr(const CommandLine& line, Options& options, Context& context) {
   const bool has_vehicle = !options.vehicle.plant.vehicle.empty();
   const bool has_matrices = !options.A.empty() || !options.B.empty();
-  options.vehicle.has_dt = line.was_given("--dt");
   if (has_vehicle && has_matrices)
-    throw UsageError(
-        "quadtune lqr: a vehicle and --A or --B came together, expected one or the other",
-        options.A.empty() ? "--B" : "--A");
+    refuse("lqr", options.A.empty() ? "--B" : "--A",
+           "a vehicle and --A or --B came together, expected one or the other");
   if (!has_vehicle && !has_matrices)
-    throw UsageError("quadtune lqr: expected a vehicle, or --A, --B, --Q and --R", "V");
+    refuse("lqr", "V", "expected a vehicle, or --A, --B, --Q and --R");
   if (has_vehicle) {
     run_vehicle(line, options, context);
     return;
   }
-  refuse_options(line, {"--at",     "--speed",      "--climb",    "--radius", "--yaw-rate",
-                        "--yaw",    "--convention", "--inputs",   "--states", "--integral",
-                        "--method", "--dt",         "--schedule", "--plant",  "--change",
-                        "--past",   "--estimator",  "--sensors",  "--height", "--structure"},
-                 "belongs to a vehicle, expected --discrete or --sampled DT with matrices");
-  run_matrices(options, line.was_given("--sampled"), context);
+  line.refuse_given({"--at",     "--speed",      "--climb",    "--radius", "--yaw-rate",
+                     "--yaw",    "--convention", "--inputs",   "--states", "--integral",
+                     "--method", "--dt",         "--schedule", "--plant",  "--change",
+                     "--past",   "--estimator",  "--sensors",  "--height", "--structure"},
+                    "belongs to a vehicle, expected --discrete or --sampled DT with matrices");
+  run_matrices(options, context);
 }
 
 void add_options(CommandLine& line, Options& options) {
   add_plant_options(line, options.vehicle.plant);
-  line.add_option("--A", options.A, "dynamics (nx x nx)")->type_name("FILE");
-  line.add_option("--B", options.B, "inputs (nx x nu)")->type_name("FILE");
-  line.add_option("--Q", options.vehicle.Q,
+  line.add_option("--A FILE", options.A, "dynamics (nx x nx)");
+  line.add_option("--B FILE", options.B, "inputs (nx x nu)");
+  line.add_option("--Q FILE|LIST", options.vehicle.Q,
                   "state weights: a matrix file, or with V a list, integrals last; one number "
-                  "stands for all; default with V: Bryson's rule, on the ideal plant 1")
-      ->type_name("FILE|LIST");
-  line.add_option("--R", options.vehicle.R,
-                  "input weights, likewise; > 0, or with --discrete >= 0 where R + B'SB is "
-                  "regular")
-      ->type_name("FILE|LIST");
-  line.add_option("--N", options.N, "cross weights (nx x nu); none")->type_name("FILE");
-  line.add_flag("--continuous", options.continuous, "A and B are continuous (default)");
-  line.add_flag("--discrete", options.discrete, "A and B are discrete");
-  line.add_number("--sampled", options.sampled,
-                  "continuous A, B, Q, R with the input held for DT seconds")
-      ->type_name("DT");
-  line.add_option("--integral", options.vehicle.integral,
-                  "with V: states to integrate, or none; default px,py,pz,yaw, on the ideal "
-                  "plant none")
-      ->type_name("LIST");
-  line.add_option("--method", options.vehicle.method,
-                  "with V: continuous (default), discrete (weights per step) or sampled "
-                  "(exact cost)")
-      ->type_name("NAME");
-  line.add_number("--dt", options.vehicle.dt, "with V: sample period [s], 0.005 on the flown plant")
-      ->type_name("T");
-  line.add_option("--plant", options.plant,
-                  "with V: flown (default) includes the rotors' lag, the sensors' delays and "
-                  "the estimator; ideal is the textbook plant with 12 states, which options "
-                  "from --at to --states, --method, --schedule and --evidence imply, of a "
-                  "matrix but for --convention and --inputs")
-      ->type_name("NAME");
+                  "stands for all; default with V: Bryson's rule, on the ideal plant 1");
+  line.add_option(
+      "--R FILE|LIST", options.vehicle.R,
+      "input weights, likewise; > 0, or with --discrete >= 0 where R + B'SB is regular");
+  line.add_option("--N FILE", options.N, "cross weights (nx x nu); none");
+  line.add_flag("--continuous", options.time.continuous, "A and B are continuous (default)");
+  line.add_flag("--discrete", options.time.discrete, "A and B are discrete");
+  line.add_number("--sampled DT", options.time.sampled,
+                  "continuous A, B, Q, R with the input held for DT seconds");
+  line.add_option(
+      "--integral LIST", options.vehicle.integral,
+      "with V: states to integrate, or none; default px,py,pz,yaw, on the ideal plant none");
+  line.add_option(
+      "--method NAME", options.vehicle.method,
+      "with V: continuous (default), discrete (weights per step) or sampled (exact cost)");
+  line.add_number("--dt T", options.vehicle.dt,
+                  "with V: sample period [s], 0.005 on the flown plant");
+  line.add_option(
+      "--plant NAME", options.plant,
+      "with V: flown (default) includes the rotors' lag, the sensors' delays and the estimator; "
+      "ideal is the textbook plant with 12 states, which options from --at to --states, --method, "
+      "--schedule and --evidence imply, of a matrix but for --convention and --inputs");
   add_flown_lqr_options(line, options.flown);
-  line.add_option("--structure", options.structure,
-                  "flown plant: dynamic (default) remembers past commands and the rotors' "
-                  "lag; matrix is one on 12 states and one on 4 integrals, for programs that "
-                  "hold no more (K*.txt, controllerVars.m), in the words of --convention and "
-                  "--inputs")
-      ->type_name("NAME");
-  line.add_option("--schedule", options.schedule,
+  line.add_option("--structure NAME", options.structure,
+                  "flown plant: dynamic (default) remembers past commands and the rotors' lag; "
+                  "matrix is one on 12 states and one on 4 integrals, for programs that hold no "
+                  "more (K*.txt, controllerVars.m), in the words of --convention and --inputs");
+  line.add_option("--schedule GRID", options.schedule,
                   "with V: gains over a grid, e.g. \"speed=0:0.5:10, yaw_rate=-2:1:2\" "
-                  "(first:step:last); also climb, and mass and density as ratios")
-      ->type_name("GRID");
-  line.add_option("--evidence", options.evidence,
+                  "(first:step:last); also climb, and mass and density as ratios");
+  line.add_option("--evidence HOW", options.evidence,
                   "margins that are computed: none, essential (each loop) or full (and all at "
-                  "once); full where that takes about a second, less with a note otherwise")
-      ->type_name("HOW");
+                  "once); full where that takes about a second, less with a note otherwise");
 }
 
 }  // namespace
@@ -172,11 +202,7 @@ Verb lqr_verb() {
           "design an LQR gain, for matrices or for a vehicle about a trim",
           "quadtune lqr uquad --convention uquad --Q 1,1,1,1e3,1e3,1e3,1,1,1,1,1,1 --R 0.01 "
           "--method discrete --dt 0.01",
-          [](CommandLine& line) -> Action {
-            auto options = std::make_shared<Options>();
-            add_options(line, *options);
-            return [options, owner = &line](Context& context) { run(*owner, *options, context); };
-          }};
+          with_options(add_options, run_lqr)};
 }
 
 }  // namespace quadtune::cli

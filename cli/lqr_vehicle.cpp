@@ -6,6 +6,7 @@
 #include <optional>
 #include <ostream>
 
+#include "program/refusal.hpp"
 #include "quadtune/exports/schedule_table.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -21,10 +22,6 @@
 namespace quadtune::cli {
 namespace {
 
-void tell(const std::vector<std::string>& messages, const Context& context) {
-  for (const std::string& message : messages) context.note("lqr: " + message);
-}
-
 /// How the table of a schedule is to be written, if at all.
 std::optional<TableFormat> wanted_table(const Context& context) {
   if (context.file.empty()) return context.json ? std::optional(TableFormat::json) : std::nullopt;
@@ -32,13 +29,12 @@ std::optional<TableFormat> wanted_table(const Context& context) {
   try {
     format = table_format(context.file, "-o");
   } catch (const InvalidInput& error) {
-    throw UsageError(fmt::format("quadtune lqr: {}", error.what()), "-o");
+    refuse("lqr", "-o", "{}", error.what());
   }
   if (context.json && format != TableFormat::json)
-    throw UsageError(fmt::format("quadtune lqr: -o is '{}' and --json came, expected a name that "
-                                 "ends in .json, or no --json",
-                                 internal::printable(context.file)),
-                     "-o");
+    refuse("lqr", "-o",
+           "-o is '{}' and --json came, expected a name that ends in .json, or no --json",
+           internal::printable(context.file));
   return format;
 }
 
@@ -58,7 +54,7 @@ void run_flown_lqr(const LqrArguments& common, const FlownLqrArguments& argument
         return lqi_report(vehicle, flown_lqi_options(vehicle, lqi_design(common, arguments)),
                           flight, at);
       });
-  tell(report.messages, context);
+  context.notes("lqr: ", report.messages);
   context.print([&] { return to_json(report, vehicle); }, [&] { return to_text(report); });
 }
 
@@ -70,7 +66,7 @@ void run_matrix_lqr(const LqrArguments& common, const FlownLqrArguments& argumen
       common, arguments, [&](const FlightOptions& flight, const FlownLoopOptions& at) {
         return matrix_report(vehicle, design, flight, at);
       });
-  tell(report.messages, context);
+  context.notes("lqr: ", report.messages);
   context.print([&] { return to_json(report, vehicle); }, [&] { return to_text(report); });
 }
 
@@ -83,7 +79,7 @@ void run_ideal_lqr(const LqrArguments& arguments, const std::string& evidence, C
       make_design(arguments, plant.model.plant.states, plant.model.plant.inputs);
   const VehicleLqrReport report = lqr_report(std::move(plant), design, margins);
   require_solved(report.feedback.riccati, arguments.plant.vehicle);
-  tell(report.messages, context);
+  context.notes("lqr: ", report.messages);
   context.print([&] { return to_json(report); }, [&] { return to_text(report); });
 }
 
@@ -98,7 +94,7 @@ void run_schedule(const LqrArguments& arguments, const std::string& grid, Contex
   const ScheduleReport report =
       schedule_report(vehicle, axes, design, {arguments.plant.yaw, context.threads, &interrupted},
                       arguments.plant.vehicle);
-  tell(report.messages, context);
+  context.notes("lqr: ", report.messages);
   context.out << (format ? schedule_text(report.schedule, *format) : to_text(report.schedule));
 }
 

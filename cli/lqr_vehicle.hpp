@@ -5,7 +5,6 @@
 #include <string>
 
 #include "arguments/flown_lqr_arguments.hpp"
-#include "arguments/flown_or_ideal.hpp"
 #include "program/program.hpp"
 #include "quadtune/synthesis/riccati.hpp"
 

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune pid: PID gains for a transfer function, by requirement, by rule, or the best within
 /// bounds.
-#include <fmt/format.h>
-
-#include <memory>
 #include <optional>
-#include <ostream>
 
-#include "arguments/cascade_arguments.hpp"
 #include "arguments/flight_arguments.hpp"
 #include "arguments/matrix_arguments.hpp"
 #include "arguments/plot_argument.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/design/pid_report.hpp"
 #include "quadtune/workbench/design/vehicle_cascade.hpp"
@@ -25,199 +21,173 @@ namespace {
 
 struct Options {
   std::string vehicle;
-  std::string method;  ///< "flown", "loops"; empty: by the other options
-  std::string plant;   ///< "flown", "ideal"; empty: flown
-  CascadeArguments cascade;
+  CascadeOptions cascade;  // of the vehicle; Ms_max is the transfer function's, too
+  bool free = false;       // of the vehicle's published gains
   std::string num, den, type = "PID", rule;
-  double delay = 0;         // [s]
-  double crossover = 0;     // [rad/s]
-  double phase_margin = 0;  // [deg]
-  double Tf = 0;            // [s]
-  double tau_c = 0;         // [s]
-  double Ms_max = 0;
-  double Mt_max = 0;
-  double noise_gain_max = 0;
+  double delay = 0;                               // [s]
+  std::optional<double> crossover, phase_margin;  // [rad/s], [deg]
+  std::optional<double> Tf, tau_c;                // [s]
+  std::optional<double> Mt_max, noise_gain_max;
   PlotArgument plot;
-};
-
-/// Which options came; 0 may be a value.
-struct Given {
-  bool crossover, phase_margin, Tf, tau_c, Ms_max, Mt_max, noise_gain_max;
-
-  [[nodiscard]] bool requirement() const { return crossover || phase_margin; }
 };
 
 ContinuousTransferFunction read_plant(const Options& options) {
   ContinuousTransferFunction plant{coefficients(options.num, "pid", "--num"),
                                    coefficients(options.den, "pid", "--den"), options.delay};
-  if (options.delay < 0)
-    throw UsageError(
-        fmt::format("quadtune pid: --delay is {} s, expected 0 or more", number(options.delay)),
-        "--delay");
+  require_not_negative(options.delay, "pid", "--delay");
   validate(plant, "--num, --den");
   return plant;
 }
 
-PidBounds bounds_of(const Options& options, const Given& given) {
+PidBounds bounds_of(const Options& options) {
   PidBounds bounds;
-  if (given.Ms_max) bounds.Ms_max = options.Ms_max;
-  if (given.Mt_max) bounds.Mt_max = options.Mt_max;
-  if (given.noise_gain_max) bounds.noise_gain_max = options.noise_gain_max;
+  bounds.Ms_max = options.cascade.Ms_max.value_or(bounds.Ms_max);
+  bounds.Mt_max = options.Mt_max.value_or(bounds.Mt_max);
+  bounds.noise_gain_max = options.noise_gain_max.value_or(bounds.noise_gain_max);
   return bounds;
 }
 
 /// Exactly one of the three ways to find gains.
-void require_one_way(const Options& options, const Given& given) {
-  const bool requirement = given.requirement();
+void require_one_way(const Options& options) {
+  const bool requirement = options.crossover || options.phase_margin;
   const bool rule = !options.rule.empty();
-  const bool bounds = given.Ms_max || given.Mt_max || given.noise_gain_max;
-  if (static_cast<int>(requirement) + static_cast<int>(rule) + static_cast<int>(bounds) != 1)
-    throw UsageError(
-        "quadtune pid: expected a vehicle, or one of --crossover with --phase-margin, --rule, or "
-        "--Ms-max with --Mt-max and --noise-gain-max as wanted",
-        "--crossover");
-  if (requirement && !(given.crossover && given.phase_margin))
-    throw UsageError("quadtune pid: --crossover and --phase-margin belong together, expected both",
-                     given.crossover ? "--phase-margin" : "--crossover");
-  if (options.Tf < 0)
-    throw UsageError(
-        fmt::format("quadtune pid: --Tf is {} s, expected 0 or more", number(options.Tf)), "--Tf");
-  if (rule && given.Tf)
-    throw UsageError(
-        "quadtune pid: --Tf does not belong to --rule, whose filter is a tenth of its "
-        "derivative time",
-        "--Tf");
+  const bool bounds = options.cascade.Ms_max || options.Mt_max || options.noise_gain_max;
+  if (int{requirement} + int{rule} + int{bounds} != 1)
+    refuse("pid", "--crossover",
+           "expected a vehicle, or one of --crossover with --phase-margin, --rule, or --Ms-max "
+           "with --Mt-max and --noise-gain-max as wanted");
+  if (requirement && !(options.crossover && options.phase_margin))
+    refuse("pid", options.crossover ? "--phase-margin" : "--crossover",
+           "--crossover and --phase-margin belong together, expected both");
+  require_not_negative(options.Tf.value_or(0), "pid", "--Tf");
+  if (rule && options.Tf)
+    refuse("pid", "--Tf",
+           "--Tf does not belong to --rule, whose filter is a tenth of its derivative time");
 }
 
-PidRequest request_of(const Options& options, const Given& given) {
+PidRequest request_of(const Options& options) {
   PidRequest request;
   request.type = pid_type(options.type);
-  request.Tf = options.Tf;
-  if (given.requirement())
-    request.by = PidCrossover{options.crossover, options.phase_margin};
+  request.Tf = options.Tf.value_or(0);
+  if (options.crossover)
+    request.by = PidCrossover{*options.crossover, *options.phase_margin};
   else if (!options.rule.empty())
-    request.by = PidRule{options.rule, given.tau_c ? std::optional(options.tau_c) : std::nullopt};
+    request.by = PidRule{options.rule, options.tau_c};
   else
-    request.by = bounds_of(options, given);
+    request.by = bounds_of(options);
   return request;
 }
 
-void run(const Options& options, const Given& given, Context& context) {
+void run_transfer_function(const Options& options, Context& context) {
   require_picture(options.plot, "pid");
-  require_one_way(options, given);
+  require_one_way(options);
   const PidReport report = option_of_command("pid", [&] {
-    const PidRequest request = request_of(options, given);
+    const PidRequest request = request_of(options);
     return pid_report(read_plant(options), request);
   });
   if (report.needs_filter)
-    throw UsageError(
-        "quadtune pid: the derivative of this plant has no bound, expected a filter "
-        "with --Tf",
-        "--Tf");
+    refuse("pid", "--Tf", "the derivative of this plant has no bound, expected a filter with --Tf");
   draw(
       options.plot, [&] { return pid_figure(report, options.num, options.den); }, context);
-  context.out << (context.json ? internal::readable(to_json(report)) + "\n" : to_text(report));
-  for (const std::string& warning : margin_warnings(report.margins))
-    context.note("pid: warning: " + warning);
+  context.print([&] { return to_json(report); }, [&] { return to_text(report); });
+  context.notes("pid: warning: ", margin_warnings(report.margins));
 }
 
-// --- a vehicle -----------------------------------------------------------------------------------
+// Options of the other mode are refused: taken in silence they would give other gains than were
+// asked.
 
-/// Refuses options of the other mode: taken in silence they would give other gains than were asked.
-void refuse_options(const CommandLine& line, const std::vector<std::string>& names,
-                    const char* why) {
-  for (const std::string& name : names)
-    if (line.was_given(name)) throw UsageError(fmt::format("quadtune pid: {} {}", name, why), name);
-}
-
-void run_vehicle(const CommandLine& line, const Options& options, Context& context) {
+void run_vehicle(const CommandLine& line, Options& options, Context& context) {
   require_picture(options.plot, "pid");
-  refuse_options(line,
-                 {"--num", "--den", "--delay", "--type", "--crossover", "--phase-margin", "--Tf",
-                  "--rule", "--tau-c", "--Mt-max", "--noise-gain-max"},
-                 "belongs to a transfer function, expected --bandwidth, --Ms-max and the like with "
-                 "a vehicle");
+  line.refuse_given({"--num", "--den", "--delay", "--type", "--crossover", "--phase-margin", "--Tf",
+                     "--rule", "--tau-c", "--Mt-max", "--noise-gain-max"},
+                    "belongs to a transfer function, expected --bandwidth, --Ms-max and the like "
+                    "with a vehicle");
+  if (line.was_given("--free")) options.cascade.use_published = !options.free;
   const Vehicle vehicle = load_vehicle(options.vehicle);
-  CascadeOptions asked = given_cascade_options(line, options.cascade);
-  if (line.was_given("--Ms-max")) asked.Ms_max = options.Ms_max;
-  asked.method = options.method;
-  asked.plant = options.plant;
-  const VehicleCascade cascade =
-      option_of_command("pid", [&] { return vehicle_cascade(vehicle, asked, options.vehicle); });
+  const VehicleCascade cascade = option_of_command(
+      "pid", [&] { return vehicle_cascade(vehicle, options.cascade, options.vehicle); });
   draw(
       options.plot, [&] { return cascade_figure(cascade); }, context);
   if (!cascade.loop)
     context.note("pid: note: the flown loop is not analysed: " + cascade.not_analysed);
-  context.out << (context.json ? internal::readable(to_json(cascade)) + "\n" : to_text(cascade));
-  for (const std::string& note : notes_of(cascade)) context.note("pid: " + note);
+  context.print([&] { return to_json(cascade); }, [&] { return to_text(cascade); });
+  context.notes("pid: ", notes_of(cascade));
+}
+
+void run_pid(const CommandLine& line, Options& options, Context& context) {
+  if (options.vehicle.empty()) {
+    line.refuse_given({"--method", "--plant", "--dt", "--bandwidth", "--sensor-delay",
+                       "--motor-lag", "--tracking-max", "--integral", "--integrator", "--free"},
+                      "belongs to a vehicle, expected one");
+    run_transfer_function(options, context);
+    return;
+  }
+  run_vehicle(line, options, context);
 }
 
 void add_transfer_function_options(CommandLine& line, Options& options) {
-  line.add_option("--num", options.num, "numerator of the plant, descending powers")
-      ->type_name("LIST");
-  line.add_option("--den", options.den, "denominator, descending powers")->type_name("LIST");
-  line.add_number("--delay", options.delay, "delay of the plant [s]")->type_name("S");
-  line.add_option("--type", options.type, "P, PI, PD or PID (default)")->type_name("TYPE");
-  line.add_number("--crossover", options.crossover, "where the loop's gain shall be 1 [rad/s]")
-      ->type_name("W");
-  line.add_number("--phase-margin", options.phase_margin, "there [deg]")->type_name("DEG");
-  line.add_number("--Tf", options.Tf, "time constant of the derivative's filter [s]; 0")
-      ->type_name("S");
-  line.add_option("--rule", options.rule, "amigo, simc, ziegler-nichols, cohen-coon or lambda")
-      ->type_name("NAME");
-  line.add_number("--tau-c", options.tau_c,
-                  "with the rules simc and lambda: time constant of the closed loop [s]")
-      ->type_name("S");
-  line.add_number("--Ms-max", options.Ms_max, "greatest integral gain with max |S| up to this; 1.4")
-      ->type_name("M");
-  line.add_number("--Mt-max", options.Mt_max, "and max |T| up to this")->type_name("M");
-  line.add_number("--noise-gain-max", options.noise_gain_max, "and max |C S| up to this")
-      ->type_name("G");
+  line.add_option("--num LIST", options.num, "numerator of the plant, descending powers");
+  line.add_option("--den LIST", options.den, "denominator, descending powers");
+  line.add_number("--delay S", options.delay, "delay of the plant [s]");
+  line.add_option("--type TYPE", options.type, "P, PI, PD or PID (default)");
+  line.add_number("--crossover W", options.crossover, "where the loop's gain shall be 1 [rad/s]");
+  line.add_number("--phase-margin DEG", options.phase_margin, "there [deg]");
+  line.add_number("--Tf S", options.Tf, "time constant of the derivative's filter [s]; 0");
+  line.add_option("--rule NAME", options.rule,
+                  "amigo, simc, ziegler-nichols, cohen-coon or lambda");
+  line.add_number("--tau-c S", options.tau_c,
+                  "with the rules simc and lambda: time constant of the closed loop [s]");
+  line.add_number("--Ms-max M", options.cascade.Ms_max,
+                  "greatest integral gain with max |S| up to this; 1.4");
+  line.add_number("--Mt-max M", options.Mt_max, "and max |T| up to this");
+  line.add_number("--noise-gain-max G", options.noise_gain_max, "and max |C S| up to this");
 }
 
-Given given_of(const CommandLine& line) {
-  return {line.was_given("--crossover"),
-          line.was_given("--phase-margin"),
-          line.was_given("--Tf"),
-          line.was_given("--tau-c"),
-          line.was_given("--Ms-max"),
-          line.was_given("--Mt-max"),
-          line.was_given("--noise-gain-max")};
+void add_cascade_options(CommandLine& line, CascadeOptions& options, bool& free) {
+  line.add_number("--dt T", options.dt,
+                  "with V: sample period [s]; that of its published gains, or 0.005");
+  line.add_option(
+      "--bandwidth LIST", options.bandwidth,
+      "with V: where the rate's loop crosses 1 [rad/s]: roll=40,x=2, or one number for all");
+  line.add_option(
+      "--sensor-delay LIST", options.sensor_delay,
+      "with V: how late the loops see their values [s]: one number, or roll=0.005,x=0.02");
+  line.add_number("--motor-lag S", options.motor_lag,
+                  "with V: time constant of the motors [s]; the vehicle's");
+  line.add_number("--tracking-max M", options.tracking_max,
+                  "with V: max |value / set point| up to this; 1.3");
+  line.add_option("--integral LIST", options.integral,
+                  "with V: loops that have an integral, or none; all");
+  line.add_option("--integrator NAME", options.integrator,
+                  "with V: euler (default), backward-euler or tustin");
+  line.add_flag(
+      "--free", free,
+      "with V: do not hold the loops to the Ms, noise and load peak of the published gains");
+}
+
+void add_options(CommandLine& line, Options& options) {
+  line.add_option("V", options.vehicle, "a built-in vehicle's name or a vehicle file");
+  line.add_option("--method M", options.cascade.method,
+                  "flown (default but for a satellite receiver below 5 Hz without optical flow): "
+                  "all gains at once on the flown plant; loops: loop by loop, implied by "
+                  "--bandwidth, --Ms-max and the like");
+  line.add_option("--plant NAME", options.cascade.plant,
+                  "flown (default), or ideal: the textbook plant with 12 states, loop by loop; the "
+                  "flown loop is told in both cases");
+  add_cascade_options(line, options.cascade, options.free);
+  add_transfer_function_options(line, options);
+  add_plot_option(line, options.plot);
 }
 
 }  // namespace
 
 Verb pid_verb() {
-  return {
-      "pid",
-      "V [options]   or   --num LIST --den LIST [--delay S] (--crossover W --phase-margin DEG | "
-      "--rule NAME | --Ms-max M)",
-      "PID gains for a vehicle's cascade or for a transfer function",
-      "quadtune pid --num 1 --den 1,3,3,1 --type PI --crossover 0.5205 --phase-margin 60",
-      [](CommandLine& line) -> Action {
-        auto options = std::make_shared<Options>();
-        line.add_option("V", options->vehicle, "a built-in vehicle's name or a vehicle file");
-        line.add_option(
-                "--method", options->method,
-                "flown (default but for a satellite receiver below 5 Hz without optical flow): all "
-                "gains at once on the flown plant; loops: loop by loop, implied by --bandwidth, "
-                "--Ms-max and the like")
-            ->type_name("M");
-        line.add_option(
-                "--plant", options->plant,
-                "flown (default), or ideal: the textbook plant with 12 states, loop by loop; "
-                "the flown loop is told in both cases")
-            ->type_name("NAME");
-        add_cascade_options(line, options->cascade);
-        add_transfer_function_options(line, *options);
-        add_plot_option(line, options->plot);
-        return [=, owner = &line](Context& context) {
-          if (!options->vehicle.empty()) return run_vehicle(*owner, *options, context);
-          refuse_options(*owner, {"--method", "--plant"}, "belongs to a vehicle, expected one");
-          refuse_options(*owner, cascade_option_names(), "belongs to a vehicle, expected one");
-          run(*options, given_of(*owner), context);
-        };
-      }};
+  return {"pid",
+          "V [options]   or   --num LIST --den LIST [--delay S] (--crossover W --phase-margin DEG "
+          "| --rule NAME | --Ms-max M)",
+          "PID gains for a vehicle's cascade or for a transfer function",
+          "quadtune pid --num 1 --den 1,3,3,1 --type PI --crossover 0.5205 --phase-margin 60",
+          with_options(add_options, run_pid)};
 }
 
 }  // namespace quadtune::cli

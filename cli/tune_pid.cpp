@@ -1,45 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune tune pid: gains of a PID cascade over missions.
-#include <memory>
-
 #include "arguments/flight_arguments.hpp"
 #include "arguments/mission_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/workbench/missions/pid_tuning.hpp"
 
 namespace quadtune::cli {
+namespace {
+
+struct Options {
+  MissionTuningArguments tuning;
+  std::string gains = "designed";
+  bool separate = false;
+};
+
+void add_options(CommandLine& line, Options& options) {
+  line.add_option("V", options.tuning.vehicle, "a built-in vehicle or a vehicle file");
+  add_mission_tuning_options(line, options.tuning);
+  line.add_option("--gains WHICH", options.gains,
+                  "where it begins: designed (default), published or a file of gains");
+  line.add_flag("--separate", options.separate, "tune x and y, pitch and roll each for itself");
+}
+
+void run_tune_pid(Options& options, Context& context) {
+  if (options.tuning.vehicle.empty()) refuse("tune pid", "V", "expected a vehicle");
+  require_sane("tune pid", options.tuning);
+  const MissionRequirements requirements = mission_requirements("tune pid", options.tuning);
+  const MissionTuning tuning = option_of_command("tune pid", [&] {
+    return pid_tuning(options.tuning.vehicle, options.gains, options.separate);
+  });
+  run_mission_tuning("tune pid", tuning, requirements, options.tuning, context);
+}
+
+}  // namespace
 
 Verb tune_pid_verb() {
-  struct Options {
-    MissionTuningArguments tuning;
-    std::string gains = "designed";
-    bool separate = false;
-  };
   return {"tune pid", "V --mission NAME [options]",
           "search PID gains over missions, and prove them on fresh draws",
           "quadtune tune pid mambo --mission step-north --evaluations 100",
-          [](CommandLine& line) -> Action {
-            auto options = std::make_shared<Options>();
-            line.add_option("V", options->tuning.vehicle, "a built-in vehicle or a vehicle file");
-            add_mission_tuning_options(line, options->tuning);
-            line.add_option("--gains", options->gains,
-                            "where it begins: designed (default), published or a file of gains")
-                ->type_name("WHICH");
-            line.add_flag("--separate", options->separate,
-                          "tune x and y, pitch and roll each for itself");
-            return [options](Context& context) {
-              if (options->tuning.vehicle.empty())
-                throw UsageError("quadtune tune pid: expected a vehicle", "V");
-              require_sane("tune pid", options->tuning);
-              const MissionRequirements requirements =
-                  mission_requirements("tune pid", options->tuning);
-              const MissionTuning tuning = option_of_command("tune pid", [&] {
-                return pid_tuning(options->tuning.vehicle, options->gains, options->separate);
-              });
-              run_mission_tuning("tune pid", tuning, requirements, options->tuning, context);
-            };
-          }};
+          with_options(add_options, run_tune_pid)};
 }
 
 }  // namespace quadtune::cli

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// quadtune vehicle: the built-in vehicles, one in full, or whether a file is right.
-#include <fmt/format.h>
-
-#include <memory>
-#include <ostream>
 
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/workbench/vehicle/vehicle_check.hpp"
@@ -22,20 +19,16 @@ struct Options {
 void require_action(const Options& options) {
   const std::string& action = options.action;
   if (action != "list" && action != "show" && action != "check")
-    throw UsageError(fmt::format("quadtune vehicle: {}, expected list, show V or check FILE{}",
-                                 action.empty() ? "no action came" : "'" + action + "'",
-                                 internal::did_you_mean(action, {"list", "show", "check"})),
-                     "ACTION");
+    refuse("vehicle", "ACTION", "{}, expected list, show V or check FILE{}",
+           action.empty() ? "no action came" : "'" + action + "'",
+           internal::did_you_mean(action, {"list", "show", "check"}));
   if (action == "list" && !options.vehicle.empty())
-    throw UsageError(
-        fmt::format("quadtune vehicle: unexpected argument '{}' after list", options.vehicle),
-        options.vehicle);
+    refuse("vehicle", options.vehicle, "unexpected argument '{}' after list", options.vehicle);
   if (action != "list" && options.vehicle.empty())
-    throw UsageError(
-        fmt::format("quadtune vehicle: {} needs a built-in vehicle's name or a file", action), "V");
+    refuse("vehicle", "V", "{} needs a built-in vehicle's name or a file", action);
 }
 
-void run(const Options& options, Context& context) {
+void run_vehicle(const Options& options, Context& context) {
   require_action(options);
   if (options.action == "list") {
     const std::vector<std::string> names = built_in_vehicles();
@@ -54,16 +47,16 @@ void run(const Options& options, Context& context) {
   }
 }
 
+void add_options(CommandLine& line, Options& options) {
+  line.add_option("ACTION", options.action, "list, show or check");
+  line.add_option("V", options.vehicle, "a built-in vehicle's name or a vehicle file");
+}
+
 }  // namespace
 
 Verb vehicle_verb() {
   return {"vehicle", "list | show V | check FILE", "list, show or check vehicles",
-          "quadtune vehicle show mambo", [](CommandLine& line) -> Action {
-            auto options = std::make_shared<Options>();
-            line.add_option("ACTION", options->action, "list, show or check");
-            line.add_option("V", options->vehicle, "a built-in vehicle's name or a vehicle file");
-            return [options](Context& context) { run(*options, context); };
-          }};
+          "quadtune vehicle show mambo", with_options(add_options, run_vehicle)};
 }
 
 }  // namespace quadtune::cli

@@ -3,11 +3,10 @@
 /// word is that they do not know: the command line's or a file's.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <string>
 
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/workbench/flight/flight_plan.hpp"
 
@@ -25,7 +24,7 @@ auto option_of_command(const std::string& verb, Function&& function) {
   try {
     return function();
   } catch (const OptionError& error) {
-    throw UsageError(fmt::format("quadtune {}: --{}", verb, error.what()), "--" + error.option());
+    refuse(verb, "--" + error.option(), "--{}", error.what());
   }
 }
 
@@ -37,7 +36,7 @@ auto period_of_command(const std::string& verb, bool has_dt, Function&& function
     return option_of_command(verb, function);
   } catch (const InvalidInput& error) {
     if (!has_dt || error.where() != "estimator general") throw;
-    throw UsageError(fmt::format("quadtune {}: --dt: {}", verb, error.what()), "--dt");
+    refuse(verb, "--dt", "--dt: {}", error.what());
   }
 }
 

@@ -1,40 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arguments/flight_outputs.hpp"
 
-#include <fmt/format.h>
-
 #include "arguments/flight_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/logs/flight_log.hpp"
 #include "report/flights/flight_page.hpp"
 #include "report/flights/flight_text.hpp"
 
 namespace quadtune::cli {
-namespace {
-
-[[noreturn]] void refuse_name(const std::string& verb, const std::string& option,
-                              const std::string& name, const char* endings) {
-  throw UsageError(fmt::format("quadtune {}: {} is '{}', expected a name that ends in {}", verb,
-                               option, name, endings),
-                   option);
-}
-
-}  // namespace
 
 void add_flight_outputs(CommandLine& line, FlightOutputs& outputs) {
-  line.add_option("--log", outputs.log, "write every period to a .csv or .mat file")
-      ->type_name("FILE");
-  line.add_option("--report", outputs.report, "write a page to look at: a .html file")
-      ->type_name("FILE");
+  line.add_option("--log FILE", outputs.log, "write every period to a .csv or .mat file");
+  line.add_option("--report FILE", outputs.report, "write a page to look at: a .html file");
 }
 
 void require_output_names(const FlightOutputs& outputs, const std::string& verb) {
   if (!outputs.report.empty() && !outputs.report.ends_with(".html"))
-    refuse_name(verb, "--report", outputs.report, ".html");
+    refuse(verb, "--report", "--report is '{}', expected a name that ends in .html",
+           outputs.report);
   if (!outputs.log.empty() && !outputs.log.ends_with(".csv") && !outputs.log.ends_with(".mat"))
-    refuse_name(verb, "--log", outputs.log, ".csv or .mat");
+    refuse(verb, "--log", "--log is '{}', expected a name that ends in .csv or .mat", outputs.log);
 }
 
 void keep_log_for(const FlightOutputs& outputs, PlannedFlight& plan, const std::string& verb) {
@@ -44,14 +32,9 @@ void keep_log_for(const FlightOutputs& outputs, PlannedFlight& plan, const std::
 
 void tell_flight(const FlownFlight& flight, const std::optional<Diagnosis>& diagnosis,
                  const FlightOutputs& outputs, const std::string& verb, Context& context) {
-  if (!outputs.log.empty()) {
-    write_file(outputs.log, log_bytes(flight.result.log, outputs.log));
-    context.written.push_back(outputs.log);
-  }
-  if (!outputs.report.empty()) {
-    write_file(outputs.report, html(flight_page(flight, context.command, diagnosis)));
-    context.written.push_back(outputs.report);
-  }
+  if (!outputs.log.empty()) context.write(outputs.log, log_bytes(flight.result.log, outputs.log));
+  if (!outputs.report.empty())
+    context.write(outputs.report, html(flight_page(flight, context.command, diagnosis)));
   context.print([&] { return to_json(flight, diagnosis); },
                 [&] { return to_text(flight, diagnosis); });
   if (!flight.passed) throw AnswerIsNo(verb + ": " + reasons(flight).front());

@@ -1,27 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arguments/flown_lqr_arguments.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/synthesis/flown_axis.hpp"
 #include "report/text/print.hpp"
 
 namespace quadtune::cli {
 namespace {
 
-constexpr const char* kFlownOptions[] = {"--change", "--past", "--estimator", "--sensors",
-                                         "--height"};
-
 /// @throws UsageError  unless it is a whole number of periods in range
 int past_periods(double past, const std::string& verb) {
   if (past != std::floor(past) || past < 0 || past > kMostPastCommands)
-    throw UsageError(fmt::format("quadtune {}: --past is {}, expected a whole number from 0 to {}",
-                                 verb, number(past), kMostPastCommands),
-                     "--past");
+    refuse(verb, "--past", "--past is {}, expected a whole number from 0 to {}", number(past),
+           kMostPastCommands);
   return static_cast<int>(past);
 }
 
@@ -29,10 +24,9 @@ int past_periods(double past, const std::string& verb) {
 void require_weights(const LqiDesign& design) {
   const auto positive = [](const std::string& name, double weight) {
     if (!(weight > 0))
-      throw UsageError(fmt::format("quadtune lqr: --Q: the weight of {} is {}, expected more than "
-                                   "0 with --structure matrix",
-                                   name, number(weight)),
-                       "--Q");
+      refuse("lqr", "--Q",
+             "--Q: the weight of {} is {}, expected more than 0 with --structure matrix", name,
+             number(weight));
   };
   if (!design.Q) return;
   for (std::size_t i = 0; i < kFlownAxes.size(); ++i) {
@@ -45,41 +39,28 @@ void require_weights(const LqiDesign& design) {
 }  // namespace
 
 void add_flown_lqr_options(CommandLine& line, FlownLqrArguments& arguments) {
-  line.add_option("--change", arguments.change,
-                  "flown plant: weights of the change of each command from one period to "
-                  "the next; none")
-      ->type_name("LIST");
-  line.add_number("--past", arguments.past,
+  line.add_option(
+      "--change LIST", arguments.change,
+      "flown plant: weights of the change of each command from one period to the next; none");
+  line.add_number("--past N", arguments.past,
                   "flown plant: control periods by which the law predicts; default: what meets the "
-                  "margins with the smallest increase of the weights")
-      ->type_name("N");
-  line.add_option("--estimator", arguments.estimator,
-                  "flown plant: as for `quadtune fly`; default: what the sensors allow")
-      ->type_name("NAME");
-  line.add_option("--sensors", arguments.sensors, "flown plant: real (default) or ideal")
-      ->type_name("NAME");
-  line.add_number("--height", arguments.height, "flown plant: height of the hover [m], default 1.1")
-      ->type_name("M");
-}
-
-std::set<std::string> given_flown_options(const CommandLine& line) {
-  std::set<std::string> given;
-  for (const char* name : kFlownOptions)
-    if (line.was_given(name)) given.insert(name);
-  return given;
+                  "margins with the smallest increase of the weights");
+  line.add_option("--estimator NAME", arguments.estimator,
+                  "flown plant: as for `quadtune fly`; default: what the sensors allow");
+  line.add_option("--sensors NAME", arguments.sensors, "flown plant: real (default) or ideal");
+  line.add_number("--height M", arguments.height,
+                  "flown plant: height of the hover [m], default 1.1");
 }
 
 LqiDesign lqi_design(const LqrArguments& common, const FlownLqrArguments& arguments) {
   const std::string& verb = common.verb;
   LqiDesign design;
-  if (common.has_dt) {
-    require_positive(common.dt, verb, "--dt");
-    design.dt = common.dt;
-  }
+  if (common.dt) require_positive(*common.dt, verb, "--dt");
+  design.dt = common.dt.value_or(design.dt);
   const std::vector<std::string> states = names_of(ned_convention().states);
   const std::vector<std::string> inputs = names_of(ned_convention().wrench);
   if (!common.integral.empty()) design.integrals = read_integrals(common, states);
-  if (arguments.given.count("--past") > 0) design.past = past_periods(arguments.past, verb);
+  if (arguments.past) design.past = past_periods(*arguments.past, verb);
   if (!common.Q.empty()) {
     const Eigen::VectorXd Q = state_weights(common.Q, states, design.integrals, verb);
     design.Q = Q.head(12);
@@ -88,18 +69,13 @@ LqiDesign lqi_design(const LqrArguments& common, const FlownLqrArguments& argume
   if (!common.R.empty()) {
     design.R = input_weights(common.R, inputs, verb, "--R");
     if (!(design.R->minCoeff() > 0))
-      throw UsageError(fmt::format("quadtune {}: --R has a weight of 0, expected weights of more "
-                                   "than 0",
-                                   verb),
-                       "--R");
+      refuse(verb, "--R", "--R has a weight of 0, expected weights of more than 0");
   }
   if (!arguments.change.empty()) {
     if (design.past && *design.past < 1)
-      throw UsageError(
-          fmt::format("quadtune {}: --change came with --past 0, expected --past of at least 1 "
-                      "because the law must know its last command",
-                      verb),
-          "--change");
+      refuse(verb, "--change",
+             "--change came with --past 0, expected --past of at least 1 because the law must know "
+             "its last command");
     design.R_change = input_weights(arguments.change, inputs, verb, "--change");
   }
   return design;

@@ -3,7 +3,7 @@
 /// delays, estimator.
 #pragma once
 
-#include <set>
+#include <optional>
 #include <string>
 
 #include "arguments/flight_arguments.hpp"
@@ -17,19 +17,14 @@ namespace quadtune::cli {
 class CommandLine;
 
 struct FlownLqrArguments {
-  std::string change;  // list: weights of a command's change
-  double past = 0;     // control periods
+  std::string change;          // list: weights of a command's change
+  std::optional<double> past;  // control periods
   std::string estimator, sensors;
   double height = FlownLoopOptions().height;
-  std::set<std::string> given = {};  // names of the options of the flown plant that came
 };
 
 /// Adds --change, --past, --estimator, --sensors and --height.
 void add_flown_lqr_options(CommandLine& line, FlownLqrArguments& arguments);
-
-/// Which of those were given.
-/// @param line  after parse()
-[[nodiscard]] std::set<std::string> given_flown_options(const CommandLine& line);
 
 /// The design that --Q, --R, --change, --integral, --past and --dt ask for.
 /// @throws UsageError  naming the option, what came and what was expected
@@ -55,7 +50,7 @@ auto design_on_flown_plant(const LqrArguments& common, const FlownLqrArguments& 
   FlownLoopOptions at;
   at.height = arguments.height;
   try {
-    return period_of_command(common.verb, common.has_dt, [&] {
+    return period_of_command(common.verb, common.dt.has_value(), [&] {
       require_flight_words(flight);
       return design(flight, at);
     });

@@ -8,6 +8,7 @@
 
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -15,17 +16,12 @@
 namespace quadtune::cli {
 namespace {
 
-[[noreturn]] void refuse(const std::string& verb, const char* option, const std::string& why) {
-  throw UsageError(fmt::format("quadtune {}: {}", verb, why), option);
-}
-
 void require_format(const std::string& format, const std::string& verb) {
   std::vector<std::string> known;
   for (const LogFormat& one : log_formats()) known.push_back(one.name);
   if (std::find(known.begin(), known.end(), format) == known.end())
-    refuse(verb, "--format",
-           fmt::format("--format is '{}', expected one of {}{}", format,
-                       internal::joined(known, ", "), internal::did_you_mean(format, known)));
+    refuse(verb, "--format", "--format is '{}', expected one of {}{}", format,
+           internal::joined(known, ", "), internal::did_you_mean(format, known));
 }
 
 std::optional<double> ticks_of(const std::string& unit) {
@@ -39,14 +35,11 @@ std::optional<double> ticks_of(const std::string& unit) {
 }  // namespace
 
 void add_log_options(CommandLine& line, LogArguments& arguments) {
-  line.add_option("--format", arguments.format,
-                  "text, replay, ulog, mat, uquad-frames or uquad-log; found by the content")
-      ->type_name("NAME");
-  line.add_option("--columns", arguments.columns,
-                  "of a text, such as 't_s:1, t_us:2, height[m]:19'; * takes all others")
-      ->type_name("LIST");
-  line.add_positive("--rate", arguments.rate_hz, "of a text without time, rows a second")
-      ->type_name("HZ");
+  line.add_option("--format NAME", arguments.format,
+                  "text, replay, ulog, mat, uquad-frames or uquad-log; found by the content");
+  line.add_option("--columns LIST", arguments.columns,
+                  "of a text, such as 't_s:1, t_us:2, height[m]:19'; * takes all others");
+  line.add_positive("--rate HZ", arguments.rate_hz, "of a text without time, rows a second");
 }
 
 LogOptions log_options(const LogArguments& arguments, const std::string& verb) {
@@ -67,12 +60,10 @@ bool SensorLogArguments::given() const {
 void add_sensor_log_options(CommandLine& line, SensorLogArguments& arguments) {
   add_log_options(line, arguments.log);
   line.add_option(
-          "--time", arguments.time,
-          "of a text, the column of times, by name or number; one called t, time, timestamp")
-      ->type_name("COLUMN");
-  line.add_option("--time-unit", arguments.time_unit,
-                  "s, ms, us or ns; the header's, else by the values")
-      ->type_name("U");
+      "--time COLUMN", arguments.time,
+      "of a text, the column of times, by name or number; one called t, time, timestamp");
+  line.add_option("--time-unit U", arguments.time_unit,
+                  "s, ms, us or ns; the header's, else by the values");
 }
 
 LogOptions sensor_log_options(const SensorLogArguments& arguments, const std::string& verb) {
@@ -80,9 +71,8 @@ LogOptions sensor_log_options(const SensorLogArguments& arguments, const std::st
   const std::string& unit = arguments.time_unit;
   const std::optional<double> ticks = ticks_of(unit.empty() ? "s" : unit);
   if (!ticks)
-    refuse(verb, "--time-unit",
-           fmt::format("the unit of time is '{}', expected --time-unit s, ms, us or ns",
-                       internal::printable(unit)));
+    refuse(verb, "--time-unit", "the unit of time is '{}', expected --time-unit s, ms, us or ns",
+           internal::printable(unit));
   if (arguments.time.empty()) {
     if (!unit.empty()) refuse(verb, "--time-unit", "--time-unit came without --time");
     return options;

@@ -2,12 +2,11 @@
 /// Options that say how a log is to be read, shared by all verbs that read one.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <optional>
 #include <string>
 
 #include "arguments/flight_arguments.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/logs/log_reader.hpp"
 #include "quadtune/workbench/logs/log_notes.hpp"
 #include "quadtune/workbench/logs/missing_option.hpp"
@@ -55,7 +54,7 @@ auto option_of_logs(const std::string& verb, Function&& function) {
   try {
     return option_of_command(verb, function);
   } catch (const MissingOption& error) {
-    throw UsageError(fmt::format("quadtune {}: {}", verb, error.what()), "--" + error.option());
+    refuse(verb, "--" + error.option(), "{}", error.what());
   }
 }
 

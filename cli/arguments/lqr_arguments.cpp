@@ -7,10 +7,12 @@
 
 #include "arguments/matrix_arguments.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 
 namespace quadtune::cli {
+
 std::vector<std::string> read_integrals(const LqrArguments& arguments,
                                         const std::vector<std::string>& states) {
   const std::string& verb = arguments.verb;
@@ -18,15 +20,10 @@ std::vector<std::string> read_integrals(const LqrArguments& arguments,
   std::vector<std::string> names = word_list(arguments.integral);
   for (const std::string& name : names) {
     if (std::find(states.begin(), states.end(), name) == states.end())
-      throw UsageError(
-          fmt::format("quadtune {}: --integral: no state '{}', expected some of {}{}", verb, name,
-                      internal::joined(states, " "), internal::did_you_mean(name, states)),
-          "--integral");
+      refuse(verb, "--integral", "--integral: no state '{}', expected some of {}{}", name,
+             internal::joined(states, " "), internal::did_you_mean(name, states));
     if (std::count(names.begin(), names.end(), name) > 1)
-      throw UsageError(
-          fmt::format("quadtune {}: --integral: state '{}' is named twice, expected each once",
-                      verb, name),
-          "--integral");
+      refuse(verb, "--integral", "--integral: state '{}' is named twice, expected each once", name);
   }
   return names;
 }
@@ -53,13 +50,11 @@ LqrDesign make_design(const LqrArguments& arguments, const std::vector<Signal>& 
   design.convention = arguments.plant.convention;
   design.input_kind = input_kind(arguments.plant.inputs, "--inputs");
   design.method = lqr_method(arguments.method, "--method");
-  design.dt = arguments.dt;
-  if (design.method != LqrMethod::continuous && !arguments.has_dt)
-    throw UsageError(
-        fmt::format("quadtune {}: --dt is missing, expected a sample period with --method {}",
-                    arguments.verb, arguments.method),
-        "--dt");
-  if (arguments.has_dt) require_positive(arguments.dt, arguments.verb, "--dt");
+  design.dt = arguments.dt.value_or(0);
+  if (design.method != LqrMethod::continuous && !arguments.dt)
+    refuse(arguments.verb, "--dt", "--dt is missing, expected a sample period with --method {}",
+           arguments.method);
+  if (arguments.dt) require_positive(*arguments.dt, arguments.verb, "--dt");
   design.states = names_or_numbers(states, std::ssize(states));
   design.inputs = names_or_numbers(inputs, std::ssize(inputs));
   design.integrals = read_integrals(arguments, design.states);

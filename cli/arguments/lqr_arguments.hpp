@@ -2,6 +2,7 @@
 /// Options of an LQR problem about a vehicle's trim.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,7 @@ struct LqrArguments {
   std::string Q, R;      // lists; 1 if empty
   std::string integral;  // names, or "none"
   std::string method = "continuous";
-  double dt = 0;             // [s]
-  bool has_dt = false;       // whether --dt came
+  std::optional<double> dt;  // [s]
   std::string verb = "lqr";  // that asks, for messages
 };
 

@@ -4,43 +4,17 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <filesystem>
 #include <istream>
-#include <optional>
-#include <system_error>
 
-#include "arguments/read_number.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/internal/words.hpp"
 #include "quadtune/text_matrix.hpp"
+#include "quadtune/workbench/files/matrix_word.hpp"
+#include "report/text/print.hpp"
 
 namespace quadtune::cli {
-
-namespace {
-
-/// "0 1; 0 0", "[0 1; 0 0]" or "[[0, 1], [0, 0]]" as the lines of a matrix file; nothing for other
-/// words, and for the name of a file.
-std::optional<std::string> matrix_lines(const std::string& word) {
-  std::error_code ignored;  // a word too long for a file's name is none
-  const bool numbers = word.find_first_not_of("0123456789+-.,eE;[] \t\n") == std::string::npos &&
-                       word.find_first_of("0123456789") != std::string::npos;
-  const bool bracketed = word.starts_with('[') || word.find(';') != std::string::npos;
-  if (!(numbers || bracketed) || std::filesystem::exists(word, ignored)) return std::nullopt;
-  std::string lines;
-  bool row_ended = false;  // a comma after that separates rows
-  for (const char c : word) {
-    if (c == ';' || c == ']')
-      lines += '\n';
-    else if (c == '[' || (c == ',' && row_ended))
-      lines += ' ';
-    else
-      lines += c;
-    row_ended = c == ']' || (row_ended && (c == ',' || c == ' '));
-  }
-  return lines;
-}
-
-}  // namespace
 
 Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in) {
   if (path.empty()) return {};
@@ -63,9 +37,7 @@ Eigen::MatrixXd read_matrix(const std::string& path, std::istream& in) {
 
 Eigen::MatrixXd require_matrix(const std::string& path, std::istream& in, const std::string& verb,
                                const std::string& option) {
-  if (path.empty())
-    throw UsageError(
-        fmt::format("quadtune {}: {} is missing, expected a matrix file", verb, option), option);
+  if (path.empty()) refuse(verb, option, "{} is missing, expected a matrix file", option);
   return read_matrix(path, in);
 }
 
@@ -78,12 +50,9 @@ std::vector<double> number_list(const std::string& text, const std::string& verb
   std::vector<double> numbers;
   for (const std::string& word : word_list(text)) {
     double value = 0;
-    if (!read_number(word, value))
-      throw UsageError(
-          fmt::format(
-              "quadtune {}: {}: '{}' is not a finite number, expected numbers separated by commas",
-              verb, option, word),
-          option);
+    if (!internal::read_number(word, value))
+      refuse(verb, option, "{}: '{}' is not a finite number, expected numbers separated by commas",
+             option, word);
     numbers.push_back(value);
   }
   return numbers;
@@ -92,10 +61,8 @@ std::vector<double> number_list(const std::string& text, const std::string& verb
 Eigen::VectorXd coefficients(const std::string& text, const std::string& verb,
                              const std::string& option) {
   if (text.empty())
-    throw UsageError(fmt::format("quadtune {}: {} is missing, expected coefficients in descending "
-                                 "powers, e.g. 1,6,11,6",
-                                 verb, option),
-                     option);
+    refuse(verb, option, "{} is missing, expected coefficients in descending powers, e.g. 1,6,11,6",
+           option);
   const std::vector<double> values = number_list(text, verb, option);
   return Eigen::VectorXd::Map(values.data(), static_cast<Eigen::Index>(values.size()));
 }
@@ -106,24 +73,29 @@ Eigen::MatrixXd diagonal_weights(const std::string& text, std::size_t count,
   std::vector<double> numbers = number_list(text, verb, option);
   for (const double weight : numbers)
     if (weight < 0)
-      throw UsageError(fmt::format("quadtune {}: {}: {} is negative, expected weights of 0 or more",
-                                   verb, option, weight),
-                       option);
+      refuse(verb, option, "{}: {} is negative, expected weights of 0 or more", option, weight);
   if (numbers.size() == 1) numbers.assign(count, numbers[0]);
   if (numbers.size() != count)
-    throw UsageError(fmt::format("quadtune {}: {} has {} entries, expected {} or one for all ({})",
-                                 verb, option, numbers.size(), count, what),
-                     option);
+    refuse(verb, option, "{} has {} entries, expected {} or one for all ({})", option,
+           numbers.size(), count, what);
   return Eigen::Map<const Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(count))
       .asDiagonal();
+}
+
+void require_one_time(const TimeArguments& time, const std::string& verb) {
+  if (time.count() > 1)
+    refuse(verb, time.sampled ? "--sampled" : "--discrete",
+           "more than one of --continuous, --discrete and --sampled came, expected one");
+}
+
+void require_not_negative(double value, const std::string& verb, const std::string& option) {
+  if (value < 0) refuse(verb, option, "{} is {} s, expected 0 or more", option, number(value));
 }
 
 void require_positive(double value, const std::string& verb, const std::string& option,
                       const std::string& unit) {
   if (!(value > 0) || !std::isfinite(value))
-    throw UsageError(fmt::format("quadtune {}: {} is {}, expected a positive number of {}", verb,
-                                 option, value, unit),
-                     option);
+    refuse(verb, option, "{} is {}, expected a positive number of {}", option, value, unit);
 }
 
 }  // namespace quadtune::cli

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,23 @@ namespace quadtune::cli {
 
 /// "x,y,z" as words; an empty text has none.
 [[nodiscard]] std::vector<std::string> word_list(const std::string& text);
+
+/// What the matrices of a plant are, as the user says: at most one of these.
+struct TimeArguments {
+  bool continuous = false, discrete = false;
+  std::optional<double> sampled = {};  ///< continuous, with the input held for that long [s]
+
+  /// How many came.
+  [[nodiscard]] int count() const {
+    return int{continuous} + int{discrete} + int{sampled.has_value()};
+  }
+};
+
+/// @throws UsageError  for more than one
+void require_one_time(const TimeArguments& time, const std::string& verb);
+
+/// @throws UsageError  unless value [s] ≥ 0
+void require_not_negative(double value, const std::string& verb, const std::string& option);
 
 /// @throws UsageError  unless 0 < value < ∞.
 void require_positive(double value, const std::string& verb, const std::string& option,

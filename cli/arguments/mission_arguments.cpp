@@ -2,15 +2,15 @@
 #include "arguments/mission_arguments.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <ostream>
 
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/progress.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -25,9 +25,17 @@ constexpr std::size_t kCommentLength = 4096;
 /// More draws than anybody flies for one number.
 constexpr std::uint64_t kMostDraws = 100000;
 
-[[noreturn]] void refuse(const std::string& verb, const std::string& option,
-                         const std::string& why) {
-  throw UsageError(fmt::format("quadtune {}: {}", verb, why), option);
+MissionTuningOptions tuning_options(const MissionTuningArguments& arguments,
+                                    const Context& context) {
+  MissionTuningOptions options;
+  options.seconds = arguments.budget;
+  options.evaluations = arguments.evaluations;
+  options.draws = static_cast<std::uint32_t>(arguments.draws);
+  options.proof = static_cast<std::uint32_t>(arguments.proof);
+  options.seed = context.seed;
+  options.threads = context.threads;
+  options.stop = interrupted;
+  return options;
 }
 
 }  // namespace
@@ -36,37 +44,30 @@ void require_design_name(const std::string& file, const std::string& verb) {
   std::error_code ignored;
   if (file.empty() || file.ends_with(".toml") || std::filesystem::is_other(file, ignored)) return;
   refuse(verb, "-o",
-         fmt::format("-o is '{}', expected a name that ends in .toml because `quadtune export` and "
-                     "`fly --gains` know a design file by it",
-                     internal::printable(file)));
+         "-o is '{}', expected a name that ends in .toml because `quadtune export` and `fly "
+         "--gains` know a design file by it",
+         internal::printable(file));
 }
 
 void add_mission_tuning_options(CommandLine& line, MissionTuningArguments& arguments) {
-  line.add_list("--mission", arguments.missions,
-                "built-in missions or mission files that are flown; several: repeat the option")
-      ->type_name("NAME");
-  line.add_option("--requirements", arguments.requirements,
-                  "cost, limits of missions and margins, what is uncertain (docs/formats.md)")
-      ->type_name("FILE");
-  line.add_number("--budget", arguments.budget, "time of the search [s]; 60")->type_name("S");
-  line.add_count("--evaluations", arguments.evaluations, 1, "designs that are tried at most")
-      ->type_name("N");
-  line.add_count(
-          "--monte-carlo", arguments.draws, 1,
-          "draws of each mission for one evaluation, the same for all; as the requirements have "
-          "it, or 4")
-      ->type_name("N");
-  line.add_count("--proof", arguments.proof, 2,
-                 "fresh draws on which start and found are compared; 24, or what a quantile needs")
-      ->type_name("N");
-  line.add_option("--measure", arguments.measure, "of the draws: mean (default), quantile or worst")
-      ->type_name("NAME");
-  line.add_option("--estimator", arguments.estimator, "as `quadtune fly`")->type_name("NAME");
-  line.add_option("--sensors", arguments.sensors, "ideal, or real (default)")->type_name("KIND");
-  line.add_option("--wind", arguments.wind, "as `quadtune fly`")->type_name("WIND");
-  line.add_positive("--duration", arguments.duration, "of each flight [s]; the mission's")
-      ->type_name("S");
-  line.add_option("-o", arguments.file, "a design file with what was found")->type_name("FILE");
+  line.add_list("--mission NAME", arguments.missions,
+                "built-in missions or mission files that are flown; several: repeat the option");
+  line.add_option("--requirements FILE", arguments.requirements,
+                  "cost, limits of missions and margins, what is uncertain (docs/formats.md)");
+  line.add_number("--budget S", arguments.budget, "time of the search [s]; 60");
+  line.add_count("--evaluations N", arguments.evaluations, 1, "designs that are tried at most");
+  line.add_count("--monte-carlo N", arguments.draws, 1,
+                 "draws of each mission for one evaluation, the same for all; as the requirements "
+                 "have it, or 4");
+  line.add_count("--proof N", arguments.proof, 2,
+                 "fresh draws on which start and found are compared; 24, or what a quantile needs");
+  line.add_option("--measure NAME", arguments.measure,
+                  "of the draws: mean (default), quantile or worst");
+  line.add_option("--estimator NAME", arguments.estimator, "as `quadtune fly`");
+  line.add_option("--sensors KIND", arguments.sensors, "ideal, or real (default)");
+  line.add_option("--wind WIND", arguments.wind, "as `quadtune fly`");
+  line.add_positive("--duration S", arguments.duration, "of each flight [s]; the mission's");
+  line.add_option("-o FILE", arguments.file, "a design file with what was found");
   line.add_flag("--force", arguments.force,
                 "write what was found whatever the answer is; the file says so");
   line.add_option("--report", arguments.report, "write a page to look at: a .html file");
@@ -80,18 +81,17 @@ void require_sane(const std::string& verb, const MissionTuningArguments& argumen
   option_of_command(verb, [&] { require_flight_words(flight); });
   if (!arguments.file.empty()) (void)vehicle_text(arguments.vehicle);  // before a long search
   if (!(arguments.budget > 0) || arguments.budget > 1e6)
-    refuse(verb, "--budget",
-           fmt::format("--budget is {}, expected more than 0 and at most 1e6 s", arguments.budget));
+    refuse(verb, "--budget", "--budget is {}, expected more than 0 and at most 1e6 s",
+           arguments.budget);
   for (const auto& [option, draws] :
        {std::pair("--monte-carlo", arguments.draws), std::pair("--proof", arguments.proof)})
     if (draws > kMostDraws)
-      refuse(verb, option, fmt::format("{} is {}, expected at most {}", option, draws, kMostDraws));
+      refuse(verb, option, "{} is {}, expected at most {}", option, draws, kMostDraws);
   require_design_name(arguments.file, verb);
   if (arguments.report.empty()) return;
   if (!arguments.report.ends_with(".html"))
-    refuse(verb, "--report",
-           fmt::format("--report is '{}', expected a name that ends in .html",
-                       internal::printable(arguments.report)));
+    refuse(verb, "--report", "--report is '{}', expected a name that ends in .html",
+           internal::printable(arguments.report));
 }
 
 MissionRequirements mission_requirements(const std::string& verb,
@@ -100,17 +100,15 @@ MissionRequirements mission_requirements(const std::string& verb,
   if (!arguments.requirements.empty()) requirements = read_requirements(arguments.requirements);
   if (!arguments.missions.empty() && !requirements.missions.empty())
     refuse(verb, "--mission",
-           "--mission came beside requirements that have [[mission]], "
-           "expected one of them");
+           "--mission came beside requirements that have [[mission]], expected one of them");
   // Who says how missions are flown shall not think that it was heard.
   for (const auto& [option, came] : {std::pair("--estimator", !arguments.estimator.empty()),
                                      std::pair("--sensors", !arguments.sensors.empty()),
                                      std::pair("--wind", !arguments.wind.empty()),
                                      std::pair("--duration", arguments.duration.has_value())})
     if (came && !requirements.missions.empty())
-      refuse(verb, option,
-             fmt::format("{} came beside requirements that have [[mission]], expected it there",
-                         option));
+      refuse(verb, option, "{} came beside requirements that have [[mission]], expected it there",
+             option);
   for (const std::string& name : arguments.missions) {
     CampaignMission mission;
     mission.mission = load_mission(name);
@@ -123,14 +121,12 @@ MissionRequirements mission_requirements(const std::string& verb,
     requirements.missions.push_back(std::move(mission));
   }
   if (requirements.missions.empty())
-    refuse(verb, "--mission",
-           "expected --mission NAME, or --requirements FILE with "
-           "[[mission]]");
+    refuse(verb, "--mission", "expected --mission NAME, or --requirements FILE with [[mission]]");
   if (!arguments.measure.empty()) {
     try {
       requirements.measure = robust_measure(arguments.measure, "--measure");
     } catch (const InvalidInput& error) {
-      refuse(verb, "--measure", error.what());
+      refuse(verb, "--measure", "{}", error.what());
     }
   }
   return requirements;
@@ -139,51 +135,41 @@ MissionRequirements mission_requirements(const std::string& verb,
 void run_mission_tuning(const std::string& verb, const MissionTuning& tuning,
                         const MissionRequirements& requirements,
                         const MissionTuningArguments& arguments, Context& context) {
-  MissionTuningOptions options;
-  options.seconds = arguments.budget;
-  options.evaluations = arguments.evaluations;
-  options.draws = static_cast<std::uint32_t>(arguments.draws);
-  options.proof = static_cast<std::uint32_t>(arguments.proof);
-  options.seed = context.seed;
-  options.threads = context.threads;
-  options.stop = interrupted;
-  const bool shown = !context.quiet && !context.json && isatty(STDERR_FILENO) != 0;
-  if (shown)
-    options.progress = [&](double best, int evaluations, double left) {
-      context.err << fmt::format("\r\033[K{}: best cost {:.4g} after {} designs, {:.0f} s left",
-                                 verb, best, evaluations, std::ceil(left))
-                  << std::flush;
-    };
+  MissionTuningOptions options = tuning_options(arguments, context);
   MissionTuningPlan plan = option_of_command(
       verb, [&] { return plan_mission_tuning(tuning, requirements, options, verb); });
-  for (const std::string& note : plan.notes) context.note(verb + ": note: " + note);
+  context.notes(verb + ": note: ", plan.notes);
   const KeepsTheBest keeps_the_best;
-  const MissionTuningResult result = tune_missions(tuning, requirements, std::move(plan), options);
-  if (shown) context.err << "\r\033[K" << std::flush;
+  const MissionTuningResult result = [&] {
+    Progress progress(context);
+    options.progress = [&](double best, int evaluations, double left) {
+      progress.show(fmt::format("{}: best cost {:.4g} after {} designs, {:.0f} s left", verb, best,
+                                evaluations, std::ceil(left)));
+    };
+    return tune_missions(tuning, requirements, std::move(plan), options);
+  }();
   const MissionSearchResult& search = result.search;
   // First, so that a file that cannot be written does not take a long search with it.
-  context.out << (context.json ? internal::readable(to_json(result)) + "\n" : to_text(result))
-              << std::flush;
+  context.print([&] { return to_json(result); }, [&] { return to_text(result); });
+  context.out << std::flush;
   context.answered = true;
   // After an interrupt what was found is still told and written: that is little work.
   const bool ended = search.end == SearchEnd::interrupted;
   const MissionTrial::Stop stop = ended ? MissionTrial::Stop{} : MissionTrial::Stop{interrupted};
   if (!arguments.file.empty() && (search.accepted || arguments.force)) {
-    write_file(arguments.file,
-               tuning.file(search.candidate,
-                           fmt::format("{}By {}; {}", search.accepted ? "" : "NOT TAKEN. ",
-                                       internal::printable(context.command, kCommentLength),
-                                       search.reason)),
-               stop);
-    context.written.push_back(arguments.file);
+    context.write(arguments.file,
+                  tuning.file(search.candidate,
+                              fmt::format("{}By {}; {}", search.accepted ? "" : "NOT TAKEN. ",
+                                          internal::printable(context.command, kCommentLength),
+                                          search.reason)),
+                  stop);
   }
   if (!arguments.report.empty()) {
     GainsPage page = page_of(result, tuned_flights(result, stop));
     page.command = context.command;
     page.version = std::string(kVersion);
     page.seed = fmt::format("{}", context.seed);
-    write_file(arguments.report, html(page), stop);
-    context.written.push_back(arguments.report);
+    context.write(arguments.report, html(page), stop);
   }
   if (ended) throw Interrupted();
   if (!search.accepted) throw AnswerIsNo(verb + ": " + search.reason);

@@ -1,39 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arguments/plant_arguments.hpp"
 
-#include <fmt/format.h>
-
+#include "arguments/flight_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/internal/suggest.hpp"
-#include "quadtune/internal/text_file.hpp"
-#include "quadtune/workbench/design/linearize_or_refuse.hpp"
+#include "quadtune/workbench/flown/plant_word.hpp"
 
 namespace quadtune::cli {
 
 void add_plant_options(CommandLine& line, PlantArguments& arguments) {
   line.add_option("V", arguments.vehicle, "a built-in vehicle's name or a vehicle file");
-  line.add_option("--at", arguments.at, "steady flight: hover (default), line, circle or spin")
-      ->type_name("FLIGHT");
-  line.add_number("--speed", arguments.speed, "over the ground [m/s]; line and circle")
-      ->type_name("V");
-  line.add_number("--climb", arguments.climb, "upward [m/s]; line, circle and spin")
-      ->type_name("V");
-  line.add_number("--radius", arguments.radius, "of the circle [m]; negative turns left")
-      ->type_name("R");
-  line.add_number("--yaw-rate", arguments.yaw_rate,
-                  "of a spin on the spot [rad/s]; negative turns left")
-      ->type_name("RATE");
-  line.add_number("--yaw", arguments.yaw, "heading from north, clockwise from above [rad]")
-      ->type_name("ANGLE");
-  line.add_option("--convention", arguments.convention, "ned (default), uquad or mambo")
-      ->type_name("NAME");
-  line.add_option("--inputs", arguments.inputs,
-                  "rotor-speed (default), rotor-thrust, wrench or command")
-      ->type_name("KIND");
-  line.add_option("--states", arguments.states, "full (default), no-position or names")
-      ->type_name("LIST");
+  line.add_option("--at FLIGHT", arguments.at,
+                  "steady flight: hover (default), line, circle or spin");
+  line.add_number("--speed V", arguments.speed, "over the ground [m/s]; line and circle");
+  line.add_number("--climb V", arguments.climb, "upward [m/s]; line, circle and spin");
+  line.add_number("--radius R", arguments.radius, "of the circle [m]; negative turns left");
+  line.add_number("--yaw-rate RATE", arguments.yaw_rate,
+                  "of a spin on the spot [rad/s]; negative turns left");
+  line.add_number("--yaw ANGLE", arguments.yaw, "heading from north, clockwise from above [rad]");
+  line.add_option("--convention NAME", arguments.convention, "ned (default), uquad or mambo");
+  line.add_option("--inputs KIND", arguments.inputs,
+                  "rotor-speed (default), rotor-thrust, wrench or command");
+  line.add_option("--states LIST", arguments.states, "full (default), no-position or names");
 }
 
 LinearizeOptions linearize_options(const PlantArguments& arguments) {
@@ -78,12 +68,7 @@ LinearVehicle make_plant(const PlantArguments& arguments) {
 }
 
 bool asks_for_flown_plant(const std::string& plant, const std::string& verb) {
-  if (plant == "flown") return true;
-  if (plant == "ideal") return false;
-  throw UsageError(
-      fmt::format("quadtune {}: --plant is '{}', expected flown or ideal{}", verb,
-                  internal::printable(plant), internal::did_you_mean(plant, {"flown", "ideal"})),
-      "--plant");
+  return option_of_command(verb, [&] { return quadtune::asks_for_flown_plant(plant); });
 }
 
 }  // namespace quadtune::cli

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arguments/plot_argument.hpp"
 
-#include <fmt/format.h>
-
 #include <filesystem>
 
 #include "program/command_line.hpp"
 #include "program/program.hpp"
+#include "program/refusal.hpp"
 #include "report/plots/gnuplot.hpp"
 
 namespace quadtune::cli {
@@ -19,25 +18,22 @@ std::string ending(const PlotArgument& argument) {
 }  // namespace
 
 void add_plot_option(CommandLine& line, PlotArgument& argument) {
-  line.add_option("--plot", argument.file, "a picture to draw with gnuplot: a name in .svg or .png")
-      ->type_name("FILE");
+  line.add_option("--plot FILE", argument.file,
+                  "a picture to draw with gnuplot: a name in .svg or .png");
 }
 
 void require_picture(const PlotArgument& argument, const std::string& verb) {
   if (argument.file.empty() || ending(argument) == ".svg" || ending(argument) == ".png") return;
-  throw UsageError(fmt::format("quadtune {}: --plot is '{}', expected a name that ends in .svg or "
-                               ".png",
-                               verb, argument.file),
-                   "--plot");
+  refuse(verb, "--plot", "--plot is '{}', expected a name that ends in .svg or .png",
+         argument.file);
 }
 
 void draw(const PlotArgument& argument, const std::function<report::Figure()>& figure,
           Context& context) {
   if (argument.file.empty()) return;
   const PictureFormat format = ending(argument) == ".png" ? PictureFormat::png : PictureFormat::svg;
-  write_file(argument.file,
-             run_gnuplot(gnuplot_script(figure(), format), argument.file, interrupted));
-  context.written.push_back(argument.file);
+  context.write(argument.file,
+                run_gnuplot(gnuplot_script(figure(), format), argument.file, interrupted));
 }
 
 }  // namespace quadtune::cli

@@ -11,10 +11,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "arguments/read_number.hpp"
 #include "program/program.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/internal/words.hpp"
 
 namespace quadtune::cli {
 namespace {
@@ -23,10 +23,6 @@ class ParsedOption final : public Option {
  public:
   explicit ParsedOption(CLI::Option* option) : option_(option) {}
 
-  Option* type_name(const std::string& word) override {
-    option_->type_name(word);
-    return this;
-  }
   [[nodiscard]] const std::vector<std::string>& values() const override {
     return option_->results();
   }
@@ -46,6 +42,13 @@ class ParsedOption final : public Option {
   CLI::Option* option_;
 };
 
+std::string without_type(const std::string& name) { return name.substr(0, name.find(' ')); }
+
+const char* number_mistake(const std::string& word, double& value) {
+  return internal::read_number(word, value) ? ""
+                                            : " is not a finite number, expected one such as 0.01";
+}
+
 }  // namespace
 
 struct CommandLine::Parser {
@@ -58,7 +61,12 @@ struct CommandLine::Parser {
     app.allow_extras();
   }
 
-  Option* add(CLI::Option* option) { return &options.emplace_back(option); }
+  /// @param name  with the word for its value, if it has one
+  Option* add(CLI::Option* option, const std::string& name) {
+    if (const std::size_t blank = name.find(' '); blank != std::string::npos)
+      option->type_name(name.substr(blank + 1));
+    return &options.emplace_back(option);
+  }
 
   [[noreturn]] void refuse(const std::string& option, const std::string& message) const {
     throw UsageError(fmt::format("quadtune {}: {}", verb, message), option);
@@ -68,11 +76,11 @@ struct CommandLine::Parser {
   /// @param read  sets the variable; what it returns follows the value in a refusal, or is empty
   Option* add_read(const std::string& name, const std::string& description,
                    const std::function<std::string(const std::string& word)>& read) {
-    const auto take = [this, name, read](const std::string& word) {
+    const auto take = [this, option = without_type(name), read](const std::string& word) {
       if (const std::string why = read(word); !why.empty())
-        refuse(name, fmt::format("{}: '{}'{}", name, internal::printable(word), why));
+        refuse(option, fmt::format("{}: '{}'{}", option, internal::printable(word), why));
     };
-    return add(app.add_option_function<std::string>(name, take, description));
+    return add(app.add_option_function<std::string>(without_type(name), take, description), name);
   }
 
   [[noreturn]] void refuse_missing_value(const std::string& option) const {
@@ -147,31 +155,46 @@ CommandLine::~CommandLine() = default;
 
 Option* CommandLine::add_option(const std::string& name, std::string& value,
                                 const std::string& description) {
-  return parser_->add(parser_->app.add_option(name, value, description));
+  return parser_->add(parser_->app.add_option(without_type(name), value, description), name);
+}
+
+Option* CommandLine::add_option(const std::string& name, std::optional<std::string>& value,
+                                const std::string& description) {
+  return parser_->add_read(name, description, [&value](const std::string& word) {
+    value = word;
+    return "";
+  });
 }
 
 Option* CommandLine::add_list(const std::string& name, std::vector<std::string>& values,
                               const std::string& description) {
-  return parser_->add(parser_->app.add_option(name, values, description)
+  return parser_->add(parser_->app.add_option(without_type(name), values, description)
                           ->take_all()
                           ->expected(1)
-                          ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll));
+                          ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll),
+                      name);
 }
 
 Option* CommandLine::add_words(const std::string& name, std::vector<std::string>& words, int max,
                                const std::string& description) {
-  return parser_->add(parser_->app.add_option(name, words, description)->expected(0, max));
+  return parser_->add(parser_->app.add_option(name, words, description)->expected(0, max), name);
 }
 
 Option* CommandLine::add_flag(const std::string& names, bool& value,
                               const std::string& description) {
-  return parser_->add(parser_->app.add_flag(names, value, description));
+  return parser_->add(parser_->app.add_flag(names, value, description), names);
 }
 
 Option* CommandLine::add_number(const std::string& name, double& value,
                                 const std::string& description) {
+  return parser_->add_read(
+      name, description, [&value](const std::string& word) { return number_mistake(word, value); });
+}
+
+Option* CommandLine::add_number(const std::string& name, std::optional<double>& value,
+                                const std::string& description) {
   return parser_->add_read(name, description, [&value](const std::string& word) {
-    return read_number(word, value) ? "" : " is not a finite number, expected one such as 0.01";
+    return number_mistake(word, value.emplace());
   });
 }
 
@@ -179,7 +202,7 @@ Option* CommandLine::add_positive(const std::string& name, std::optional<double>
                                   const std::string& description) {
   return parser_->add_read(name, description, [&value](const std::string& word) {
     double number = 0;
-    if (!read_number(word, number) || !(number > 0))
+    if (!internal::read_number(word, number) || !(number > 0))
       return " came, expected a number of more than 0";
     value = number;
     return "";
@@ -212,6 +235,12 @@ bool CommandLine::was_given(std::string_view name) const {
   const Option* const option = find(name);
   if (option == nullptr) throw std::logic_error(fmt::format("no option {} was added", name));
   return option->was_given();
+}
+
+void CommandLine::refuse_given(const std::vector<std::string>& names,
+                               const std::string& why) const {
+  for (const std::string& name : names)
+    if (was_given(name)) parser_->refuse(name, name + " " + why);
 }
 
 const Option* CommandLine::find(std::string_view name) const {

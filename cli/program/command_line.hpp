@@ -19,9 +19,6 @@ class Option {
  public:
   virtual ~Option() = default;
 
-  /// The word that stands for the value in the help, e.g. "FILE".
-  virtual Option* type_name(const std::string& word) = 0;
-
   /// Whether the parsed command line has it.
   [[nodiscard]] bool was_given() const { return !values().empty(); }
   /// Its values in the order of the command line; a flag has "true".
@@ -29,13 +26,14 @@ class Option {
 
   [[nodiscard]] virtual std::string name() const = 0;                    ///< "--dt" or "V"
   [[nodiscard]] virtual std::vector<std::string> all_names() const = 0;  ///< "-h", "--help"
-  [[nodiscard]] virtual std::string type_name() const = 0;
+  [[nodiscard]] virtual std::string type_name() const = 0;               ///< e.g. "FILE"
   [[nodiscard]] virtual std::string description() const = 0;
   [[nodiscard]] virtual bool takes_value() const = 0;  ///< false: a flag
   [[nodiscard]] virtual bool is_argument() const = 0;  ///< has a place, and no dashes
 };
 
-/// Options are bound to variables, which keep their values where an option is not given.
+/// Options are bound to variables, which keep their values where an option is not given. The name
+/// of one that takes a value is followed by the word that stands for it in the help: "--log FILE".
 class CommandLine {
  public:
   /// Both parameters are for messages.
@@ -48,6 +46,8 @@ class CommandLine {
 
   /// An option whose name begins with a dash, or an argument.
   Option* add_option(const std::string& name, std::string& value, const std::string& description);
+  Option* add_option(const std::string& name, std::optional<std::string>& value,
+                     const std::string& description);
   /// An option that may be repeated; each time it takes one word.
   Option* add_list(const std::string& name, std::vector<std::string>& values,
                    const std::string& description);
@@ -58,6 +58,8 @@ class CommandLine {
   Option* add_flag(const std::string& names, bool& value, const std::string& description);
   /// An option that takes a finite number, as read_number() reads it.
   Option* add_number(const std::string& name, double& value, const std::string& description);
+  Option* add_number(const std::string& name, std::optional<double>& value,
+                     const std::string& description);
   /// An option that takes a number greater than 0.
   Option* add_positive(const std::string& name, std::optional<double>& value,
                        const std::string& description);
@@ -72,6 +74,8 @@ class CommandLine {
   /// Whether the parsed command line has the option.
   /// @throws std::logic_error  if no option of that name was added
   [[nodiscard]] bool was_given(std::string_view name) const;
+  /// @throws UsageError  "NAME WHY" for the first of the options that came
+  void refuse_given(const std::vector<std::string>& names, const std::string& why) const;
   /// The option of that name, if there is one.
   [[nodiscard]] const Option* find(std::string_view name) const;
   /// Options and arguments, in the order in which they were added.

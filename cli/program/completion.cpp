@@ -2,7 +2,6 @@
 #include "program/completion.hpp"
 
 #include <algorithm>
-#include <set>
 
 #include "program/command_line.hpp"
 #include "program/program.hpp"
@@ -15,63 +14,16 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-void replace_all(std::string& text, const std::string& from, const std::string& to) {
-  for (std::size_t at = text.find(from); at != std::string::npos;
-       at = text.find(from, at + to.size()))
-    text.replace(at, from.size(), to);
-}
-
-std::string without_parentheses(const std::string& text) {
-  std::string result;
-  int depth = 0;
-  for (const char c : text) {
-    if (c == '(') ++depth;
-    if (depth == 0) result += c;
-    if (c == ')') --depth;
-  }
-  return result;
-}
-
-bool is_word(const std::string& text) {
-  // What stands for any list of one's own.
-  static const std::set<std::string> stand_ins = {"names", "numbers", "all"};
-  return !text.empty() && !stand_ins.contains(text) &&
-         text.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string::npos;
-}
-
-/// The single words of "a, b or c d".
-Words single_words(std::string text) {
-  replace_all(text, " or ", ",");
-  Words words;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    std::string word = text.substr(begin, end - begin);
-    word.erase(0, word.find_first_not_of(' '));
-    word.erase(word.find_last_not_of(' ') + 1);
-    if (is_word(word)) words.push_back(word);
-    begin = end + 1;
-  }
-  return words;
-}
-
-Words filter_models() {
-  Words names;
-  for (const FilterModelTitle& title : built_in_filter_models()) names.push_back(title.name);
-  return names;
-}
-
 /// What is offered for an option or an argument.
 Words values_of(const Option& option) {
+  if (option.name() == "--vehicle") return built_in_vehicles();
   const std::string description = option.description();
-  const auto says = [&](const char* words) { return description.find(words) != std::string::npos; };
-  if (says("built-in mission")) return built_in_missions();
-  if (says("built-in filter model")) return filter_models();
-  if (says("built-in vehicle") || option.name() == "--vehicle") return built_in_vehicles();
-  if (!option.takes_value()) return {};
+  if (Words names = built_in_names(description); !names.empty() || !option.takes_value())
+    return names;
   std::string type = option.type_name();
   if (type.find('|') != std::string::npos) {
     std::replace(type.begin(), type.end(), '|', ',');
-    return single_words(type);
+    return listed_words(type);
   }
   return listed_words(description);
 }
@@ -102,14 +54,14 @@ CompletedCommand completed(const Verb& verb, const std::string& name) {
 
 }  // namespace
 
-Words listed_words(const std::string& description) {
-  const std::string text = without_parentheses(description.substr(0, description.find(';')));
-  // "of the PID: euler, …" and "ideal, or real: as the vehicle's are": the side that lists more.
-  const std::size_t colon = text.find(": ");
-  if (colon == std::string::npos) return single_words(text);
-  const Words before = single_words(text.substr(0, colon));
-  const Words after = single_words(text.substr(colon + 2));
-  return before.size() > after.size() ? before : after;
+Words built_in_names(const std::string& description) {
+  const auto says = [&](const char* words) { return description.find(words) != std::string::npos; };
+  if (says("built-in mission")) return built_in_missions();
+  if (says("built-in vehicle")) return built_in_vehicles();
+  Words names;
+  if (says("built-in filter model"))
+    for (const FilterModelTitle& title : built_in_filter_models()) names.push_back(title.name);
+  return names;
 }
 
 std::vector<CompletedCommand> completed_commands() {

@@ -10,9 +10,9 @@
 
 namespace quadtune::cli {
 
-/// The words that an option takes, as its description lists them: "uquad, mambo or json", "optical
-/// flow: full (default), simplified or off"; empty where it lists none.
-[[nodiscard]] std::vector<std::string> listed_words(const std::string& description);
+/// The names of what is built in that an option takes, as its description says: vehicles, missions
+/// or filter models.
+[[nodiscard]] std::vector<std::string> built_in_names(const std::string& description);
 
 /// All verbs with what they take, for report::bash_completion().
 [[nodiscard]] std::vector<report::CompletedCommand> completed_commands();

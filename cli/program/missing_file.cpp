@@ -8,12 +8,10 @@
 #include <vector>
 
 #include "program/command_line.hpp"
+#include "program/completion.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/text_file.hpp"
-#include "quadtune/model/vehicle.hpp"
-#include "quadtune/simulation/mission.hpp"
 #include "quadtune/workbench/files/nearby_files.hpp"
 
 namespace quadtune::cli {
@@ -25,15 +23,6 @@ const Option* option_of(const std::string& path, const CommandLine& line) {
     for (const std::string& value : option->values())
       if (value == path || path.starts_with(value + "/")) return option;
   return nullptr;
-}
-
-std::vector<std::string> built_in_names(const std::string& description) {
-  if (description.find("built-in") == std::string::npos) return {};
-  if (description.find("mission") != std::string::npos) return built_in_missions();
-  if (description.find("vehicle") != std::string::npos) return built_in_vehicles();
-  std::vector<std::string> names;
-  for (const FilterModelTitle& title : built_in_filter_models()) names.push_back(title.name);
-  return names;
 }
 
 /// "; vehicles has mambo.toml, uquad.toml and 3 more", the nearest names first.

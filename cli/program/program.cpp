@@ -2,6 +2,7 @@
 #include "program/program.hpp"
 
 #include <fmt/format.h>
+#include <glog/logging.h>  // of Ceres, which warns of line searches that end at once
 
 #include <algorithm>
 #include <cstdint>
@@ -12,7 +13,6 @@
 #include <sstream>
 
 #include "program/command_line.hpp"
-#include "program/library_messages.hpp"
 #include "program/missing_file.hpp"
 #include "program/refusal.hpp"
 #include "program/standard_streams.hpp"
@@ -215,6 +215,16 @@ void Context::note(const std::string& line) const {
   err << internal::visible_text(line) << "\n";
 }
 
+void Context::notes(const std::string& start, const std::vector<std::string>& texts) const {
+  for (const std::string& text : texts) note(start + text);
+}
+
+void Context::write(const std::string& file, const std::string& bytes,
+                    const std::function<bool()>& stop) {
+  write_file(file, bytes, stop);
+  written.push_back(file);
+}
+
 void Context::print(const std::function<internal::Json()>& to_json,
                     const std::function<std::string()>& to_text) {
   if (json)
@@ -229,7 +239,7 @@ int run(const std::vector<std::string>& args, std::istream& in, std::ostream& ou
     return std::find(args.begin(), args.end(), option) != args.end();
   };
   const bool for_programs = asks("--json") || asks("--man") || asks("--completion");
-  silence_libraries();
+  FLAGS_minloglevel = google::GLOG_FATAL;  // the error stream is the program's
   VisibleText visible(out, for_programs ? 0 : width);
   std::ostream shown(&visible);
   Context context{in, shown, err};

@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <functional>
 #include <iosfwd>
+#include <memory>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -85,6 +87,12 @@ struct Context {
 
   /// One line on the error stream that is not an error; silent with --quiet, and said once.
   void note(const std::string& line) const;
+  /// One such line for each of `texts`, with `start` before it: "fly: note: ".
+  void notes(const std::string& start, const std::vector<std::string>& texts) const;
+
+  /// As write_file(), and keeps in mind that the file is complete.
+  void write(const std::string& file, const std::string& bytes,
+             const std::function<bool()>& stop = interrupted);
 
   /// Writes a result to `out`: with --json its JSON and a line feed, else its text as it is. The
   /// other of the two is not asked for.
@@ -102,6 +110,23 @@ struct Verb {
   std::string example;  ///< a command that works as printed from the project's root
   std::function<Action(CommandLine&)> define;  ///< adds the options, gives what to run
 };
+
+/// Verb::define of a verb with options of its own.
+/// @param add  adds them to the command line
+/// @param run  called after parse() with the options and the context, or with the line before them
+template <class Options, class Run>
+std::function<Action(CommandLine&)> with_options(void (*add)(CommandLine&, Options&), Run run) {
+  return [add, run](CommandLine& line) -> Action {
+    const auto options = std::make_shared<Options>();
+    add(line, *options);
+    return [options, run, &line](Context& context) {
+      if constexpr (std::is_invocable_v<Run, Options&, Context&>)
+        run(*options, context);
+      else
+        run(line, *options, context);
+    };
+  };
+}
 
 /// An option of every verb, beside -o.
 struct CommonOption {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// An answer that is no before there is anything to print.
+/// A command line that is wrong, and an answer that is no before there is anything to print.
 #pragma once
+
+#include <fmt/format.h>
 
 #include <string>
 #include <utility>
@@ -8,6 +10,15 @@
 #include "program/program.hpp"
 
 namespace quadtune::cli {
+
+/// @param where  the option or argument concerned, for scripts
+/// @param text   what follows "quadtune VERB: ", a format of the values
+/// @throws UsageError
+template <class... Values>
+[[noreturn]] void refuse(const std::string& verb, const std::string& where,
+                         fmt::format_string<const Values&...> text, const Values&... values) {
+  throw UsageError(fmt::format("quadtune {}: {}", verb, fmt::format(text, values...)), where);
+}
 
 /// Unlike any other AnswerIsNo it is told as an error is: with --json as an object, and without a
 /// file that -o names.

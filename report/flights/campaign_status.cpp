@@ -62,4 +62,13 @@ std::string to_text(std::uint32_t shard, const ShardWork& work) {
   return fmt::format("shard {}: {} flown, {} found\n", shard, work.flown, work.found);
 }
 
+std::string progress_line(const CampaignProgress& now, double seconds) {
+  const double left = seconds / static_cast<double>(now.flown) * static_cast<double>(now.missing);
+  const std::uint64_t done = now.all - now.missing;
+  constexpr std::size_t kWidth = 30;
+  const auto filled = static_cast<std::size_t>(kWidth * done / now.all);
+  return fmt::format("[{:#<{}}{:.<{}}] {} of {} flights, {:.0f} s left", "", filled, "",
+                     kWidth - filled, done, now.all, left);
+}
+
 }  // namespace quadtune::report

@@ -3,11 +3,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <set>
+
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/version.hpp"
 
 namespace quadtune::report {
 namespace {
+
+using Words = std::vector<std::string>;
 
 std::vector<std::string> names_of(const std::vector<CompletedCommand>& commands) {
   std::vector<std::string> names;
@@ -26,7 +31,56 @@ std::string case_of(const CompletedCommand& command) {
          fmt::format(" {}) ;; -*) values=\"\" ;; esac", internal::joined(command.flags, "|"));
 }
 
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != std::string::npos;
+       at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+}
+
+std::string without_parentheses(const std::string& text) {
+  std::string result;
+  int depth = 0;
+  for (const char c : text) {
+    if (c == '(') ++depth;
+    if (depth == 0) result += c;
+    if (c == ')') --depth;
+  }
+  return result;
+}
+
+bool is_word(const std::string& text) {
+  // What stands for any list of one's own.
+  static const std::set<std::string> stand_ins = {"names", "numbers", "all"};
+  return !text.empty() && !stand_ins.contains(text) &&
+         text.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string::npos;
+}
+
+/// The single words of "a, b or c d".
+Words single_words(std::string text) {
+  replace_all(text, " or ", ",");
+  Words words;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    std::string word = text.substr(begin, end - begin);
+    word.erase(0, word.find_first_not_of(' '));
+    word.erase(word.find_last_not_of(' ') + 1);
+    if (is_word(word)) words.push_back(word);
+    begin = end + 1;
+  }
+  return words;
+}
+
 }  // namespace
+
+Words listed_words(const std::string& description) {
+  const std::string text = without_parentheses(description.substr(0, description.find(';')));
+  // "of the PID: euler, …" and "ideal, or real: as the vehicle's are": the side that lists more.
+  const std::size_t colon = text.find(": ");
+  if (colon == std::string::npos) return single_words(text);
+  const Words before = single_words(text.substr(0, colon));
+  const Words after = single_words(text.substr(colon + 2));
+  return before.size() > after.size() ? before : after;
+}
 
 std::string bash_completion(const std::vector<CompletedCommand>& commands) {
   std::string cases;

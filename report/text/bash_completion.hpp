@@ -18,6 +18,10 @@ struct CompletedCommand {
   std::vector<CompletedCommand> kinds = {};  ///< by the second word; then all others are empty
 };
 
+/// The words that an option takes, as its description lists them: "uquad, mambo or json", "optical
+/// flow: full (default), simplified or off"; empty where it lists none.
+[[nodiscard]] std::vector<std::string> listed_words(const std::string& description);
+
 /// A script for `source`.
 [[nodiscard]] std::string bash_completion(const std::vector<CompletedCommand>& commands);
 

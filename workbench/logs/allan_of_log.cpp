@@ -8,6 +8,8 @@
 #include <numbers>
 #include <utility>
 
+#include "quadtune/errors.hpp"
+#include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/tuning/made_up_imu.hpp"
 #include "quadtune/workbench/logs/channel_place.hpp"
@@ -77,6 +79,15 @@ SensorAllan analysed(AllanRecord record, AllanTaus taus) {
 }
 
 }  // namespace
+
+AllanTaus allan_taus(const std::string& word) {
+  if (word == "octaves") return AllanTaus::octaves;
+  if (word == "decades") return AllanTaus::decades;
+  if (word == "all") return AllanTaus::all;
+  throw OptionError("taus",
+                    fmt::format("taus is '{}', expected octaves, decades or all{}", word,
+                                internal::did_you_mean(word, {"octaves", "decades", "all"})));
+}
 
 SensorAllan allan_of_log(const AllanOptions& options) {
   return analysed(read(options), options.taus);

@@ -13,6 +13,10 @@
 
 namespace quadtune {
 
+/// "octaves", "decades" or "all".
+/// @throws OptionError  "taus", for other words
+[[nodiscard]] AllanTaus allan_taus(const std::string& word);
+
 /// What is analysed: a rate, evenly sampled.
 struct AllanRecord {
   std::string log;

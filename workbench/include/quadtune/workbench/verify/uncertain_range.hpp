@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Ranges of what is uncertain of a vehicle, as a user writes them: "LOW:HIGH", or one number.
+#pragma once
+
+#include <string>
+
+#include "quadtune/tuning/uncertain_vehicle.hpp"
+
+namespace quadtune {
+
+/// Ratios to the value of a vehicle's file: 0 < LOW ≤ 1 ≤ HIGH.
+/// @param key  of the option, e.g. "mass"
+/// @throws OptionError  naming the key
+[[nodiscard]] UncertainRange uncertain_ratios(const std::string& text, const std::string& key);
+
+/// A delay [s]: 0 ≤ LOW ≤ HIGH.
+/// @throws OptionError  naming the key
+[[nodiscard]] UncertainRange uncertain_delay(const std::string& text, const std::string& key);
+
+/// A lag of motors [s]: 0 < LOW ≤ HIGH, or 0 for none.
+/// @throws OptionError  naming the key
+[[nodiscard]] UncertainRange uncertain_lag(const std::string& text, const std::string& key);
+
+}  // namespace quadtune
