@@ -219,10 +219,10 @@ void Context::notes(const std::string& start, const std::vector<std::string>& te
   for (const std::string& text : texts) note(start + text);
 }
 
-void Context::write(const std::string& file, const std::string& bytes,
+void Context::write(const std::string& name, const std::string& bytes,
                     const std::function<bool()>& stop) {
-  write_file(file, bytes, stop);
-  written.push_back(file);
+  write_file(name, bytes, stop);
+  written.push_back(name);
 }
 
 void Context::print(const std::function<internal::Json()>& to_json,

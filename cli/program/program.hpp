@@ -91,7 +91,7 @@ struct Context {
   void notes(const std::string& start, const std::vector<std::string>& texts) const;
 
   /// As write_file(), and keeps in mind that the file is complete.
-  void write(const std::string& file, const std::string& bytes,
+  void write(const std::string& name, const std::string& bytes,
              const std::function<bool()>& stop = interrupted);
 
   /// Writes a result to `out`: with --json its JSON and a line feed, else its text as it is. The
