@@ -47,6 +47,8 @@ std::string in_words(const VectorXd& direction, const std::vector<Index>& main,
   if (main.size() == 2 && std::abs(std::abs(a) - std::abs(b)) < 1e-3 * std::abs(a))
     return fmt::format("only the {} of {} {} {} is seen", a * b > 0 ? "ratio" : "product",
                        name(main[0]), a * b > 0 ? "to" : "and", name(main[1]));
+  // Either sign is the same direction: rounding shall not choose the words.
+  if (a < 0) return in_words(-direction, main, names);
   std::vector<std::string> up, down;
   for (const Index g : main) {
     if (std::abs(direction(g) - 1) < 1e-3) up.push_back(name(g));
