@@ -104,8 +104,8 @@ std::string name_of(const std::string& vehicle) {
 }
 
 std::string trim_table(const FlightCondition& flight) {
-  std::string text = fmt::format("[trim]\nat = {}\nyaw_rad = {}\n",
-                                 toml_text(to_string(flight.kind)), flight.yaw);
+  std::string text =
+      fmt::format("[trim]\nat = {}\nyaw_rad = {}\n", toml_text(to_string(flight.kind)), flight.yaw);
   const bool circle = flight.kind == FlightKind::circle;
   if (circle || flight.kind == FlightKind::line)
     text += fmt::format("speed_m_per_s = {}\n", flight.speed);

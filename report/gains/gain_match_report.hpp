@@ -15,7 +15,7 @@ struct GainMatchReport {
   const Vehicle& vehicle;
   const std::string& vehicle_word;  ///< a built-in vehicle, or its file
   FlightCondition flight;           ///< about which the plant is linear
-  const std::string& file;  ///< of the gains
+  const std::string& file;          ///< of the gains
   const Eigen::MatrixXd& K;
   const Eigen::MatrixXd& K_int;
   const GainMatch& match;

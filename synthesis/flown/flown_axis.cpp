@@ -22,9 +22,9 @@ constexpr const char* kWhere = "flown axis";
 }  // namespace
 
 constexpr internal::EnumName<FlownAxis> kFlownAxisNames[] = {{FlownAxis::north, "north"},
-                                                          {FlownAxis::east, "east"},
-                                                          {FlownAxis::altitude, "altitude"},
-                                                          {FlownAxis::yaw, "yaw"}};
+                                                             {FlownAxis::east, "east"},
+                                                             {FlownAxis::altitude, "altitude"},
+                                                             {FlownAxis::yaw, "yaw"}};
 
 std::string to_string(FlownAxis axis) { return internal::name_in(kFlownAxisNames, axis); }
 

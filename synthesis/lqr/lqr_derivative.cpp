@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/synthesis/diagonal_lqr.hpp"
-
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
@@ -9,6 +7,7 @@
 #include "lyapunov/schur_lyapunov.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/matrix_checks.hpp"
+#include "quadtune/synthesis/diagonal_lqr.hpp"
 #include "riccati/riccati_parts.hpp"
 
 namespace quadtune {

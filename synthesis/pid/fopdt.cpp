@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/synthesis/pid_rules.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "quadtune/discretize/zoh.hpp"
+#include "quadtune/synthesis/pid_rules.hpp"
 
 namespace quadtune {
 namespace {

@@ -10,10 +10,10 @@
 #include <tuple>
 
 #include "quadtune/exports/file_set.hpp"
+#include "quadtune/workbench/verify/verify_directory.hpp"
 #include "run_program.hpp"
 #include "source_folder.hpp"
 #include "temporary_directory.hpp"
-#include "quadtune/workbench/verify/verify_directory.hpp"
 
 namespace quadtune::testing {
 namespace {

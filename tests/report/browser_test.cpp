@@ -126,7 +126,8 @@ class Attitude : public Browser {
         "[[.2,-.2,0],[.2,.2,0],[-.2,.2,0],[-.2,-.2,0]].map(flightReport.replay.project).flat()"
         ".map((v) => v.toFixed(2)).join(' ');",
         from);
-    const std::string page = opened(with_script(report::html(still_flight(roll, pitch, yaw)), script));
+    const std::string page =
+        opened(with_script(report::html(still_flight(roll, pitch, yaw)), script));
     EXPECT_EQ(root_data(page, "error"), "(none)");
     std::istringstream text(root_data(page, "seen"));
     std::vector<std::pair<double, double>> places;

@@ -20,8 +20,8 @@
 namespace quadtune {
 namespace {
 
-using report::FlightReport;
 using nlohmann::json;
+using report::FlightReport;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::hostile_flight;

@@ -62,11 +62,12 @@ report::FlightReport hostile_flight() {
   for (std::size_t i = 0; i < columns.size(); ++i)
     report.log.columns.push_back({texts[i], texts[i], columns[i]});
   for (std::size_t i = 0; i < columns.size(); ++i)
-    report.plots.push_back({text,
-                            text,
-                            {{text, texts[i], static_cast<report::SeriesStyle>(i % 4)},
-                             {texts[i], texts[(i + 1) % columns.size()], report::SeriesStyle::value}},
-                            i == 0 ? kNaN : 1e30});
+    report.plots.push_back(
+        {text,
+         text,
+         {{text, texts[i], static_cast<report::SeriesStyle>(i % 4)},
+          {texts[i], texts[(i + 1) % columns.size()], report::SeriesStyle::value}},
+         i == 0 ? kNaN : 1e30});
   report::ReportReplay replay;
   replay.position = {texts[0], texts[3], texts[5]};
   replay.attitude = {texts[0], texts[1], texts[2]};

@@ -12,8 +12,8 @@
 namespace quadtune::testing {
 namespace {
 
-using report::SeriesStyle;
 using Eigen::Vector3d;
+using report::SeriesStyle;
 using std::numbers::pi;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();

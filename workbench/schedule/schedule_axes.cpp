@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "quadtune/errors.hpp"
-#include "quadtune/internal/words.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/internal/words.hpp"
 
 namespace quadtune {
 namespace {

@@ -69,10 +69,10 @@ void require_input(const std::string& name, const Manifest& manifest) {
   std::vector<std::string> names;
   for (const ManifestFile& input : manifest.inputs) names.push_back(input.path);
   if (std::find(names.begin(), names.end(), name) == names.end())
-    throw OptionError("design", fmt::format("design is '{}', expected one of the manifest's "
-                                            "inputs: {}",
-                                            internal::printable(name),
-                                            internal::joined(names, ", ")));
+    throw OptionError("design",
+                      fmt::format("design is '{}', expected one of the manifest's "
+                                  "inputs: {}",
+                                  internal::printable(name), internal::joined(names, ", ")));
 }
 
 std::vector<InputAtHand> inputs_at_hand(const std::string& directory, const Manifest& manifest,

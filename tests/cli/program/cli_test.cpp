@@ -18,11 +18,11 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/version.hpp"
+#include "quadtune/workbench/verify/verify_directory.hpp"
 #include "run_program.hpp"
 #include "sanitized.hpp"
 #include "source_folder.hpp"
 #include "temporary_directory.hpp"
-#include "quadtune/workbench/verify/verify_directory.hpp"
 
 namespace quadtune {
 namespace {
@@ -115,9 +115,8 @@ TEST(Help, ListsEveryVerbAndEveryOption) {
     EXPECT_EQ(run_program(words_of(verb.name, {"--help"})).out, help);
   }
   EXPECT_THAT(man, HasSubstr("\\-\\-convention"));
-  EXPECT_THAT(run_program({"--version"}).out,
-              MatchesRegex(std::string("quadtune ") + kVersion +
-                           "\nkernels: (AVX-512|AVX2|baseline)\n"));
+  EXPECT_THAT(run_program({"--version"}).out, MatchesRegex(std::string("quadtune ") + kVersion +
+                                                           "\nkernels: (AVX-512|AVX2|baseline)\n"));
 }
 
 TEST(Help, TellsScriptsTheSameAsPeople) {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/synthesis/lyapunov.hpp"
-
 #include <Eigen/SVD>
 #include <cmath>
 #include <numbers>
@@ -10,6 +8,7 @@
 #include "plants/slicot_example.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/frequency_response.hpp"
+#include "quadtune/synthesis/lyapunov.hpp"
 #include "quadtune/transfer_function.hpp"
 #include "shared_data.hpp"
 

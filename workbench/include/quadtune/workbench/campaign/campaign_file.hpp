@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "quadtune/workbench/flight/flight_plan.hpp"
-#include "quadtune/workbench/campaign/campaign_plan.hpp"
 #include "quadtune/internal/toml_reader.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/simulation/mission.hpp"
 #include "quadtune/simulation/uncertainty.hpp"
+#include "quadtune/workbench/campaign/campaign_plan.hpp"
+#include "quadtune/workbench/flight/flight_plan.hpp"
 
 namespace quadtune {
 

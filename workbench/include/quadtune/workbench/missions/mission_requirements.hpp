@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "quadtune/workbench/campaign/campaign_file.hpp"
 #include "quadtune/synthesis/margins.hpp"
 #include "quadtune/tuning/mission_search.hpp"
+#include "quadtune/workbench/campaign/campaign_file.hpp"
 
 namespace quadtune {
 
