@@ -16,7 +16,7 @@ namespace {
 
 std::vector<ExportTarget>& targets() {
   static std::vector<ExportTarget> all = {
-      {"uquad", false, true}, {"mambo", false, false}, {"json", true, false}};
+      {"uquad", false, true, "uquad"}, {"mambo", false, false, "mambo"}, {"json", true, false}};
   return all;
 }
 

@@ -28,7 +28,7 @@ void add_log_options(CommandLine& line, LogArguments& arguments);
 /// @throws UsageError, InvalidInput  naming the option.
 [[nodiscard]] LogOptions log_options(const LogArguments& arguments, const std::string& verb);
 
-/// Of the log of a sensor.
+/// How the log of a sensor is to be read, its clock included.
 struct SensorLogArguments {
   LogArguments log;
   std::string time;       ///< the column of a text that is its clock; empty: as the log says

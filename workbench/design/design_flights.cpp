@@ -7,6 +7,7 @@
 
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/tuned_noise.hpp"
+#include "quadtune/export_target.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/design.hpp"
 
@@ -147,12 +148,15 @@ std::string program_estimator(const Design& design) {
   const Sensors& sensors = design.vehicle.sensors;
   const bool tuned = std::any_of(design.kalman.begin(), design.kalman.end(),
                                  [](const KalmanDesign& filter) { return !filter.tuned.empty(); });
-  const auto exported_to = [&](const char* kind) {
+  const auto asked_by_an_export = [&](const std::string& estimator) {
     return std::any_of(design.exports.begin(), design.exports.end(),
-                       [&](const ExportRequest& request) { return request.to == kind; });
+                       [&](const ExportRequest& request) {
+                         return export_target(request.to, "export").estimator == estimator;
+                       });
   };
-  if ((tuned || exported_to("mambo")) && sensors.sonar) return "mambo";
-  if ((design.estimator || exported_to("uquad")) && sensors.barometer && sensors.magnetometer)
+  if ((tuned || asked_by_an_export("mambo")) && sensors.sonar) return "mambo";
+  if ((design.estimator || asked_by_an_export("uquad")) && sensors.barometer &&
+      sensors.magnetometer)
     return "uquad";
   // A matrix is optimized with the estimator of the program whose words it has.
   if (design.lqi && design.lqi->matrix)

@@ -13,6 +13,9 @@ struct ExportTarget {
   /// Whether its files hold a law's past commands and lags; others take a matrix alone.
   bool takes_memory = false;
   bool needs_gains = false;  ///< whether there is nothing to write without a state feedback
+  /// The estimator of its flight program, with which a design that is exported to it is flown where
+  /// the vehicle's sensors feed it: "mambo" or "uquad"; empty: by the sensors.
+  std::string estimator = {};
 };
 
 /// The targets in the order of the documentation: uquad, mambo, json, then those that were added.

@@ -137,8 +137,10 @@ class Json {
       return held<T>(natural());
     else if constexpr (std::signed_integral<T>)
       return held<T>(integer());
-    else
+    else {
+      static_assert(std::floating_point<T>, "a list is read entry by entry");
       return static_cast<T>(real());
+    }
   }
   [[nodiscard]] const std::string& text() const;
 
