@@ -3,8 +3,8 @@
 # compiled once: docs/decisions/0005-short-build.md.
 #
 # GCC uses a precompiled header only where its options are those of the source file, so there is one
-# for each kind of target: libraries (quadtune_eigen), program (quadtune_cli) and tests
-# (quadtune_test_support). A source file with options of its own is compiled without it.
+# for each kind of target: libraries (quadtune_eigen), results and program (quadtune_report) and
+# tests (quadtune_test_support). A source file with options of its own is compiled without it.
 add_library(quadtune_eigen OBJECT
   lib/compiled_eigen/eigenvalues.cpp
   lib/compiled_eigen/factorizations.cpp

@@ -11,6 +11,8 @@ if(QUADTUNE_VARIANTS AND CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT QUADTUNE_NAT
   set(QUADTUNE_VARIANT_NAMES x86-64-v3 x86-64-v4)
 else()
   set(QUADTUNE_VARIANT_NAMES "")
+  # Those of another configuration of this build tree would still be loaded.
+  file(REMOVE_RECURSE ${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/glibc-hwcaps)
 endif()
 # Whoever builds a program that loads the libraries builds the variants: the loader would find those
 # of the build before.
