@@ -52,9 +52,9 @@ struct SensorAllan {
 /// @throws MissingOption, FileError  as read_sensors()
 [[nodiscard]] SensorAllan allan_of_log(const AllanOptions& options);
 
-/// The same of a made-up gyroscope's rate.
+/// The same for the simulated rate of a gyroscope whose noise is known.
 /// @param seed  of its noise
-/// @param unit  that it is said to be in; empty: rad/s
+/// @param unit  of the rate in the result; empty: rad/s
 [[nodiscard]] SensorAllan allan_of_made_up(std::uint64_t seed, const std::string& unit,
                                            AllanTaus taus);
 

@@ -45,7 +45,7 @@ struct CalibratedImu {
 /// Reads logs and calibrates the sensors that they have.
 /// @throws OptionError    for other than three channels of a sensor: "gyroscope" and the like
 /// @throws MissingOption  for a log without accelerometer; and as read_sensors()
-/// @throws NoSolution     for a sensor whose numbers the poses do not tell
+/// @throws NoSolution     for a sensor whose parameters the poses do not determine
 /// @throws InvalidInput, FileError  as read_sensors(), join() and calibrate_imu()
 [[nodiscard]] CalibratedImu calibrate_from_logs(const ImuLogOptions& options);
 

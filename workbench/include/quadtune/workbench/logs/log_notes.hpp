@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What is said of a log while it is read.
+/// Messages about a log, passed on while it is read.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace quadtune {
 
-/// Takes one line for the user as soon as it is known, so that it is told although an error
+/// Receives one line for the user as soon as it is known, so that the user sees it even if an error
 /// follows. May be empty.
 using LogNote = std::function<void(const std::string& line)>;
 

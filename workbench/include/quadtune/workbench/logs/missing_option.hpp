@@ -9,7 +9,7 @@
 
 namespace quadtune {
 
-/// An option did not come, and what was read cannot do without it.
+/// An option is missing that the content of a log requires.
 class MissingOption : public InvalidInput {
  public:
   /// @param option   its key, e.g. "rate"

@@ -23,7 +23,8 @@ struct NoiseRun {
   SampleMatrix x, x_variance;     ///< (nx × N) means, and their variances
 };
 
-/// One record, the gates of the sensors left open: what they refuse is not in it any more.
+/// The runs over one record. The gates of the sensors are open, since the record no longer contains
+/// the samples that they reject.
 struct NoiseRuns {
   std::size_t fitted = 0;                 ///< instants that the fit saw: its beginning
   std::optional<NoiseRun> before, after;  ///< none where the filter did not get through
@@ -37,7 +38,7 @@ struct ParameterProfile {
 struct NoiseEvidence {
   double holdout = 0;                      ///< share of each record that was kept from the fit
   std::vector<NoiseRuns> records;          ///< of NoiseTuning::records_after
-  std::vector<ParameterProfile> profiles;  ///< of the parameters that were looked for
+  std::vector<ParameterProfile> profiles;  ///< of the parameters that were fitted
 };
 
 /// Runs the filter and, where memory allows, the smoother over NoiseTuning::records_before and

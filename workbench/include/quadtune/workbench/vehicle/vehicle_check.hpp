@@ -18,7 +18,7 @@ struct VehicleCheck {
   std::vector<Implausibility> warnings;  ///< figures outside their plausible ranges
 };
 
-/// A vehicle hovers by luck alone unless its rotors can change thrust and all three torques
+/// A vehicle cannot hold a hover unless its rotors change thrust and all three torques
 /// independently: the four rows of wrench_jacobian(), normalized, must be linearly independent.
 /// @param hover  a solved trim of the vehicle
 /// @param name   the vehicle's name or file, for messages

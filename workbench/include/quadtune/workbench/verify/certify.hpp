@@ -18,7 +18,7 @@
 
 namespace quadtune {
 
-/// The box, the laws, and how hard to try.
+/// The box of vehicles, the laws, and limits of the effort.
 struct CertifyOptions {
   std::string vehicle;     ///< a name or a file; empty: that of the export's manifest
   std::string controller;  ///< as controller_kind(); empty: every law of the export
