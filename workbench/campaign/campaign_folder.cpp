@@ -12,6 +12,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/campaign/campaign_scripts.hpp"
+#include "quadtune/workbench/flight/sensor_bound.hpp"
 
 namespace quadtune {
 namespace {
@@ -168,7 +169,10 @@ std::set<std::uint64_t> kept_flights(const CampaignPlan& plan,
 }
 
 PlannedFlight replayed_flight(const CampaignPlan& plan, std::uint64_t number) {
-  PlannedFlight flight = plan.words[number % plan.campaign.cases.size()];
+  const std::size_t which = number % plan.campaign.cases.size();
+  PlannedFlight flight = plan.words[which];
+  // Here and not in load_plan(), as workers have no use for it.
+  flight.bound = mission_bound(plan.campaign.cases[which].setup);
   flight.setup = setup_of(plan.campaign, number);
   return flight;
 }

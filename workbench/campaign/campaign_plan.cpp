@@ -21,7 +21,6 @@
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/flight/fly.hpp"
 #include "quadtune/workbench/flight/option_of_file.hpp"
-#include "quadtune/workbench/flight/sensor_bound.hpp"
 #include "quadtune/workbench/flown/flown_loop.hpp"
 
 namespace quadtune {
@@ -164,7 +163,6 @@ PlannedFlight flight_of(const Json& json, const std::string& where, const Vehicl
   }
   internal::setup_from_json(member(json, "setup", where), where, setup);
   validate(setup);
-  flight.bound = mission_bound(setup);
   return flight;
 }
 
