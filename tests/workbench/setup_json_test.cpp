@@ -3,8 +3,12 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <limits>
 #include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
@@ -94,6 +98,32 @@ TEST(SetupJson, EveryFieldReadsBackToTheSameBits) {
   EXPECT_EQ(read.mambo_estimator, written.mambo_estimator);
   EXPECT_EQ(read.uquad_filter, written.uquad_filter);
   EXPECT_EQ(read.general_noise, written.general_noise);
+}
+
+/// Between the fields that a visitor shows there is room for padding alone, not for a number.
+template <class Settings>
+void expect_visits_all() {
+  const Settings settings;
+  std::vector<std::pair<const char*, const char*>> fields;  // begin and end
+  Settings::each_field(
+      [&fields](const char*, const auto& field) {
+        const auto* begin = reinterpret_cast<const char*>(&field);
+        fields.emplace_back(begin, begin + sizeof(field));
+      },
+      settings);
+  std::sort(fields.begin(), fields.end());
+  const auto* at = reinterpret_cast<const char*>(&settings);
+  fields.emplace_back(at + sizeof(settings), nullptr);
+  for (const auto& [begin, end] : fields) {
+    EXPECT_LT(begin - at, static_cast<std::ptrdiff_t>(sizeof(double)));
+    at = end;
+  }
+}
+
+TEST(SetupJson, VisitorsShowEveryField) {
+  expect_visits_all<MamboEstimatorSettings<double>>();
+  expect_visits_all<UquadFilterSettings<double>>();
+  expect_visits_all<GeneralFilterNoise>();
 }
 
 // A field that a plan lacks would keep its default and fly differently without a word.
