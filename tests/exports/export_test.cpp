@@ -147,7 +147,7 @@ TEST(Export, RefusesUquadWithoutGains) {
 }
 
 TEST(Export, WordsOfKindsReadBackAndUnknownOnesAreRefused) {
-  for (const ExportKind kind : {ExportKind::uquad, ExportKind::mambo, ExportKind::json})
+  for (const ExportKind& kind : {ExportKind::uquad, ExportKind::mambo, ExportKind::json})
     EXPECT_EQ(export_kind(to_string(kind), "--to"), kind);
   EXPECT_THAT([] { (void)export_kind("jason", "--to"); },
               ThrowsMessage<InvalidInput>(HasSubstr("--to: no export 'jason', expected uquad, "

@@ -180,7 +180,7 @@ TEST(Verify, SaysYesToWhatWasWritten) {
   const VerifyReport uquad = verify_export(directory.path() / "uquad", uquad_model());
   EXPECT_TRUE(uquad.ok()) << all_details(uquad);
   EXPECT_LT(uquad.poles.cwiseAbs().maxCoeff(), 1);
-  for (const ExportKind kind : {ExportKind::mambo, ExportKind::json}) {
+  for (const ExportKind& kind : {ExportKind::mambo, ExportKind::json}) {
     write_export(directory.path() / to_string(kind), kind, mambo_with_cascade());
     const VerifyReport report =
         verify_export(directory.path() / to_string(kind), mambo_model(), mambo_facts());
