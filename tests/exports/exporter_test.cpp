@@ -57,7 +57,9 @@ TEST(Exporter, OneOfTheUsersOwnIsWrittenReadAndVerified) {
   EXPECT_EQ(read_gains(directory.path()).K, content.gains->K);
   const VerifyReport good = verify_export(directory.path(), {});
   for (const VerifyCheck& check : good.checks)
-    if (check.name.find("rows.txt") != std::string::npos) EXPECT_TRUE(check.ok) << check.detail;
+    if (check.name.find("rows.txt") != std::string::npos) {
+      EXPECT_TRUE(check.ok) << check.detail;
+    }
   // A number that was changed is found by the checks that every exporter has.
   directory.write("rows.txt", "1 2 3\n4 5 6\n");
   EXPECT_FALSE(verify_export(directory.path(), {}).ok());
