@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "riccati/riccati_doubling.hpp"
-
+// Chooses the kernels for the size of an equation.
 #include "riccati/kernel_ops.hpp"
+#include "riccati/riccati_doubling.hpp"
 #include "riccati/riccati_mixed.hpp"
 
 namespace quadtune::internal {
