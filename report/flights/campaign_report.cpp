@@ -10,6 +10,7 @@
 #include "quadtune/workbench/campaign/campaign_scripts.hpp"
 #include "report/flights/campaign_figures.hpp"
 #include "report/flights/flight_text.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
@@ -43,41 +44,32 @@ Json to_json(const MetricSpread& m) {
           {"p99", to_json(m.percentile_99)}};
 }
 
-std::string short_number(double x) {
-  if (std::isinf(x)) return "never";
-  return fmt::format("{:.3g}", x);
-}
-
 std::string metrics_text(const CaseStatistics& of, const Mission& mission) {
-  std::string text = fmt::format("  {:<36} {:>10} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "5 %",
-                                 "median", "95 %", "99 %", "limit", "unit");
+  Cells cells = {{"", "5 %", "median", "95 %", "99 %", "limit", "unit"}};
   for (const MetricSpread& m : of.metrics) {
     if (!is_shown(m.metric)) continue;
+    cells.push_back({"  " + label_of(m.metric)});
+    for (const Estimated& e : {m.percentile_5, m.median, m.percentile_95, m.percentile_99})
+      cells.back().push_back(reached(e.value, ".3g"));
     const double limit = limit_of(mission, m.metric);
-    std::string line =
-        fmt::format("  {:<36} {:>10} {:>10} {:>10} {:>10} {:>10}  {}", label_of(m.metric),
-                    short_number(m.percentile_5.value), short_number(m.median.value),
-                    short_number(m.percentile_95.value), short_number(m.percentile_99.value),
-                    std::isnan(limit) ? "" : short_number(limit), unit_shown(m.metric));
-    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+    cells.back().push_back(std::isnan(limit) ? "" : reached(limit, ".3g"));
+    cells.back().push_back(unit_shown(m.metric));
   }
-  return text;
+  return aligned(cells, "<>>>>><") + "\n";
 }
 
 /// The strongest trends that are surely there.
 std::string sensitivities_text(const CaseStatistics& of) {
   constexpr std::size_t kMost = 8;
-  std::vector<std::string> words;
+  Cells cells = {{"  depends on", "figure", "rank correlation"}};
   for (const Sensitivity& s : of.sensitivities) {
-    if (words.size() == kMost) break;
+    if (cells.size() > kMost) break;
     if (surely_not_zero(s.correlation))
-      words.push_back(fmt::format("  {:<22} {:<20} {:+.2f}  ({:+.2f} to {:+.2f})", s.quantity,
-                                  s.figure, s.correlation.value, s.correlation.low,
-                                  s.correlation.high));
+      cells.push_back({"  " + s.quantity, s.figure,
+                       fmt::format("{:+.2f}  ({:+.2f} to {:+.2f})", s.correlation.value,
+                                   s.correlation.low, s.correlation.high)});
   }
-  if (words.empty()) return "";
-  return fmt::format("  depends on             figure               rank correlation\n{}\n",
-                     internal::joined(words, "\n"));
+  return cells.size() == 1 ? "" : aligned(cells, "<") + "\n";
 }
 
 std::string case_text(const CampaignPlan& plan, std::size_t index, const CaseStatistics& of,

@@ -8,7 +8,7 @@
 #include "quadtune/internal/json.hpp"
 #include "report/loops/flown_report.hpp"
 #include "report/text/print.hpp"
-#include "report/text/text_table.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
@@ -133,10 +133,7 @@ const LimitCheck* limit_of(const FlownFlight& flight, Metric metric) {
 }
 
 std::string metrics_text(const FlownFlight& flight) {
-  // Its cells begin with the blank that keeps them apart.
-  TextTable table({{"", 36, TextColumn::Side::left},
-                   {"", 15, TextColumn::Side::left},
-                   {"", 0, TextColumn::Side::left}});
+  Cells cells;
   for (std::size_t i = 0; i < kMetrics; ++i) {
     const auto metric = static_cast<Metric>(i);
     const double value = flight.result.metrics[metric];
@@ -144,13 +141,13 @@ std::string metrics_text(const FlownFlight& flight) {
     if (std::isnan(value) && check == nullptr) continue;
     std::string limit;
     if (check != nullptr)
-      limit = fmt::format(" {} {}{}{}", check->at_least ? "at least" : "at most",
+      limit = fmt::format("{} {}{}{}", check->at_least ? "at least" : "at most",
                           in_words(metric, check->bound),
                           widened_of(flight.plan, metric) != nullptr ? " (widened)" : "",
                           check->ok ? "" : "  NOT KEPT");
-    table.row({"  " + label_of(metric), " " + in_words(metric, value), limit});
+    cells.push_back({"  " + label_of(metric), in_words(metric, value), limit});
   }
-  return table.rows().empty() ? "" : table.rows() + "\n";
+  return cells.empty() ? "" : aligned(cells, "<") + "\n";
 }
 
 }  // namespace

@@ -8,37 +8,22 @@
 
 #include "quadtune/internal/json.hpp"
 #include "report/flights/flight_text.hpp"
-#include "report/text/text_table.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
 
-std::string figure(double value) {
-  if (std::isnan(value)) return "-";
-  return std::isinf(value) ? "never" : fmt::format("{:.3g}", value);
-}
-
 std::string seeds_table(const std::vector<SeedVerdict>& seeds) {
-  TextTable table({{"seed", 6},
-                   {" verdict", 9, TextColumn::Side::left},
-                   {"rms", 9},
-                   {"greatest", 9},
-                   {"end", 9},
-                   {"settled", 9},
-                   {"yaw", 9},
-                   {"tilt", 9},
-                   {"limited", 11}});
-  table.row({"", "", "[m]", "[m]", "[m]", "[s]", "[rad]", "[rad]", "motor [s]"});
+  Cells cells = {{"seed", "verdict", "rms", "greatest", "end", "settled", "yaw", "tilt", "limited"},
+                 {"", "", "[m]", "[m]", "[m]", "[s]", "[rad]", "[rad]", "motor [s]"}};
   for (const SeedVerdict& seed : seeds) {
-    std::vector<std::string> cells = {fmt::format("{}", seed.seed),
-                                      seed.passed ? " pass" : " FAIL"};
+    cells.push_back({fmt::format("{}", seed.seed), seed.passed ? "pass" : "FAIL"});
     for (const Metric metric :
          {Metric::tracking_rms, Metric::tracking_max, Metric::final_distance, Metric::settling_time,
           Metric::yaw_max, Metric::tilt_max, Metric::saturation_time})
-      cells.push_back(figure(seed.metrics[metric]));
-    table.row(cells);
+      cells.back().push_back(reached(seed.metrics[metric], ".3g"));
   }
-  return table.text() + "\n";
+  return aligned(cells, "><>") + "\n";
 }
 
 }  // namespace

@@ -7,20 +7,30 @@
 #include "report/gains/lqi_report.hpp"
 #include "report/loops/margins_report.hpp"
 #include "report/text/print.hpp"
-#include "report/text/text_table.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
 
 using internal::Json;
 
-std::string recovery_text(const LqgReport& report) {
-  TextTable table({{"factor", 8}, {"share of margins", 20}, {"command noise", 16}, {"", 0}});
+Json recoveries_json(const LqgReport& report) {
+  Json rows = Json::array();
   for (const Recovery& tried : report.recoveries)
-    table.row({number(tried.factor), fmt::format("{:.3f}", tried.share),
-               fmt::format("{:.3f}", tried.noise), tried.affordable ? "" : "  exceeds the budget"});
-  return fmt::format("the filter's inertial noise times {}\n{}", number(report.recovery),
-                     table.text());
+    rows.push_back({{"factor", tried.factor},
+                    {"share_of_margins", tried.share},
+                    {"command_noise", tried.noise},
+                    {"affordable", tried.affordable}});
+  return rows;
+}
+
+std::string recovery_text(const LqgReport& report) {
+  return fmt::format(
+      "the filter's inertial noise times {}\n{}", number(report.recovery),
+      table(recoveries_json(report), {{"factor", "factor", "", ".6g"},
+                                      {"share_of_margins", "share of margins", "", ".3f"},
+                                      {"command_noise", "command noise", "", ".3f"},
+                                      {.key = "affordable", .no = "exceeds the budget"}}));
 }
 
 }  // namespace
@@ -39,13 +49,7 @@ Json to_json(const LqgReport& report, const Vehicle& vehicle) {
                            {"state", by_name(gains.states, report.rms.state)},
                            {"estimate_error", by_name(gains.states, report.rms.error)},
                            {"command", by_name(gains.inputs, report.rms.command)}};
-  Json recoveries = Json::array();
-  for (const Recovery& tried : report.recoveries)
-    recoveries.push_back({{"factor", tried.factor},
-                          {"share_of_margins", internal::finite_or_null(tried.share)},
-                          {"command_noise", internal::finite_or_null(tried.noise)},
-                          {"affordable", tried.affordable}});
-  json["recovery"] = {{"factor", report.recovery}, {"tried", recoveries}};
+  json["recovery"] = {{"factor", report.recovery}, {"tried", recoveries_json(report)}};
   return json;
 }
 

@@ -6,7 +6,7 @@
 #include "quadtune/internal/json.hpp"
 #include "report/logs/allan_units.hpp"
 #include "report/text/print.hpp"
-#include "report/text/text_table.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
@@ -29,13 +29,12 @@ Json reading_json(const AllanReading& reading, const std::string& unit) {
 }
 
 std::string curve_table(const AllanAnalysis& analysis) {
-  TextTable table(
-      {{"tau [s]", 11}, {"deviation", 13}, {"95 % interval", 26}, {"degrees", 12}, {"fit", 13}});
+  Cells cells = {{"tau [s]", "deviation", "95 % interval", "degrees", "fit"}};
   for (const AllanCurvePoint& at : analysis.curve)
-    table.row({fmt::format("{:.5g}", at.point.tau), fmt::format("{:.4e}", at.point.deviation),
-               fmt::format("{:.4e} to {:.4e}", at.low, at.high), fmt::format("{:.4g}", at.edf),
-               fmt::format("{:.4e}", at.model)});
-  return table.text();
+    cells.push_back({figure(at.point.tau, ".5g"), figure(at.point.deviation, ".4e"),
+                     fmt::format("{:.4e} to {:.4e}", at.low, at.high), figure(at.edf, ".4g"),
+                     figure(at.model, ".4e")});
+  return aligned(cells, ">");
 }
 
 std::string span(double from, double to) {

@@ -8,8 +8,8 @@
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/logs/log_notes.hpp"
-#include "report/text/aligned.hpp"
 #include "report/text/print.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
@@ -20,9 +20,6 @@ using internal::Json;
 std::string counted(std::uint64_t count, const std::string& one, const std::string& many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
-
-// Digits of a double that say something, or a dash.
-std::string figure(double value) { return std::isnan(value) ? "-" : fmt::format("{:.5g}", value); }
 
 void add_timing(const LogTiming& timing, Json& json) {
   json["rate_hz"] = finite_or_null(timing.rate_hz);
@@ -75,15 +72,15 @@ std::string remarks(const LogChannelSurvey& channel, const LogGroupSurvey& group
 }
 
 std::string channel_table(const LogSurvey& survey, std::size_t group) {
-  std::vector<std::vector<std::string>> rows = {
-      {"channel", "unit", "samples", "[Hz]", "min", "mean", "max", "std", ""}};
+  Cells rows = {{"channel", "unit", "samples", "[Hz]", "min", "mean", "max", "std", ""}};
   for (const LogChannelSurvey& one : survey.channels) {
     if (one.group != group) continue;
     rows.push_back({one.channel.name, one.channel.unit, fmt::format("{}", one.samples),
-                    figure(one.timing.rate_hz), figure(one.min), figure(one.mean), figure(one.max),
-                    figure(one.std), remarks(one, survey.groups[group])});
+                    figure(one.timing.rate_hz, ".5g"), figure(one.min, ".5g"),
+                    figure(one.mean, ".5g"), figure(one.max, ".5g"), figure(one.std, ".5g"),
+                    remarks(one, survey.groups[group])});
   }
-  return rows.size() > 1 ? aligned(rows, 2) : "no channels";
+  return rows.size() > 1 ? aligned(rows, "<<>>>>>><") : "no channels";
 }
 
 Json to_json(const ModelNeeds& needs) {

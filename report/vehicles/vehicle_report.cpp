@@ -12,7 +12,7 @@
 #include "quadtune/model/assumed_values.hpp"
 #include "quadtune/model/mixer.hpp"
 #include "report/text/print.hpp"
-#include "report/text/text_table.hpp"
+#include "report/text/rows.hpp"
 #include "report/vehicles/sensors_text.hpp"
 
 namespace quadtune::report {
@@ -35,21 +35,17 @@ Json warnings_json(const Vehicle& vehicle) {
 }
 
 std::string rotor_table(const Vehicle& vehicle) {
-  TextTable table({{"", 4, TextColumn::Side::left},
-                   {"position x y z [m]", 26},
-                   {"spin", 6},
-                   {"thrust [N]", 28},
-                   {"drag torque [N m]", 28}});
+  Cells cells = {{"", "position x y z [m]", "spin", "thrust [N]", "drag torque [N m]"}};
   for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
     const Rotor& rotor = vehicle.rotors[i];
-    table.row({fmt::format("{}", i + 1),
-               fmt::format("{:.4f} {:.4f} {:.4f}", rotor.position.x(), rotor.position.y(),
-                           rotor.position.z()),
-               to_string(rotor.spin),
-               fmt::format("{:.4g} w2 {:+.4g} w", rotor.thrust_a2, rotor.thrust_a1),
-               fmt::format("{:.4g} w2 {:+.4g} w", rotor.torque_d2, rotor.torque_d1)});
+    cells.push_back({fmt::format("{}", i + 1),
+                     fmt::format("{:.4f} {:.4f} {:.4f}", rotor.position.x(), rotor.position.y(),
+                                 rotor.position.z()),
+                     to_string(rotor.spin),
+                     fmt::format("{:.4g} w2 {:+.4g} w", rotor.thrust_a2, rotor.thrust_a1),
+                     fmt::format("{:.4g} w2 {:+.4g} w", rotor.torque_d2, rotor.torque_d1)});
   }
-  return table.text();
+  return aligned(cells);
 }
 
 /// "0.072 s", or of rotors that differ "0.05 0.06 0.05 0.06 s".
