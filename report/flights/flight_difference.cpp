@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/flights/flight_difference.hpp"
+#include "quadtune/workbench/flight/flight_difference.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "quadtune/internal/json.hpp"
-#include "report/flights/flight_text.hpp"
+#include "report/flights/flights.hpp"
 #include "report/text/rows.hpp"
 
 namespace quadtune::report {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/gains/diff_report.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "quadtune/exports/diff.hpp"
 #include "quadtune/internal/json.hpp"
+#include "report/gains/gains.hpp"
 #include "report/text/rows.hpp"
 
 namespace quadtune::report {

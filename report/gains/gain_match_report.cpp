@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/gains/gain_match_report.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -8,9 +6,13 @@
 #include <cmath>
 #include <filesystem>
 
+#include "quadtune/flight_condition.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/model/vehicle.hpp"
+#include "quadtune/tuning/match_gains.hpp"
+#include "report/gains/gains.hpp"
 #include "report/text/print.hpp"
 #include "report/text/rows.hpp"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/gains/lqr_report.hpp"
+#include "quadtune/workbench/design/lqr_report.hpp"
 
 #include <fmt/format.h>
 
 #include "quadtune/internal/json.hpp"
-#include "report/gains/lqi_report.hpp"
-#include "report/loops/flown_report.hpp"
+#include "report/gains/gains.hpp"
+#include "report/loops/loops.hpp"
 #include "report/loops/margins_report.hpp"
 #include "report/text/print.hpp"
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/logs/calibration_report.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -11,6 +9,8 @@
 
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/workbench/logs/imu_calibration.hpp"
+#include "report/logs/logs.hpp"
 #include "report/text/print.hpp"
 #include "report/text/rows.hpp"
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/logs/log_report.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
+#include "quadtune/estimation/model_needs.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/logs/log_survey.hpp"
 #include "quadtune/workbench/logs/log_notes.hpp"
+#include "report/logs/logs.hpp"
 #include "report/text/print.hpp"
 #include "report/text/rows.hpp"
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/logs/noise_tuning_report.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,8 @@
 
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/workbench/logs/tuned_noise.hpp"
+#include "report/logs/logs.hpp"
 #include "report/text/print.hpp"
 #include "report/text/rows.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/loops/cascade_report.hpp"
+#include "quadtune/workbench/design/cascade_report.hpp"
 
 #include <fmt/format.h>
 
@@ -8,6 +8,12 @@
 
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/workbench/design/vehicle_cascade.hpp"
+#include "report/gains/gains.hpp"
+#include "report/loops/loops.hpp"
+#include "report/loops/margins_report.hpp"
+#include "report/plots/figure.hpp"
+#include "report/plots/loop_figure.hpp"
 #include "report/text/print.hpp"
 #include "report/text/rows.hpp"
 
@@ -125,7 +131,7 @@ std::string comparison_text(const CascadeReport& report) {
 }
 
 /// One figure of a loop, smaller the better, here and as published.
-struct Figure {
+struct ComparedFigure {
   const char* name;
   double here;
   double there;
@@ -141,7 +147,7 @@ struct Figure {
   }
 };
 
-std::vector<Figure> figures(const CascadeAxisDesign& loop) {
+std::vector<ComparedFigure> figures(const CascadeAxisDesign& loop) {
   const CascadeLoopEvidence& here = loop.design.evidence;
   const CascadeLoopEvidence& there = loop.published_evidence;
   return {{"Ms - 1", here.margins.Ms - 1, there.margins.Ms - 1},
@@ -154,14 +160,14 @@ std::vector<Figure> figures(const CascadeAxisDesign& loop) {
 /// By how much the cascade is better than what is published, and where it is not.
 std::string verdict(const CascadeReport& report) {
   Cells cells = {{"loop"}};
-  for (const Figure& figure : figures(report.cascade.loops.front()))
+  for (const ComparedFigure& figure : figures(report.cascade.loops.front()))
     cells[0].push_back(figure.name);
   std::vector<std::string> losses;
   for (const CascadeAxisDesign& loop : report.cascade.loops) {
     if (!loop.published) continue;
     const bool measured = loop.published_evidence.margins.stable;
     cells.push_back({to_string(loop.axis)});
-    for (const Figure& figure : figures(loop)) {
+    for (const ComparedFigure& figure : figures(loop)) {
       cells.back().push_back(measured ? figure.text() : "-");
       if (measured && figure.worse())
         losses.push_back(fmt::format("{} in {}", to_string(loop.axis), figure.name));
@@ -208,6 +214,38 @@ std::string to_text(const CascadeReport& report) {
                                         unstable(report) ? "UNSTABLE" : "stable",
                                         report.cascade.poles.size(), radius));
   return text;
+}
+
+using internal::Json;
+
+Json to_json(const VehicleCascade& cascade) {
+  Json json = to_json(cascade.report);
+  json["method"] = cascade.flown ? "flown" : "loops";
+  json["plant"] = cascade.ideal ? "ideal" : cascade.flown ? "flown" : "lag";
+  if (cascade.flown) json["flown"] = family_json(*cascade.flown);
+  json["flown_loop"] = Json();
+  if (cascade.loop) {
+    json["flown_loop"] = to_json(*cascade.loop);
+    json["flown_loop"]["margins"] = to_json(cascade.loop->margins);
+  }
+  add_laws(json, cascade.content);
+  return json;
+}
+
+std::string to_text(const VehicleCascade& cascade) {
+  std::string text = to_text(cascade.report);
+  if (cascade.flown) text += section("flown", family_text(*cascade.flown));
+  if (cascade.loop)
+    text += section("flown loop", to_text(*cascade.loop)) +
+            section("margins of the flown loop", to_text(cascade.loop->margins));
+  return text;
+}
+
+Figure cascade_figure(const VehicleCascade& cascade) {
+  const CascadeReport& report = cascade.report;
+  return margins_figure(fmt::format("PID cascade of {} every {} s, cut at the wrench",
+                                    report.vehicle, number(report.specification.dt)),
+                        OpenLoop(report.open_loop), report.margins);
 }
 
 }  // namespace quadtune::report

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/loops/certify_report.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "quadtune/internal/json.hpp"
+#include "quadtune/workbench/verify/certify.hpp"
+#include "report/loops/loops.hpp"
 #include "report/text/print.hpp"
 
 namespace quadtune::report {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/loops/method_comparison.hpp"
+#include "quadtune/workbench/sampling/method_comparison.hpp"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,9 @@
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/frequency_response.hpp"
 #include "quadtune/internal/json.hpp"
+#include "report/loops/loops.hpp"
 #include "report/plots/comparison_figure.hpp"
+#include "report/plots/figure.hpp"
 #include "report/text/print.hpp"
 #include "report/text/rows.hpp"
 

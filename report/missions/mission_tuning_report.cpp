@@ -11,7 +11,7 @@
 
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
-#include "report/flights/flight_text.hpp"
+#include "report/flights/flights.hpp"
 #include "report/text/print.hpp"
 #include "report/text/rows.hpp"
 
