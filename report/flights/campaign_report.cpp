@@ -46,13 +46,12 @@ std::string replay_command(const std::string& folder, std::uint64_t number) {
                      shell_word(folder), number, number);
 }
 
-using internal::finite_or_null;
 using internal::Json;
 
 /// A number that is not reached says so: JSON has no infinity.
 Json reached_or_word(double x) {
   if (std::isinf(x)) return x > 0 ? "inf" : "-inf";
-  return finite_or_null(x);
+  return x;
 }
 
 Json to_json(const Estimated& e) {

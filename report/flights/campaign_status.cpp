@@ -53,7 +53,7 @@ Json to_json(const CampaignPlan& plan, const CampaignStatus& status) {
   return {{"name", plan.name},
           {"records", status.records},
           {"expected", status.expected},
-          {"left_s", internal::finite_or_null(status.left)},
+          {"left_s", status.left},
           {"shards", shards}};
 }
 

@@ -15,7 +15,6 @@
 namespace quadtune::report {
 namespace {
 
-using internal::finite_or_null;
 using internal::Json;
 
 const WidenedLimit* widened_of(const PlannedFlight& plan, Metric metric) {
@@ -27,26 +26,25 @@ const WidenedLimit* widened_of(const PlannedFlight& plan, Metric metric) {
 Json bound_json(const PlannedFlight& plan) {
   const MissionBound& bound = *plan.bound;
   const auto size = [](const ErrorSize& error) {
-    return Json{{"rms", finite_or_null(error.rms)},
-                {"rms_rarely", finite_or_null(error.rms_rarely)},
-                {"most_rarely", finite_or_null(error.most_rarely)}};
+    return Json{
+        {"rms", error.rms}, {"rms_rarely", error.rms_rarely}, {"most_rarely", error.most_rarely}};
   };
   Json json = {{"sensors", bound.bound.used},
                {"height_m", bound.options.height},
                {"tracking_m", size(bound.tracking)},
-               {"horizontal_rms_m", finite_or_null(bound.horizontal_rms)},
+               {"horizontal_rms_m", bound.horizontal_rms},
                {"vertical_m", size(bound.height)},
                {"yaw_rad", size(bound.heading)},
                {"estimate_m", size(bound.estimate)},
-               {"at_the_end", Json{{"horizontal_rms_m", finite_or_null(bound.horizontal_end)},
-                                   {"vertical_rms_m", finite_or_null(bound.height_end)},
-                                   {"yaw_rms_rad", finite_or_null(bound.heading_end)}}}};
+               {"at_the_end", Json{{"horizontal_rms_m", bound.horizontal_end},
+                                   {"vertical_rms_m", bound.height_end},
+                                   {"yaw_rms_rad", bound.heading_end}}}};
   json["widened"] = Json::array();
   for (const WidenedLimit& widened : plan.widened)
     json["widened"].push_back({{"what", widened.what},
                                {"unit", widened.unit},
                                {"asked", widened.asked},
-                               {"sensors_rms", finite_or_null(widened.bound)},
+                               {"sensors_rms", widened.bound},
                                {"judged_by", widened.judged}});
   return json;
 }
@@ -74,11 +72,11 @@ Json to_json(const Diagnosis& diagnosis) {
           {"next", diagnosis.next},
           {"passes_with_true_states", evidence.passes_with_true_states},
           {"passes_with_ideal_sensors", evidence.passes_with_ideal_sensors},
-          {"saturation", finite_or_null(evidence.saturation)},
-          {"saturation_with_true_states", finite_or_null(evidence.saturation_with_true_states)},
-          {"estimate_rms_m", finite_or_null(evidence.estimate_rms)},
-          {"bound_rms_m", finite_or_null(evidence.bound_rms)},
-          {"largest_pole", finite_or_null(evidence.largest_pole)}};
+          {"saturation", evidence.saturation},
+          {"saturation_with_true_states", evidence.saturation_with_true_states},
+          {"estimate_rms_m", evidence.estimate_rms},
+          {"bound_rms_m", evidence.bound_rms},
+          {"largest_pole", evidence.largest_pole}};
 }
 
 Json seeds_json(const std::vector<SeedVerdict>& seeds) {
@@ -99,7 +97,7 @@ Json metrics_json(const MetricValues& values) {
     const auto metric = static_cast<Metric>(i);
     const std::string& unit = unit_of(metric);
     const std::string key = name_of(metric) + (unit == "1" ? "" : "_" + unit);
-    json[key] = finite_or_null(values[metric]);
+    json[key] = values[metric];
   }
   return json;
 }
@@ -108,7 +106,7 @@ Json limits_json(const FlownFlight& flight) {
   Json json = Json::array();
   for (const LimitCheck& check : flight.verdict.checks) {
     json.push_back({{"metric", name_of(check.metric)},
-                    {"value", finite_or_null(check.value)},
+                    {"value", check.value},
                     {check.at_least ? "at_least" : "at_most", check.bound},
                     {"ok", check.ok}});
     if (const WidenedLimit* widened = widened_of(flight.plan, check.metric)) {
@@ -123,8 +121,7 @@ Json limits_json(const FlownFlight& flight) {
 Json state_json(const Eigen::VectorXd& state) {
   Json json = Json::object();
   const std::vector<std::string> names = names_or_numbers(ned_convention().states, 12);
-  for (std::size_t i = 0; i < 12; ++i)
-    json[names[i]] = finite_or_null(state(static_cast<Eigen::Index>(i)));
+  for (std::size_t i = 0; i < 12; ++i) json[names[i]] = state(static_cast<Eigen::Index>(i));
   return json;
 }
 

@@ -19,7 +19,6 @@
 namespace quadtune::report {
 namespace {
 
-using internal::finite_or_null;
 using internal::Json;
 
 /// Longest command or path that a file repeats whole.
@@ -148,19 +147,15 @@ Json to_json(const GainMatchReport& report) {
   json["unseen"] = match.unseen;
   json["K"] = internal::matrix_to_json(match.feedback.K, "K");
   json["K_int"] = internal::matrix_to_json(match.feedback.K_int, "K_int");
-  json["difference"] = {{"before", finite_or_null(match.before)},
-                        {"after", finite_or_null(match.after)},
-                        {"entry", match.worst},
-                        {"entry_given", match.given},
-                        {"entry_found", match.found},
-                        {"tolerance", report.tolerance}};
+  json["difference"] = {{"before", match.before},     {"after", match.after},
+                        {"entry", match.worst},       {"entry_given", match.given},
+                        {"entry_found", match.found}, {"tolerance", report.tolerance}};
   json["evaluations"] = match.evaluations;
   json["searches"] = {{"made", match.starts}, {"agreeing", match.agreeing}};
-  json["weighted_sensitivity"] = {{"value", finite_or_null(match.weighted_sensitivity)},
+  json["weighted_sensitivity"] = {{"value", match.weighted_sensitivity},
                                   {"at", match.weighted_sensitivity_at},
                                   {"can_be_lqr", can_be_lqr(match)}};
-  json["excess_cost"] = {{"value", finite_or_null(match.excess_cost)},
-                         {"state", match.excess_state}};
+  json["excess_cost"] = {{"value", match.excess_cost}, {"state", match.excess_state}};
   json["residual"] = internal::number_to_json(match.feedback.riccati.residual, "residual");
   json["rcond"] = internal::number_to_json(match.feedback.riccati.rcond, "rcond");
   return json;

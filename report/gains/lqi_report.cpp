@@ -165,7 +165,7 @@ Json to_json(const LqgReport& report, const Vehicle& vehicle) {
   const auto by_name = [](const std::vector<Signal>& signals, const Eigen::VectorXd& values) {
     Json table = Json::object();
     for (std::size_t i = 0; i < signals.size(); ++i)
-      table[signals[i].name] = internal::finite_or_null(values(static_cast<Eigen::Index>(i)));
+      table[signals[i].name] = values(static_cast<Eigen::Index>(i));
     return table;
   };
   const Gains& gains = report.lqi.design.lqi.gains;

@@ -20,7 +20,7 @@ Json evidence_json(const RiccatiResult& result) {
   json["residual"] = internal::number_to_json(result.residual, "residual");
   json["rcond"] = internal::number_to_json(result.rcond, "rcond");
   json["iterations"] = result.iterations;
-  json["gain_error"] = internal::finite_or_null(result.gain_error);
+  json["gain_error"] = result.gain_error;
   json["culprit"] = result.culprit;
   json["warning"] = result.warning;
   return json;

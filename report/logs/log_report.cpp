@@ -15,7 +15,6 @@
 namespace quadtune::report {
 namespace {
 
-using internal::finite_or_null;
 using internal::Json;
 
 std::string counted(std::uint64_t count, const std::string& one, const std::string& many) {
@@ -23,7 +22,7 @@ std::string counted(std::uint64_t count, const std::string& one, const std::stri
 }
 
 void add_timing(const LogTiming& timing, Json& json) {
-  json["rate_hz"] = finite_or_null(timing.rate_hz);
+  json["rate_hz"] = timing.rate_hz;
   json["gaps"] = timing.gaps;
   json["longest_gap_s"] = timing.longest_gap_s;
   json["duplicates"] = timing.duplicates;
@@ -112,7 +111,7 @@ Json to_json(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
   Json json;
   json["file"] = file;
   json["format"] = survey.format;
-  json["duration_s"] = finite_or_null(survey.duration_s);
+  json["duration_s"] = survey.duration_s;
   json["epoch_s"] = survey.epoch_s;
   json["whole"] = survey.condition.whole();
   json["torn"] = survey.condition.torn.empty() ? Json(nullptr) : Json(survey.condition.torn);
@@ -126,8 +125,8 @@ Json to_json(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
     entry["name"] = group.group.name;
     entry["rows"] = group.rows;
     entry["timed"] = group.group.timed;
-    entry["first_s"] = finite_or_null(group.timing.first_s);
-    entry["duration_s"] = finite_or_null(group.timing.duration_s);
+    entry["first_s"] = group.timing.first_s;
+    entry["duration_s"] = group.timing.duration_s;
     add_timing(group.timing, entry);
     json["groups"].push_back(std::move(entry));
   }
@@ -139,10 +138,10 @@ Json to_json(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
     entry["samples"] = one.samples;
     entry["nan"] = one.nan;
     add_timing(one.timing, entry);
-    entry["min"] = finite_or_null(one.min);
-    entry["max"] = finite_or_null(one.max);
-    entry["mean"] = finite_or_null(one.mean);
-    entry["std"] = finite_or_null(one.std);
+    entry["min"] = one.min;
+    entry["max"] = one.max;
+    entry["mean"] = one.mean;
+    entry["std"] = one.std;
     entry["constant"] = one.constant;
     entry["saturated"] = one.saturated;
     json["channels"].push_back(std::move(entry));

@@ -15,7 +15,6 @@ namespace quadtune::report {
 namespace {
 
 using Eigen::Index;
-using internal::finite_or_null;
 using internal::Json;
 
 std::string names_of(const TunedLog& log) {
@@ -28,14 +27,12 @@ Json checks_to_json(const Consistency& consistency, const std::string& name) {
   Json checks = Json::array();
   for (const ConsistencyCheck& c : consistency.checks) {
     if (c.name != name) continue;
-    Json json;
-    json["output"] = c.output;
-    json["value"] = finite_or_null(c.value);
-    json["low"] = finite_or_null(c.low);
-    json["high"] = finite_or_null(c.high);
-    json["p"] = finite_or_null(c.p);
-    json["verdict"] = to_string(c.verdict);
-    checks.push_back(std::move(json));
+    checks.push_back({{"output", c.output},
+                      {"value", c.value},
+                      {"low", c.low},
+                      {"high", c.high},
+                      {"p", c.p},
+                      {"verdict", to_string(c.verdict)}});
   }
   return checks;
 }
@@ -80,7 +77,7 @@ Json to_json(const AutocovarianceFit& als) {
   json["dt"] = als.innovation.dt;
   json["lags"] = als.innovation.of.size() - 1;
   json["gains"] = als.passes;
-  json["misfit"] = finite_or_null(als.misfit);
+  json["misfit"] = als.misfit;
   json["degrees"] = als.degrees;
   return json;
 }
@@ -186,9 +183,9 @@ Json accuracy_to_json(const NoiseTuning& tuning) {
                               {"unit", state.unit},
                               {"samples", state.samples},
                               {"held_out", state.held_out},
-                              {"before", finite_or_null(state.before)},
-                              {"after", finite_or_null(state.after)},
-                              {"p", finite_or_null(state.p)}});
+                              {"before", state.before},
+                              {"after", state.after},
+                              {"p", state.p}});
   return json;
 }
 
@@ -247,11 +244,11 @@ void add_covariances(const TunedNoise& tuned, Json& json) {
   for (const FittedParameter& p : fit.parameters) {
     json["parameters"].push_back({{"name", p.name},
                                   {"unit", p.unit},
-                                  {"value", finite_or_null(p.value)},
-                                  {"low", finite_or_null(p.low)},
-                                  {"high", finite_or_null(p.high)},
+                                  {"value", p.value},
+                                  {"low", p.low},
+                                  {"high", p.high},
                                   {"verdict", to_string(p.verdict)}});
-    json["standard_errors"][p.name] = finite_or_null(p.standard_error);
+    json["standard_errors"][p.name] = p.standard_error;
     json["identifiable"].push_back(p.verdict == ParameterVerdict::seen ||
                                    p.verdict == ParameterVerdict::at_zero);
   }
@@ -324,8 +321,7 @@ Json to_json(const TunedNoise& tuned) {
                             {"warnings", log.warnings}});
   add_covariances(tuned, json);
   json["unseen"] = fit.unseen;
-  json["log_likelihood"] = {{"before", finite_or_null(fit.before.value)},
-                            {"after", finite_or_null(fit.after.value)}};
+  json["log_likelihood"] = {{"before", fit.before.value}, {"after", fit.after.value}};
   json["evaluations"] = fit.evaluations;
   add_innovations(tuning, json);
   json["rounds"] = tuning.rounds;
@@ -336,8 +332,8 @@ Json to_json(const TunedNoise& tuned) {
                                 {"to_s", record.to},
                                 {"measurements", record.measurements}});
   json["holdout"] = {{"innovations", tuning.holdout.innovations},
-                     {"before", finite_or_null(tuning.holdout.before)},
-                     {"after", finite_or_null(tuning.holdout.after)}};
+                     {"before", tuning.holdout.before},
+                     {"after", tuning.holdout.after}};
   json["accuracy"] = accuracy_to_json(tuning);
   if (tuning.agreement) json["agreement"] = to_json(*tuning.agreement, fit);
   json["warnings"] = tuning.warnings;

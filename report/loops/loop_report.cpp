@@ -21,7 +21,7 @@ Json to_json(const FlownLoop& loop) {
           {"largest_pole", std::abs(loop.mode.z)},
           {"mode",
            {{"states", loop.mode.states},
-            {"decay_per_s", internal::finite_or_null(loop.decay())},
+            {"decay_per_s", loop.decay()},
             {"frequency_rad_s", loop.frequency()}}},
           {"dt_s", loop.dt},
           {"periods", loop.period},

@@ -12,7 +12,6 @@
 namespace quadtune::report {
 namespace {
 
-using internal::finite_or_null;
 using internal::Json;
 
 Json crossovers_json(const LoopMargins& margins) {
@@ -20,10 +19,10 @@ Json crossovers_json(const LoopMargins& margins) {
   for (const GainCrossover& at : margins.gain_crossovers)
     gain.push_back({{"w", at.w},
                     {"phase_margin_deg", degrees(at.phase_margin)},
-                    {"delay_margin_s", finite_or_null(at.delay_margin)}});
+                    {"delay_margin_s", at.delay_margin}});
   Json phase = Json::array();
   for (const PhaseCrossover& at : margins.phase_crossovers)
-    phase.push_back({{"w", finite_or_null(at.w)}, {"gain_margin_db", decibels(at.gain_margin)}});
+    phase.push_back({{"w", at.w}, {"gain_margin_db", decibels(at.gain_margin)}});
   return {{"gain_crossovers", gain},
           {"phase_crossovers", phase},
           {"far_phase_crossovers", margins.far_phase_crossovers}};
@@ -31,21 +30,21 @@ Json crossovers_json(const LoopMargins& margins) {
 
 Json disk_json(const DiskMargin& disk) {
   return {{"disk_alpha", disk.alpha},
-          {"disk_frequency", finite_or_null(disk.w)},
-          {"disk_gain_margin_db", finite_or_null(decibels(disk.gain_high))},
+          {"disk_frequency", disk.w},
+          {"disk_gain_margin_db", decibels(disk.gain_high)},
           {"disk_phase_margin_deg", degrees(disk.phase)}};
 }
 
 Json loop_json(const std::string& name, const LoopMargins& margins) {
   Json json = {{"name", name},
                {"stable", margins.stable},
-               {"gain_margin_db", finite_or_null(decibels(margins.gain_margin))},
-               {"gain_reduction_db", finite_or_null(decibels(margins.gain_reduction))},
-               {"phase_margin_deg", finite_or_null(degrees(margins.phase_margin))},
+               {"gain_margin_db", decibels(margins.gain_margin)},
+               {"gain_reduction_db", decibels(margins.gain_reduction)},
+               {"phase_margin_deg", degrees(margins.phase_margin)},
                {"crossover", margins.crossover},
-               {"delay_margin_s", finite_or_null(margins.delay_margin)},
-               {"Ms", finite_or_null(margins.Ms)},
-               {"Mt", finite_or_null(margins.Mt)}};
+               {"delay_margin_s", margins.delay_margin},
+               {"Ms", margins.Ms},
+               {"Mt", margins.Mt}};
   json.update(disk_json(margins.disk));
   json.update(crossovers_json(margins));
   return json;

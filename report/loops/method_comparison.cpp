@@ -21,7 +21,6 @@
 namespace quadtune::report {
 namespace {
 
-using internal::finite_or_null;
 using internal::Json;
 
 // --- text ----------------------------------------------------------------------------------------
@@ -114,11 +113,11 @@ void add_methods(Json& methods, const ComparedLaw& law, const std::array<double,
       methods.push_back({{"law", law.name},
                          {"name", row.name},
                          {"dt", periods[i]},
-                         {"pole_error", finite_or_null(error.pole)},
-                         {"step_error", finite_or_null(error.step)},
-                         {"frequency_error", finite_or_null(error.frequency)},
+                         {"pole_error", error.pole},
+                         {"step_error", error.step},
+                         {"frequency_error", error.frequency},
                          {"stable", error.stable},
-                         {"stable_up_to_s", finite_or_null(row.limit)}});
+                         {"stable_up_to_s", row.limit}});
     }
 }
 
@@ -136,9 +135,9 @@ void add_flown(Json& flown, const ComparedLaw& law) {
       entry["stable"] = !lost;
       entry["slowest_mode"] = in_words(*at.loop);
       const LeastMargins least = least_margins(*at.loop);
-      entry["phase_margin_deg"] = lost ? Json(nullptr) : Json(finite_or_null(degrees(least.phase)));
-      entry["Ms"] = lost ? Json(nullptr) : Json(finite_or_null(least.Ms));
-      entry["disk"] = lost ? Json(nullptr) : Json(finite_or_null(least.disk));
+      entry["phase_margin_deg"] = lost ? Json(nullptr) : Json(degrees(least.phase));
+      entry["Ms"] = lost ? Json(nullptr) : Json(least.Ms);
+      entry["disk"] = lost ? Json(nullptr) : Json(least.disk);
       flown.push_back(entry);
     }
 }

@@ -18,7 +18,6 @@
 namespace quadtune::report {
 namespace {
 
-using internal::finite_or_null;
 using internal::Json;
 using Report = MissionTuningResult;
 
@@ -223,10 +222,10 @@ Json margins_json(const std::vector<NamedMargins>& loops) {
   Json json = Json::array();
   for (const NamedMargins& loop : loops)
     json.push_back({{"loop", loop.name},
-                    {"Ms", finite_or_null(loop.margins.Ms)},
-                    {"phase_margin_deg", finite_or_null(degrees(loop.margins.phase_margin))},
-                    {"gain_margin_db", finite_or_null(decibels(loop.margins.gain_margin))},
-                    {"delay_margin_s", finite_or_null(loop.margins.delay_margin)}});
+                    {"Ms", loop.margins.Ms},
+                    {"phase_margin_deg", degrees(loop.margins.phase_margin)},
+                    {"gain_margin_db", decibels(loop.margins.gain_margin)},
+                    {"delay_margin_s", loop.margins.delay_margin}});
   return json;
 }
 
@@ -244,14 +243,14 @@ Json outcome_json(const Report& report, const TrialOutcome& outcome) {
   for (std::size_t m = 0; m < outcome.means.size(); ++m) {
     Json metrics = Json::object();
     for (std::size_t i = 0; i < kMetrics; ++i)
-      metrics[name_of(static_cast<Metric>(i))] = finite_or_null(outcome.means[m].value[i]);
+      metrics[name_of(static_cast<Metric>(i))] = outcome.means[m].value[i];
     missions.push_back({{"mission", report.request.missions[m].name}, {"mean", metrics}});
   }
   Json limits = Json::array();
   for (const TrialLimit& limit : outcome.limits)
     limits.push_back({{"mission", limit.mission},
                       {"metric", name_of(limit.metric)},
-                      {"value", finite_or_null(limit.value)},
+                      {"value", limit.value},
                       {"at_most", limit.most},
                       {"ok", limit.excess() <= kLimitTolerance}});
   return {{"cost", outcome.cost},
@@ -522,9 +521,7 @@ Json to_json(const Report& report) {
       {"before", outcome_json(report, outcome_before(report))},
       {"after", outcome_json(report, outcome_after(report))},
       {"difference",
-       {{"value", finite_or_null(r.difference.value)},
-        {"low", finite_or_null(r.difference.low)},
-        {"high", finite_or_null(r.difference.high)}}},
+       {{"value", r.difference.value}, {"low", r.difference.low}, {"high", r.difference.high}}},
       {"margins", {{"before", margins_json(report.before)}, {"after", margins_json(report.after)}}},
       {"flown",
        {{"before", flown_json(report.flown.before)}, {"after", flown_json(report.flown.after)}}},
@@ -547,7 +544,7 @@ Json to_json(const Report& report) {
                                {"what", one.limit.what},
                                {"unit", one.limit.unit},
                                {"asked", one.limit.asked},
-                               {"sensors_rms", finite_or_null(one.limit.bound)},
+                               {"sensors_rms", one.limit.bound},
                                {"judged_by", one.limit.judged}});
   if (!report.flown.why.empty()) json["flown"]["why"] = report.flown.why;
   return json;
