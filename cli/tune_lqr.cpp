@@ -19,7 +19,7 @@
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/design/gain_match.hpp"
 #include "quadtune/workbench/missions/lqr_tuning.hpp"
-#include "report/gains/gain_match_report.hpp"
+#include "report/gains/gains.hpp"
 #include "report/text/print.hpp"
 
 namespace quadtune::cli {

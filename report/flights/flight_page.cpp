@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/flights/flight_page.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
 
 #include "quadtune/version.hpp"
+#include "quadtune/workbench/flight/diagnosis.hpp"
+#include "quadtune/workbench/flight/fly.hpp"
+#include "report/flights/flights.hpp"
+#include "report/page/flight_report.hpp"
 #include "report/text/print.hpp"
 
 namespace quadtune::report {
