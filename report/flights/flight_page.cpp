@@ -94,7 +94,9 @@ std::vector<GainTable> gains_of(const Controller& controller) {
                         names_or_numbers(gains.integrals, gains.K_int.cols()), gains.K_int});
     return tables;
   }
-  const CascadeGains& gains = std::get<CascadeController>(controller).gains;
+  const auto* cascade = std::get_if<CascadeController>(&controller);
+  if (cascade == nullptr) return {};  // a law of the user's own, whose gains are not known
+  const CascadeGains& gains = cascade->gains;
   GainTable table;
   table.title = "PID loops";
   table.columns = {"Kp", "Ki", "Kd"};

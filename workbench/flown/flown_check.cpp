@@ -44,6 +44,7 @@ bool feed_estimator(const Sensors& sensors, const std::string& estimator) {
     case EstimatorKind::general:
       return general_filter_lacks(sensors).empty();
     case EstimatorKind::truth:
+    case EstimatorKind::own:
       break;
   }
   return true;
