@@ -99,7 +99,7 @@ class Decoder {
       std::string bytes = header_;
       if (!inflate_behind(bytes, std::string_view(element).substr(kMatTagSize), budget_) ||
           bytes.size() < kMatHeaderSize + kMatTagSize) {
-        skip_record(content_.condition, at(start, "a compressed variable is damaged"));
+        skip_record(content_.condition, at(start, "a compressed variable is damaged or too large"));
         return true;
       }
       element = std::move(bytes);

@@ -96,7 +96,7 @@ TEST(MatLog, DamagedVariablesArePassedOver) {
   const WholeLog log = read_bytes(bytes);
   EXPECT_THAT(log.group("").names(), ElementsAre("a"));
   EXPECT_EQ(log.condition.skipped, 1U);
-  EXPECT_THAT(log.condition.first_skipped, HasSubstr("a compressed variable is damaged"));
+  EXPECT_THAT(log.condition.first_skipped, HasSubstr("is damaged or too large"));
 }
 
 TEST(MatLog, JudgesAClockWithoutUnitByItsValues) {
