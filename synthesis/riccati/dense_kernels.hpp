@@ -37,7 +37,8 @@ class Kernels {
 
   /// C = A B, or C = Aᵀ B.
   template <bool kTransposeA>
-  void multiply(const Real* __restrict A, const Real* __restrict B, Real* __restrict C) const {
+  [[gnu::always_inline]] inline void multiply(const Real* __restrict A, const Real* __restrict B,
+                                              Real* __restrict C) const {
     if constexpr (kSize == kInline)
       multiply_terms<kTransposeA>(A, B, C, std::integral_constant<int, kSize>());
     else if constexpr (kSize > 0)

@@ -270,7 +270,12 @@ class VectorStorage {
     return *this;
   }
 
-  [[nodiscard]] int size() const { return kCount > 0 ? kCount : count_; }
+  [[nodiscard]] int size() const {
+    if constexpr (kCount > 0)
+      return kCount;
+    else
+      return count_;
+  }
   [[nodiscard]] V* begin() { return &vectors_[0]; }
   [[nodiscard]] const V* begin() const { return &vectors_[0]; }
   [[nodiscard]] Real* data() { return reinterpret_cast<Real*>(begin()); }
@@ -282,8 +287,11 @@ class VectorStorage {
     void operator()(V* p) const { ::operator delete[](p, std::align_val_t{64}); }
   };
   using InPlace = std::array<V, static_cast<std::size_t>(kCount)>;
+  struct NoCount {  // 64 bytes less of a matrix in place
+    explicit NoCount(int /*count*/) {}
+  };
 
-  int count_;
+  [[no_unique_address]] std::conditional_t<(kCount > 0), NoCount, int> count_;
   alignas(kCount > 0 ? 64 : alignof(void*))
       std::conditional_t<(kCount > 0), InPlace, std::unique_ptr<V[], Free>> vectors_{};
 };
