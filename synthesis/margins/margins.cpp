@@ -100,8 +100,9 @@ class SingleLoop {
     std::vector<double> values;
     values.reserve(count);
     for (const Complex& L : samples_.L) values.push_back(f(L));
+    std::vector<double> errors(count, -1);  // where they are known; neighbours share them
     const auto certain = [&](std::size_t i) {
-      return values[i] != 0 && std::abs(values[i]) > kOverRounding * rounding_near(i, f);
+      return values[i] != 0 && std::abs(values[i]) > kOverRounding * rounding_near(i, f, errors);
     };
     std::vector<double> found =
         internal::crossings([&](double w) { return f(at(w)); }, samples_.w, values, certain);
@@ -166,11 +167,14 @@ class SingleLoop {
 
   /// The same from neighbours as well: a difference of two computations is now and then far smaller
   /// than the error of both, though not at five frequencies in a row.
-  [[nodiscard]] double rounding_near(std::size_t i, Function f) const {
+  [[nodiscard]] double rounding_near(std::size_t i, Function f, std::vector<double>& errors) const {
     constexpr std::size_t kReach = 2;
     double largest = 0;
-    for (std::size_t k = i > kReach ? i - kReach : 0; k <= i + kReach && k < samples_.w.size(); ++k)
-      largest = std::max(largest, rounding(samples_.w[k], f));
+    for (std::size_t k = i > kReach ? i - kReach : 0; k <= i + kReach && k < samples_.w.size();
+         ++k) {
+      if (errors[k] < 0) errors[k] = rounding(samples_.w[k], f);
+      largest = std::max(largest, errors[k]);
+    }
     return largest;
   }
 
