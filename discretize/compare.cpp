@@ -13,6 +13,7 @@
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/frequency_response.hpp"
+#include "quadtune/internal/border.hpp"
 
 namespace quadtune {
 namespace {
@@ -261,11 +262,7 @@ double stability_limit(const std::function<MatrixXd(double)>& sampled, double dt
       if (low * kReach < dt) return 0;
     }
   }
-  while (high - low > 1e-9 * high) {
-    const double middle = 0.5 * (low + high);
-    (stable(middle) ? low : high) = middle;
-  }
-  return low;
+  return internal::border(stable, low, high, 1e-9).holds;
 }
 
 }  // namespace quadtune

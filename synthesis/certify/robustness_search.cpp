@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "quadtune/internal/border.hpp"
 #include "quadtune/internal/in_parallel.hpp"
 
 namespace quadtune::internal {
@@ -168,22 +169,14 @@ double RobustnessSearch::first_unstable(const Direction& direction, double up_to
     return WorstCase{radius(direction, scale), {}}.unstable();
   };
   double low = 0;
-  double high = kInfinity;
   for (int step = 1; step <= kStepsAlong; ++step) {
     // Closer steps near the nominal loop.
     const double share = static_cast<double>(step) / kStepsAlong;
     const double scale = up_to * share * std::sqrt(share);
-    if (unstable(scale)) {
-      high = scale;
-      break;
-    }
+    if (unstable(scale)) return internal::border(unstable, scale, low, kRayTolerance).holds;
     low = scale;
   }
-  while (high < kInfinity && high - low > kRayTolerance * high) {
-    const double middle = 0.5 * (low + high);
-    (unstable(middle) ? high : low) = middle;
-  }
-  return high;
+  return kInfinity;
 }
 
 RobustnessSearch::Nearest RobustnessSearch::nearest() {

@@ -13,7 +13,7 @@
 
 #include "lyapunov/eigenvalues.hpp"
 #include "lyapunov/mode_names.hpp"
-#include "margins/frequency_grid.hpp"
+#include "margins/loop_grid.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/frequency_response.hpp"
 #include "quadtune/synthesis/lyapunov.hpp"
@@ -98,11 +98,9 @@ PeakGain climb(const ContinuousLti& plant, const VectorXcd& poles, double tolera
   // Just below a flat top the two crossings have met, and rounding takes them off the axis.
   constexpr double kNear = 3e-3;
   if (!(best.w > 0) || std::isinf(best.w)) return best;
-  const std::vector<double> around = {best.w * (1 - kNear), best.w, best.w * (1 + kNear)};
-  const double w =
-      internal::refine_peak(gain_at, around, {gain_at(around[0]), best.gain, gain_at(around[2])})
-          .second;
-  try_at(w);
+  try_at(internal::lowest_between([&](double w) { return -gain_at(w); }, best.w * (1 - kNear),
+                                  best.w * (1 + kNear))
+             .w);
   return best;
 }
 

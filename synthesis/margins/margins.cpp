@@ -14,7 +14,7 @@
 
 #include "margins/channel_response.hpp"
 #include "margins/disk.hpp"
-#include "margins/frequency_grid.hpp"
+#include "margins/loop_grid.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/frequency_response.hpp"
 
@@ -24,8 +24,7 @@ namespace {
 
 using Complex = std::complex<double>;
 using internal::ChannelResponse;
-using internal::refine_peak;
-using internal::refine_root;
+using internal::Peak;
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
@@ -66,6 +65,14 @@ ChannelResponse response_of(const OpenLoop& loop) {
   return response;
 }
 
+/// Scale-free functions of L whose zeros are crossovers: errors of theirs compare between
+/// frequencies at which L differs in size.
+double log_size(Complex L) { return std::log(std::abs(L)); }
+double sine_of_phase(Complex L) {
+  const double size = std::abs(L);
+  return size > 0 ? L.imag() / size : 0;
+}
+
 class SingleLoop {
  public:
   explicit SingleLoop(const ChannelResponse& response) : response_(response) {
@@ -79,45 +86,35 @@ class SingleLoop {
     }
     // Real to the last bit, so that a crossing there is seen.
     if (response_.discrete && !samples_.L.empty()) samples_.L.back().imag(0);
-    for (std::size_t i = 0; i < samples_.w.size(); ++i) {
-      const double w = samples_.w[i];
-      if (apart_.empty() || w - samples_.w[apart_.back()] > kApart * w)
-        apart_.push_back(i);
-      else if (i + 1 == samples_.w.size() && apart_.size() > 1)
-        apart_.back() = i;  // the last one stays: Nyquist
-    }
   }
 
   [[nodiscard]] Complex at(double w) const { return response_.at(w); }
   [[nodiscard]] Complex sensitivity(double w) const { return response_.sensitivity(w); }
 
-  /// Roots of f(L) on the grid, and between neighbours where it changes sign. f is continuous
-  /// there. Where it is 0 at neighbours it is so all along, and this is no root; nor is a change of
-  /// sign where f is nothing but rounding on both sides.
-  [[nodiscard]] std::vector<double> roots(const std::function<double(Complex)>& f) const {
-    std::vector<double> found;
-    const std::size_t count = apart_.size();
-    const auto w = [&](std::size_t i) { return samples_.w[apart_[i]]; };
-    const auto value = [&](std::size_t i) { return f(samples_.L[apart_[i]]); };
-    const auto is_seen = [&](std::size_t i) {
-      return i < count && std::abs(value(i)) > kOverRounding * rounding(w(i), f);
+  using Function = double (*)(Complex L);
+
+  /// Zeros of f(L): where it changes sign between frequencies at which it exceeds its rounding, and
+  /// at 0 and Nyquist, where L is real by symmetry, if it is 0 there and not everywhere.
+  [[nodiscard]] std::vector<double> roots(Function f) const {
+    const std::size_t count = samples_.w.size();
+    std::vector<double> values;
+    values.reserve(count);
+    for (const Complex& L : samples_.L) values.push_back(f(L));
+    std::vector<double> errors(count, -1);  // where they are known; neighbours share them
+    const auto certain = [&](std::size_t i) {
+      return values[i] != 0 && std::abs(values[i]) > kOverRounding * rounding_near(i, f, errors);
     };
-    for (std::size_t i = 0; i < count; ++i) {
-      const double here = value(i);
-      const bool last = i + 1 == count;
-      const double next = last ? 1 : value(i + 1);
-      const double before = i == 0 ? 1 : value(i - 1);
-      if (here == 0 && last && response_.discrete) {
-        // Symmetry, not rounding, makes L real at Nyquist, however near its neighbour is.
-        std::size_t k = count;
-        while (k > 0 && !is_seen(k - 1)) --k;
-        if (k > 0) found.push_back(w(i));
-      } else if (here == 0 && next != 0 && before != 0 && (is_seen(i + 1) || is_seen(i - 1))) {
-        found.push_back(w(i));
-      }
-      if (!last && here * next < 0 && (is_seen(i) || is_seen(i + 1)))
-        found.push_back(refine_root([&](double at_w) { return f(at(at_w)); }, w(i), w(i + 1)));
-    }
+    std::vector<double> found =
+        internal::crossings([&](double w) { return f(at(w)); }, samples_.w, values, certain);
+    const auto is_root = [&](std::size_t end) {
+      constexpr double kFar = 1e-3;  // from 0, whatever the rounding
+      if (std::abs(values[end]) > kFar || certain(end)) return false;
+      for (std::size_t i = 0; i < count; ++i)
+        if (certain(i)) return true;
+      return false;
+    };
+    if (count > 0 && samples_.w.front() == 0 && is_root(0)) found.insert(found.begin(), 0);
+    if (count > 1 && response_.discrete && is_root(count - 1)) found.push_back(samples_.w.back());
     return found;
   }
 
@@ -125,24 +122,23 @@ class SingleLoop {
   /// is nothing else: infinite or 0 but for the last digits of the coefficients.
   [[nodiscard]] bool is_seen(double w) const {
     constexpr double kInfiniteAtRest = 1e10;
-    if (samples_.w.size() > 1 && w < samples_.w[1]) {
+    if (w < lowest()) {
       const double size = std::abs(at(w));
       if (!(size < kInfiniteAtRest && size * kInfiniteAtRest > 1)) return false;
     }
-    const double part = std::max(rounding(w, [](Complex L) { return L.real(); }),
-                                 rounding(w, [](Complex L) { return L.imag(); }));
-    return std::abs(at(w)) > kOverRounding * part;
+    return kOverRounding * rounding(w, log_size) < 1;
   }
 
   /// The largest |S + offset| and where.
-  [[nodiscard]] std::pair<double, double> peak(double offset) const {
+  [[nodiscard]] Peak peak(double offset) const {
     std::vector<double> values;
     values.reserve(samples_.S.size());
     for (const Complex& S : samples_.S) values.push_back(std::abs(S + offset));
-    const auto best = refine_peak([&](double w) { return std::abs(sensitivity(w) + offset); },
-                                  samples_.w, values);
+    const Peak best = internal::highest_peak(
+        [&](double w) { return std::abs(sensitivity(w) + offset); }, samples_.w, values);
     if (response_.discrete || response_.delay > 0) return best;
-    return std::max(best, {std::abs(sensitivity(kInfinite) + offset), kInfinite});
+    const double at_infinity = std::abs(sensitivity(kInfinite) + offset);
+    return at_infinity > best.value ? Peak{at_infinity, kInfinite} : best;
   }
 
   /// Of a continuous loop without delay; otherwise 0.
@@ -152,28 +148,38 @@ class SingleLoop {
 
  private:
   static constexpr double kOverRounding = 30;
-  /// Frequencies nearer than this, relative to themselves, are landmarks that rounding tells apart
-  /// (equal axes, poles several times over): nothing can be seen between them.
-  static constexpr double kApart = 1e-11;
+
+  [[nodiscard]] double lowest() const { return samples_.w.size() > 1 ? samples_.w[1] : 0; }
 
   /// The error of f(L) at w, from how much it differs when the states come in another order, and
   /// scatters over frequencies so near to one another that L does not change: by a few last digits
   /// of w, or, at 0, of the lowest frequency.
-  [[nodiscard]] double rounding(double w, const std::function<double(Complex)>& f) const {
+  [[nodiscard]] double rounding(double w, Function f) const {
     constexpr double kNear = 0x1p-50;
-    const double lowest = samples_.w.size() > 1 ? samples_.w[1] : 0;
-    const double centre = w > 0 ? f(at(w)) : f(at(kNear * lowest));
+    const double centre = w > 0 ? f(at(w)) : f(at(kNear * lowest()));
     double scatter = std::abs(f(response_.again(w)) - f(at(w)));
     for (const int k : {2, 3, 4, 5, 6, 7}) {
-      const double there = w > 0 ? w * (1 - k * kNear) : k * kNear * lowest;
+      const double there = w > 0 ? w * (1 - k * kNear) : k * kNear * lowest();
       scatter = std::max(scatter, std::abs(f(at(there)) - centre));
     }
     return scatter;
   }
 
+  /// The same from neighbours as well: a difference of two computations is now and then far smaller
+  /// than the error of both, though not at five frequencies in a row.
+  [[nodiscard]] double rounding_near(std::size_t i, Function f, std::vector<double>& errors) const {
+    constexpr std::size_t kReach = 2;
+    double largest = 0;
+    for (std::size_t k = i > kReach ? i - kReach : 0; k <= i + kReach && k < samples_.w.size();
+         ++k) {
+      if (errors[k] < 0) errors[k] = rounding(samples_.w[k], f);
+      largest = std::max(largest, errors[k]);
+    }
+    return largest;
+  }
+
   const ChannelResponse& response_;
   Samples samples_;
-  std::vector<std::size_t> apart_;  ///< samples that are further apart than kApart
 };
 
 /// In (-π, π].
@@ -184,7 +190,7 @@ double wrapped(double angle) {
 
 std::vector<GainCrossover> gain_crossovers(const SingleLoop& loop) {
   std::vector<GainCrossover> all;
-  for (const double w : loop.roots([](Complex L) { return std::log(std::abs(L)); })) {
+  for (const double w : loop.roots(log_size)) {
     const double phase = wrapped(std::arg(loop.at(w)) + kPi);
     all.push_back({w, phase, w > 0 ? (phase > 0 ? phase : phase + 2 * kPi) / w : kInfinite});
   }
@@ -193,7 +199,7 @@ std::vector<GainCrossover> gain_crossovers(const SingleLoop& loop) {
 
 std::vector<PhaseCrossover> phase_crossovers(const SingleLoop& loop) {
   std::vector<PhaseCrossover> all;
-  for (const double w : loop.roots([](Complex L) { return L.imag(); })) {
+  for (const double w : loop.roots(sine_of_phase)) {
     const Complex L = loop.at(w);
     // A change of sign through infinity, at a pole on the axis, is not one through 0.
     const bool real = std::abs(L.imag()) <= 1e-6 * std::abs(L);
@@ -289,8 +295,11 @@ LoopMargins margins_of(const ChannelResponse& channel, double skew) {
   // What a turn either way leaves of a stable loop; the crossover's sign says which way.
   if (margins.stable) margins.phase_margin = std::abs(margins.phase_margin);
   shorten(margins);
-  std::tie(margins.Ms, margins.w_Ms) = response.peak(0);
-  std::tie(margins.Mt, margins.w_Mt) = response.peak(-1);  // |T| = |1 - S|
+  const Peak S = response.peak(0), T = response.peak(-1);  // |T| = |1 - S|
+  margins.Ms = S.value;
+  margins.w_Ms = S.w;
+  margins.Mt = T.value;
+  margins.w_Mt = T.w;
   if (margins.stable) {
     const auto [peak, w] = response.peak((skew - 1) / 2);
     margins.disk = disk_of_peak(peak, w, skew);

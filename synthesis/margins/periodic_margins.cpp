@@ -7,7 +7,7 @@
 #include <complex>
 
 #include "margins/channel_response.hpp"
-#include "margins/frequency_grid.hpp"
+#include "margins/loop_grid.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/synthesis/periodic_loop.hpp"
 
@@ -121,8 +121,8 @@ LoopMargins loop_margins(const PeriodicLti& loop, double skew) {
   // as rounding; the closed loop's has none.
   response.at = [&](double w) { return 1.0 / response.sensitivity(w) - 1.0; };
   response.again = [&](double w) { return 1.0 / (1.0 - again.at(w)(0, 0)) - 1.0; };
-  response.grid =
-      internal::grid_around({periodic_poles(part.A), periodic_poles(closed_loop.A)}, loop.dt, 0);
+  response.grid = internal::loop_grid(
+      {.roots = {periodic_poles(part.A), periodic_poles(closed_loop.A)}, .dt = loop.dt});
   response.discrete = true;
   response.stable = poles.size() == 0 || poles.cwiseAbs().maxCoeff() < 1;
   return internal::margins_of(response, skew);

@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "margins/disk.hpp"
-#include "margins/frequency_grid.hpp"
-#include "pid/golden_section.hpp"
+#include "margins/loop_grid.hpp"
 
 namespace quadtune {
 
@@ -145,32 +144,14 @@ class Peak {
   }
 
   /// The largest upper bound and where.
-  [[nodiscard]] std::pair<double, double> find() {
+  [[nodiscard]] internal::Peak find() {
     improve_largest();
-    // Between the grid's frequencies, from the largest values on that stand out among their
-    // neighbours.
-    std::vector<std::size_t> tops;
-    for (std::size_t i = 1; i + 1 < w_.size(); ++i)
-      if (std::isfinite(w_[i + 1]) && upper_[i] >= kNear * best_ && upper_[i] > upper_[i - 1] &&
-          upper_[i] > upper_[i + 1])
-        tops.push_back(i);
-    std::sort(tops.begin(), tops.end(),
-              [&](std::size_t i, std::size_t j) { return upper_[i] > upper_[j]; });
-    if (tops.size() > kTops) tops.resize(kTops);
-    std::pair<double, double> found{best_, at_};
-    for (const std::size_t i : tops)
-      found = std::max(found, internal::golden_section([&](double w) { return upper_bound(at(w)); },
-                                                       w_[i - 1], w_[i + 1], kWidth * w_[i + 1]));
-    return found;
+    return internal::highest_peak([&](double w) { return upper_bound(at(w)); }, w_, upper_);
   }
 
   [[nodiscard]] MatrixXcd at(double w) const { return loop_.sensitivity(w) + offset_; }
 
  private:
-  static constexpr double kNear = 0.9;
-  static constexpr std::size_t kTops = 6;
-  static constexpr double kWidth = 1e-7;
-
   void add(double w) {
     const MatrixXcd M = at(w);
     if (!M.allFinite()) return;
@@ -185,12 +166,11 @@ class Peak {
     std::iota(order.begin(), order.end(), 0);
     std::sort(order.begin(), order.end(),
               [&](std::size_t i, std::size_t j) { return upper_[i] > upper_[j]; });
+    double best = 0;
     for (const std::size_t i : order) {
-      if (upper_[i] <= best_) break;
+      if (upper_[i] <= best) break;
       upper_[i] = upper_bound(at(w_[i]));
-      if (upper_[i] <= best_) continue;
-      best_ = upper_[i];
-      at_ = w_[i];
+      best = std::max(best, upper_[i]);
     }
   }
 
@@ -198,8 +178,6 @@ class Peak {
   MatrixXcd offset_;
   std::vector<double> w_;
   std::vector<double> upper_;
-  double best_ = 0;
-  double at_ = 0;
 };
 
 }  // namespace

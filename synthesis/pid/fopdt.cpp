@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "margins/loop_grid.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/synthesis/pid_rules.hpp"
 
@@ -37,18 +38,15 @@ double step_at(const ContinuousLti& plant, double t) {
 /// First time at which the response is `part` of its way; empty when it starts beyond.
 std::optional<double> first_passage(const ContinuousLti& plant, const std::vector<double>& times,
                                     double gain, double part) {
-  const auto beyond = [&](double t) { return step_at(plant, t) / gain >= part; };
+  const auto beyond = [&](double t) { return step_at(plant, t) / gain - part; };
   std::size_t k = 0;
-  while (k < times.size() && !beyond(times[k])) ++k;
-  if (k == 0 || k == times.size()) return std::nullopt;
-  double low = times[k - 1];
-  double high = times[k];
-  while (high - low > 4e-16 * high) {
-    const double middle = low + (high - low) / 2;
-    if (middle <= low || middle >= high) break;
-    (beyond(middle) ? high : low) = middle;
+  double before = 0, here = 0;
+  while (k < times.size() && (here = beyond(times[k])) < 0) {
+    before = here;
+    ++k;
   }
-  return high;
+  if (k == 0 || k == times.size()) return std::nullopt;
+  return internal::crossing(beyond, times[k - 1], times[k], before, here);
 }
 
 /// Lags in falling order and the delay that cannot be helped, or why there are none.

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
-#include <tuple>
 
-#include "margins/brent_maximum.hpp"
+#include "margins/loop_grid.hpp"
 
 namespace quadtune::internal {
 namespace {
@@ -96,66 +96,23 @@ bool mikhailov_stable(const ContinuousTransferFunction& loop, const std::vector<
   return std::abs(roots_right) < 0.25;
 }
 
-/// The largest of a function near grid point k, on the logarithmic axis.
-template <class F>
-std::pair<double, double> climb(const F& f, const std::vector<double>& grid, std::size_t k) {
-  const double low = std::log(grid[k > 0 ? k - 1 : 0]);
-  const double high = std::log(grid[std::min(k + 1, grid.size() - 1)]);
-  const auto [value, place] =
-      brent_maximum([&](double log_w) { return f(std::exp(log_w)); }, low, high, 1e-9);
-  return {value, std::exp(place)};
-}
-
-/// The largest of all peaks that come within 5 % of the grid's largest value.
-template <class F>
-std::pair<double, double> highest_peak(const F& f, const std::vector<double>& grid,
-                                       const std::vector<double>& values) {
-  const double largest = *std::max_element(values.begin(), values.end());
-  std::pair<double, double> best = {0, grid.front()};
-  for (std::size_t k = 0; k < grid.size(); ++k) {
-    const bool peak = (k == 0 || values[k] >= values[k - 1]) &&
-                      (k + 1 == grid.size() || values[k] >= values[k + 1]);
-    if (!peak || values[k] < 0.95 * largest) continue;
-    best = std::max({best, std::pair(values[k], grid[k]), climb(f, grid, k)});
-  }
-  return best;
-}
-
 std::vector<double> plant_grid(const ContinuousTransferFunction& plant,
                                const std::vector<double>& corners) {
-  std::vector<double> marks;
-  std::vector<double> grid;
-  const auto mark_roots = [&](const Eigen::VectorXd& p) {
-    const Eigen::VectorXcd roots = polynomial_roots(p);
-    for (Eigen::Index i = 0; i < roots.size(); ++i) {
-      const double size = std::abs(roots[i]);
-      if (!(size > 0)) continue;
-      marks.push_back(size);
-      const double damping = std::max(std::abs(roots[i].real()) / size, 1e-6);
-      const double peak = std::abs(roots[i].imag());
-      if (damping < 0.3)
-        for (const double step : {0.0, 0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0, 15.0, 30.0})
-          for (const double side : {-1.0, 1.0})
-            if (damping * step < 0.5) grid.push_back(peak * (1 + side * damping * step));
-    }
-  };
-  mark_roots(without_leading_zeros(plant.num));
-  mark_roots(plant.den);
-  if (plant.delay > 0) marks.push_back(1 / plant.delay);
-  for (const double corner : corners)
-    if (corner > 0) marks.push_back(corner);
-  if (marks.empty()) marks.push_back(1);
-  const auto [least, most] = std::minmax_element(marks.begin(), marks.end());
-  const double end = *most * 1e3;
-  // Beyond fifty turns of the delay every size of L that matters has come by at every phase.
-  const double delayed = plant.delay > 0 ? 50 / plant.delay : 0;
-  for (double w = *least * 1e-3; w < end;) {
-    grid.push_back(w);
-    w += w < delayed ? std::min(0.03 * w, 0.2 / plant.delay) : 0.03 * w;
-  }
-  grid.push_back(end);
-  std::sort(grid.begin(), grid.end());
-  grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+  Landmarks landmarks;
+  landmarks.roots = {polynomial_roots(without_leading_zeros(plant.num)),
+                     polynomial_roots(plant.den)};
+  std::copy_if(corners.begin(), corners.end(), std::back_inserter(landmarks.corners),
+               [](double corner) { return corner > 0; });
+  if (plant.delay > 0) landmarks.corners.push_back(1 / plant.delay);
+  const auto at_rest = [](const Eigen::VectorXcd& roots) { return roots.isZero(0); };
+  if (landmarks.corners.empty() &&
+      std::all_of(landmarks.roots.begin(), landmarks.roots.end(), at_rest))
+    landmarks.corners.push_back(1);
+  landmarks.delay = plant.delay;
+  // Beyond, every size of L that matters has occurred at every phase.
+  landmarks.delay_phase = 50;
+  std::vector<double> grid = loop_grid(landmarks);
+  grid.erase(grid.begin());  // an integral has no value at 0
   return grid;
 }
 
@@ -166,6 +123,15 @@ LoopShape::LoopShape(const ContinuousTransferFunction& plant, const std::vector<
   plant_.num = without_leading_zeros(plant.num);
   responses_.reserve(grid_.size());
   for (const double w : grid_) responses_.push_back(plant_({0, w}));
+}
+
+double LoopShape::low_frequency_sign() const {
+  const auto last_coefficient = [](const Eigen::VectorXd& p) {
+    Eigen::Index last = p.size() - 1;
+    while (last > 0 && p[last] == 0) --last;
+    return p[last];
+  };
+  return last_coefficient(plant_.num) * last_coefficient(plant_.den) < 0 ? -1 : 1;
 }
 
 Complex LoopShape::at(const PidGains& gains, double w) const {
@@ -191,16 +157,14 @@ SensitivityPeaks LoopShape::peaks(const PidGains& gains) const {
     sensitivity[k] = 1 / std::abs(1.0 + L);
     complementary[k] = std::abs(L) * sensitivity[k];
   }
-  SensitivityPeaks peaks;
-  std::tie(peaks.Ms, peaks.w_Ms) =
+  const Peak S =
       highest_peak([&](double w) { return 1 / std::abs(1.0 + at(gains, w)); }, grid_, sensitivity);
-  std::tie(peaks.Mt, peaks.w_Mt) = highest_peak(
-      [&](double w) {
-        const Complex L = at(gains, w);
-        return std::abs(L / (1.0 + L));
-      },
-      grid_, complementary);
-  return peaks;
+  const auto T_at = [&](double w) {
+    const Complex L = at(gains, w);
+    return std::abs(L / (1.0 + L));
+  };
+  const Peak T = highest_peak(T_at, grid_, complementary);
+  return {S.value, S.w, T.value, T.w};
 }
 
 double LoopShape::noise_gain(const PidGains& gains) const {
@@ -210,30 +174,23 @@ double LoopShape::noise_gain(const PidGains& gains) const {
     values[k] = std::abs(C / (1.0 + C * responses_[k]));
   }
   const auto gain = [&](double w) { return std::abs(gains({0, w}) / (1.0 + at(gains, w))); };
-  return highest_peak(gain, grid_, values).first;
+  return highest_peak(gain, grid_, values).value;
 }
 
 LeastPhaseMargin LoopShape::least_phase_margin(const PidGains& gains) const {
+  std::vector<double> values(grid_.size());
+  for (std::size_t k = 0; k < grid_.size(); ++k)
+    values[k] = std::log(std::abs(gains({0, grid_[k]}) * responses_[k]));
   LeastPhaseMargin least;
-  double before = 0;
-  for (std::size_t k = 0; k < grid_.size(); ++k) {
-    const double size = std::abs(gains({0, grid_[k]}) * responses_[k]);
-    if (k > 0 && (before < 1) != (size < 1)) {
-      double low = grid_[k - 1];
-      double high = grid_[k];
-      for (int i = 0; i < 60; ++i) {
-        const double middle = low + (high - low) / 2;
-        ((std::abs(at(gains, middle)) < 1) == (before < 1) ? low : high) = middle;
-      }
-      const double margin = std::arg(-at(gains, high));
-      if (least.w == 0 || std::abs(margin) < std::abs(least.margin)) {
-        least.w = high;
-        least.margin = margin;
-      }
-      least.last_w = high;
-      least.last_margin = margin;
+  for (const double w :
+       crossings([&](double at_w) { return std::log(std::abs(at(gains, at_w))); }, grid_, values)) {
+    const double margin = std::arg(-at(gains, w));
+    if (least.w == 0 || std::abs(margin) < std::abs(least.margin)) {
+      least.w = w;
+      least.margin = margin;
     }
-    before = size;
+    least.last_w = w;
+    least.last_margin = margin;
   }
   return least;
 }

@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <complex>
-#include <utility>
 #include <vector>
 
 #include "quadtune/synthesis/pid_gains.hpp"
@@ -26,9 +25,8 @@ struct LeastPhaseMargin {
   double last_margin = 0;
 };
 
-/// L = C P under negative feedback. The plant's response is computed once, on a grid that spans
-/// three decades beyond all its corners, is dense around its resonances and turns the phase of its
-/// delay by at most 0.2 rad a step.
+/// L = C P under negative feedback. The plant's response is computed once, on the loop_grid() of
+/// its poles, zeros and delay.
 class LoopShape {
  public:
   /// @param corners  further frequencies that the grid must contain with its decades [rad/s]
@@ -44,7 +42,12 @@ class LoopShape {
   [[nodiscard]] LeastPhaseMargin least_phase_margin(const PidGains& gains) const;
 
   [[nodiscard]] std::complex<double> at(const PidGains& gains, double w) const;
+  /// Of the plant's response to what is slow: 1 or -1.
+  [[nodiscard]] double low_frequency_sign() const;
   [[nodiscard]] const std::vector<double>& grid() const { return grid_; }
+  [[nodiscard]] const std::vector<std::complex<double>>& plant_responses() const {
+    return responses_;
+  }
 
  private:
   ContinuousTransferFunction plant_;

@@ -13,6 +13,7 @@
 
 #include "pid/loop_shape.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/border.hpp"
 #include "quadtune/internal/enum_names.hpp"
 
 namespace quadtune {
@@ -98,13 +99,8 @@ class Problem {
   Problem(const ContinuousTransferFunction& plant, const LoopRequirement& requirement)
       : plant_(plant),
         requirement_(requirement),
-        shape_(plant, {requirement.crossover, requirement.Tf > 0 ? 1 / requirement.Tf : 0}) {
-    const auto last_coefficient = [](const Eigen::VectorXd& p) {
-      Eigen::Index last = p.size() - 1;
-      while (last > 0 && p[last] == 0) --last;
-      return p[last];
-    };
-    low_sign_ = last_coefficient(plant.num) * last_coefficient(plant.den) < 0 ? -1 : 1;
+        shape_(plant, {requirement.crossover, requirement.Tf > 0 ? 1 / requirement.Tf : 0}),
+        low_sign_(shape_.low_frequency_sign()) {
     const Eigen::VectorXcd poles = polynomial_roots(plant.den);
     plant_unstable_ = (poles.real().array() > 1e-12).any();
   }
@@ -223,16 +219,11 @@ class Problem {
       Attempt found = judged_with_Ms(t.at(scan[k]), t.w);
       if (found.status == PidLoopStatus::solved) {
         if (k + 1 == scan.size()) return found;
-        double good = scan[k];
-        double bad = scan[k + 1];
-        for (int i = 0; i < 40; ++i) {
-          const double middle = good + (bad - good) / 2;
-          const Attempt between = judged_with_Ms(t.at(middle), t.w);
-          const bool accepted = between.status == PidLoopStatus::solved;
-          (accepted ? good : bad) = middle;
-          if (accepted) found = between;
-        }
-        return found;
+        const auto accepted = [&](double Kd) {
+          return judged_with_Ms(t.at(Kd), t.w).status == PidLoopStatus::solved;
+        };
+        const double last = internal::border(accepted, scan[k], scan[k + 1], 1e-12).holds;
+        return judged_with_Ms(t.at(last), t.w);
       }
       // The nearest miss is what can be told: the least Ms, failing that anything.
       if (!refused ||
@@ -246,21 +237,12 @@ class Problem {
   ContinuousTransferFunction plant_;
   LoopRequirement requirement_;
   LoopShape shape_;
-  double low_sign_ = 1;  ///< of the plant's response to what is slow
+  double low_sign_;  ///< of the plant's response to what is slow
   bool plant_unstable_ = false;
 };
 
 bool solvable(const Problem& problem, double w) {
   return problem.attempt(w).status == PidLoopStatus::solved;
-}
-
-/// The border between a crossover that can be had and one that cannot, by bisection of logarithms.
-double border(const Problem& problem, double good, double bad) {
-  for (int i = 0; i < 30; ++i) {
-    const double middle = std::sqrt(good * bad);
-    (solvable(problem, middle) ? good : bad) = middle;
-  }
-  return good;
 }
 
 void search_crossovers(const Problem& problem, PidLoopDesign& design) {
@@ -276,10 +258,13 @@ void search_crossovers(const Problem& problem, PidLoopDesign& design) {
     highest = k;
   }
   if (lowest < 0) return;
-  const auto at = [&](int k) { return first * std::pow(ratio, k); };
-  design.lowest_crossover = lowest == 0 ? 0 : border(problem, at(lowest), at(lowest - 1));
-  design.highest_crossover =
-      highest == steps ? kInfinity : border(problem, at(highest), at(highest + 1));
+  const auto last_between = [&](int good, int bad) {
+    return internal::border([&](double w) { return solvable(problem, w); },
+                            first * std::pow(ratio, good), first * std::pow(ratio, bad), 1e-10)
+        .holds;
+  };
+  design.lowest_crossover = lowest == 0 ? 0 : last_between(lowest, lowest - 1);
+  design.highest_crossover = highest == steps ? kInfinity : last_between(highest, highest + 1);
 }
 
 /// "-90 to 0 deg": what gains of one sign can do to the phase at w.

@@ -12,6 +12,7 @@
 #include "quadtune/control/cascade_law.hpp"
 #include "quadtune/control/state_feedback_law.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/border.hpp"
 #include "quadtune/linearize/linearize.hpp"
 #include "quadtune/synthesis/flown_plant.hpp"
 
@@ -355,18 +356,11 @@ class HoverFamily {
       const std::string heavy = cannot_hover(vehicle_, box.high(kMass), box.low(kThrust));
       return heavy.empty() ? cannot_hover(vehicle_, box.low(kMass), box.high(kThrust)) : heavy;
     };
-    double high = family.greatest_scale;
-    std::string why = why_not(high);
-    if (why.empty()) return;
-    double low = 0;
-    for (int i = 0; i < 40; ++i) {
-      const double middle = 0.5 * (low + high);
-      const std::string here = why_not(middle);
-      (here.empty() ? low : high) = middle;
-      if (!here.empty()) why = here;
-    }
+    if (why_not(family.greatest_scale).empty()) return;
+    const auto [low, high] = internal::border([&](double scale) { return why_not(scale).empty(); },
+                                              0.0, family.greatest_scale, 1e-12);
     family.greatest_scale = std::max(low, 1e-9);
-    family.greatest_scale_reason = why;
+    family.greatest_scale_reason = why_not(high);
   }
 
   const Vehicle& vehicle_;

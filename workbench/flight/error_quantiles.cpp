@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/internal/border.hpp"
 #include "quadtune/internal/tails.hpp"
 
 namespace quadtune {
@@ -36,12 +37,9 @@ template <class Probability>
 double size_of(const Probability& probability, double first, double share) {
   double high = first;
   for (int i = 0; i < 60 && probability(high) > share; ++i) high *= 1.5;
-  double low = 0;
-  for (int i = 0; i < 60 && high - low > 1e-4 * high; ++i) {
-    const double middle = (low + high) / 2;
-    (probability(middle) > share ? low : high) = middle;
-  }
-  return high;
+  return internal::border([&](double size) { return !(probability(size) > share); }, high, 0.0,
+                          1e-4)
+      .holds;
 }
 
 /// Sums over the axes.

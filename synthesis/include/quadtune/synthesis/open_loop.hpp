@@ -65,9 +65,9 @@ class OpenLoop {
 };
 
 /// Increasing frequencies [rad/s] from 0 to far beyond the fastest pole, or to Nyquist, at which a
-/// loop must be looked at: forty a decade, more around each pole and zero of the open and of the
-/// closed loop, whose distance to the boundary is the width of what it does to the response; with a
-/// delay, as many that it turns the phase by less than 0.2 rad between two.
+/// loop must be examined: sixty a decade, more around each lightly damped pole and zero of the open
+/// and the closed loop, spaced by its distance to the boundary, which is the width of its effect;
+/// with a delay, so many that it turns the phase by at most 0.2 rad from one to the next.
 [[nodiscard]] std::vector<double> frequency_grid(const OpenLoop& loop);
 
 /// The loop of u = -K x cut at the plant's inputs: K (sI - A)⁻¹ B.

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Where a condition ceases to hold, by bisection.
+#pragma once
+
+#include <algorithm>
+#include <boost/math/tools/roots.hpp>
+#include <cmath>
+
+namespace quadtune::internal {
+
+/// Neighbours on both sides of a border.
+struct Border {
+  double holds = 0;
+  double fails = 0;
+};
+
+/// Halves the interval between two arguments, at one of which a condition is known to hold and at
+/// the other to fail, until it is no wider than `tolerance` times its larger end, sixty times at
+/// most. Neither end is evaluated.
+template <class Condition>
+[[nodiscard]] Border border(const Condition& condition, double holds, double fails,
+                            double tolerance) {
+  const auto sign = [&](double x) {
+    return x == holds ? 1.0 : x == fails ? -1.0 : condition(x) ? 1.0 : -1.0;
+  };
+  const auto narrow = [&](double low, double high) {
+    return high - low <= tolerance * std::max(std::abs(low), std::abs(high));
+  };
+  boost::uintmax_t steps = 60;
+  const auto [low, high] = boost::math::tools::bisect(sign, std::min(holds, fails),
+                                                      std::max(holds, fails), narrow, steps);
+  return holds < fails ? Border{low, high} : Border{high, low};
+}
+
+}  // namespace quadtune::internal

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "margins/loop_grid.hpp"
+
+#include <algorithm>
+#include <boost/math/tools/minima.hpp>
+#include <boost/math/tools/toms748_solve.hpp>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "quadtune/synthesis/open_loop.hpp"
+
+namespace quadtune {
+
+std::vector<double> frequency_grid(const OpenLoop& loop) {
+  internal::Landmarks landmarks{
+      .roots = {loop.poles(), loop.closed_loop_poles()}, .dt = loop.dt(), .delay = loop.delay()};
+  if (loop.size() == 1) landmarks.roots.push_back(loop.zeros());
+  return internal::loop_grid(landmarks);
+}
+
+namespace internal {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kPerDecade = 60;
+constexpr double kBeyond = 1e3;     ///< the slowest and the fastest landmark
+constexpr double kPhaseStep = 0.2;  ///< [rad] that a delay may turn between two frequencies
+
+/// A pole or zero as a resonance: its frequency and its distance to the boundary [rad/s].
+struct Resonance {
+  double w;
+  double width;
+  [[nodiscard]] double size() const { return std::hypot(w, width); }
+};
+
+std::vector<Resonance> resonances(const Landmarks& landmarks) {
+  std::vector<Resonance> all;
+  for (const Eigen::VectorXcd& roots : landmarks.roots)
+    for (const std::complex<double>& root : roots) {
+      // Where a discrete root would be in continuous time; one at 0 is a delay.
+      const std::complex<double> s = landmarks.dt > 0 ? std::log(root) / landmarks.dt : root;
+      if (std::isfinite(s.real()) && std::isfinite(s.imag()))
+        all.push_back({std::abs(s.imag()), std::abs(s.real())});
+    }
+  return all;
+}
+
+/// Frequencies of which those of a grid that are no wider apart than kPerDecade miss the detail.
+void add_resonance(const Resonance& root, std::vector<double>& grid) {
+  constexpr double kDamped = 0.3;  // from here on sixty a decade are as dense
+  constexpr double kFar = 0.5;
+  if (!(root.width < kDamped * root.w)) return;
+  for (const double k : {0.0, 0.1, 0.3, 0.6, 1.0, 1.5, 2.5, 4.0, 8.0, 15.0, 30.0})
+    if (k * root.width < kFar * root.w)
+      for (const double side : {-k, k}) grid.push_back(root.w + side * root.width);
+}
+
+/// 1/f² at its vertex by the parabola through three values.
+double predicted_peak(const std::vector<double>& w, const std::vector<double>& values,
+                      std::size_t i) {
+  const auto inverse_square = [&](std::size_t k) { return 1 / (values[k] * values[k]); };
+  const double q = inverse_square(i);
+  const double before = w[i] - w[i - 1], after = w[i + 1] - w[i];
+  const double falls = (q - inverse_square(i - 1)) / before;
+  const double rises = (inverse_square(i + 1) - q) / after;
+  const double curvature = (rises - falls) / (before + after);
+  if (!(curvature > 0) || !std::isfinite(curvature)) return values[i];
+  const double slope = (falls * after + rises * before) / (before + after);
+  const double vertex = q - slope * slope / (4 * curvature);
+  return vertex > 0 ? 1 / std::sqrt(vertex) : kInfinity;
+}
+
+/// The prediction with a reserve that grows with its distance from the value: the grid resolves a
+/// peak that hardly exceeds it.
+double possible_peak(double value, double predicted) {
+  return 1.01 * (predicted + 3 * (predicted - value));
+}
+
+}  // namespace
+
+std::vector<double> loop_grid(const Landmarks& landmarks) {
+  const bool discrete = landmarks.dt > 0;
+  const double nyquist = discrete ? std::numbers::pi / landmarks.dt : 0;
+  std::vector<double> sizes = landmarks.corners;
+  for (const Resonance& root : resonances(landmarks)) sizes.push_back(root.size());
+  double fastest = discrete ? nyquist : 1e-12;
+  if (!discrete)
+    for (const double size : sizes) fastest = std::max(fastest, size);
+  // What is smaller than rounding relative to the fastest is an integrator.
+  double slowest = fastest;
+  for (const double size : sizes)
+    if (size > 1e-10 * fastest) slowest = std::min(slowest, size);
+  double top = discrete ? nyquist : fastest * kBeyond;
+  // A delay alone turns L through the first crossing of the negative axis below this.
+  if (!discrete && landmarks.delay > 0) top = std::max(top, 4 * std::numbers::pi / landmarks.delay);
+  const double bottom = slowest / kBeyond;
+  std::vector<double> grid = loop_grid(landmarks, bottom, top);
+  // Of a stiff loop what looks like an integrator may be a lag.
+  for (const double size : sizes)
+    for (const double k : {0.1, 0.3, 1.0, 3.0, 10.0})
+      if (k * size < bottom) grid.push_back(k * size);
+  grid.push_back(0);
+  std::sort(grid.begin(), grid.end());
+  grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+  return grid;
+}
+
+std::vector<double> loop_grid(const Landmarks& landmarks, double low, double high) {
+  std::vector<double> grid = landmarks.corners;
+  const int steps = static_cast<int>(std::ceil(std::log10(high / low) * kPerDecade));
+  low = high * std::pow(10, -steps / kPerDecade);
+  for (int i = 0; i <= steps; ++i) grid.push_back(high * std::pow(10, -i / kPerDecade));
+  for (const Resonance& root : resonances(landmarks)) add_resonance(root, grid);
+  if (landmarks.delay > 0) {
+    const double step = kPhaseStep / landmarks.delay;
+    const double end = std::min(high, landmarks.delay_phase / landmarks.delay);
+    for (int i = 1; i * step < end; ++i) grid.push_back(i * step);
+  }
+  std::erase_if(grid, [&](double w) { return !(w >= low && w <= high); });
+  std::sort(grid.begin(), grid.end());
+  // Nearer frequencies are landmarks that only rounding keeps apart, such as repeated poles.
+  constexpr double kApart = 1e-11;
+  grid.erase(
+      std::unique(grid.begin(), grid.end(), [](double a, double b) { return b - a <= kApart * b; }),
+      grid.end());
+  grid.back() = high;
+  return grid;
+}
+
+Peak highest_peak(const FrequencyFunction& f, const std::vector<double>& w,
+                  const std::vector<double>& values) {
+  constexpr double kEqual = 1e-10;   // peaks that rounding may order either way
+  constexpr double kPlateau = 1e-9;  // a hill on it is rounding
+  Peak best{-kInfinity, 0};
+  for (std::size_t i = 0; i < w.size(); ++i)
+    if (!(values[i] <= best.value + kEqual * std::abs(best.value)) && !std::isnan(values[i]))
+      best = {values[i], w[i]};
+  std::vector<std::pair<double, std::size_t>> tops;  // with what they may reach
+  for (std::size_t i = 1; i + 1 < w.size(); ++i) {
+    const double before = values[i - 1], after = values[i + 1];
+    if (values[i] >= before && values[i] >= after && std::isfinite(w[i + 1]) &&
+        values[i] > (1 + kPlateau) * std::min(before, after))
+      tops.emplace_back(possible_peak(values[i], predicted_peak(w, values, i)), i);
+  }
+  std::sort(tops.rbegin(), tops.rend());
+  for (const auto& [possible, i] : tops) {
+    if (!(possible > best.value)) break;
+    Peak top = lowest_between([&](double at) { return -f(at); }, w[i - 1], w[i + 1]);
+    top.value *= -1;
+    const double equal = w[i] == best.w ? 0 : kEqual * std::abs(best.value);
+    if (top.value > best.value + (top.w < best.w ? -equal : equal)) best = top;
+  }
+  return best;
+}
+
+Peak lowest_between(const FrequencyFunction& f, double low, double high, int bits) {
+  // Boost's tolerance is relative to the argument: a share of the interval suits intervals of any
+  // place and width.
+  const auto at = [&](double share) { return low + share * (high - low); };
+  boost::uintmax_t steps = 100;
+  const auto [share, value] = boost::math::tools::brent_find_minima(
+      [&](double x) { return f(at(x)); }, 0.0, 1.0, bits, steps);
+  return {value, at(share)};
+}
+
+double crossing(const FrequencyFunction& f, double low, double high, double at_low,
+                double at_high) {
+  // toms748_solve() interpolates, which infinite values would spoil.
+  const auto finite = [](double value) {
+    constexpr double kLargest = 1e100;
+    return std::isnan(value) ? 0 : std::clamp(value, -kLargest, kLargest);
+  };
+  boost::uintmax_t steps = 200;
+  const auto [a, b] = boost::math::tools::toms748_solve(
+      [&](double w) { return finite(f(w)); }, low, high, finite(at_low), finite(at_high),
+      boost::math::tools::eps_tolerance<double>(), steps);
+  return a + (b - a) / 2;
+}
+
+std::vector<double> crossings(const FrequencyFunction& f, const std::vector<double>& w,
+                              const std::vector<double>& values,
+                              const std::function<bool(std::size_t)>& certain) {
+  const auto is_certain = [&](std::size_t i) { return values[i] != 0 && certain(i); };
+  std::vector<double> found;
+  for (std::size_t i = 0; i + 1 < w.size();) {
+    if (values[i] * values[i + 1] > 0) {
+      ++i;
+      continue;
+    }
+    std::size_t end = i + 1;  // of those up to i, one behind the last certain one
+    while (end > 0 && !is_certain(end - 1)) --end;
+    std::size_t right = i + 1;
+    while (right < w.size() && !is_certain(right)) ++right;
+    if (end > 0 && right < w.size() && values[end - 1] * values[right] < 0)
+      found.push_back(crossing(f, w[end - 1], w[right], values[end - 1], values[right]));
+    i = right;
+  }
+  return found;
+}
+
+}  // namespace internal
+
+}  // namespace quadtune
