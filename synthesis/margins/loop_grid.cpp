@@ -28,6 +28,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPerDecade = 60;
 constexpr double kBeyond = 1e3;     ///< the slowest and the fastest landmark
+constexpr double kFastest = 1e150;  ///< [rad/s] whose square and multiples do not overflow
 constexpr double kPhaseStep = 0.2;  ///< [rad] that a delay may turn between two frequencies
 
 /// A pole or zero as a resonance: its frequency and its distance to the boundary [rad/s].
@@ -77,6 +78,7 @@ double predicted_peak(const std::vector<double>& w, const std::vector<double>& v
 /// The prediction with a reserve that grows with its distance from the value: the grid resolves a
 /// peak that hardly exceeds it.
 double possible_peak(double value, double predicted) {
+  if (!std::isfinite(value)) return kInfinity;  // and no NaN, which would have no order
   return 1.01 * (predicted + 3 * (predicted - value));
 }
 
@@ -89,7 +91,7 @@ std::vector<double> loop_grid(const Landmarks& landmarks) {
   for (const Resonance& root : resonances(landmarks)) sizes.push_back(root.size());
   double fastest = discrete ? nyquist : 1e-12;
   if (!discrete)
-    for (const double size : sizes) fastest = std::max(fastest, size);
+    for (const double size : sizes) fastest = std::max(fastest, std::min(size, kFastest));
   // What is smaller than rounding relative to the fastest is an integrator.
   double slowest = fastest;
   for (const double size : sizes)
@@ -97,6 +99,7 @@ std::vector<double> loop_grid(const Landmarks& landmarks) {
   double top = discrete ? nyquist : fastest * kBeyond;
   // A delay alone turns L through the first crossing of the negative axis below this.
   if (!discrete && landmarks.delay > 0) top = std::max(top, 4 * std::numbers::pi / landmarks.delay);
+  top = std::min(top, kBeyond * kFastest);
   const double bottom = slowest / kBeyond;
   std::vector<double> grid = loop_grid(landmarks, bottom, top);
   // Of a stiff loop what looks like an integrator may be a lag.

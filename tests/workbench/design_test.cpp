@@ -52,8 +52,11 @@ TEST(Design, FliesWithTheEstimatorOfAnAddedExporter) {
   EXPECT_EQ(program_estimator(design), "");
   design.exports.push_back({"own-program"});
   EXPECT_EQ(program_estimator(design), "general");
-  design.vehicle.sensors.flow.reset();
-  EXPECT_EQ(program_estimator(design), "") << "which nothing feeds with a velocity";
+  Sensors& sensors = design.vehicle.sensors;
+  sensors.flow.reset();
+  sensors.gps.reset();
+  sensors.vision.reset();
+  EXPECT_EQ(program_estimator(design), "") << "nothing measures the velocity";
 }
 
 TEST(Design, InMemoryIsThatOfTheFile) {

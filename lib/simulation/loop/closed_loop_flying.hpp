@@ -362,7 +362,7 @@ typename ClosedLoop<N, R>::Inputs ClosedLoop<N, R>::own_inputs(double t) {
       continue;
     }
     results_[k].culprit = fault;
-    Mask<N> one;
+    Mask<N> one = false;
     set_lane(one, l, true);
     end_flight(one, t, FlightEnd::safety_exit, "law", fault);
   }
@@ -620,7 +620,7 @@ void ClosedLoop<N, R>::check_divergence(double t) {
       for (int i = kParts[part]; i < kParts[part + 1] && result.culprit.empty(); ++i)
         if (!(std::abs(lane(x_(i), l)) <= kBounds[part]))
           result.culprit = kNames[static_cast<std::size_t>(i)];
-    Mask<N> one;
+    Mask<N> one = false;
     set_lane(one, l, true);
     end_flight(one, t, FlightEnd::diverged, "diverged", "state " + result.culprit);
   }

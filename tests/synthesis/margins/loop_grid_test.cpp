@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -122,6 +123,38 @@ TEST(LoopGrid, DelayTurnsLittleBetweenNeighbours) {
   const std::vector<double> w = loop_grid({.corners = {1}, .delay = 2, .delay_phase = 50});
   for (std::size_t i = 1; i < w.size() && w[i] < 25; ++i) EXPECT_LE(w[i] - w[i - 1], 0.1 + 1e-12);
   EXPECT_EQ(w.back(), 1000);
+}
+
+// Poles near the largest number, where squares and multiples overflow.
+TEST(LoopGrid, IsFiniteForRootsOfAnySize) {
+  for (const double size : {1e-300, 1e-12, 1e155, 1e308}) {
+    Eigen::VectorXcd roots(2);
+    roots << Complex(-1, 0), Complex(-size, size);
+    for (const double delay : {0.0, 1e-305}) {
+      const std::vector<double> w = loop_grid({.roots = {roots}, .delay = delay});
+      ASSERT_FALSE(w.empty());
+      EXPECT_TRUE(std::all_of(w.begin(), w.end(), [](double at) { return std::isfinite(at); }));
+      EXPECT_LT(w.size(), 100'000u);
+    }
+  }
+}
+
+// Values without a number have no order that a sort could rely on.
+TEST(LoopGrid, InfiniteValuesAndNanAmongPeaksAreNoDisorder) {
+  const std::vector<double> w = loop_grid({}, 0.1, 1e3);
+  std::mt19937_64 random(13);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 100; ++i) {
+    std::vector<double> values;
+    for (std::size_t k = 0; k < w.size(); ++k) {
+      const auto kind = random() % 8;
+      values.push_back(kind == 0   ? kInfinity
+                       : kind == 1 ? std::numeric_limits<double>::quiet_NaN()
+                                   : static_cast<double>(random() % 1000));
+    }
+    const Peak peak = highest_peak([](double) { return 1.0; }, w, values);
+    EXPECT_EQ(peak.value, kInfinity);
+  }
 }
 
 TEST(Crossings, AreRootsToRounding) {
