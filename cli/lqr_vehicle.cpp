@@ -10,6 +10,7 @@
 #include "quadtune/exports/schedule_table.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/workbench/design/lqi_report.hpp"
 #include "quadtune/workbench/design/lqr_report.hpp"
 #include "quadtune/workbench/design/matrix_report.hpp"
 #include "quadtune/workbench/schedule/schedule_axes.hpp"
