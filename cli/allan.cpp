@@ -7,7 +7,7 @@
 #include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/logs/allan_of_log.hpp"
-#include "report/logs/allan_report.hpp"
+#include "report/logs/logs.hpp"
 #include "report/plots/allan_figure.hpp"
 
 namespace quadtune::cli {

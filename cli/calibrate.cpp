@@ -11,7 +11,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/workbench/logs/imu_calibration.hpp"
-#include "report/logs/calibration_report.hpp"
+#include "report/logs/logs.hpp"
 
 namespace quadtune::cli {
 namespace {

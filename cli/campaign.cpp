@@ -20,10 +20,7 @@
 #include "quadtune/workbench/campaign/campaign_merge.hpp"
 #include "quadtune/workbench/campaign/campaign_plan.hpp"
 #include "quadtune/workbench/campaign/campaign_run.hpp"
-#include "report/flights/campaign_html.hpp"
-#include "report/flights/campaign_plan_report.hpp"
-#include "report/flights/campaign_report.hpp"
-#include "report/flights/campaign_status.hpp"
+#include "report/flights/flights.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -12,7 +12,7 @@
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/flown/plant_word.hpp"
 #include "quadtune/workbench/verify/uncertain_range.hpp"
-#include "report/loops/certify_report.hpp"
+#include "report/loops/loops.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -9,8 +9,8 @@
 #include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
-#include "report/flights/flight_difference.hpp"
-#include "report/flights/flight_text.hpp"
+#include "quadtune/workbench/flight/flight_difference.hpp"
+#include "report/flights/flights.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -13,8 +13,8 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/design_verdict.hpp"
-#include "report/flights/flight_page.hpp"
-#include "report/gains/design_report.hpp"
+#include "report/flights/flights.hpp"
+#include "report/gains/gains.hpp"
 
 namespace quadtune::cli {
 namespace {

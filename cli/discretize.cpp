@@ -11,9 +11,9 @@
 #include "program/program.hpp"
 #include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/workbench/sampling/method_comparison.hpp"
 #include "quadtune/workbench/sampling/sampled_plant.hpp"
-#include "report/loops/method_comparison.hpp"
-#include "report/loops/sampled_plant.hpp"
+#include "report/loops/loops.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -14,7 +14,7 @@
 #include "quadtune/workbench/design/export_content.hpp"
 #include "quadtune/workbench/design/gains_export.hpp"
 #include "quadtune/workbench/design/given_gains.hpp"
-#include "report/gains/export_report.hpp"
+#include "report/gains/gains.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -15,7 +15,7 @@
 #include "program/program.hpp"
 #include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
-#include "report/flights/seeds_report.hpp"
+#include "report/flights/flights.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -11,7 +11,7 @@
 #include "program/program.hpp"
 #include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
-#include "report/gains/kalman_report.hpp"
+#include "report/gains/gains.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include "program/program.hpp"
 #include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
-#include "report/loops/linearization_report.hpp"
+#include "report/loops/loops.hpp"
 
 namespace quadtune::cli {
 namespace {

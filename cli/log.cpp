@@ -9,7 +9,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/logs/log_survey.hpp"
 #include "quadtune/workbench/logs/log_notes.hpp"
-#include "report/logs/log_report.hpp"
+#include "report/logs/logs.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/design/lqg_report.hpp"
-#include "report/gains/lqg_report.hpp"
+#include "report/gains/gains.hpp"
 #include "report/text/print.hpp"
 
 namespace quadtune::cli {

@@ -12,7 +12,7 @@
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/lqr_report.hpp"
-#include "report/gains/lqr_report.hpp"
+#include "report/gains/gains.hpp"
 
 namespace quadtune::cli {
 namespace {

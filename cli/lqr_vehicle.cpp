@@ -14,10 +14,7 @@
 #include "quadtune/workbench/design/matrix_report.hpp"
 #include "quadtune/workbench/schedule/schedule_axes.hpp"
 #include "quadtune/workbench/schedule/schedule_report.hpp"
-#include "report/gains/lqi_report.hpp"
-#include "report/gains/lqr_report.hpp"
-#include "report/gains/matrix_report.hpp"
-#include "report/gains/schedule_report.hpp"
+#include "report/gains/gains.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -14,7 +14,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/matrix_checks.hpp"
 #include "quadtune/workbench/design/named_loop.hpp"
-#include "report/loops/loop_report.hpp"
+#include "report/loops/loops.hpp"
 #include "report/plots/loop_figure.hpp"
 #include "report/text/print.hpp"
 

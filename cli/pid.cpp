@@ -12,8 +12,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/design/pid_report.hpp"
 #include "quadtune/workbench/design/vehicle_cascade.hpp"
-#include "report/loops/pid_report.hpp"
-#include "report/loops/vehicle_cascade.hpp"
+#include "report/loops/loops.hpp"
 #include "report/text/print.hpp"
 
 namespace quadtune::cli {

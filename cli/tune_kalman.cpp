@@ -19,8 +19,7 @@
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/logs/filter_choice.hpp"
 #include "quadtune/workbench/logs/noise_evidence.hpp"
-#include "report/logs/noise_tuning_page.hpp"
-#include "report/logs/noise_tuning_report.hpp"
+#include "report/logs/logs.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -11,6 +11,7 @@
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
+#include "quadtune/convention_file.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/convert.hpp"
 #include "quadtune/internal/joined.hpp"
@@ -19,7 +20,7 @@
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/design/gain_match.hpp"
 #include "quadtune/workbench/missions/lqr_tuning.hpp"
-#include "report/gains/gain_match_report.hpp"
+#include "report/gains/gains.hpp"
 #include "report/text/print.hpp"
 
 namespace quadtune::cli {
@@ -43,7 +44,8 @@ void complete(const CommandLine& line, const GivenGains& given, LqrArguments& pr
   PlantArguments& plant = problem.plant;
   if (absent("--convention")) plant.convention = given.gains.convention;
   if (absent("--inputs")) plant.inputs = to_string(given.gains.input_kind);
-  const Convention& words = convention(plant.convention, "--convention");
+  const Convention& words = named_convention(plant.convention, "--convention");
+  plant.convention = words.name;
   const Gains turned = in_convention(given.gains, words);
   if (absent("--states")) plant.states = internal::joined(names_of(turned.states), ",");
   if (absent("--integral")) problem.integral = internal::joined(names_of(turned.integrals), ",");

@@ -8,7 +8,7 @@
 #include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/verify/verify_directory.hpp"
-#include "report/gains/verify_report.hpp"
+#include "report/gains/gains.hpp"
 
 namespace quadtune::cli {
 namespace {

@@ -119,7 +119,7 @@ function(quadtune_test name)
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE ${ARG_LINK} quadtune_test_support quadtune_test_flags)
   target_precompile_headers(${target} REUSE_FROM quadtune_test_support)
-  add_dependencies(${target} quadtune_mat quadtune_variants) # which are loaded
+  add_dependencies(${target} quadtune_variants) # which are loaded
   # Threads of OpenBLAS would fight for the processors with the tests that run beside.
   set(properties TIMEOUT 1800 ENVIRONMENT OPENBLAS_NUM_THREADS=1)
   if(ARG_LABELS)

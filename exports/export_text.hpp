@@ -24,4 +24,14 @@ inline std::string export_text(const std::filesystem::path& path) {
   return internal::read_text_file(path.string(), std::size_t{16} << 20);
 }
 
+/// The first character that is not blank, or '\0': what tells files with free names apart.
+inline char first_mark(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first == std::string::npos ? '\0' : text[first];
+}
+
+inline bool is_json(const std::filesystem::path& file, const std::string& text) {
+  return first_mark(text) == '{' || file.extension() == ".json";
+}
+
 }  // namespace quadtune::exports

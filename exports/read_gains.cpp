@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -27,62 +25,47 @@ StoredLaws laws_of_manifest(const Manifest& manifest) {
   return {manifest.vehicle, manifest.gains, manifest.cascade};
 }
 
-StoredLaws read_json(const fs::path& path) {
-  return exports::laws_of_json_text(exports::export_text(path), path.string());
+// The exporters that were added may know a file better than those that come with quadtune.
+std::optional<StoredLaws> read_plain(const fs::path& path) {
+  for (auto exporter = exporters().rbegin(); exporter != exporters().rend(); ++exporter)
+    if (exporter->read_plain)
+      if (std::optional<StoredLaws> laws = exporter->read_plain(path)) return laws;
+  return {};
 }
 
-StoredLaws read_m(const fs::path& path) {
-  return exports::laws_of_m_text(exports::export_text(path), path.string());
-}
-
-StoredLaws read_uquad(const fs::path& path) { return {"", read_uquad_gains(path), {}}; }
-
-StoredLaws read_by_manifest(const fs::path& directory) {
-  const Manifest manifest = read_manifest(directory);
+StoredLaws read_export(const fs::path& directory, const Manifest& manifest) {
   return exporter_of(manifest.kind, (directory / kManifestName).string()).read(directory, manifest);
 }
 
 StoredLaws read_directory(const fs::path& path) {
-  if (fs::exists(path / kManifestName)) return read_by_manifest(path);
-  if (fs::exists(path / kGainsJsonName)) return read_json(path / kGainsJsonName);
-  if (fs::exists(path / exports::kControllerVars)) return read_m(path / exports::kControllerVars);
-  return read_uquad(path);
+  if (fs::exists(path / kManifestName)) return read_export(path, read_manifest(path));
+  if (std::optional<StoredLaws> laws = read_plain(path)) return *std::move(laws);
+  throw InvalidInput(path.string(), "holds no gains of any exporter, expected those of one");
 }
 
-bool is_uquad_name(const std::string& name) {
-  const std::vector<UquadFileSet>& sets = uquad_file_sets();
-  return std::any_of(sets.begin(), sets.end(), [&](const UquadFileSet& set) {
-    return name == set.proportional || (!set.integral.empty() && name == set.integral);
-  });
-}
-
-// A file by what is in it, so that any name may be given to it; only uquad's have no mark but
-// theirs.
-StoredLaws read_file(const fs::path& path) {
-  if (is_uquad_name(path.filename().string())) return read_uquad(path);
-  const std::string origin = path.string();
+std::optional<Manifest> manifest_of(const fs::path& path) {
   const std::string text = exports::export_text(path);
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  const char mark = first == std::string::npos ? '\0' : text[first];
-  if (mark == '{' || path.extension() == ".json") {
-    if (exports::json_format(text, origin) == exports::kManifestFormat) {
-      // Its folder holds more than it does, such as the estimator.
-      if (path.filename() == kManifestName &&
-          parse_manifest(text, origin).kind == ExportKind::json &&
-          fs::exists(path.parent_path() / kGainsJsonName))
-        return read_json(path.parent_path() / kGainsJsonName);
-      return laws_of_manifest(parse_manifest(text, origin));
-    }
-    return exports::laws_of_json_text(text, origin);
+  if (!exports::is_json(path, text) ||
+      exports::json_format(text, path.string()) != exports::kManifestFormat)
+    return {};
+  return parse_manifest(text, path.string());
+}
+
+StoredLaws read_file(const fs::path& path) {
+  if (const std::optional<Manifest> manifest = manifest_of(path)) {
+    // Its folder holds more than it does, such as the estimator.
+    if (path.filename() == kManifestName && manifest->kind == ExportKind::json &&
+        fs::exists(path.parent_path() / kGainsJsonName))
+      return read_export(path.parent_path(), *manifest);
+    return laws_of_manifest(*manifest);
   }
-  if (mark == '%' || path.extension() == ".m") return exports::laws_of_m_text(text, origin);
-  if (std::isdigit(static_cast<unsigned char>(mark)) != 0 || mark == '-' || mark == '+')
-    return read_uquad(path);  // which tells the names that it takes
+  if (std::optional<StoredLaws> laws = read_plain(path)) return *std::move(laws);
   throw InvalidInput(
-      origin, fmt::format("is no file of gains, expected gains.json, manifest.json, {}, one of "
-                          "uquad ({}, …), or what `quadtune lqr` or `pid` writes as JSON: with "
-                          "--json, or into a name that ends in .json",
-                          exports::kControllerVars, uquad_file_sets().front().proportional));
+      path.string(),
+      fmt::format("is no file of gains, expected gains.json, manifest.json, {}, one of uquad ({}, "
+                  "…), or what `quadtune lqr` or `pid` writes as JSON: with --json, or into a name "
+                  "that ends in .json",
+                  exports::kControllerVars, uquad_file_sets().front().proportional));
 }
 
 }  // namespace

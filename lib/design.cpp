@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "control/cascade_reader.hpp"
+#include "quadtune/convention_file.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/filter_file.hpp"
 #include "quadtune/estimation/tuned_noise.hpp"
@@ -130,8 +131,13 @@ bool is_matrix(const TomlTable& table) {
   return word == "matrix";
 }
 
+// A name, or a file relative to that of the design.
+const Convention& read_convention(const TomlTable& table, const std::filesystem::path& folder) {
+  return named_convention(table.text_or("convention", "ned"), table.where("convention"), folder);
+}
+
 // [lqr] with plant = "flown".
-LqiDesign read_lqi(const TomlTable& table) {
+LqiDesign read_lqi(const TomlTable& table, const std::filesystem::path& folder) {
   LqiDesign lqi;
   if (is_matrix(table)) {
     table.allow({{"plant"},
@@ -143,8 +149,7 @@ LqiDesign read_lqi(const TomlTable& table) {
                  {"Q_integral"},
                  {"dt", "s"}});
     MatrixWords words;
-    words.convention = table.text_or("convention", "ned");
-    (void)convention(words.convention, table.where("convention"));
+    words.convention = read_convention(table, folder).name;
     if (table.has("inputs"))
       words.input_kind = input_kind(table.text("inputs"), table.where("inputs"));
     lqi.matrix = words;
@@ -190,7 +195,8 @@ bool on_flown_plant(const TomlTable& table) {
   return plant == "flown";
 }
 
-LqrDesign read_lqr(const TomlTable& table, const Vehicle& vehicle) {
+LqrDesign read_lqr(const TomlTable& table, const Vehicle& vehicle,
+                   const std::filesystem::path& folder) {
   table.allow({{"plant"},
                {"convention"},
                {"inputs"},
@@ -202,8 +208,8 @@ LqrDesign read_lqr(const TomlTable& table, const Vehicle& vehicle) {
                {"method"},
                {"dt", "s"}});
   LqrDesign lqr;
-  lqr.convention = table.text_or("convention", "ned");
-  const Convention& words = convention(lqr.convention, table.where("convention"));
+  const Convention& words = read_convention(table, folder);
+  lqr.convention = words.name;
   lqr.input_kind = input_kind(table.text("inputs"), table.where("inputs"));
   const std::vector<Signal> inputs = input_signals(
       words, lqr.input_kind, static_cast<int>(vehicle.rotors.size()), vehicle.motor.unit);
@@ -543,7 +549,7 @@ Design parse_design(const std::string& text, const std::string& origin,
   if (const auto table = file.maybe_table("trim")) design.condition = read_trim(*table);
   if (const auto table = file.maybe_table("lqr")) {
     if (!on_flown_plant(*table))
-      design.lqr = read_lqr(*table, design.vehicle);
+      design.lqr = read_lqr(*table, design.vehicle, folder);
     else if (design.condition.kind != FlightKind::hover)
       throw InvalidInput(
           table->where("plant"),
@@ -557,7 +563,7 @@ Design parse_design(const std::string& text, const std::string& origin,
                       "because the flown plant hovers with the nose to the north",
                       design.condition.yaw));
     else
-      design.lqi = read_lqi(*table);
+      design.lqi = read_lqi(*table, folder);
   }
   for (const TomlTable& table : file.tables("kalman")) {
     design.kalman.push_back(read_kalman(table, folder));

@@ -7,8 +7,7 @@
 #include "program/refusal.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/logs/flight_log.hpp"
-#include "report/flights/flight_page.hpp"
-#include "report/flights/flight_text.hpp"
+#include "report/flights/flights.hpp"
 
 namespace quadtune::cli {
 

@@ -6,6 +6,7 @@
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
+#include "quadtune/convention_file.hpp"
 #include "quadtune/synthesis/flown_axis.hpp"
 #include "report/text/print.hpp"
 
@@ -85,8 +86,7 @@ LqiDesign matrix_design(const LqrArguments& common, const FlownLqrArguments& arg
                         bool asks_for_inputs) {
   LqiDesign design = lqi_design(common, arguments);
   MatrixWords words;
-  words.convention = common.plant.convention;
-  (void)convention(words.convention, "--convention");
+  words.convention = named_convention(common.plant.convention, "--convention").name;
   if (asks_for_inputs) words.input_kind = input_kind(common.plant.inputs, "--inputs");
   design.matrix = words;
   require_weights(design);

@@ -8,6 +8,7 @@
 #include "arguments/matrix_arguments.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
+#include "quadtune/convention_file.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 
@@ -47,7 +48,7 @@ Eigen::VectorXd input_weights(const std::string& list, const std::vector<std::st
 LqrDesign make_design(const LqrArguments& arguments, const std::vector<Signal>& states,
                       const std::vector<Signal>& inputs) {
   LqrDesign design;
-  design.convention = arguments.plant.convention;
+  design.convention = named_convention(arguments.plant.convention, "--convention").name;
   design.input_kind = input_kind(arguments.plant.inputs, "--inputs");
   design.method = lqr_method(arguments.method, "--method");
   design.dt = arguments.dt.value_or(0);

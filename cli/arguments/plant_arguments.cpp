@@ -5,6 +5,7 @@
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
+#include "quadtune/convention_file.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/workbench/flown/plant_word.hpp"
 
@@ -20,7 +21,8 @@ void add_plant_options(CommandLine& line, PlantArguments& arguments) {
   line.add_number("--yaw-rate RATE", arguments.yaw_rate,
                   "of a spin on the spot [rad/s]; negative turns left");
   line.add_number("--yaw ANGLE", arguments.yaw, "heading from north, clockwise from above [rad]");
-  line.add_option("--convention NAME", arguments.convention, "ned (default), uquad or mambo");
+  line.add_option("--convention NAME", arguments.convention,
+                  "ned (default), uquad, mambo or a file");
   line.add_option("--inputs KIND", arguments.inputs,
                   "rotor-speed (default), rotor-thrust, wrench or command");
   line.add_option("--states LIST", arguments.states, "full (default), no-position or names");
@@ -28,11 +30,12 @@ void add_plant_options(CommandLine& line, PlantArguments& arguments) {
 
 LinearizeOptions linearize_options(const PlantArguments& arguments) {
   LinearizeOptions options;
-  options.convention = arguments.convention;
+  const Convention& words = named_convention(arguments.convention, "--convention");
+  options.convention = words.name;
   options.inputs = input_kind(arguments.inputs, "--inputs");
   options.states = state_selection(arguments.states, "--states");
   // Refused by the options' names, not by the function that would trip over them.
-  (void)selected_states(convention(options.convention, "--convention"), options.states, "--states");
+  (void)selected_states(words, options.states, "--states");
   return options;
 }
 

@@ -1,101 +1,55 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/padded_product.hpp"
 
-#ifdef __FMA__
-#include <immintrin.h>
-#endif
-
 #include <cmath>
-#include <cstdint>
+#include <cstring>
 #include <limits>
+
+#include "quadtune/internal/small_matrix.hpp"
 
 namespace quadtune::internal {
 namespace {
 
-// Four doubles whatever the machine: the compiler splits them where its vectors are shorter. Wider
-// ones gain nothing at a dozen states.
-using Vector [[gnu::vector_size(kVectorLength * sizeof(double)), gnu::may_alias]] = double;
-
-[[gnu::always_inline]] inline const Vector* vectors(const double* M) {
-  return reinterpret_cast<const Vector*>(M);
-}
-[[gnu::always_inline]] inline Vector* vectors(double* M) { return reinterpret_cast<Vector*>(M); }
-
-// The same for memory of the caller, which may lie anywhere.
-using Unaligned [[gnu::vector_size(kVectorLength * sizeof(double)), gnu::may_alias,
-                  gnu::aligned(alignof(double))]] = double;
-
-[[gnu::always_inline]] inline void add_absolute(const Vector& v, Vector& sum) {
-  using Bits [[gnu::vector_size(sizeof(Vector))]] = std::int64_t;
-  sum += (Vector)((Bits)v & std::numeric_limits<std::int64_t>::max());  // all but the sign
-}
-
-// sum += a · b. Spelled out because -ffp-contract=off keeps the compiler from fusing it.
-[[gnu::always_inline]] inline void multiply_add(const Vector& a, double b, Vector& sum) {
-#ifdef __FMA__
-  sum = (Vector)_mm256_fmadd_pd((__m256d)a, _mm256_set1_pd(b), (__m256d)sum);
-#else
-  sum += a * b;
-#endif
-}
+// Wider vectors gain nothing at a dozen states.
+using V = Vector<double, kVectorLength>;
 
 // Keeps a vector that is used four times in a register: the compiler would load it four times, and
 // loads are what such a product waits for.
-[[gnu::always_inline]] inline void keep_in_register([[maybe_unused]] Vector& a) {
+[[gnu::always_inline]] inline V keep_in_register(V a) {
 #ifdef __AVX__
   asm("" : "+x"(a));
 #endif
+  return a;
 }
 
 // What the accumulators of the vector at an offset into C start from.
 struct FromZero {
-  [[gnu::always_inline]] void operator()(std::ptrdiff_t /*offset*/, Vector& sum) const {
-    sum = Vector{};
-  }
+  V operator()(std::ptrdiff_t /*offset*/) const { return V{}; }
 };
 struct FromResult {
   const double* C;
-  [[gnu::always_inline]] void operator()(std::ptrdiff_t offset, Vector& sum) const {
-    sum = vectors(C + offset)[0];
-  }
+  V operator()(std::ptrdiff_t offset) const { return load<V>(C + offset); }
 };
 struct FromCombination {
   Combination from;
-  [[gnu::always_inline]] void operator()(std::ptrdiff_t offset, Vector& sum) const {
-    sum = from.c * vectors(from.C + offset)[0];
-    multiply_add(vectors(from.B + offset)[0], from.b, sum);
-    multiply_add(vectors(from.A + offset)[0], from.a, sum);
+  [[gnu::always_inline]] V operator()(std::ptrdiff_t offset) const {
+    const V c = from.c * load<V>(from.C + offset);
+    const V bc = multiply_add(load<V>(from.B + offset), broadcast<V>(from.b), c);
+    return multiply_add(load<V>(from.A + offset), broadcast<V>(from.a), bc);
   }
 };
 
-// V vectors of rows by four columns of C at `offset`, kept in registers over the whole depth.
-template <int V, class Start>
+// kVectors vectors of rows by four columns of C at `offset`: a tile whose rows are columns of C.
+template <int kVectors, class Start>
 [[gnu::always_inline]] inline void tile(const double* A, const double* B, double* C,
                                         std::ptrdiff_t offset, std::ptrdiff_t rows,
                                         std::ptrdiff_t depth, const Start& start) {
-  Vector sum[V][kVectorLength];
-#pragma GCC unroll 4
-  for (int j = 0; j < kVectorLength; ++j)
-#pragma GCC unroll 4
-    for (int v = 0; v < V; ++v) start(offset + j * rows + v * kVectorLength, sum[v][j]);
-  for (std::ptrdiff_t k = 0; k < depth; ++k) {
-    Vector a[V];
-#pragma GCC unroll 4
-    for (int v = 0; v < V; ++v) {
-      a[v] = vectors(A + k * rows)[v];
-      keep_in_register(a[v]);
-    }
-#pragma GCC unroll 4
-    for (int j = 0; j < kVectorLength; ++j) {
-      const double b = B[k + j * rows];
-#pragma GCC unroll 4
-      for (int v = 0; v < V; ++v) multiply_add(a[v], b, sum[v][j]);
-    }
-  }
-#pragma GCC unroll 4
-  for (int j = 0; j < kVectorLength; ++j)
-#pragma GCC unroll 4
-    for (int v = 0; v < V; ++v) vectors(C + offset + j * rows)[v] = sum[v][j];
+  Tile<V, kVectorLength, kVectors> sum;
+  sum.set([&](int j, int v) { return start(offset + j * rows + v * kVectorLength); });
+  sum.add_product(0, depth, entries_of<V>(B, rows, 1), [&](int k, int v) {
+    return keep_in_register(load<V>(A + k * rows + v * kVectorLength));
+  });
+  sum.each([&](int j, int v, V x) { store(C + offset + j * rows + v * kVectorLength, x); });
 }
 
 // Three vectors by four columns fill twelve of sixteen registers; 4 = 2 + 2 beats 3 + 1.
@@ -144,45 +98,39 @@ void multiply(const double* A, const double* B, double* C, std::ptrdiff_t rows,
 
 void combine(const Combination& combination, double* S, std::ptrdiff_t size) {
   const FromCombination form{combination};
-  for (std::ptrdiff_t i = 0; i < size; i += kVectorLength) {
-    Vector sum;
-    form(i, sum);
-    vectors(S + i)[0] = sum;
-  }
+  for (std::ptrdiff_t i = 0; i < size; i += kVectorLength) store(S + i, form(i));
 }
 
 void scale(double a, const double* A, double* S, std::ptrdiff_t size) {
-  for (std::ptrdiff_t i = 0; i < size / kVectorLength; ++i) vectors(S)[i] = a * vectors(A)[i];
+  for (std::ptrdiff_t i = 0; i < size; i += kVectorLength) store(S + i, a * load<V>(A + i));
 }
 
 void copy_scaled(double a, const double* from, std::ptrdiff_t from_stride, double* to,
                  std::ptrdiff_t to_stride, std::ptrdiff_t rows, std::ptrdiff_t cols) {
   for (std::ptrdiff_t j = 0; j < cols; ++j, from += from_stride, to += to_stride) {
     std::ptrdiff_t i = 0;
-    for (; i + kVectorLength <= rows; i += kVectorLength)
-      *reinterpret_cast<Unaligned*>(to + i) = a * *reinterpret_cast<const Unaligned*>(from + i);
+    for (; i + kVectorLength <= rows; i += kVectorLength) {
+      V x;  // the caller's memory may lie anywhere
+      std::memcpy(&x, from + i, sizeof x);
+      x *= a;
+      std::memcpy(to + i, &x, sizeof x);
+    }
     for (; i < rows; ++i) to[i] = a * from[i];
   }
 }
 
 double norm(const double* M, std::ptrdiff_t rows, std::ptrdiff_t cols) {
-  Vector largest = {};
-  Vector total = {};
+  V largest = {};
+  V sums = {};
   for (std::ptrdiff_t i = 0; i < rows; i += kVectorLength) {
-    Vector sum = {};
-    for (std::ptrdiff_t j = 0; j < cols; ++j) {
-      add_absolute(vectors(M + i + j * rows)[0], sum);
-    }
+    V sum = {};
+    for (std::ptrdiff_t j = 0; j < cols; ++j) sum += magnitude(load<V>(M + i + j * rows));
     largest = sum > largest ? sum : largest;
-    total += sum;  // a comparison lets NaN pass, a sum does not
+    sums += sum;  // a comparison lets NaN pass, a sum does not
   }
   double result = 0;
-  double check = 0;
-  for (int l = 0; l < kVectorLength; ++l) {
-    result = largest[l] > result ? largest[l] : result;
-    check += total[l];
-  }
-  return std::isfinite(check) ? result : std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kVectorLength; ++i) result = largest[i] > result ? largest[i] : result;
+  return std::isfinite(total(sums)) ? result : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace quadtune::internal

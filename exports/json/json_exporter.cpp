@@ -57,9 +57,22 @@ StoredLaws laws_of_json(const Json& json, const std::string& origin) {
   return laws;
 }
 
+StoredLaws laws_of_json_text(const std::string& text, const std::string& origin) {
+  return laws_of_json(parse_json(text, origin, kGainsFormat, kGainsVersion), origin);
+}
+
 StoredLaws read(const fs::path& directory, const Manifest& /*manifest*/) {
   const fs::path path = directory / kGainsJsonName;
   return laws_of_json_text(export_text(path), path.string());
+}
+
+std::optional<StoredLaws> read_plain(const fs::path& path) {
+  const bool is_directory = fs::is_directory(path);
+  const fs::path file = is_directory ? path / kGainsJsonName : path;
+  if (is_directory && !fs::exists(file)) return {};
+  const std::string text = export_text(file);
+  if (!is_directory && !is_json(file, text)) return {};
+  return laws_of_json_text(text, file.string());
 }
 
 bool same(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
@@ -76,10 +89,6 @@ std::string weights_difference(const fs::path& directory, const Manifest& manife
 
 }  // namespace
 
-StoredLaws laws_of_json_text(const std::string& text, const std::string& origin) {
-  return laws_of_json(parse_json(text, origin, kGainsFormat, kGainsVersion), origin);
-}
-
 Exporter json_exporter() {
   Exporter exporter;
   exporter.target = export_target("json", "exporter");
@@ -88,6 +97,7 @@ Exporter json_exporter() {
     return {{kGainsJsonName, gains_json_text(content)}};
   };
   exporter.read = read;
+  exporter.read_plain = read_plain;
   exporter.weights_difference = weights_difference;
   return exporter;
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "quadtune/convention_file.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
 
@@ -152,6 +153,21 @@ void read_dynamic_parts(const Json& json, const std::string& where, Gains& gains
   gains.memory = std::move(read);
 }
 
+/// The name of a convention. One that came from a file has its definition beside its name, and is
+/// known from then on.
+std::string convention_from_json(const Json& json, const std::string& where) {
+  const auto text = [&](const char* key) {
+    return internal::string_from_json(internal::member(json, key, where), where + "." + key);
+  };
+  const std::string name = text("name"), definition_at = where + ".definition";
+  if (!json.contains("definition")) return convention(name, where + ".name").name;
+  const Convention defined = parse_convention(text("definition"), definition_at);
+  if (defined.name != name)
+    throw InvalidInput(definition_at,
+                       fmt::format("defines '{}', expected '{}', the name", defined.name, name));
+  return add_convention(defined, definition_at).name;
+}
+
 }  // namespace
 
 Json gains_to_json(const Gains& gains, int version) {
@@ -160,6 +176,7 @@ Json gains_to_json(const Gains& gains, int version) {
   Json json;
   json["vehicle"] = gains.vehicle;
   json["convention"] = {{"name", c.name}, {"description", c.description}};
+  if (!is_built_in(c)) json["convention"]["definition"] = convention_text(c);
   json["sign_law"] = to_string(gains.sign_law);
   json["law"] = law_text(gains);
   json["input_kind"] = to_string(gains.input_kind);
@@ -186,9 +203,7 @@ Gains gains_from_json(const Json& json, const std::string& where, int version) {
   const auto text = [&](const char* key) { return internal::string_from_json(at(key), path(key)); };
   Gains gains;
   gains.vehicle = text("vehicle");
-  gains.convention = internal::string_from_json(
-      member(at("convention"), "name", path("convention")), path("convention.name"));
-  (void)convention(gains.convention, path("convention.name"));
+  gains.convention = convention_from_json(at("convention"), path("convention"));
   gains.sign_law = sign_law(text("sign_law"), path("sign_law"));
   gains.input_kind = input_kind(text("input_kind"), path("input_kind"));
   gains.dt = internal::number_from_json(at("dt_s"), path("dt_s"));

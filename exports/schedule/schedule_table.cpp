@@ -7,6 +7,7 @@
 #include <string>
 #include <system_error>
 
+#include "quadtune/convention_file.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/matrix_checks.hpp"
@@ -92,6 +93,11 @@ TableFormat table_format(const std::filesystem::path& file, const std::string& w
 }
 
 std::string schedule_text(const GainSchedule& schedule, TableFormat format) {
+  if (!is_built_in(convention(schedule.convention, "schedule")))
+    throw InvalidInput("schedule", fmt::format("is in the convention '{}' of a file, expected one "
+                                               "that comes with quadtune because a table holds no "
+                                               "definition",
+                                               schedule.convention));
   return format == TableFormat::toml ? exports::schedule_toml(schedule)
                                      : exports::schedule_json(schedule);
 }

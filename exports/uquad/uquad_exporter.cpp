@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 
 #include "built_in_exporters.hpp"
 #include "export_text.hpp"
@@ -50,6 +51,20 @@ StoredLaws read(const fs::path& directory, const Manifest& manifest) {
       if (gains.states[i].name == manifest.gains->states[j].name)
         gains.x0(static_cast<Eigen::Index>(i)) = manifest.gains->x0(static_cast<Eigen::Index>(j));
   return laws;
+}
+
+// A file by its name. One of numbers by another name is read too: the reader names those it takes.
+std::optional<StoredLaws> read_plain(const fs::path& path) {
+  const auto is_uquad_name = [name = path.filename().string()](const UquadFileSet& set) {
+    return name == set.proportional || (!set.integral.empty() && name == set.integral);
+  };
+  const std::vector<UquadFileSet>& sets = uquad_file_sets();
+  if (!fs::is_directory(path) && std::none_of(sets.begin(), sets.end(), is_uquad_name)) {
+    const char mark = first_mark(export_text(path));
+    if (std::isdigit(static_cast<unsigned char>(mark)) == 0 && mark != '-' && mark != '+')
+      return {};
+  }
+  return StoredLaws{"", read_uquad_gains(path), {}};
 }
 
 // The filter's diagonals that travel with uquad's gains.
@@ -116,6 +131,7 @@ Exporter uquad_exporter() {
   exporter.writes_cascade = false;
   exporter.files = files_of;
   exporter.read = read;
+  exporter.read_plain = read_plain;
   exporter.check = check;
   exporter.weights_difference = weights_difference;
   return exporter;

@@ -3,6 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
+#include <mutex>
+
+#include "quadtune/convention_file.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/joined.hpp"
@@ -101,6 +106,22 @@ Convention make_mambo() {
               {{"T", "N"}, {"tau_x", "N m"}, {"tau_y", "N m"}, {"tau_z", "N m"}}, {1, 1, 1, 1});
 }
 
+bool same(const Convention& a, const Convention& b) {
+  return a.description == b.description && a.states == b.states && a.from_ned == b.from_ned &&
+         a.wrench == b.wrench && a.wrench_from_ned == b.wrench_from_ned && a.sign_law == b.sign_law;
+}
+
+/// Those of add_convention(). References stay valid: nothing is removed, and nodes do not move.
+struct Added {
+  std::mutex mutex;
+  std::map<std::string, Convention> by_name;
+};
+
+Added& added() {
+  static Added all;
+  return all;
+}
+
 }  // namespace
 
 const std::vector<Convention>& conventions() {
@@ -116,9 +137,35 @@ const Convention& convention(const std::string& name, const std::string& where) 
     if (candidate.name == name) return candidate;
     known.push_back(candidate.name);
   }
+  const std::lock_guard lock(added().mutex);
+  for (const auto& [added_name, candidate] : added().by_name) {
+    if (added_name == name) return candidate;
+    known.push_back(added_name);
+  }
   throw InvalidInput(
       where, fmt::format("no convention '{}', expected {}{}", name, internal::joined(known, ", "),
                          internal::did_you_mean(name, known)));
+}
+
+bool is_built_in(const Convention& convention) {
+  return std::any_of(conventions().begin(), conventions().end(),
+                     [&](const Convention& known) { return known.name == convention.name; });
+}
+
+const Convention& add_convention(const Convention& convention, const std::string& where) {
+  const Convention* known = nullptr;
+  for (const Convention& built_in : conventions())
+    if (built_in.name == convention.name) known = &built_in;
+  if (known == nullptr) {
+    const std::lock_guard lock(added().mutex);
+    known = &added().by_name.try_emplace(convention.name, convention).first->second;
+  }
+  if (!same(*known, convention))
+    throw InvalidInput(where,
+                       fmt::format("the convention '{}' differs from the one that is known by this "
+                                   "name, expected another name",
+                                   convention.name));
+  return *known;
 }
 
 std::vector<Signal> input_signals(const Convention& convention, InputKind kind, int rotors,

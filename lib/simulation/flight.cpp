@@ -54,6 +54,12 @@ bool has_pack(const FlightSetup& setup) {
   return rotors == 0 || rotors == 4;
 }
 
+/// A law or an estimator of the user's own cannot be compared with another: it flies alone.
+bool has_own_part(const FlightSetup& setup) {
+  return setup.estimator == EstimatorKind::own ||
+         std::holds_alternative<OwnController>(setup.controller);
+}
+
 }  // namespace
 
 constexpr internal::EnumName<EstimatorKind> kEstimatorKinds[] = {
@@ -62,7 +68,9 @@ constexpr internal::EnumName<EstimatorKind> kEstimatorKinds[] = {
     {EstimatorKind::general, "general"},
     {EstimatorKind::truth, "truth"}};
 
-std::string to_string(EstimatorKind kind) { return internal::name_in(kEstimatorKinds, kind); }
+std::string to_string(EstimatorKind kind) {
+  return kind == EstimatorKind::own ? "own" : internal::name_in(kEstimatorKinds, kind);
+}
 
 EstimatorKind estimator_kind(const std::string& name, const std::string& where) {
   return internal::require_in(kEstimatorKinds, name, "estimator", where);
@@ -86,6 +94,7 @@ std::string to_string(FlightEnd end) { return internal::name_in(kFlightEnds, end
 double control_period(const FlightSetup& setup) {
   if (const auto* cascade = std::get_if<CascadeController>(&setup.controller))
     return cascade->gains.dt;
+  if (const auto* own = std::get_if<OwnController>(&setup.controller)) return own->dt;
   return std::get<StateFeedbackController>(setup.controller).dt;
 }
 
@@ -134,7 +143,20 @@ GeneralFilterSettings general_filter_settings(const FlightSetup& setup) {
 
 namespace internal {
 
+std::string law_fault(const FlightSetup& setup, const Eigen::VectorXd& inputs, int expected) {
+  const auto& law = std::get<OwnController>(setup.controller);
+  if (inputs.size() != expected)
+    return fmt::format("law '{}': {} inputs, expected {}", law.name, inputs.size(), expected);
+  const auto bad = std::find_if(inputs.begin(), inputs.end(),
+                                [](double input) { return !std::isfinite(input); });
+  if (bad == inputs.end()) return "";
+  const std::vector<Signal> signals = input_signals(ned_convention(), law.input_kind, expected, "");
+  return fmt::format("law '{}': {} is {}", law.name,
+                     signals[static_cast<std::size_t>(bad - inputs.begin())].name, *bad);
+}
+
 bool same_structure(const FlightSetup& a, const FlightSetup& b) {
+  if (has_own_part(a) || has_own_part(b)) return false;
   const auto clock = [](const SensorFaults& f) { return std::pair(f.rate, f.delay); };
   const auto clocks = [&](const Sensors& s) {
     std::vector<std::pair<double, double>> all(8, {0, 0});
@@ -274,7 +296,16 @@ void validate(const FlightSetup& setup) {
   (void)allocation(setup.vehicle);
   if (setup.estimator == EstimatorKind::general)
     validate(general_filter_settings(setup), "estimator general");
-  if (const auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
+  if (setup.estimator == EstimatorKind::own && !setup.own_estimator.make)
+    throw InvalidInput("flight",
+                       "own_estimator.make is empty, expected a function that makes the "
+                       "estimator");
+  if (const auto* own = std::get_if<OwnController>(&setup.controller)) {
+    if (!own->make)
+      throw InvalidInput("flight", fmt::format("make of the law '{}' is empty, expected a function "
+                                               "that makes the law",
+                                               own->name));
+  } else if (const auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
     (void)cascaded_pid_settings(setup.vehicle, cascade->gains, cascade->method,
                                 cascade->attitude_limit, cascade->integrator_limit,
                                 cascade->back_calculation);

@@ -7,6 +7,14 @@
 #include "simulation/loop/closed_loop_parts.hpp"
 
 namespace quadtune::internal {
+namespace {
+
+std::string name_of(const Controller& controller) {
+  if (const auto* own = std::get_if<OwnController>(&controller)) return own->name;
+  return std::holds_alternative<CascadeController>(controller) ? "cascaded-pid" : "state-feedback";
+}
+
+}  // namespace
 
 FlightRecorder::FlightRecorder(const FlightSetup& setup, const Sensors& sensors, int rotors,
                                std::size_t rows)
@@ -23,10 +31,9 @@ FlightRecorder::FlightRecorder(const FlightSetup& setup, const Sensors& sensors,
       rows_(rows) {
   table_.about = {{"vehicle", flown_vehicle(setup).name},
                   {"mission", setup.mission.name},
-                  {"controller", std::holds_alternative<CascadeController>(setup.controller)
-                                     ? "cascaded-pid"
-                                     : "state-feedback"},
-                  {"estimator", to_string(setup.estimator)},
+                  {"controller", name_of(setup.controller)},
+                  {"estimator", setup.estimator == EstimatorKind::own ? setup.own_estimator.name
+                                                                      : to_string(setup.estimator)},
                   {"sensors", setup.real_sensors ? "real" : "ideal"},
                   {"flow", to_string(setup.flow)},
                   {"solver", to_string(setup.integrator)},

@@ -1,26 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/flights/campaign_report.hpp"
-
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/simulation/campaign_statistics.hpp"
+#include "quadtune/simulation/metric.hpp"
+#include "quadtune/simulation/mission.hpp"
+#include "quadtune/version.hpp"
+#include "quadtune/workbench/campaign/campaign_plan.hpp"
 #include "quadtune/workbench/campaign/campaign_scripts.hpp"
-#include "report/flights/campaign_figures.hpp"
-#include "report/flights/flight_text.hpp"
+#include "report/flights/flights.hpp"
+#include "report/page/campaign_page.hpp"
+#include "report/page/report_plots.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
 
-using internal::finite_or_null;
+/// Whether a figure is among those that a reader looks for first; others are in the database.
+bool is_shown(Metric metric) {
+  static constexpr Metric kShown[] = {
+      Metric::settling_time, Metric::overshoot,    Metric::tracking_rms,   Metric::tracking_max,
+      Metric::height_max,    Metric::yaw_max,      Metric::tilt_max,       Metric::saturation_time,
+      Metric::energy,        Metric::estimate_rms, Metric::touchdown_speed};
+  return std::find(std::begin(kShown), std::end(kShown), metric) != std::end(kShown);
+}
+
+/// The mission's limit on a metric; NaN without one.
+double limit_of(const Mission& mission, Metric metric) {
+  for (const Limit& limit : mission.limits)
+    if (limit.metric == metric) return limit.most;
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Whether an interval does not hold 0.
+bool surely_not_zero(const Estimated& e) { return e.low > 0 || e.high < 0; }
+
+/// The command that flies one flight again.
+std::string replay_command(const std::string& folder, std::uint64_t number) {
+  return fmt::format("quadtune campaign replay {} --flight {} --report flight-{}.html",
+                     shell_word(folder), number, number);
+}
+
 using internal::Json;
 
 /// A number that is not reached says so: JSON has no infinity.
 Json reached_or_word(double x) {
   if (std::isinf(x)) return x > 0 ? "inf" : "-inf";
-  return finite_or_null(x);
+  return x;
 }
 
 Json to_json(const Estimated& e) {
@@ -43,41 +74,32 @@ Json to_json(const MetricSpread& m) {
           {"p99", to_json(m.percentile_99)}};
 }
 
-std::string short_number(double x) {
-  if (std::isinf(x)) return "never";
-  return fmt::format("{:.3g}", x);
-}
-
 std::string metrics_text(const CaseStatistics& of, const Mission& mission) {
-  std::string text = fmt::format("  {:<36} {:>10} {:>10} {:>10} {:>10} {:>10}  {}\n", "", "5 %",
-                                 "median", "95 %", "99 %", "limit", "unit");
+  Cells cells = {{"", "5 %", "median", "95 %", "99 %", "limit", "unit"}};
   for (const MetricSpread& m : of.metrics) {
     if (!is_shown(m.metric)) continue;
+    cells.push_back({"  " + label_of(m.metric)});
+    for (const Estimated& e : {m.percentile_5, m.median, m.percentile_95, m.percentile_99})
+      cells.back().push_back(reached(e.value, ".3g"));
     const double limit = limit_of(mission, m.metric);
-    std::string line =
-        fmt::format("  {:<36} {:>10} {:>10} {:>10} {:>10} {:>10}  {}", label_of(m.metric),
-                    short_number(m.percentile_5.value), short_number(m.median.value),
-                    short_number(m.percentile_95.value), short_number(m.percentile_99.value),
-                    std::isnan(limit) ? "" : short_number(limit), unit_shown(m.metric));
-    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+    cells.back().push_back(std::isnan(limit) ? "" : reached(limit, ".3g"));
+    cells.back().push_back(unit_text(unit_of(m.metric)));
   }
-  return text;
+  return aligned(cells, "<>>>>><") + "\n";
 }
 
 /// The strongest trends that are surely there.
 std::string sensitivities_text(const CaseStatistics& of) {
   constexpr std::size_t kMost = 8;
-  std::vector<std::string> words;
+  Cells cells = {{"  depends on", "figure", "rank correlation"}};
   for (const Sensitivity& s : of.sensitivities) {
-    if (words.size() == kMost) break;
+    if (cells.size() > kMost) break;
     if (surely_not_zero(s.correlation))
-      words.push_back(fmt::format("  {:<22} {:<20} {:+.2f}  ({:+.2f} to {:+.2f})", s.quantity,
-                                  s.figure, s.correlation.value, s.correlation.low,
-                                  s.correlation.high));
+      cells.push_back({"  " + s.quantity, s.figure,
+                       fmt::format("{:+.2f}  ({:+.2f} to {:+.2f})", s.correlation.value,
+                                   s.correlation.low, s.correlation.high)});
   }
-  if (words.empty()) return "";
-  return fmt::format("  depends on             figure               rank correlation\n{}\n",
-                     internal::joined(words, "\n"));
+  return cells.size() == 1 ? "" : aligned(cells, "<") + "\n";
 }
 
 std::string case_text(const CampaignPlan& plan, std::size_t index, const CaseStatistics& of,
@@ -104,7 +126,7 @@ std::string comparison_text(const CaseComparison& c, std::uint64_t flights) {
                       c.second, c.only_first_passed, c.first);
   for (const CaseComparison::Difference& d : c.metrics) {
     if (!is_shown(d.metric) || !surely_not_zero(d.mean)) continue;
-    const std::string unit = unit_shown(d.metric);
+    const std::string unit = unit_text(unit_of(d.metric));
     text += fmt::format("  {:<36} {:+.3g}{}{} ({:+.3g} to {:+.3g})", label_of(d.metric),
                         d.mean.value, unit.empty() ? "" : " ", unit, d.mean.low, d.mean.high);
     // Where one of both has no figure the draw is left out, which may favour a design.
@@ -115,11 +137,6 @@ std::string comparison_text(const CaseComparison& c, std::uint64_t flights) {
 }
 
 }  // namespace
-
-std::string replay_command(const std::string& folder, std::uint64_t number) {
-  return fmt::format("quadtune campaign replay {} --flight {} --report flight-{}.html",
-                     shell_word(folder), number, number);
-}
 
 std::string to_text(const CampaignPlan& plan, const CampaignStatistics& statistics,
                     const std::string& folder) {
@@ -174,6 +191,171 @@ Json to_json(const CampaignPlan& plan, const CampaignStatistics& statistics,
     json["comparisons"].push_back(std::move(entry));
   }
   return json;
+}
+
+namespace {
+
+/// "normal, mean 1, deviation 0.05, least 0.9"
+std::string words_of(const UncertainNumber& number) {
+  const Distribution& d = number.distribution;
+  const std::string& unit = uncertain_quantity(number.quantity, "campaign").unit;
+  const bool even = d.kind == DistributionKind::uniform;
+  const bool logarithmic = d.kind == DistributionKind::log_normal;
+  std::string text = fmt::format("{}, {} {:.4g}, {} {:.4g}",
+                                 even          ? "uniform"
+                                 : logarithmic ? "log-normal"
+                                               : "normal",
+                                 even          ? "from"
+                                 : logarithmic ? "median"
+                                               : "mean",
+                                 d.first,
+                                 even          ? "to"
+                                 : logarithmic ? "deviation of the logarithm"
+                                               : "deviation",
+                                 d.second);
+  if (std::isfinite(d.least)) text += fmt::format(", least {:.4g}", d.least);
+  if (std::isfinite(d.most)) text += fmt::format(", most {:.4g}", d.most);
+  return unit == "1" ? text : fmt::format("{} [{}]", text, unit);
+}
+
+/// Rank correlations that are surely there: quantities down, figures across.
+PageTrends trends_of(const CampaignPlan& plan, const CaseStatistics& of) {
+  PageTrends trends;
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::vector<std::string> keys;
+  for (const UncertainNumber& number : plan.campaign.uncertainty.numbers)
+    trends.quantities.push_back(number.quantity);
+  for (const Sensitivity& s : of.sensitivities) {
+    const auto metric = metric_of(s.figure);
+    if (!surely_not_zero(s.correlation) || (metric && !is_shown(*metric)) ||
+        std::find(keys.begin(), keys.end(), s.figure) != keys.end())
+      continue;
+    keys.push_back(s.figure);
+    trends.figures.push_back(metric ? label_of(*metric) : "failure");
+  }
+  trends.values.assign(trends.quantities.size(), std::vector<double>(keys.size(), kNone));
+  for (const Sensitivity& s : of.sensitivities) {
+    const auto column = std::find(keys.begin(), keys.end(), s.figure);
+    if (column == keys.end() || !surely_not_zero(s.correlation)) continue;
+    const auto row = std::find(trends.quantities.begin(), trends.quantities.end(), s.quantity);
+    trends.values[static_cast<std::size_t>(row - trends.quantities.begin())]
+                 [static_cast<std::size_t>(column - keys.begin())] = s.correlation.value;
+  }
+  for (std::size_t i = trends.quantities.size(); i-- > 0;)
+    if (std::all_of(trends.values[i].begin(), trends.values[i].end(),
+                    [](double x) { return std::isnan(x); })) {
+      trends.values.erase(trends.values.begin() + static_cast<std::ptrdiff_t>(i));
+      trends.quantities.erase(trends.quantities.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  return trends;
+}
+
+PageCase page_case(const CampaignPlan& plan, std::size_t index, const CaseStatistics& of,
+                   const std::string& folder) {
+  PageCase page;
+  page.design = of.design;
+  page.mission = of.mission;
+  page.law = plan.words[index].law + "; " + surroundings(plan.words[index]);
+  page.flights = of.flights;
+  page.passed = of.passed;
+  page.rate = of.success.value;
+  page.low = of.success.low;
+  page.high = of.success.high;
+  page.ends.assign(of.ends.begin(), of.ends.end());
+  for (const MetricSpread& m : of.metrics)
+    if (is_shown(m.metric))
+      page.metrics.push_back({label_of(m.metric), unit_text(unit_of(m.metric)),
+                              m.percentile_5.value, m.median.value, m.percentile_95.value,
+                              m.percentile_99.value,
+                              limit_of(plan.campaign.cases[index].setup.mission, m.metric)});
+  page.trends = trends_of(plan, of);
+  for (const WorstFlight& worst : of.worst)
+    page.worst.push_back({worst.why, replay_command(folder, worst.number)});
+  return page;
+}
+
+/// The finite values of a figure at evenly spread shares of the flights that have it.
+PageDistribution::Curve curve_of(std::span<const CampaignRecord> records, std::size_t cases,
+                                 std::size_t of, Metric metric) {
+  std::vector<double> values;
+  std::size_t known = 0;
+  for (std::size_t i = of; i < records.size(); i += cases) {
+    const double value = records[i].metrics[metric];
+    if (!std::isnan(value)) ++known;
+    if (std::isfinite(value)) values.push_back(value);
+  }
+  std::sort(values.begin(), values.end());
+  PageDistribution::Curve curve;
+  curve.reached = known > 0 ? static_cast<double>(values.size()) / static_cast<double>(known) : 0;
+  constexpr std::size_t kMost = 200;
+  if (values.size() <= kMost) {
+    curve.x = std::move(values);
+  } else {
+    for (std::size_t i = 0; i <= kMost; ++i)
+      curve.x.push_back(values[i * (values.size() - 1) / kMost]);
+  }
+  return curve;
+}
+
+/// One chart a figure and mission, with a curve a design.
+std::vector<PageDistribution> distributions_of(const CampaignPlan& plan,
+                                               std::span<const CampaignRecord> records) {
+  std::vector<PageDistribution> all;
+  const std::vector<CampaignCase>& cases = plan.campaign.cases;
+  for (const Metric metric : {Metric::tracking_rms, Metric::tracking_max, Metric::height_max,
+                              Metric::tilt_max, Metric::settling_time, Metric::energy})
+    for (std::size_t first = 0; first < cases.size(); ++first) {
+      // The first design of a mission speaks for all.
+      const auto same = [&](std::size_t c) { return cases[c].mission == cases[first].mission; };
+      bool seen = false;
+      for (std::size_t c = 0; c < first; ++c) seen = seen || same(c);
+      if (seen) continue;
+      PageDistribution chart{label_of(metric),
+                             cases[first].mission,
+                             unit_text(unit_of(metric)),
+                             limit_of(cases[first].setup.mission, metric),
+                             {}};
+      for (std::size_t c = first; c < cases.size(); ++c) {
+        if (!same(c)) continue;
+        PageDistribution::Curve curve = curve_of(records, cases.size(), c, metric);
+        curve.design = cases[c].design;
+        if (curve.x.size() > 1) chart.curves.push_back(std::move(curve));
+      }
+      if (!chart.curves.empty()) all.push_back(std::move(chart));
+    }
+  return all;
+}
+
+PageComparison page_comparison(const CaseComparison& c) {
+  PageComparison page;
+  page.title = fmt::format("{} less {} in {}", c.second, c.first, c.mission);
+  page.passes = fmt::format(
+      "On the same draws; {} flights pass with {} only, {} with {} only. Figures whose mean surely "
+      "differs:",
+      c.only_second_passed, c.second, c.only_first_passed, c.first);
+  for (const CaseComparison::Difference& d : c.metrics)
+    if (is_shown(d.metric) && surely_not_zero(d.mean))
+      page.differences.push_back({label_of(d.metric), unit_text(unit_of(d.metric)), d.mean.value,
+                                  d.mean.low, d.mean.high, d.flights});
+  return page;
+}
+
+}  // namespace
+
+std::string campaign_html(const CampaignPlan& plan, const CampaignStatistics& statistics,
+                          std::span<const CampaignRecord> records, const std::string& folder) {
+  CampaignPage page;
+  page.title = fmt::format("{}: {} draws", plan.name, plan.campaign.flights);
+  for (const UncertainNumber& number : plan.campaign.uncertainty.numbers)
+    page.about.emplace_back(number.quantity, words_of(number));
+  for (std::size_t i = 0; i < statistics.cases.size(); ++i)
+    page.cases.push_back(page_case(plan, i, statistics.cases[i], folder));
+  page.distributions = distributions_of(plan, records);
+  for (const CaseComparison& comparison : statistics.comparisons)
+    page.comparisons.push_back(page_comparison(comparison));
+  page.version = std::string(kVersion);
+  page.seed = fmt::format("{}", plan.campaign.seed);
+  return html(page);
 }
 
 }  // namespace quadtune::report

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/flights/design_flights.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +7,8 @@
 #include <vector>
 
 #include "quadtune/internal/json.hpp"
-#include "report/flights/flight_text.hpp"
+#include "quadtune/workbench/design/design_verdict.hpp"
+#include "report/flights/flights.hpp"
 
 namespace quadtune::report {
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/flights/flight_difference.hpp"
+#include "quadtune/workbench/flight/flight_difference.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "quadtune/internal/json.hpp"
-#include "report/flights/flight_text.hpp"
+#include "report/flights/flights.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
@@ -20,11 +21,6 @@ Json flight_json(const std::string& name, const FlownFlight& flight) {
   json["estimate_error_m"] = {
       {"mean_absolute", error.mean_absolute}, {"max", error.max}, {"final", error.final}};
   return json;
-}
-
-std::string figure(double value) {
-  if (std::isinf(value)) return "never";
-  return std::isnan(value) ? "none" : fmt::format("{:.4g}", value);
 }
 
 }  // namespace
@@ -51,33 +47,34 @@ std::string to_text(const ComparedFlights& compared) {
       fmt::format("{} flies {} twice, compared by {}: a {}, b {}\n  a  {}\n", setup.vehicle.name,
                   setup.mission.name, what, names[0], names[1], circumstances(flights[0].plan));
   text += fmt::format("  b  {}\n\n", circumstances(flights[1].plan));
-  text += fmt::format("difference over {:.4g} s\n  {:<12} {:>14} {:>14} {:>10}\n",
-                      difference.duration, "", "mean squared", "greatest", "at");
+  Cells columns = {{"", "mean squared", "greatest", "at"}};
   const bool carried = std::holds_alternative<Carried>(setup.mission.kind);
   for (const ColumnDifference& column : difference.columns) {
     // Who is carried does not steer.
     if (carried && column.max == 0) continue;
-    text +=
-        fmt::format("  {:<12} {:>14} {:>14} {:>8} s  {}\n", column.name,
-                    fmt::format("{:.3g}", column.mean_squared), fmt::format("{:.3g}", column.max),
-                    fmt::format("{:.4g}", column.max_at), column.unit);
+    columns.push_back({"  " + column.name, figure(column.mean_squared, ".3g"),
+                       figure(column.max, ".3g"), figure(column.max_at, ".4g") + " s",
+                       column.unit});
   }
-  text += fmt::format("\n  {:<36} {:>14} {:>14}\n", "", "a", "b");
-  const auto row = [&](const std::string& label, const std::string& a, const std::string& b) {
-    text += fmt::format("  {:<36} {:>14} {:>14}\n", label, a, b);
+  text += fmt::format("difference over {:.4g} s\n{}\n\n", difference.duration,
+                      aligned(columns, "<>>><"));
+  const auto verdict = [](const FlownFlight& flight) { return flight.passed ? "pass" : "fail"; };
+  Cells metrics = {{"", "a", "b"}, {"  verdict", verdict(flights[0]), verdict(flights[1])}};
+  const auto row = [&](const std::string& label, double a, double b) {
+    metrics.push_back({"  " + label, reached(a, ".4g"), reached(b, ".4g")});
   };
-  row("verdict", flights[0].passed ? "pass" : "fail", flights[1].passed ? "pass" : "fail");
   for (std::size_t i = 0; i < kMetrics; ++i) {
     const auto metric = static_cast<Metric>(i);
     const double a = flights[0].result.metrics[metric], b = flights[1].result.metrics[metric];
     if (std::isnan(a) && std::isnan(b)) continue;
     const std::string& unit = unit_of(metric);
-    row(label_of(metric) + (unit == "1" ? "" : " [" + unit + "]"), figure(a), figure(b));
+    row(label_of(metric) + (unit == "1" ? "" : " [" + unit + "]"), a, b);
   }
   const EstimateError a = estimate_error(flights[0].result.log);
   const EstimateError b = estimate_error(flights[1].result.log);
-  row("believed wrong across, mean [m]", figure(a.mean_absolute), figure(b.mean_absolute));
-  row("believed wrong across, at the end [m]", figure(a.final), figure(b.final));
+  row("believed wrong across, mean [m]", a.mean_absolute, b.mean_absolute);
+  row("believed wrong across, at the end [m]", a.final, b.final);
+  text += aligned(metrics) + "\n";
   for (std::size_t i = 0; i < 2; ++i) {
     const std::vector<std::string> why = reasons(flights[i]);
     for (std::size_t k = 0; k < why.size(); ++k)

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/flights/flight_page.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
 
 #include "quadtune/version.hpp"
+#include "quadtune/workbench/flight/diagnosis.hpp"
+#include "quadtune/workbench/flight/fly.hpp"
+#include "report/flights/flights.hpp"
+#include "report/page/flight_report.hpp"
 #include "report/text/print.hpp"
 
 namespace quadtune::report {
@@ -92,7 +94,9 @@ std::vector<GainTable> gains_of(const Controller& controller) {
                         names_or_numbers(gains.integrals, gains.K_int.cols()), gains.K_int});
     return tables;
   }
-  const CascadeGains& gains = std::get<CascadeController>(controller).gains;
+  const auto* cascade = std::get_if<CascadeController>(&controller);
+  if (cascade == nullptr) return {};  // a law of the user's own, whose gains are not known
+  const CascadeGains& gains = cascade->gains;
   GainTable table;
   table.title = "PID loops";
   table.columns = {"Kp", "Ki", "Kd"};

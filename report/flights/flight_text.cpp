@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/flights/flight_text.hpp"
-
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "quadtune/internal/json.hpp"
-#include "report/loops/flown_report.hpp"
+#include "quadtune/workbench/flight/diagnosis.hpp"
+#include "quadtune/workbench/flight/fly.hpp"
+#include "report/flights/flights.hpp"
+#include "report/loops/loops.hpp"
 #include "report/text/print.hpp"
-#include "report/text/text_table.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
 
-using internal::finite_or_null;
 using internal::Json;
 
 const WidenedLimit* widened_of(const PlannedFlight& plan, Metric metric) {
@@ -25,26 +26,25 @@ const WidenedLimit* widened_of(const PlannedFlight& plan, Metric metric) {
 Json bound_json(const PlannedFlight& plan) {
   const MissionBound& bound = *plan.bound;
   const auto size = [](const ErrorSize& error) {
-    return Json{{"rms", finite_or_null(error.rms)},
-                {"rms_rarely", finite_or_null(error.rms_rarely)},
-                {"most_rarely", finite_or_null(error.most_rarely)}};
+    return Json{
+        {"rms", error.rms}, {"rms_rarely", error.rms_rarely}, {"most_rarely", error.most_rarely}};
   };
   Json json = {{"sensors", bound.bound.used},
                {"height_m", bound.options.height},
                {"tracking_m", size(bound.tracking)},
-               {"horizontal_rms_m", finite_or_null(bound.horizontal_rms)},
+               {"horizontal_rms_m", bound.horizontal_rms},
                {"vertical_m", size(bound.height)},
                {"yaw_rad", size(bound.heading)},
                {"estimate_m", size(bound.estimate)},
-               {"at_the_end", Json{{"horizontal_rms_m", finite_or_null(bound.horizontal_end)},
-                                   {"vertical_rms_m", finite_or_null(bound.height_end)},
-                                   {"yaw_rms_rad", finite_or_null(bound.heading_end)}}}};
+               {"at_the_end", Json{{"horizontal_rms_m", bound.horizontal_end},
+                                   {"vertical_rms_m", bound.height_end},
+                                   {"yaw_rms_rad", bound.heading_end}}}};
   json["widened"] = Json::array();
   for (const WidenedLimit& widened : plan.widened)
     json["widened"].push_back({{"what", widened.what},
                                {"unit", widened.unit},
                                {"asked", widened.asked},
-                               {"sensors_rms", finite_or_null(widened.bound)},
+                               {"sensors_rms", widened.bound},
                                {"judged_by", widened.judged}});
   return json;
 }
@@ -72,11 +72,11 @@ Json to_json(const Diagnosis& diagnosis) {
           {"next", diagnosis.next},
           {"passes_with_true_states", evidence.passes_with_true_states},
           {"passes_with_ideal_sensors", evidence.passes_with_ideal_sensors},
-          {"saturation", finite_or_null(evidence.saturation)},
-          {"saturation_with_true_states", finite_or_null(evidence.saturation_with_true_states)},
-          {"estimate_rms_m", finite_or_null(evidence.estimate_rms)},
-          {"bound_rms_m", finite_or_null(evidence.bound_rms)},
-          {"largest_pole", finite_or_null(evidence.largest_pole)}};
+          {"saturation", evidence.saturation},
+          {"saturation_with_true_states", evidence.saturation_with_true_states},
+          {"estimate_rms_m", evidence.estimate_rms},
+          {"bound_rms_m", evidence.bound_rms},
+          {"largest_pole", evidence.largest_pole}};
 }
 
 Json seeds_json(const std::vector<SeedVerdict>& seeds) {
@@ -97,7 +97,7 @@ Json metrics_json(const MetricValues& values) {
     const auto metric = static_cast<Metric>(i);
     const std::string& unit = unit_of(metric);
     const std::string key = name_of(metric) + (unit == "1" ? "" : "_" + unit);
-    json[key] = finite_or_null(values[metric]);
+    json[key] = values[metric];
   }
   return json;
 }
@@ -106,7 +106,7 @@ Json limits_json(const FlownFlight& flight) {
   Json json = Json::array();
   for (const LimitCheck& check : flight.verdict.checks) {
     json.push_back({{"metric", name_of(check.metric)},
-                    {"value", finite_or_null(check.value)},
+                    {"value", check.value},
                     {check.at_least ? "at_least" : "at_most", check.bound},
                     {"ok", check.ok}});
     if (const WidenedLimit* widened = widened_of(flight.plan, check.metric)) {
@@ -121,8 +121,7 @@ Json limits_json(const FlownFlight& flight) {
 Json state_json(const Eigen::VectorXd& state) {
   Json json = Json::object();
   const std::vector<std::string> names = names_or_numbers(ned_convention().states, 12);
-  for (std::size_t i = 0; i < 12; ++i)
-    json[names[i]] = finite_or_null(state(static_cast<Eigen::Index>(i)));
+  for (std::size_t i = 0; i < 12; ++i) json[names[i]] = state(static_cast<Eigen::Index>(i));
   return json;
 }
 
@@ -133,10 +132,7 @@ const LimitCheck* limit_of(const FlownFlight& flight, Metric metric) {
 }
 
 std::string metrics_text(const FlownFlight& flight) {
-  // Its cells begin with the blank that keeps them apart.
-  TextTable table({{"", 36, TextColumn::Side::left},
-                   {"", 15, TextColumn::Side::left},
-                   {"", 0, TextColumn::Side::left}});
+  Cells cells;
   for (std::size_t i = 0; i < kMetrics; ++i) {
     const auto metric = static_cast<Metric>(i);
     const double value = flight.result.metrics[metric];
@@ -144,13 +140,13 @@ std::string metrics_text(const FlownFlight& flight) {
     if (std::isnan(value) && check == nullptr) continue;
     std::string limit;
     if (check != nullptr)
-      limit = fmt::format(" {} {}{}{}", check->at_least ? "at least" : "at most",
+      limit = fmt::format("{} {}{}{}", check->at_least ? "at least" : "at most",
                           in_words(metric, check->bound),
                           widened_of(flight.plan, metric) != nullptr ? " (widened)" : "",
                           check->ok ? "" : "  NOT KEPT");
-    table.row({"  " + label_of(metric), " " + in_words(metric, value), limit});
+    cells.push_back({"  " + label_of(metric), in_words(metric, value), limit});
   }
-  return table.rows().empty() ? "" : table.rows() + "\n";
+  return cells.empty() ? "" : aligned(cells, "<") + "\n";
 }
 
 }  // namespace
@@ -217,6 +213,48 @@ std::string to_text(const FlownFlight& flight, const std::optional<Diagnosis>& d
   text += fmt::format("\n{:.4g} s in {:.2g} s of computing, {} steps of {}\n", result.end_time,
                       flight.wall_s, result.steps, to_string(setup.integrator));
   return text;
+}
+
+namespace {
+
+std::string seeds_table(const std::vector<SeedVerdict>& seeds) {
+  Cells cells = {{"seed", "verdict", "rms", "greatest", "end", "settled", "yaw", "tilt", "limited"},
+                 {"", "", "[m]", "[m]", "[m]", "[s]", "[rad]", "[rad]", "motor [s]"}};
+  for (const SeedVerdict& seed : seeds) {
+    cells.push_back({fmt::format("{}", seed.seed), seed.passed ? "pass" : "FAIL"});
+    for (const Metric metric :
+         {Metric::tracking_rms, Metric::tracking_max, Metric::final_distance, Metric::settling_time,
+          Metric::yaw_max, Metric::tilt_max, Metric::saturation_time})
+      cells.back().push_back(reached(seed.metrics[metric], ".3g"));
+  }
+  return aligned(cells, "><>") + "\n";
+}
+
+}  // namespace
+
+internal::Json to_json(const std::vector<FlownFlight>& flights,
+                       const std::optional<Diagnosis>& diagnosis) {
+  internal::Json json = internal::Json::array();
+  bool failed = false;
+  for (const FlownFlight& flight : flights) {
+    const bool first_failed = !flight.passed && !failed;
+    json.push_back(to_json(flight, first_failed ? diagnosis : std::nullopt));
+    failed = failed || first_failed;
+  }
+  return json;
+}
+
+std::string to_text(const std::vector<FlownFlight>& flights,
+                    const std::optional<Diagnosis>& diagnosis) {
+  const FlownFlight worst = worst_of(flights);
+  const auto passed = std::count_if(flights.begin(), flights.end(),
+                                    [](const FlownFlight& flight) { return flight.passed; });
+  return fmt::format("verdict of {} seeds: {}, {} passed\n", flights.size(),
+                     worst.passed ? "pass" : "fail", passed) +
+         seeds_table(worst.seeds) +
+         fmt::format("\n{}, seed {}\n", worst.passed ? "the first" : "the first that failed",
+                     worst.plan.setup.seed) +
+         to_text(worst, diagnosis);
 }
 
 }  // namespace quadtune::report

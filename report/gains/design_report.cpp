@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/gains/design_report.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,13 +8,9 @@
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/mixer.hpp"
 #include "quadtune/workbench/design/design_verdict.hpp"
-#include "report/flights/design_flights.hpp"
-#include "report/gains/export_report.hpp"
-#include "report/gains/lqi_report.hpp"
-#include "report/gains/matrix_report.hpp"
-#include "report/gains/verify_report.hpp"
-#include "report/loops/cascade_report.hpp"
-#include "report/loops/flown_report.hpp"
+#include "report/flights/flights.hpp"
+#include "report/gains/gains.hpp"
+#include "report/loops/loops.hpp"
 #include "report/loops/margins_report.hpp"
 #include "report/text/print.hpp"
 
@@ -71,10 +65,6 @@ Json published_json(const PublishedDifference& difference, const PublishedGains&
 }
 
 // --- text ----------------------------------------------------------------------------------------
-
-std::vector<std::string> signal_names(const std::vector<Signal>& signals) {
-  return names_or_numbers(signals, static_cast<Eigen::Index>(signals.size()));
-}
 
 std::string flight_text(const FlightCondition& condition) {
   std::string text = to_string(condition.kind);
@@ -141,7 +131,7 @@ std::string filter_text(const DesignedFilter& designed) {
       "{}, {} ms, residual {:.2g}{}; filter gain M\n{}", filter.name, number(filter.model.dt * 1e3),
       designed.evidence.residual,
       filter.noise_source.empty() ? "" : ", noise of " + internal::printable(filter.noise_source),
-      table(filter.M, signal_names(filter.model.states), signal_names(filter.model.outputs)));
+      table(filter.M, names_of(filter.model.states), names_of(filter.model.outputs)));
 }
 
 std::string estimator_text(const EstimatorDesign& estimator) {
@@ -154,11 +144,11 @@ std::string feedback_text(const DesignOutcome& outcome) {
   if (outcome.lqi) return to_text(*outcome.lqi);
   if (outcome.matrix) return to_text(*outcome.matrix);
   const Gains& gains = *outcome.gains;
-  const std::vector<std::string> inputs = signal_names(gains.inputs);
+  const std::vector<std::string> inputs = names_of(gains.inputs);
   std::string text = section("problem", problem_text(outcome));
-  text += section("K", table(gains.K, inputs, signal_names(gains.states)));
+  text += section("K", table(gains.K, inputs, names_of(gains.states)));
   if (gains.K_int.size())
-    text += section("K_int", table(gains.K_int, inputs, signal_names(gains.integrals)));
+    text += section("K_int", table(gains.K_int, inputs, names_of(gains.integrals)));
   const double measure = stability_measure(outcome.poles, gains.dt);
   text += section("closed loop",
                   fmt::format("{} = {:.6g}: {}\n", gains.dt > 0 ? "largest |z|" : "largest Re s",

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/gains/gain_match_report.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -8,15 +6,19 @@
 #include <cmath>
 #include <filesystem>
 
+#include "quadtune/flight_condition.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/model/vehicle.hpp"
+#include "quadtune/tuning/match_gains.hpp"
+#include "report/gains/gains.hpp"
 #include "report/text/print.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
 
-using internal::finite_or_null;
 using internal::Json;
 
 /// Longest command or path that a file repeats whole.
@@ -24,23 +26,31 @@ constexpr std::size_t kCommentLength = 4096;
 /// A weighted sensitivity above 1 by less is rounding.
 constexpr double kRounding = 1e-6;
 
-std::string figure(double value) {
-  return std::isfinite(value) ? fmt::format("{:.3g}", value) : "-";
+Json weights_json(const GainMatch& match) {
+  Json rows = Json::array();
+  for (const MatchedWeight& weight : match.weights)
+    rows.push_back({{"name", weight.name},
+                    {"before", weight.before},
+                    {"value", weight.value},
+                    {"low", weight.low},
+                    {"high", weight.high},
+                    {"verdict", to_string(weight.verdict)}});
+  return rows;
 }
 
 std::string weight_table(const GainMatch& match) {
-  std::size_t width = 6;
-  for (const MatchedWeight& weight : match.weights) width = std::max(width, weight.name.size());
-  std::string text = fmt::format("{:<{}}{:>12}{:>14}{:>12}{:>12}", "weight", width, "start",
-                                 "found", "from", "to");
-  for (const MatchedWeight& weight : match.weights) {
-    text += fmt::format("\n{:<{}}{:>12.6g}{:>14.8g}{:>12.5g}{:>12}", weight.name, width,
-                        weight.before, weight.value, weight.low,
-                        std::isfinite(weight.high) ? fmt::format("{:.5g}", weight.high) : "-");
-    if (weight.verdict != WeightVerdict::seen)
-      text += fmt::format("  ({})", to_string(weight.verdict));
+  Json rows = weights_json(match);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const WeightVerdict verdict = match.weights[i].verdict;
+    rows[i]["verdict"] =
+        verdict == WeightVerdict::seen ? "" : fmt::format("({})", to_string(verdict));
   }
-  return text;
+  return table(rows, {{"name", "weight"},
+                      {"before", "start", "", ".6g"},
+                      {"value", "found", "", ".8g"},
+                      {"low", "from", "", ".5g"},
+                      {"high", "to", "", ".5g"},
+                      {"verdict"}});
 }
 
 bool can_be_lqr(const GainMatch& match) { return match.weighted_sensitivity <= 1 + kRounding; }
@@ -133,30 +143,19 @@ Json to_json(const GainMatchReport& report) {
   json["Q"] = internal::matrix_to_json(match.design.Q, "Q");
   json["Q_integral"] = internal::matrix_to_json(match.design.Q_integral, "Q_integral");
   json["R"] = internal::matrix_to_json(match.design.R, "R");
-  json["weights"] = Json::array();
-  for (const MatchedWeight& weight : match.weights)
-    json["weights"].push_back({{"name", weight.name},
-                               {"before", weight.before},
-                               {"value", weight.value},
-                               {"low", weight.low},
-                               {"high", finite_or_null(weight.high)},
-                               {"verdict", to_string(weight.verdict)}});
+  json["weights"] = weights_json(match);
   json["unseen"] = match.unseen;
   json["K"] = internal::matrix_to_json(match.feedback.K, "K");
   json["K_int"] = internal::matrix_to_json(match.feedback.K_int, "K_int");
-  json["difference"] = {{"before", finite_or_null(match.before)},
-                        {"after", finite_or_null(match.after)},
-                        {"entry", match.worst},
-                        {"entry_given", match.given},
-                        {"entry_found", match.found},
-                        {"tolerance", report.tolerance}};
+  json["difference"] = {{"before", match.before},     {"after", match.after},
+                        {"entry", match.worst},       {"entry_given", match.given},
+                        {"entry_found", match.found}, {"tolerance", report.tolerance}};
   json["evaluations"] = match.evaluations;
   json["searches"] = {{"made", match.starts}, {"agreeing", match.agreeing}};
-  json["weighted_sensitivity"] = {{"value", finite_or_null(match.weighted_sensitivity)},
+  json["weighted_sensitivity"] = {{"value", match.weighted_sensitivity},
                                   {"at", match.weighted_sensitivity_at},
                                   {"can_be_lqr", can_be_lqr(match)}};
-  json["excess_cost"] = {{"value", finite_or_null(match.excess_cost)},
-                         {"state", match.excess_state}};
+  json["excess_cost"] = {{"value", match.excess_cost}, {"state", match.excess_state}};
   json["residual"] = internal::number_to_json(match.feedback.riccati.residual, "residual");
   json["rcond"] = internal::number_to_json(match.feedback.riccati.rcond, "rcond");
   return json;
@@ -179,8 +178,8 @@ std::string to_text(const GainMatchReport& report) {
       "difference",
       fmt::format("{} at the start, {} left, at {}: given {:.8g}, found {:.8g}; tolerance {:.3g}\n"
                   "of an entry, over its row's or column's largest",
-                  figure(match.before), figure(match.after), match.worst, match.given, match.found,
-                  report.tolerance));
+                  figure(match.before, ".3g"), figure(match.after, ".3g"), match.worst, match.given,
+                  match.found, report.tolerance));
   text += section("search", fmt::format("{} equations solved; {} of {} searches end there",
                                         match.evaluations, match.agreeing, match.starts));
   text += section("optimality",

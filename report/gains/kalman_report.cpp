@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/gains/kalman_report.hpp"
-
 #include <fmt/format.h>
 
 #include "quadtune/internal/json.hpp"
+#include "quadtune/synthesis/kalman.hpp"
+#include "report/gains/gains.hpp"
 #include "report/text/print.hpp"
 
 namespace quadtune::report {

@@ -1,14 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/gains/lqi_report.hpp"
+#include "quadtune/workbench/design/lqi_report.hpp"
 
 #include <fmt/format.h>
 
 #include "quadtune/exports/content.hpp"
+#include "quadtune/exports/export.hpp"
+#include "quadtune/exports/stored_estimator.hpp"
+#include "quadtune/gains.hpp"
 #include "quadtune/internal/json.hpp"
-#include "report/gains/laws_json.hpp"
-#include "report/loops/flown_report.hpp"
+#include "quadtune/model/vehicle.hpp"
+#include "quadtune/workbench/design/lqg_report.hpp"
+#include "quadtune/workbench/design/margins_report.hpp"
+#include "quadtune/workbench/flown/flown_loop.hpp"
+#include "report/gains/gains.hpp"
+#include "report/loops/loops.hpp"
 #include "report/loops/margins_report.hpp"
 #include "report/text/print.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
@@ -124,6 +132,68 @@ std::string to_text(const LqiReport& report) {
   return text + section("flown loop", to_text(report.flown)) +
          section("margins of the flown loop", to_text(report.flown.margins)) +
          section("margins of the ideal plant", to_text(report.ideal));
+}
+
+namespace {
+
+using internal::Json;
+
+Json recoveries_json(const LqgReport& report) {
+  Json rows = Json::array();
+  for (const Recovery& tried : report.recoveries)
+    rows.push_back({{"factor", tried.factor},
+                    {"share_of_margins", tried.share},
+                    {"command_noise", tried.noise},
+                    {"affordable", tried.affordable}});
+  return rows;
+}
+
+std::string recovery_text(const LqgReport& report) {
+  return fmt::format(
+      "the filter's inertial noise times {}\n{}", number(report.recovery),
+      table(recoveries_json(report), {{"factor", "factor", "", ".6g"},
+                                      {"share_of_margins", "share of margins", "", ".3f"},
+                                      {"command_noise", "command noise", "", ".3f"},
+                                      {.key = "affordable", .no = "exceeds the budget"}}));
+}
+
+}  // namespace
+
+Json to_json(const LqgReport& report, const Vehicle& vehicle) {
+  Json json = to_json(report.lqi, vehicle);
+  json["margins_at_estimates"] = to_json(report.at_estimates);
+  const auto by_name = [](const std::vector<Signal>& signals, const Eigen::VectorXd& values) {
+    Json table = Json::object();
+    for (std::size_t i = 0; i < signals.size(); ++i)
+      table[signals[i].name] = values(static_cast<Eigen::Index>(i));
+    return table;
+  };
+  const Gains& gains = report.lqi.design.lqi.gains;
+  json["predicted_rms"] = {{"time_s", report.rms.time},
+                           {"state", by_name(gains.states, report.rms.state)},
+                           {"estimate_error", by_name(gains.states, report.rms.error)},
+                           {"command", by_name(gains.inputs, report.rms.command)}};
+  json["recovery"] = {{"factor", report.recovery}, {"tried", recoveries_json(report)}};
+  return json;
+}
+
+std::string to_text(const LqgReport& report) {
+  const Gains& gains = report.lqi.design.lqi.gains;
+  Eigen::MatrixXd rms(2, 12);
+  rms << report.rms.state.transpose(), report.rms.error.transpose();
+  std::string text =
+      to_text(report.lqi) + section("margins at the estimates", to_text(report.at_estimates)) +
+      section(fmt::format("rms after {} s", number(report.rms.time)),
+              table(rms, {"true", "estimate's error"}, names_of(gains.states)) + "\n" +
+                  table(report.rms.command.transpose(), {"command"}, names_of(gains.inputs)));
+  if (!report.recoveries.empty()) text += section("recovery", recovery_text(report));
+  return text;
+}
+
+void add_laws(internal::Json& json, const ExportContent& content) {
+  const internal::Json stored = internal::Json::parse(gains_json_text(content));
+  for (const char* key : {"format", "format_version", "gains", "cascade", "estimator"})
+    if (stored.contains(key)) json[key] = stored[key];
 }
 
 }  // namespace quadtune::report

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/gains/lqr_report.hpp"
+#include "quadtune/workbench/design/lqr_report.hpp"
 
 #include <fmt/format.h>
 
 #include "quadtune/internal/json.hpp"
-#include "report/gains/lqi_report.hpp"
-#include "report/loops/flown_report.hpp"
+#include "report/gains/gains.hpp"
+#include "report/loops/loops.hpp"
 #include "report/loops/margins_report.hpp"
 #include "report/text/print.hpp"
 
@@ -20,7 +20,7 @@ Json evidence_json(const RiccatiResult& result) {
   json["residual"] = internal::number_to_json(result.residual, "residual");
   json["rcond"] = internal::number_to_json(result.rcond, "rcond");
   json["iterations"] = result.iterations;
-  json["gain_error"] = internal::finite_or_null(result.gain_error);
+  json["gain_error"] = result.gain_error;
   json["culprit"] = result.culprit;
   json["warning"] = result.warning;
   return json;

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/gains/matrix_report.hpp"
+#include "quadtune/workbench/design/matrix_report.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "quadtune/internal/json.hpp"
-#include "report/gains/lqi_report.hpp"
-#include "report/loops/flown_report.hpp"
+#include "quadtune/model/vehicle.hpp"
+#include "quadtune/workbench/flown/flown_gains.hpp"
+#include "report/gains/gains.hpp"
+#include "report/loops/loops.hpp"
 #include "report/loops/margins_report.hpp"
 #include "report/text/print.hpp"
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/gains/schedule_report.hpp"
+#include "quadtune/workbench/schedule/schedule_report.hpp"
 
 #include <fmt/format.h>
 
-#include "quadtune/workbench/schedule/schedule_report.hpp"
+#include "quadtune/gain_schedule.hpp"
+#include "report/gains/gains.hpp"
 #include "report/text/print.hpp"
 
 namespace quadtune::report {

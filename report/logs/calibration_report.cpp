@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/logs/calibration_report.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -11,8 +9,10 @@
 
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/workbench/logs/imu_calibration.hpp"
+#include "report/logs/logs.hpp"
 #include "report/text/print.hpp"
-#include "report/text/text_table.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
@@ -59,31 +59,16 @@ std::string with_interval(double value, double half) {
 std::string axes_table(const Sensor& sensor) {
   const SensorCalibration& c = sensor.found;
   const double q = c.quantile;
-  constexpr std::size_t kGap = 3;
-  std::vector<std::array<std::string, 5>> rows = {
-      {"T: x", "y", "z", "K [raw per " + std::string(sensor.unit) + "]", "b [raw]"}};
+  Cells cells = {{"", "T: x", "y", "z", "K [raw per " + std::string(sensor.unit) + "]", "b [raw]"}};
   for (int i = 0; i < 3; ++i) {
-    std::array<std::string, 5> row;
+    cells.push_back({std::string(1, "xyz"[i])});
     for (int j = 0; j < 3; ++j)  // T_ij = M_ij K_jj; K's own error is its diagonal's
-      row[static_cast<std::size_t>(j)] =
-          i == j ? "1" : with_interval(c.T(i, j), q * c.M_error(i, j) * std::abs(c.K(j)));
-    row[3] = with_interval(c.K(i), q * c.M_error(i, i) * c.K(i) * c.K(i));
-    row[4] = with_interval(c.b(i), q * c.b_error(i));
-    rows.push_back(row);
+      cells.back().push_back(
+          i == j ? "1" : with_interval(c.T(i, j), q * c.M_error(i, j) * std::abs(c.K(j))));
+    cells.back().push_back(with_interval(c.K(i), q * c.M_error(i, i) * c.K(i) * c.K(i)));
+    cells.back().push_back(with_interval(c.b(i), q * c.b_error(i)));
   }
-  std::vector<TextColumn> columns = {{"", 1, TextColumn::Side::left}};
-  for (std::size_t j = 0; j < 5; ++j) {
-    std::size_t width = 0;
-    for (const auto& row : rows) width = std::max(width, row[j].size());
-    columns.push_back({"", kGap + width});
-  }
-  TextTable table(columns);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    std::vector<std::string> cells = {std::string(1, " xyz"[i])};
-    cells.insert(cells.end(), rows[i].begin(), rows[i].end());
-    table.row(cells);
-  }
-  return table.rows();
+  return aligned(cells);
 }
 
 std::string temperature_text(const SensorCalibration& c) {

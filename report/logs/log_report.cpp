@@ -1,31 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/logs/log_report.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
+#include "quadtune/estimation/model_needs.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/logs/log_survey.hpp"
 #include "quadtune/workbench/logs/log_notes.hpp"
-#include "report/text/aligned.hpp"
+#include "report/logs/logs.hpp"
 #include "report/text/print.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
 
-using internal::finite_or_null;
 using internal::Json;
 
 std::string counted(std::uint64_t count, const std::string& one, const std::string& many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-// Digits of a double that say something, or a dash.
-std::string figure(double value) { return std::isnan(value) ? "-" : fmt::format("{:.5g}", value); }
-
 void add_timing(const LogTiming& timing, Json& json) {
-  json["rate_hz"] = finite_or_null(timing.rate_hz);
+  json["rate_hz"] = timing.rate_hz;
   json["gaps"] = timing.gaps;
   json["longest_gap_s"] = timing.longest_gap_s;
   json["duplicates"] = timing.duplicates;
@@ -75,15 +72,15 @@ std::string remarks(const LogChannelSurvey& channel, const LogGroupSurvey& group
 }
 
 std::string channel_table(const LogSurvey& survey, std::size_t group) {
-  std::vector<std::vector<std::string>> rows = {
-      {"channel", "unit", "samples", "[Hz]", "min", "mean", "max", "std", ""}};
+  Cells rows = {{"channel", "unit", "samples", "[Hz]", "min", "mean", "max", "std", ""}};
   for (const LogChannelSurvey& one : survey.channels) {
     if (one.group != group) continue;
     rows.push_back({one.channel.name, one.channel.unit, fmt::format("{}", one.samples),
-                    figure(one.timing.rate_hz), figure(one.min), figure(one.mean), figure(one.max),
-                    figure(one.std), remarks(one, survey.groups[group])});
+                    figure(one.timing.rate_hz, ".5g"), figure(one.min, ".5g"),
+                    figure(one.mean, ".5g"), figure(one.max, ".5g"), figure(one.std, ".5g"),
+                    remarks(one, survey.groups[group])});
   }
-  return rows.size() > 1 ? aligned(rows, 2) : "no channels";
+  return rows.size() > 1 ? aligned(rows, "<<>>>>>><") : "no channels";
 }
 
 Json to_json(const ModelNeeds& needs) {
@@ -114,7 +111,7 @@ Json to_json(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
   Json json;
   json["file"] = file;
   json["format"] = survey.format;
-  json["duration_s"] = finite_or_null(survey.duration_s);
+  json["duration_s"] = survey.duration_s;
   json["epoch_s"] = survey.epoch_s;
   json["whole"] = survey.condition.whole();
   json["torn"] = survey.condition.torn.empty() ? Json(nullptr) : Json(survey.condition.torn);
@@ -128,8 +125,8 @@ Json to_json(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
     entry["name"] = group.group.name;
     entry["rows"] = group.rows;
     entry["timed"] = group.group.timed;
-    entry["first_s"] = finite_or_null(group.timing.first_s);
-    entry["duration_s"] = finite_or_null(group.timing.duration_s);
+    entry["first_s"] = group.timing.first_s;
+    entry["duration_s"] = group.timing.duration_s;
     add_timing(group.timing, entry);
     json["groups"].push_back(std::move(entry));
   }
@@ -141,10 +138,10 @@ Json to_json(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
     entry["samples"] = one.samples;
     entry["nan"] = one.nan;
     add_timing(one.timing, entry);
-    entry["min"] = finite_or_null(one.min);
-    entry["max"] = finite_or_null(one.max);
-    entry["mean"] = finite_or_null(one.mean);
-    entry["std"] = finite_or_null(one.std);
+    entry["min"] = one.min;
+    entry["max"] = one.max;
+    entry["mean"] = one.mean;
+    entry["std"] = one.std;
     entry["constant"] = one.constant;
     entry["saturated"] = one.saturated;
     json["channels"].push_back(std::move(entry));

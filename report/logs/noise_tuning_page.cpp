@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/logs/noise_tuning_page.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +9,9 @@
 #include <vector>
 
 #include "quadtune/version.hpp"
-#include "report/logs/noise_tuning_report.hpp"
+#include "quadtune/workbench/logs/noise_evidence.hpp"
+#include "report/logs/logs.hpp"
+#include "report/page/tuning_page.hpp"
 
 namespace quadtune::report {
 namespace {

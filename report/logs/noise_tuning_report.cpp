@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/logs/noise_tuning_report.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,19 +6,16 @@
 
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
-#include "report/text/aligned.hpp"
+#include "quadtune/workbench/logs/tuned_noise.hpp"
+#include "report/logs/logs.hpp"
 #include "report/text/print.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
 
 using Eigen::Index;
-using internal::finite_or_null;
 using internal::Json;
-
-std::string figure(double value, int digits = 4) {
-  return std::isfinite(value) ? fmt::format("{:.{}g}", value, digits) : "-";
-}
 
 std::string names_of(const TunedLog& log) {
   std::string names;
@@ -32,34 +27,31 @@ Json checks_to_json(const Consistency& consistency, const std::string& name) {
   Json checks = Json::array();
   for (const ConsistencyCheck& c : consistency.checks) {
     if (c.name != name) continue;
-    Json json;
-    json["output"] = c.output;
-    json["value"] = finite_or_null(c.value);
-    json["low"] = finite_or_null(c.low);
-    json["high"] = finite_or_null(c.high);
-    json["p"] = finite_or_null(c.p);
-    json["verdict"] = to_string(c.verdict);
-    checks.push_back(std::move(json));
+    checks.push_back({{"output", c.output},
+                      {"value", c.value},
+                      {"low", c.low},
+                      {"high", c.high},
+                      {"p", c.p},
+                      {"verdict", to_string(c.verdict)}});
   }
   return checks;
 }
 
 std::string parameter_table(const TunedNoise& tuned) {
-  std::vector<std::vector<std::string>> rows = {
-      {"parameter", "before", "found", "from", "to", "unit"}};
+  Cells rows = {{"parameter", "before", "found", "from", "to", "unit"}};
   for (std::size_t i = 0; i < tuned.tuning.fit.parameters.size(); ++i) {
     const FittedParameter& p = tuned.tuning.fit.parameters[i];
     std::string about = p.unit;
     if (p.verdict != ParameterVerdict::seen)
       about += fmt::format("{}({})", about.empty() ? "" : " ", to_string(p.verdict));
-    rows.push_back({p.name, figure(tuned.model.parameters[i].start), figure(p.value), figure(p.low),
-                    figure(p.high), about});
+    rows.push_back({p.name, figure(tuned.model.parameters[i].start, ".4g"), figure(p.value, ".4g"),
+                    figure(p.low, ".4g"), figure(p.high, ".4g"), about});
   }
-  return aligned(rows);
+  return aligned(rows, "<>>>><");
 }
 
 std::string innovation_table(const NoiseTuning& tuning) {
-  std::vector<std::vector<std::string>> rows = {
+  Cells rows = {
       {"output", "samples", "size before", "after", "mean", "corr.", "at lag", "kurtosis", ""}};
   for (std::size_t i = 0; i < tuning.after.outputs.size(); ++i) {
     const InnovationStatistics& s = tuning.after.outputs[i];
@@ -72,11 +64,11 @@ std::string innovation_table(const NoiseTuning& tuning) {
       if (std::abs(s.autocorrelation(lag)) > std::abs(s.autocorrelation(worst))) worst = lag;
     rows.push_back(
         {s.output, fmt::format("{}", s.samples),
-         i < tuning.before.outputs.size() ? figure(tuning.before.outputs[i].size, 3) : "-",
-         figure(s.size, 3), figure(s.mean, 2), figure(s.autocorrelation(worst), 2),
-         fmt::format("{}", worst + 1), figure(s.kurtosis, 2), ""});
+         i < tuning.before.outputs.size() ? figure(tuning.before.outputs[i].size, ".3g") : "-",
+         figure(s.size, ".3g"), figure(s.mean, ".2g"), figure(s.autocorrelation(worst), ".2g"),
+         fmt::format("{}", worst + 1), figure(s.kurtosis, ".2g"), ""});
   }
-  return aligned(rows);
+  return aligned(rows, "<>>>>>>><");
 }
 
 Json to_json(const AutocovarianceFit& als) {
@@ -85,7 +77,7 @@ Json to_json(const AutocovarianceFit& als) {
   json["dt"] = als.innovation.dt;
   json["lags"] = als.innovation.of.size() - 1;
   json["gains"] = als.passes;
-  json["misfit"] = finite_or_null(als.misfit);
+  json["misfit"] = als.misfit;
   json["degrees"] = als.degrees;
   return json;
 }
@@ -93,7 +85,8 @@ Json to_json(const AutocovarianceFit& als) {
 std::string held_out(const HoldOut& holdout) {
   if (holdout.innovations == 0) return "nothing";
   return fmt::format("{} innovations, log-likelihood of each {} before, {} after",
-                     holdout.innovations, figure(holdout.before, 5), figure(holdout.after, 5));
+                     holdout.innovations, figure(holdout.before, ".5g"),
+                     figure(holdout.after, ".5g"));
 }
 
 std::string log_line(const TunedLog& log) {
@@ -119,48 +112,49 @@ std::string refused_line(const RefusedCount& count) {
   return fmt::format("{}: {} of {}", count.output, count.refused, count.measured);
 }
 
-Json to_json(const NoiseAgreement& agreement, const NoiseFit& fit) {
-  Json json;
-  json["method"] = to_string(agreement.other);
-  if (!agreement.not_compared.empty()) {
-    json["not_compared"] = agreement.not_compared;
-    return json;
-  }
-  json["parameters"] = Json::array();
+Json parameters_json(const NoiseAgreement& agreement, const NoiseFit& fit) {
+  Json rows = Json::array();
   for (std::size_t i = 0; i < agreement.parameters.size(); ++i) {
     const ParameterAgreement& p = agreement.parameters[i];
     if (fit.parameters[i].verdict == ParameterVerdict::fixed) continue;
-    json["parameters"].push_back({{"name", p.other.name},
-                                  {"value", finite_or_null(p.other.value)},
-                                  {"low", finite_or_null(p.other.low)},
-                                  {"high", finite_or_null(p.other.high)},
-                                  {"verdict", to_string(p.other.verdict)},
-                                  {"factor", finite_or_null(p.factor)},
-                                  {"standard_deviations", finite_or_null(p.deviations)},
-                                  {"disagrees", p.disagrees}});
+    rows.push_back({{"name", p.other.name},
+                    {"value", p.other.value},
+                    {"low", p.other.low},
+                    {"high", p.other.high},
+                    {"verdict", to_string(p.other.verdict)},
+                    {"factor", p.factor},
+                    {"standard_deviations", p.deviations},
+                    {"disagrees", p.disagrees}});
   }
+  return rows;
+}
+
+Json to_json(const NoiseAgreement& agreement, const NoiseFit& fit) {
+  Json json = {{"method", to_string(agreement.other)}};
+  if (agreement.not_compared.empty())
+    json["parameters"] = parameters_json(agreement, fit);
+  else
+    json["not_compared"] = agreement.not_compared;
   return json;
 }
 
-/// What the other method finds, beside how far that is from what was found.
+/// What the other method finds, and how far that is from what was found.
 std::string agreement_table(const NoiseAgreement& agreement, const NoiseFit& fit) {
   if (!agreement.not_compared.empty())
     return fmt::format("not with {}: {}", to_string(agreement.other), agreement.not_compared);
-  std::vector<std::vector<std::string>> rows = {
-      {"by " + to_string(agreement.other), "found", "from", "to", "factor", "std. dev.", ""}};
-  for (std::size_t i = 0; i < agreement.parameters.size(); ++i) {
-    const ParameterAgreement& p = agreement.parameters[i];
-    if (fit.parameters[i].verdict == ParameterVerdict::fixed) continue;
-    rows.push_back({p.other.name, figure(p.other.value), figure(p.other.low), figure(p.other.high),
-                    figure(p.factor, 3), figure(p.deviations, 3), p.disagrees ? "disagrees" : ""});
-  }
-  return aligned(rows);
+  return table(parameters_json(agreement, fit), {{"name", "by " + to_string(agreement.other)},
+                                                 {"value", "found", "", ".4g"},
+                                                 {"low", "from", "", ".4g"},
+                                                 {"high", "to", "", ".4g"},
+                                                 {"factor", "factor", "", ".3g"},
+                                                 {"standard_deviations", "std. dev.", "", ".3g"},
+                                                 {.key = "disagrees", .yes = "disagrees"}});
 }
 
 /// Radians also in degrees.
 std::string error_figure(double value, const std::string& unit) {
-  if (unit != "rad") return fmt::format("{} {}", figure(value, 4), unit);
-  return fmt::format("{} rad = {} deg", figure(value, 4), figure(degrees(value), 4));
+  if (unit != "rad") return fmt::format("{} {}", figure(value, ".4g"), unit);
+  return fmt::format("{} rad = {} deg", figure(value, ".4g"), figure(degrees(value), ".4g"));
 }
 
 bool some_held_out(const NoiseTuning& tuning) {
@@ -169,15 +163,14 @@ bool some_held_out(const NoiseTuning& tuning) {
 }
 
 std::string accuracy_table(const NoiseTuning& tuning) {
-  std::vector<std::vector<std::string>> rows = {
-      {"rms error", "samples", "before", "after", "change", ""}};
+  Cells rows = {{"rms error", "samples", "before", "after", "change", ""}};
   for (const StateAccuracy& state : tuning.accuracy)
     rows.push_back(
         {state.state, fmt::format("{}", state.samples), error_figure(state.before, state.unit),
          error_figure(state.after, state.unit),
          state.before > 0 ? fmt::format("{:+.1f} %", 100 * (state.after / state.before - 1)) : "-",
          state.held_out || !some_held_out(tuning) ? "" : "fitted part"});
-  return aligned(rows) +
+  return aligned(rows, "<>>>><") +
          (some_held_out(tuning) ? "\non the stretch held out" : "\non the part that was fitted");
 }
 
@@ -190,9 +183,9 @@ Json accuracy_to_json(const NoiseTuning& tuning) {
                               {"unit", state.unit},
                               {"samples", state.samples},
                               {"held_out", state.held_out},
-                              {"before", finite_or_null(state.before)},
-                              {"after", finite_or_null(state.after)},
-                              {"p", finite_or_null(state.p)}});
+                              {"before", state.before},
+                              {"after", state.after},
+                              {"p", state.p}});
   return json;
 }
 
@@ -211,7 +204,7 @@ std::string fit_line(const NoiseTuning& tuning) {
       "{} by autocovariances: {:.0f} samples every {:.6g} s, lags to {}, {} gains{}\n"
       "misfit {} of {} degrees of freedom",
       to_string(als.status), als.samples, als.innovation.dt, als.innovation.of.size() - 1,
-      als.passes, rounds, figure(als.misfit), als.degrees);
+      als.passes, rounds, figure(als.misfit, ".4g"), als.degrees);
 }
 
 std::string left_out_lines(const std::vector<LeftOutRecord>& records) {
@@ -224,8 +217,8 @@ std::string left_out_lines(const std::vector<LeftOutRecord>& records) {
 }
 
 std::string likelihood_line(const NoiseFit& fit) {
-  return fmt::format("log {} before, {} after", figure(fit.before.value, 8),
-                     figure(fit.after.value, 8));
+  return fmt::format("log {} before, {} after", figure(fit.before.value, ".8g"),
+                     figure(fit.after.value, ".8g"));
 }
 
 Json files_to_json(const TunedLog& log) {
@@ -251,11 +244,11 @@ void add_covariances(const TunedNoise& tuned, Json& json) {
   for (const FittedParameter& p : fit.parameters) {
     json["parameters"].push_back({{"name", p.name},
                                   {"unit", p.unit},
-                                  {"value", finite_or_null(p.value)},
-                                  {"low", finite_or_null(p.low)},
-                                  {"high", finite_or_null(p.high)},
+                                  {"value", p.value},
+                                  {"low", p.low},
+                                  {"high", p.high},
                                   {"verdict", to_string(p.verdict)}});
-    json["standard_errors"][p.name] = finite_or_null(p.standard_error);
+    json["standard_errors"][p.name] = p.standard_error;
     json["identifiable"].push_back(p.verdict == ParameterVerdict::seen ||
                                    p.verdict == ParameterVerdict::at_zero);
   }
@@ -302,11 +295,11 @@ std::vector<std::pair<std::string, std::string>> facts_of(const TunedNoise& tune
     for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
       const ParameterAgreement& p = tuned.tuning.agreement->parameters[i];
       if (!std::isfinite(p.factor)) continue;
-      facts.emplace_back(
-          "by " + to_string(tuned.tuning.agreement->other),
-          fmt::format("{}: {} ({} to {}), a factor of {}, {} standard deviations", p.other.name,
-                      figure(p.other.value), figure(p.other.low), figure(p.other.high),
-                      figure(p.factor, 3), figure(p.deviations, 3)));
+      facts.emplace_back("by " + to_string(tuned.tuning.agreement->other),
+                         fmt::format("{}: {} ({} to {}), a factor of {}, {} standard deviations",
+                                     p.other.name, figure(p.other.value, ".4g"),
+                                     figure(p.other.low, ".4g"), figure(p.other.high, ".4g"),
+                                     figure(p.factor, ".3g"), figure(p.deviations, ".3g")));
     }
   return facts;
 }
@@ -328,8 +321,7 @@ Json to_json(const TunedNoise& tuned) {
                             {"warnings", log.warnings}});
   add_covariances(tuned, json);
   json["unseen"] = fit.unseen;
-  json["log_likelihood"] = {{"before", finite_or_null(fit.before.value)},
-                            {"after", finite_or_null(fit.after.value)}};
+  json["log_likelihood"] = {{"before", fit.before.value}, {"after", fit.after.value}};
   json["evaluations"] = fit.evaluations;
   add_innovations(tuning, json);
   json["rounds"] = tuning.rounds;
@@ -340,8 +332,8 @@ Json to_json(const TunedNoise& tuned) {
                                 {"to_s", record.to},
                                 {"measurements", record.measurements}});
   json["holdout"] = {{"innovations", tuning.holdout.innovations},
-                     {"before", finite_or_null(tuning.holdout.before)},
-                     {"after", finite_or_null(tuning.holdout.after)}};
+                     {"before", tuning.holdout.before},
+                     {"after", tuning.holdout.after}};
   json["accuracy"] = accuracy_to_json(tuning);
   if (tuning.agreement) json["agreement"] = to_json(*tuning.agreement, fit);
   json["warnings"] = tuning.warnings;
@@ -373,8 +365,8 @@ std::string to_text(const TunedNoise& tuned) {
   for (const ConsistencyCheck& c : tuned.tuning.after.checks)
     if (c.name == "error")
       errors += fmt::format("{}{}: squared error {} times its variance, consistent {} to {}",
-                            errors.empty() ? "" : "\n", c.output, figure(c.value, 3),
-                            figure(c.low, 3), figure(c.high, 3));
+                            errors.empty() ? "" : "\n", c.output, figure(c.value, ".3g"),
+                            figure(c.low, ".3g"), figure(c.high, ".3g"));
   if (!errors.empty()) text += section("errors", errors);
   std::vector<std::string> refused;
   for (const RefusedCount& count : tuned.tuning.refused) refused.push_back(refused_line(count));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/loops/cascade_report.hpp"
+#include "quadtune/workbench/design/cascade_report.hpp"
 
 #include <fmt/format.h>
 
@@ -8,12 +8,18 @@
 
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/workbench/design/vehicle_cascade.hpp"
+#include "report/gains/gains.hpp"
+#include "report/loops/loops.hpp"
+#include "report/loops/margins_report.hpp"
+#include "report/plots/figure.hpp"
+#include "report/plots/loop_figure.hpp"
 #include "report/text/print.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
 
-using internal::finite_or_null;
 using internal::Json;
 
 const PidLoop& written(const CascadeReport& report, CascadeAxis axis) {
@@ -27,17 +33,17 @@ Json evidence_json(const CascadeLoopEvidence& evidence) {
           {"rate_crossover", evidence.rate.crossover},
           {"bandwidth", evidence.bandwidth},
           {"crossover", m.crossover},
-          {"phase_margin_deg", finite_or_null(degrees(m.phase_margin))},
-          {"gain_margin_db", finite_or_null(decibels(m.gain_margin))},
-          {"delay_margin_s", finite_or_null(m.delay_margin)},
-          {"Ms", finite_or_null(m.Ms)},
-          {"Mt", finite_or_null(m.Mt)},
-          {"tracking_peak", finite_or_null(evidence.tracking_peak)},
-          {"load_integral", finite_or_null(evidence.load_integral)},
-          {"load_peak", finite_or_null(evidence.load_peak)},
-          {"load_left", finite_or_null(evidence.load_left)},
-          {"value_noise", finite_or_null(evidence.value_noise)},
-          {"rate_noise", finite_or_null(evidence.rate_noise)}};
+          {"phase_margin_deg", degrees(m.phase_margin)},
+          {"gain_margin_db", decibels(m.gain_margin)},
+          {"delay_margin_s", m.delay_margin},
+          {"Ms", m.Ms},
+          {"Mt", m.Mt},
+          {"tracking_peak", evidence.tracking_peak},
+          {"load_integral", evidence.load_integral},
+          {"load_peak", evidence.load_peak},
+          {"load_left", evidence.load_left},
+          {"value_noise", evidence.value_noise},
+          {"rate_noise", evidence.rate_noise}};
 }
 
 /// As the vehicle's file has it.
@@ -52,32 +58,42 @@ Json gains_json(const PidLoop& loop) {
           {"Kp", loop.Kp},     {"Ki", loop.Ki},         {"Kd", loop.Kd}};
 }
 
-std::string loop_row(const CascadeReport& report, const CascadeAxisDesign& loop) {
-  const PidLoop& gains = written(report, loop.axis);
-  const CascadeLoopEvidence& e = loop.design.evidence;
-  const LoopMargins& m = e.margins;
-  const auto cell = [](double value, const char* form) {
-    return std::isfinite(value) ? fmt::format(fmt::runtime(form), value) : std::string("-");
-  };
-  return fmt::format(
-      "{:<9}{:>11.4g}{:>11.4g}{:>11.4g}  {:<15}{:>9.3g}{:>9.3g}{:>7}{:>7}{:>8}{:>7}{:>10}{}\n",
-      gains.name, gains.Kp, gains.Ki, gains.Kd,
-      gains.output.substr(0, gains.output.find(" beside")), e.rate.crossover, e.bandwidth,
-      cell(decibels(m.gain_margin), "{:.1f}"), cell(degrees(m.phase_margin), "{:.1f}"),
-      cell(1e3 * m.delay_margin, "{:.1f}"), cell(m.Ms, "{:.3f}"), cell(e.tracking_peak, "{:.2f}"),
-      m.stable ? "" : "  UNSTABLE");
+Json loops_json(const CascadeReport& report) {
+  Json loops = Json::array();
+  for (const CascadeAxisDesign& loop : report.cascade.loops) {
+    Json row = gains_json(written(report, loop.axis));
+    row.update(evidence_json(loop.design.evidence));
+    row["binding"] = loop.design.binding;
+    row["highest_rate_crossover"] = loop.design.highest_rate_crossover;
+    row["published"] = nullptr;
+    if (loop.published) {
+      row["published"] = gains_json(as_published(report, loop.axis));
+      row["published"].update(evidence_json(loop.published_evidence));
+    }
+    loops.push_back(std::move(row));
+  }
+  return loops;
 }
 
 std::string loops_text(const CascadeReport& report) {
-  std::string text =
-      fmt::format("{:<9}{:>11}{:>11}{:>11}  {:<15}{:>9}{:>9}{:>7}{:>7}{:>8}{:>7}{:>10}\n", "", "",
-                  "", "", "", "rate", "value", "gain", "phase", "delay", "", "set point");
-  text += fmt::format("{:<9}{:>11}{:>11}{:>11}  {:<15}{:>9}{:>9}{:>7}{:>7}{:>8}{:>7}{:>10}\n",
-                      "loop", "Kp", "Ki", "Kd", "to", "[rad/s]", "[rad/s]", "[dB]", "[deg]", "[ms]",
-                      "Ms", "peak");
-  for (const CascadeAxisDesign& loop : report.cascade.loops) text += loop_row(report, loop);
-  text.pop_back();
-  return text;
+  Json rows = loops_json(report);
+  for (Json& row : rows) {
+    const std::string& output = row["output"].text();
+    row["output"] = output.substr(0, output.find(" beside"));
+  }
+  return table(rows, {{"name", "loop"},
+                      {"Kp", "Kp", "", ".4g"},
+                      {"Ki", "Ki", "", ".4g"},
+                      {"Kd", "Kd", "", ".4g"},
+                      {"output", "to"},
+                      {"rate_crossover", "rate", "[rad/s]", ".3g"},
+                      {"bandwidth", "value", "[rad/s]", ".3g"},
+                      {"gain_margin_db", "gain", "[dB]", ".1f"},
+                      {"phase_margin_deg", "phase", "[deg]", ".1f"},
+                      {"delay_margin_s", "delay", "[ms]", ".1f", 1e3},
+                      {"Ms", "Ms", "", ".3f"},
+                      {"tracking_peak", "set point", "peak", ".2f"},
+                      {.key = "stable", .no = "UNSTABLE"}});
 }
 
 std::string bound_text(const CascadeReport& report) {
@@ -91,39 +107,31 @@ std::string bound_text(const CascadeReport& report) {
 }
 
 /// "1.067 (1.075)"
-std::string pair(double here, double there, const char* form) {
-  const auto one = [&](double value) {
-    return std::isfinite(value) ? fmt::format(fmt::runtime(form), value) : std::string("-");
-  };
-  return fmt::format("{} ({})", one(here), one(there));
+std::string pair(double here, double there, const char* format) {
+  return fmt::format("{} ({})", figure(here, format), figure(there, format));
 }
 
 std::string comparison_text(const CascadeReport& report) {
-  std::string text =
-      report.published_source +
-      ", here (there): a step of load beside the loop's command, noise of the sensors in it\n" +
-      fmt::format("{:<9}{:>14}{:>17}{:>16}{:>12}{:>20}{:>20}\n", "loop", "Ms", "Ki", "load: peak",
-                  "left", "noise: value", "rate");
+  Cells cells = {{"loop", "Ms", "Ki", "load: peak", "left", "noise: value", "rate"}};
   for (const CascadeAxisDesign& loop : report.cascade.loops) {
     if (!loop.published) continue;
     const CascadeLoopEvidence& here = loop.design.evidence;
     const CascadeLoopEvidence& there = loop.published_evidence;
-    text +=
-        fmt::format("{:<9}{:>14}{:>17}{:>16}{:>12}{:>20}{:>20}\n", to_string(loop.axis),
-                    pair(here.margins.Ms, there.margins.Ms, "{:.3f}"),
-                    pair(std::abs(loop.design.gains.Ki), std::abs(loop.published->Ki), "{:.3g}"),
-                    pair(here.load_peak, there.load_peak, "{:.4g}"),
-                    pair(here.load_left, there.load_left, "{:.3g}"),
-                    pair(here.value_noise, there.value_noise, "{:.3g}"),
-                    pair(here.rate_noise, there.rate_noise, "{:.3g}"));
-    if (!there.margins.stable) text.insert(text.size() - 1, "  there UNSTABLE");
+    cells.push_back({to_string(loop.axis), pair(here.margins.Ms, there.margins.Ms, ".3f"),
+                     pair(std::abs(loop.design.gains.Ki), std::abs(loop.published->Ki), ".3g"),
+                     pair(here.load_peak, there.load_peak, ".4g"),
+                     pair(here.load_left, there.load_left, ".3g"),
+                     pair(here.value_noise, there.value_noise, ".3g"),
+                     pair(here.rate_noise, there.rate_noise, ".3g"),
+                     there.margins.stable ? "" : "there UNSTABLE"});
   }
-  text.pop_back();
-  return text;
+  return report.published_source +
+         ", here (there): a step of load beside the loop's command, noise of the sensors in it\n" +
+         aligned(cells);
 }
 
 /// One figure of a loop, smaller the better, here and as published.
-struct Figure {
+struct ComparedFigure {
   const char* name;
   double here;
   double there;
@@ -139,7 +147,7 @@ struct Figure {
   }
 };
 
-std::vector<Figure> figures(const CascadeAxisDesign& loop) {
+std::vector<ComparedFigure> figures(const CascadeAxisDesign& loop) {
   const CascadeLoopEvidence& here = loop.design.evidence;
   const CascadeLoopEvidence& there = loop.published_evidence;
   return {{"Ms - 1", here.margins.Ms - 1, there.margins.Ms - 1},
@@ -151,25 +159,23 @@ std::vector<Figure> figures(const CascadeAxisDesign& loop) {
 
 /// By how much the cascade is better than what is published, and where it is not.
 std::string verdict(const CascadeReport& report) {
-  std::string text = fmt::format("{:<9}", "loop");
-  for (const Figure& figure : figures(report.cascade.loops.front()))
-    text += fmt::format("{:>16}", figure.name);
-  std::string losses;
+  Cells cells = {{"loop"}};
+  for (const ComparedFigure& figure : figures(report.cascade.loops.front()))
+    cells[0].push_back(figure.name);
+  std::vector<std::string> losses;
   for (const CascadeAxisDesign& loop : report.cascade.loops) {
     if (!loop.published) continue;
-    text += fmt::format("\n{:<9}", to_string(loop.axis));
-    if (!loop.published_evidence.margins.stable) {
-      text += "      what is published is unstable here: no measure";
-      continue;
+    const bool measured = loop.published_evidence.margins.stable;
+    cells.push_back({to_string(loop.axis)});
+    for (const ComparedFigure& figure : figures(loop)) {
+      cells.back().push_back(measured ? figure.text() : "-");
+      if (measured && figure.worse())
+        losses.push_back(fmt::format("{} in {}", to_string(loop.axis), figure.name));
     }
-    for (const Figure& figure : figures(loop)) {
-      text += fmt::format("{:>16}", figure.text());
-      if (figure.worse())
-        losses += fmt::format("{}{} in {}", losses.empty() ? "" : ", ", to_string(loop.axis),
-                              figure.name);
-    }
+    if (!measured) cells.back().push_back("what is published is unstable here");
   }
-  return text + (losses.empty() ? "\nno figure is worse" : "\nWORSE: " + losses);
+  return aligned(cells) +
+         (losses.empty() ? "\nno figure is worse" : "\nWORSE: " + internal::joined(losses, ", "));
 }
 
 }  // namespace
@@ -185,19 +191,7 @@ Json to_json(const CascadeReport& report) {
                {"motor_lag_s", *report.specification.lag},
                {"published",
                 report.published_source.empty() ? Json(nullptr) : Json(report.published_source)}};
-  json["loops"] = Json::array();
-  for (const CascadeAxisDesign& loop : report.cascade.loops) {
-    Json row = gains_json(written(report, loop.axis));
-    row.update(evidence_json(loop.design.evidence));
-    row["binding"] = loop.design.binding;
-    row["highest_rate_crossover"] = finite_or_null(loop.design.highest_rate_crossover);
-    row["published"] = nullptr;
-    if (loop.published) {
-      row["published"] = gains_json(as_published(report, loop.axis));
-      row["published"].update(evidence_json(loop.published_evidence));
-    }
-    json["loops"].push_back(std::move(row));
-  }
+  json["loops"] = loops_json(report);
   json["margins"] = to_json(report.margins);
   json["spectral_radius"] = report.cascade.poles.cwiseAbs().maxCoeff();
   return json;
@@ -220,6 +214,38 @@ std::string to_text(const CascadeReport& report) {
                                         unstable(report) ? "UNSTABLE" : "stable",
                                         report.cascade.poles.size(), radius));
   return text;
+}
+
+using internal::Json;
+
+Json to_json(const VehicleCascade& cascade) {
+  Json json = to_json(cascade.report);
+  json["method"] = cascade.flown ? "flown" : "loops";
+  json["plant"] = cascade.ideal ? "ideal" : cascade.flown ? "flown" : "lag";
+  if (cascade.flown) json["flown"] = family_json(*cascade.flown);
+  json["flown_loop"] = Json();
+  if (cascade.loop) {
+    json["flown_loop"] = to_json(*cascade.loop);
+    json["flown_loop"]["margins"] = to_json(cascade.loop->margins);
+  }
+  add_laws(json, cascade.content);
+  return json;
+}
+
+std::string to_text(const VehicleCascade& cascade) {
+  std::string text = to_text(cascade.report);
+  if (cascade.flown) text += section("flown", family_text(*cascade.flown));
+  if (cascade.loop)
+    text += section("flown loop", to_text(*cascade.loop)) +
+            section("margins of the flown loop", to_text(cascade.loop->margins));
+  return text;
+}
+
+Figure cascade_figure(const VehicleCascade& cascade) {
+  const CascadeReport& report = cascade.report;
+  return margins_figure(fmt::format("PID cascade of {} every {} s, cut at the wrench",
+                                    report.vehicle, number(report.specification.dt)),
+                        OpenLoop(report.open_loop), report.margins);
 }
 
 }  // namespace quadtune::report

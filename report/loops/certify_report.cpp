@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/loops/certify_report.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "quadtune/internal/json.hpp"
+#include "quadtune/workbench/verify/certify.hpp"
+#include "report/loops/loops.hpp"
 #include "report/text/print.hpp"
 
 namespace quadtune::report {
 namespace {
 
-using internal::finite_or_null;
 using internal::Json;
 
 bool is_fixed(const UncertainParameter& p) { return p.low == p.high; }
@@ -100,7 +99,7 @@ Json flown_json(const CertifiedLaw& law) {
           {"estimator", flown.worst->estimator},
           {"sensors", flown.worst->sensors},
           {"stable", !law.flown_unstable()},
-          {"radius", finite_or_null(std::abs(flown.worst->mode.z))},
+          {"radius", std::abs(flown.worst->mode.z)},
           {"mode", in_words(*flown.worst)},
           {"parameters", point_json(law.family, flown.parameters)}};
 }
@@ -120,8 +119,8 @@ Json proof_json(const StabilityProof& proof) {
   Json json = {{"status", to_string(proof.status)},
                {"boxes", proof.boxes},
                {"proved_boxes", proof.proved_boxes},
-               {"gap", finite_or_null(proof.gap)},
-               {"coupling", finite_or_null(proof.coupling)},
+               {"gap", proof.gap},
+               {"coupling", proof.coupling},
                {"culprit", proof.culprit},
                {"where", nullptr}};
   if (proof.proved()) return json;
@@ -144,12 +143,12 @@ Json law_json(const CertifiedLaw& law) {
           {"parts", r.proof.parts},
           {"proof", proof_json(r.proof)},
           {"worst",
-           {{"radius", finite_or_null(r.worst.radius)},
+           {{"radius", r.worst.radius},
             {"unstable", r.worst.unstable()},
             {"parameters", point_json(law.family, r.worst.parameters)}}},
           {"scale",
            {{"proved", r.proved_scale},
-            {"found", finite_or_null(r.found_scale)},
+            {"found", r.found_scale},
             {"found_at", found ? point_json(law.family, r.found.parameters) : Json(nullptr)},
             {"greatest", law.family.greatest_scale},
             {"greatest_reason", law.family.greatest_scale_reason}}},

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/loops/linearization_report.hpp"
-
 #include <fmt/format.h>
 
 #include "quadtune/internal/json.hpp"
+#include "quadtune/linearize/linearize.hpp"
+#include "report/loops/loops.hpp"
 #include "report/text/print.hpp"
 
 namespace quadtune::report {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/loops/method_comparison.hpp"
+#include "quadtune/workbench/sampling/method_comparison.hpp"
 
 #include <fmt/format.h>
 
@@ -12,26 +12,29 @@
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/frequency_response.hpp"
 #include "quadtune/internal/json.hpp"
+#include "report/loops/loops.hpp"
 #include "report/plots/comparison_figure.hpp"
+#include "report/plots/figure.hpp"
 #include "report/text/print.hpp"
-#include "report/text/text_table.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
 
-using internal::finite_or_null;
 using internal::Json;
-using Side = TextColumn::Side;
 
 // --- text ----------------------------------------------------------------------------------------
 
-/// A table with three columns for each of three quantities, one for each period.
-std::vector<TextColumn> columns_by_period(const std::string& first,
-                                          const std::array<double, 3>& periods) {
-  std::vector<TextColumn> columns = {{first, 22, Side::left}};
-  for (int part = 0; part < 3; ++part)
-    for (const double dt : periods) columns.push_back({number(dt), 8, Side::right});
-  return columns;
+/// A table's two lines of headings: three columns for each quantity, one for each period.
+Cells headings(const std::string& first, const std::array<const char*, 3>& quantities,
+               const std::array<double, 3>& periods) {
+  Cells cells = {{""}, {first}};
+  for (const char* quantity : quantities)
+    for (std::size_t i = 0; i < 3; ++i) {
+      cells[0].emplace_back(i == 2 ? quantity : "");
+      cells[1].push_back(number(periods[i]));
+    }
+  return cells;
 }
 
 std::string percent(const std::optional<SamplingError>& error, double SamplingError::*part) {
@@ -52,21 +55,18 @@ std::string limit_text(const MethodErrors& method) {
 }
 
 std::string methods_text(const ComparedLaw& law, const std::array<double, 3>& periods) {
-  std::vector<TextColumn> columns = columns_by_period("method", periods);
-  columns.push_back({"[s]", 11, Side::right});
-  TextTable table(std::move(columns));
+  Cells cells = headings("method", {"poles [%]", "step [%]", "frequency [%]"}, periods);
+  cells[0].emplace_back("stable to");
+  cells[1].emplace_back("[s]");
   for (const MethodErrors& method : law.methods) {
-    std::vector<std::string> cells = {method.name};
+    cells.push_back({method.name});
     for (double SamplingError::*part :
          {&SamplingError::pole, &SamplingError::step, &SamplingError::frequency})
       for (const std::optional<SamplingError>& error : method.errors)
-        cells.push_back(percent(error, part));
-    cells.push_back(limit_text(method));
-    table.row(cells);
+        cells.back().push_back(percent(error, part));
+    cells.back().push_back(limit_text(method));
   }
-  return fmt::format("{:<22}{:^24}{:^24}{:^24}{:>11}\n", "", "poles [%]", "step [%]",
-                     "frequency [%]", "stable to") +
-         table.text();
+  return aligned(cells);
 }
 
 std::string flown_text(const ComparedLaw& law, const std::array<double, 3>& periods) {
@@ -74,7 +74,7 @@ std::string flown_text(const ComparedLaw& law, const std::array<double, 3>& peri
   for (const FlownMethod& method : law.flown)
     for (const FlownPeriod& at : method.periods)
       if (at.loop) estimator = ", estimator " + at.loop->estimator;
-  TextTable table(columns_by_period("law", periods));
+  Cells cells = headings("law", {"phase margin [deg]", "Ms", "disk margin"}, periods);
   std::vector<std::string> reasons;
   for (const FlownMethod& method : law.flown) {
     std::vector<std::string> phase, Ms, disk;
@@ -93,14 +93,12 @@ std::string flown_text(const ComparedLaw& law, const std::array<double, 3>& peri
       Ms.push_back(fmt::format("{:.2f}", least.Ms));
       disk.push_back(fmt::format("{:.2f}", least.disk));
     }
-    std::vector<std::string> cells = {method.name};
+    cells.push_back({method.name});
     for (const auto* column : {&phase, &Ms, &disk})
-      cells.insert(cells.end(), column->begin(), column->end());
-    table.row(cells);
+      cells.back().insert(cells.back().end(), column->begin(), column->end());
   }
-  std::string text = fmt::format("\non the flown plant: rotor lag, sensors{}\n", estimator);
-  text += fmt::format("{:<22}{:^24}{:^24}{:^24}\n", "", "phase margin [deg]", "Ms", "disk margin");
-  text += table.text();
+  std::string text =
+      fmt::format("\non the flown plant: rotor lag, sensors{}\n{}", estimator, aligned(cells));
   for (const std::string& reason : reasons) text += "\n" + reason;
   return text;
 }
@@ -115,11 +113,11 @@ void add_methods(Json& methods, const ComparedLaw& law, const std::array<double,
       methods.push_back({{"law", law.name},
                          {"name", row.name},
                          {"dt", periods[i]},
-                         {"pole_error", finite_or_null(error.pole)},
-                         {"step_error", finite_or_null(error.step)},
-                         {"frequency_error", finite_or_null(error.frequency)},
+                         {"pole_error", error.pole},
+                         {"step_error", error.step},
+                         {"frequency_error", error.frequency},
                          {"stable", error.stable},
-                         {"stable_up_to_s", finite_or_null(row.limit)}});
+                         {"stable_up_to_s", row.limit}});
     }
 }
 
@@ -137,9 +135,9 @@ void add_flown(Json& flown, const ComparedLaw& law) {
       entry["stable"] = !lost;
       entry["slowest_mode"] = in_words(*at.loop);
       const LeastMargins least = least_margins(*at.loop);
-      entry["phase_margin_deg"] = lost ? Json(nullptr) : Json(finite_or_null(degrees(least.phase)));
-      entry["Ms"] = lost ? Json(nullptr) : Json(finite_or_null(least.Ms));
-      entry["disk"] = lost ? Json(nullptr) : Json(finite_or_null(least.disk));
+      entry["phase_margin_deg"] = lost ? Json(nullptr) : Json(degrees(least.phase));
+      entry["Ms"] = lost ? Json(nullptr) : Json(least.Ms);
+      entry["disk"] = lost ? Json(nullptr) : Json(least.disk);
       flown.push_back(entry);
     }
 }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/loops/pid_report.hpp"
+#include "quadtune/workbench/design/pid_report.hpp"
 
 #include <fmt/format.h>
 
 #include "quadtune/internal/json.hpp"
+#include "report/loops/loops.hpp"
 #include "report/loops/margins_report.hpp"
+#include "report/plots/figure.hpp"
 #include "report/plots/loop_figure.hpp"
 #include "report/text/print.hpp"
 

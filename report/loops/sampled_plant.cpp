@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/loops/sampled_plant.hpp"
+#include "quadtune/workbench/sampling/sampled_plant.hpp"
 
 #include <fmt/format.h>
 
 #include "quadtune/internal/json.hpp"
+#include "report/loops/loops.hpp"
 #include "report/text/print.hpp"
 
 namespace quadtune::report {

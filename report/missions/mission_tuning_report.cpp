@@ -11,13 +11,13 @@
 
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
-#include "report/flights/flight_text.hpp"
+#include "report/flights/flights.hpp"
 #include "report/text/print.hpp"
+#include "report/text/rows.hpp"
 
 namespace quadtune::report {
 namespace {
 
-using internal::finite_or_null;
 using internal::Json;
 using Report = MissionTuningResult;
 
@@ -44,7 +44,14 @@ const TrialOutcome& outcome_after(const Report& report) {
   return proved(report) ? report.search.proof_after : report.search.after;
 }
 
-/// A figure of a mission, with its values at start, at the best point and of the rival.
+/// Those of the columns: start, best point, and the rival if there is one.
+std::vector<const TrialOutcome*> outcomes_of(const Report& report) {
+  std::vector<const TrialOutcome*> outcomes = {&outcome_before(report), &outcome_after(report)};
+  if (report.rival) outcomes.push_back(&*report.rival);
+  return outcomes;
+}
+
+/// A figure of a mission, with its value in each of outcomes_of().
 struct Figure {
   std::size_t mission = 0;
   Metric metric = Metric::duration;
@@ -54,8 +61,7 @@ struct Figure {
 /// What is told of missions: figures that some flight has; after the usual ones those of the cost
 /// and of limits.
 std::vector<Figure> figures_of(const Report& report) {
-  std::vector<const TrialOutcome*> outcomes = {&outcome_before(report), &outcome_after(report)};
-  if (report.rival) outcomes.push_back(&*report.rival);
+  const std::vector<const TrialOutcome*> outcomes = outcomes_of(report);
   std::vector<Figure> figures;
   for (std::size_t m = 0; m < report.request.missions.size(); ++m) {
     std::vector<Metric> told = {Metric::tracking_rms, Metric::tracking_max, Metric::settling_time,
@@ -81,29 +87,27 @@ std::vector<Figure> figures_of(const Report& report) {
 // --- text ---
 
 std::string gains_text(const CascadeGains& before, const CascadeGains& after) {
-  std::string text = fmt::format("{:<10}{:>24}{:>24}{:>24}\n", "loop", "Kp", "Ki", "Kd");
   const auto pair = [](double then, double now) {
     return then == now ? fmt::format("{:.4g}", now) : fmt::format("{:.4g} -> {:.4g}", then, now);
   };
+  Cells cells = {{"loop", "Kp", "Ki", "Kd"}};
   for (std::size_t i = 0; i < before.loops.size(); ++i) {
     const PidLoop& then = before.loops[i];
     const PidLoop& now = after.loops[i];
-    text += fmt::format("{:<10}{:>24}{:>24}{:>24}\n", now.name, pair(then.Kp, now.Kp),
-                        pair(then.Ki, now.Ki), pair(then.Kd, now.Kd));
+    cells.push_back(
+        {now.name, pair(then.Kp, now.Kp), pair(then.Ki, now.Ki), pair(then.Kd, now.Kd)});
   }
-  text.pop_back();
-  return text;
+  return aligned(cells);
 }
 
 std::string gains_text(const TunedWeights& before, const TunedWeights& after) {
-  std::string text = fmt::format("{:<14}{:>14}{:>14}\n", "weight", "start", "found");
+  Cells cells = {{"weight", "start", "found"}};
   for (std::size_t i = 0; i < before.names.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    text += fmt::format("{:<14}{:>14.5g}{:>14.5g}\n", before.names[i], before.weights(k),
-                        after.weights(k));
+    cells.push_back(
+        {before.names[i], figure(before.weights(k), ".5g"), figure(after.weights(k), ".5g")});
   }
-  text.pop_back();
-  return text;
+  return aligned(cells);
 }
 
 std::string gains_text(const TunedGains& before, const TunedGains& after) {
@@ -115,54 +119,49 @@ std::string gains_text(const TunedGains& before, const TunedGains& after) {
 }
 
 std::string missions_text(const Report& report) {
-  const TrialOutcome &before = outcome_before(report), &after = outcome_after(report);
-  const auto rival = [&](const std::string& cell) {
-    return report.rival ? fmt::format("{:>11}", cell) : std::string();
+  Cells cells = {{"mission", "figure, mean", "start", found_word(report)}};
+  if (report.rival) cells[0].emplace_back("published");
+  cells[0].emplace_back("unit");
+  const auto row = [&](const std::string& mission, const std::string& label, const auto& values,
+                       const char* format, const std::string& unit) {
+    cells.push_back({mission, label});
+    for (const double value : values) cells.back().push_back(reached(value, format));
+    cells.back().push_back(unit);
   };
-  std::string text = fmt::format("{:<16}{:<36}{:>11}{:>11}{}  {}\n", "mission", "figure, mean",
-                                 "start", found_word(report), rival("published"), "unit");
-  const auto cell = [](double x) {
-    return std::isnan(x) ? std::string("-") : std::isinf(x) ? "never" : fmt::format("{:.4g}", x);
-  };
-  for (const Figure& figure : figures_of(report)) {
-    const std::string unit = unit_text(unit_of(figure.metric));
-    const std::string line =
-        fmt::format("{:<16}{:<36}{:>11}{:>11}{}  {}", report.request.missions[figure.mission].name,
-                    label_of(figure.metric), cell(figure.values[0]), cell(figure.values[1]),
-                    rival(cell(figure.values.back())), unit);
-    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  for (const Figure& figure : figures_of(report))
+    row(report.request.missions[figure.mission].name, label_of(figure.metric), figure.values, ".4g",
+        unit_text(unit_of(figure.metric)));
+  std::vector<double> costs, failures;
+  for (const TrialOutcome* outcome : outcomes_of(report)) {
+    costs.push_back(outcome->cost);
+    failures.push_back(static_cast<double>(outcome->failed));
   }
   const bool mean = report.request.measure == RobustMeasure::mean;
-  text += fmt::format("{:<52}{:>11.4g}{:>11.4g}{}\n", mean ? "cost" : "cost, " + measure_of(report),
-                      before.cost, after.cost,
-                      report.rival ? fmt::format("{:>11.4g}", report.rival->cost) : "");
-  text += fmt::format("{:<52}{:>11}{:>11}{}  of {}", "flights that end early", before.failed,
-                      after.failed, report.rival ? fmt::format("{:>11}", report.rival->failed) : "",
-                      before.flights);
-  return text;
+  row("all", mean ? "cost" : "cost, " + measure_of(report), costs, ".4g", "");
+  row("all", "flights that end early", failures, ".0f",
+      fmt::format("of {}", outcome_before(report).flights));
+  return aligned(cells, report.rival ? "<<>>><" : "<<>><");
 }
 
 std::string loops_text(const std::vector<NamedMargins>& before,
                        const std::vector<NamedMargins>& after,
                        const std::vector<NamedMargins>* rival, const std::string& found) {
-  std::string text = fmt::format("{:<10}{:>10}{:>11}{}{:>14}{:>12}{:>12}\n", "loop", "Ms: start",
-                                 found, rival ? fmt::format("{:>11}", "published") : "",
-                                 "phase [deg]", "gain [dB]", "delay [ms]");
-  const auto cell = [](double x) {
-    return std::isfinite(x) ? fmt::format("{:.4g}", x) : std::string("-");
+  const auto Ms = [](const std::vector<NamedMargins>& loops, std::size_t i) {
+    return i < loops.size() ? figure(loops[i].margins.Ms, ".4g") : "-";
   };
+  Cells cells = {{"loop", "Ms: start", found}};
+  if (rival) cells[0].emplace_back("published");
+  for (const char* heading : {"phase [deg]", "gain [dB]", "delay [ms]"})
+    cells[0].emplace_back(heading);
   for (std::size_t i = 0; i < after.size(); ++i) {
     const LoopMargins& m = after[i].margins;
-    text += fmt::format(
-        "{:<10}{:>10}{:>11}{}{:>14}{:>12}{:>12}\n", after[i].name,
-        i < before.size() ? cell(before[i].margins.Ms) : "-", cell(m.Ms),
-        rival ? fmt::format("{:>11}",
-                            i < rival->size() ? cell((*rival)[i].margins.Ms) : std::string("-"))
-              : "",
-        cell(degrees(m.phase_margin)), cell(decibels(m.gain_margin)), cell(1000 * m.delay_margin));
+    cells.push_back({after[i].name, Ms(before, i), Ms(after, i)});
+    if (rival) cells.back().push_back(Ms(*rival, i));
+    for (const double value :
+         {degrees(m.phase_margin), decibels(m.gain_margin), 1000 * m.delay_margin})
+      cells.back().push_back(figure(value, ".4g"));
   }
-  text.pop_back();
-  return text;
+  return aligned(cells);
 }
 
 std::string margins_text(const Report& report) {
@@ -223,10 +222,10 @@ Json margins_json(const std::vector<NamedMargins>& loops) {
   Json json = Json::array();
   for (const NamedMargins& loop : loops)
     json.push_back({{"loop", loop.name},
-                    {"Ms", finite_or_null(loop.margins.Ms)},
-                    {"phase_margin_deg", finite_or_null(degrees(loop.margins.phase_margin))},
-                    {"gain_margin_db", finite_or_null(decibels(loop.margins.gain_margin))},
-                    {"delay_margin_s", finite_or_null(loop.margins.delay_margin)}});
+                    {"Ms", loop.margins.Ms},
+                    {"phase_margin_deg", degrees(loop.margins.phase_margin)},
+                    {"gain_margin_db", decibels(loop.margins.gain_margin)},
+                    {"delay_margin_s", loop.margins.delay_margin}});
   return json;
 }
 
@@ -244,14 +243,14 @@ Json outcome_json(const Report& report, const TrialOutcome& outcome) {
   for (std::size_t m = 0; m < outcome.means.size(); ++m) {
     Json metrics = Json::object();
     for (std::size_t i = 0; i < kMetrics; ++i)
-      metrics[name_of(static_cast<Metric>(i))] = finite_or_null(outcome.means[m].value[i]);
+      metrics[name_of(static_cast<Metric>(i))] = outcome.means[m].value[i];
     missions.push_back({{"mission", report.request.missions[m].name}, {"mean", metrics}});
   }
   Json limits = Json::array();
   for (const TrialLimit& limit : outcome.limits)
     limits.push_back({{"mission", limit.mission},
                       {"metric", name_of(limit.metric)},
-                      {"value", finite_or_null(limit.value)},
+                      {"value", limit.value},
                       {"at_most", limit.most},
                       {"ok", limit.excess() <= kLimitTolerance}});
   return {{"cost", outcome.cost},
@@ -300,8 +299,8 @@ PageComparedTable missions_table(const Report& report) {
   if (before.failed + after.failed + (report.rival ? report.rival->failed : 0) > 0)
     table.hint += " A flight that ends early keeps no limit; its figures are of what it flew.";
   const auto values = [&](const auto& of) {
-    std::vector<double> all = {of(before), of(after)};
-    if (report.rival) all.push_back(of(*report.rival));
+    std::vector<double> all;
+    for (const TrialOutcome* outcome : outcomes_of(report)) all.push_back(of(*outcome));
     return all;
   };
   PageCompared cost = row("All", "cost, " + measure_of(report) + " of the draws", "",
@@ -324,9 +323,8 @@ PageComparedTable missions_table(const Report& report) {
       for (std::size_t m = 0; m < figure.mission; ++m)
         at += report.request.missions[m].limits.size();
       compared.limit = limit->most;
-      for (const TrialOutcome* outcome : {&before, &after, report.rival ? &*report.rival : nullptr})
-        if (outcome != nullptr)
-          compared.broken.push_back(outcome->limits[at].excess() > kLimitTolerance);
+      for (const TrialOutcome* outcome : outcomes_of(report))
+        compared.broken.push_back(outcome->limits[at].excess() > kLimitTolerance);
       compared.binds = binds(report, fmt::format("{} of {}", name_of(figure.metric), mission.name));
     }
     table.rows.push_back(std::move(compared));
@@ -523,9 +521,7 @@ Json to_json(const Report& report) {
       {"before", outcome_json(report, outcome_before(report))},
       {"after", outcome_json(report, outcome_after(report))},
       {"difference",
-       {{"value", finite_or_null(r.difference.value)},
-        {"low", finite_or_null(r.difference.low)},
-        {"high", finite_or_null(r.difference.high)}}},
+       {{"value", r.difference.value}, {"low", r.difference.low}, {"high", r.difference.high}}},
       {"margins", {{"before", margins_json(report.before)}, {"after", margins_json(report.after)}}},
       {"flown",
        {{"before", flown_json(report.flown.before)}, {"after", flown_json(report.flown.after)}}},
@@ -548,7 +544,7 @@ Json to_json(const Report& report) {
                                {"what", one.limit.what},
                                {"unit", one.limit.unit},
                                {"asked", one.limit.asked},
-                               {"sensors_rms", finite_or_null(one.limit.bound)},
+                               {"sensors_rms", one.limit.bound},
                                {"judged_by", one.limit.judged}});
   if (!report.flown.why.empty()) json["flown"]["why"] = report.flown.why;
   return json;

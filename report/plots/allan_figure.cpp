@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace quadtune::report {
 namespace {
@@ -27,55 +28,41 @@ const Noise kLines[kNoises] = {
 
 Figure allan_figure(const SensorAllan& allan) {
   const auto& [record, analysis] = allan;
-  Series band, points, fit;
-  points.name = "deviation";
-  points.shape = Shape::dots;
-  points.look = {Look::kInk, 0, 3};
-  fit.name = "fit";
-  fit.look = nth_look(0);
-  band.name = "95 %";
-  band.look = {Look::kFaint, 0, 2};
-  double least = std::numeric_limits<double>::infinity(), most = 0;
+  Series intervals{.name = "95 %", .style = "lines lw 2 lc rgb '#8C8C8C'"};
+  Series points{.name = "deviation", .style = "points pt 7 ps 0.6 lc rgb '#000000'"};
+  Series fit{.name = "fit", .style = line_style(0)};
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = 0;
   for (const AllanCurvePoint& at : analysis.curve) {
     points.x.push_back(at.point.tau);
     points.y.push_back(at.point.deviation);
     fit.x.push_back(at.point.tau);
     fit.y.push_back(at.model);
-    for (const double y : {at.low, at.high, std::nan("")}) {  // a bar, and a break
-      band.x.push_back(at.point.tau);
-      band.y.push_back(y);
+    for (const double y : {at.low, at.high, std::nan("")}) {  // a bar, and a gap
+      intervals.x.push_back(at.point.tau);
+      intervals.y.push_back(y);
     }
-    least = std::min(least, std::min(at.point.deviation, at.model));
-    most = std::max(most, std::max(at.point.deviation, at.model));
+    lowest = std::min({lowest, at.point.deviation, at.model});
+    highest = std::max({highest, at.point.deviation, at.model});
   }
   Panel panel{.title = "",
               .x = {.label = "tau [s]", .logarithmic = true},
               .y = {.label = record.unit.empty() ? "deviation" : "deviation [" + record.unit + "]",
                     .logarithmic = true,
-                    .low = least / 2,
-                    .high = 2 * most},
-              .series = {band, fit}};
+                    .range = fmt::format("[{:.6g}:{:.6g}]", lowest / 2, 2 * highest)},
+              .series = {intervals, fit}};
   for (std::size_t k = 0; k < kNoises; ++k) {
     if (!(analysis.variances[k] > 0)) continue;
-    Series line;
-    line.name = kLines[k].name;
-    line.look = nth_look(k + 1);
-    line.look.dash = 1;
-    line.look.width = 2;
-    for (const AllanCurvePoint& at : analysis.curve) {
-      const double y = std::sqrt(analysis.variances[k] * kLines[k].variance(at.point.tau));
-      if (y < least / 2 || y > 2 * most) continue;
-      line.x.push_back(at.point.tau);
-      line.y.push_back(y);
-    }
-    if (line.x.size() > 1) panel.series.push_back(line);
+    Series line{.name = kLines[k].name, .x = fit.x, .style = line_style(k + 1)};
+    for (const double tau : line.x)
+      line.y.push_back(std::sqrt(analysis.variances[k] * kLines[k].variance(tau)));
+    panel.series.push_back(std::move(line));
   }
   panel.series.push_back(points);
   return {.title = fmt::format("Allan deviation of {}", record.column),
           .subtitle = fmt::format("{}, {} samples over {:.4g} s", record.log, record.rate.size(),
                                   static_cast<double>(record.rate.size()) * record.dt),
           .columns = 1,
-          .shared_legend = false,
           .panels = {panel}};
 }
 

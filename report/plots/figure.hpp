@@ -1,73 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Pictures as data: panels with axes, curves and labels, and the gnuplot script that draws them.
+/// Pictures as panels with axes and curves, and the gnuplot script that draws them.
 #pragma once
 
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace quadtune::report {
 
-/// How a series is drawn.
-enum class Shape { line, stairs, crosses, circles, dots, area };
-
-/// What tells series apart: a colour that colour-blind people can tell from the others, and dashes.
-struct Look {
-  static constexpr int kInk = -1;    ///< black, for marks
-  static constexpr int kFaint = -2;  ///< grey, for what is only there to compare with
-
-  int color = 0;       ///< 0, 1, … of the palette, kInk or kFaint
-  int dash = 0;        ///< 0 a full line, 1, … dashes
-  double width = 3.5;  ///< [px]
-};
-
-/// The look of the i-th of several curves.
-[[nodiscard]] Look nth_look(std::size_t i);
-
-/// Points to draw. What is not finite, or not positive on a logarithmic axis, is left out; there a
-/// line is broken.
+/// Points to draw. Those that are not finite are left out; a line has a gap there.
 struct Series {
   std::string name = {};  ///< in the legend; empty to leave it out there
   std::vector<double> x = {}, y = {};
-  Shape shape = Shape::line;
-  Look look = {};
+  std::string style = {};  ///< as behind gnuplot's `with`, e.g. one of those below
 };
 
-/// A mark on an axis.
-struct Tick {
-  double at;
-  std::string text;
-};
+/// The style of the i-th of several curves, in colours that colour-blind people can tell apart.
+[[nodiscard]] std::string line_style(std::size_t i, double width = 2.5);
+[[nodiscard]] std::string step_style(std::size_t i);
+[[nodiscard]] std::string cross_style(std::size_t i);
+[[nodiscard]] std::string circle_style(std::size_t i);
+/// For what is only there to compare with.
+inline constexpr const char* kFaintStyle = "lines lw 2 dt 3 lc rgb '#8C8C8C'";
+/// For what a curve is marked with.
+inline constexpr const char* kMarkStyle = "linespoints lw 2.5 pt 7 ps 0.8 lc rgb '#000000'";
 
 struct Axis {
   std::string label = {};  ///< with its unit, e.g. "time [s]"
   bool logarithmic = false;
-  std::optional<double> low = {}, high = {};  ///< where it ends; chosen from the data otherwise
-  std::vector<Tick> ticks = {};               ///< chosen when empty
-  double step = 0;  ///< of chosen ticks a multiple of this, e.g. 45 for degrees; 0 for any
-};
-
-/// A short text near a point, where it covers as little as can be.
-struct Label {
-  double x, y;
-  std::string text;
+  std::string range = "[*:*]";  ///< as gnuplot's xrange: * is chosen from the data
+  double tick = 0;              ///< distance of the ticks; 0: gnuplot chooses
 };
 
 struct Panel {
   std::string title;
   Axis x, y;
   std::vector<Series> series;
-  std::vector<Label> labels = {};
-  bool equal = false;  ///< one unit of x is as long as one of y; widens the shorter axis
+  bool equal = false;  ///< one unit of x is as long as one of y
 };
 
 struct Figure {
   std::string title;     ///< one line over all
-  std::string subtitle;  ///< another, smaller; may be empty
+  std::string subtitle;  ///< another one; may be empty
   int columns = 3;
-  bool shared_legend = false;  ///< one for all panels, each name once, above them; else one in each
-  std::vector<Panel> panels;   ///< row by row
+  std::vector<Panel> panels;  ///< row by row
 };
 
 enum class PictureFormat { svg, png };

@@ -14,7 +14,7 @@ namespace quadtune::report {
 namespace {
 
 /// More curves than this cannot be told apart.
-constexpr std::size_t kMostLoops = 6;
+constexpr std::size_t kMaxLoops = 6;
 
 /// The channels that are drawn, in their order: those of least disk margin.
 std::vector<std::size_t> drawn_channels(const MarginsReport& report) {
@@ -23,7 +23,7 @@ std::vector<std::size_t> drawn_channels(const MarginsReport& report) {
   std::stable_sort(all.begin(), all.end(), [&](std::size_t a, std::size_t b) {
     return report.loops[a].disk.alpha < report.loops[b].disk.alpha;
   });
-  all.resize(std::min(all.size(), kMostLoops));
+  all.resize(std::min(all.size(), kMaxLoops));
   std::sort(all.begin(), all.end());
   return all;
 }
@@ -33,8 +33,8 @@ std::vector<LoopCurves> curves_of(const OpenLoop& loop, const MarginsReport& rep
   std::vector<LoopCurves> curves;
   curves.reserve(channels.size());
   for (const std::size_t i : channels)
-    curves.push_back(loop_curves(loop.channel(static_cast<Eigen::Index>(i)), report.loops[i],
-                                 report.names[i], nth_look(curves.size())));
+    curves.push_back(
+        loop_curves(loop.channel(static_cast<Eigen::Index>(i)), report.loops[i], report.names[i]));
   return curves;
 }
 
@@ -45,8 +45,8 @@ std::vector<NamedResponse> responses_of(const OpenLoop& loop, const MarginsRepor
   responses.reserve(channels.size());
   double longest = 0;
   for (const std::size_t i : channels) {
-    responses.push_back({report.names[i], nth_look(responses.size()),
-                         step_response(loop, static_cast<Eigen::Index>(i)), loop.dt()});
+    responses.push_back(
+        {report.names[i], step_response(loop, static_cast<Eigen::Index>(i)), loop.dt()});
     longest = std::max(longest, responses.back().response.t.back());
   }
   if (channels.size() > 1 && longest > 0)
@@ -59,8 +59,8 @@ std::vector<NamedResponse> responses_of(const OpenLoop& loop, const MarginsRepor
 Panel poles_of(const OpenLoop& loop) {
   std::vector<PointSet> sets;
   const bool open = loop.delay() > 0;
-  sets.push_back({"pole", Shape::crosses, 0, open ? loop.poles() : loop.closed_loop_poles()});
-  if (loop.size() == 1) sets.push_back({"zero", Shape::circles, 1, loop.zeros()});
+  sets.push_back({"pole", cross_style(0), open ? loop.poles() : loop.closed_loop_poles()});
+  if (loop.size() == 1) sets.push_back({"zero", circle_style(1), loop.zeros()});
   return pole_panel(open ? "Open loop without its delay" : "Closed loop", sets, loop.dt());
 }
 
@@ -106,7 +106,6 @@ Figure margins_figure(const std::string& title, const OpenLoop& loop, const Marg
   const std::vector<LoopCurves> curves = curves_of(loop, report, channels);
   return {.title = shortened(title),
           .subtitle = summary(report, channels.size()),
-          .shared_legend = channels.size() > 1,
           .panels = {step_panel("Step of the set point", "output / set point",
                                 responses_of(loop, report, channels)),
                      magnitude_panel(curves), nyquist_panel(curves), sensitivity_panel(curves),
@@ -118,7 +117,7 @@ Figure pid_figure(const std::string& title, const ContinuousTransferFunction& pl
   const OpenLoop loop(loop_of(plant, gains));
   Figure figure = margins_figure(title, loop, report);
   figure.panels[3] = step_panel("Step of load at the plant's input", "output / load",
-                                {{"", nth_look(0), load_step_response(plant, gains)}});
+                                {{"", load_step_response(plant, gains)}});
   return figure;
 }
 

@@ -9,6 +9,8 @@
 #include <limits>
 #include <numbers>
 
+#include "report/text/rows.hpp"
+
 namespace quadtune::report {
 namespace {
 
@@ -38,30 +40,14 @@ double degrees(double angle) { return angle * 180 / std::numbers::pi; }
 
 std::string table(const Eigen::MatrixXd& M, const std::vector<std::string>& rows,
                   const std::vector<std::string>& columns) {
-  std::size_t name_width = 0;
-  for (const std::string& row : rows) name_width = std::max(name_width, row.size());
-  std::vector<std::size_t> widths;
-  widths.reserve(columns.size());
-  for (const std::string& column : columns) widths.push_back(column.size());
-  std::vector<std::vector<std::string>> cells;
+  Cells cells = {{""}};
+  cells[0].insert(cells[0].end(), columns.begin(), columns.end());
   for (Eigen::Index i = 0; i < M.rows(); ++i) {
     const double scale = M.row(i).cwiseAbs().maxCoeff();
-    cells.emplace_back();
-    for (Eigen::Index j = 0; j < M.cols(); ++j) {
-      cells.back().push_back(entry(M(i, j), scale));
-      std::size_t& width = widths[static_cast<std::size_t>(j)];
-      width = std::max(width, cells.back().back().size());
-    }
+    cells.push_back({rows[static_cast<std::size_t>(i)]});
+    for (const double value : M.row(i)) cells.back().push_back(entry(value, scale));
   }
-  std::string text = fmt::format("{:<{}}", "", name_width);
-  for (std::size_t j = 0; j < columns.size(); ++j)
-    text += fmt::format("  {:>{}}", columns[j], widths[j]);
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    text += fmt::format("\n{:<{}}", rows[i], name_width);
-    for (std::size_t j = 0; j < columns.size(); ++j)
-      text += fmt::format("  {:>{}}", cells[i][j], widths[j]);
-  }
-  return text;
+  return aligned(cells);
 }
 
 std::string plain(const Eigen::MatrixXd& M) {
@@ -89,23 +75,23 @@ std::string pole_table(const Eigen::VectorXcd& poles, double dt) {
   std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
     return a.s.real() != b.s.real() ? a.s.real() > b.s.real() : a.s.imag() < b.s.imag();
   });
-  std::string text = fmt::format("{:<24}{:>12}{:>10}{:>16}", dt > 0 ? "pole z" : "pole [1/s]",
-                                 "wn [rad/s]", "damping", "time const [s]");
+  Cells cells = {{dt > 0 ? "pole z" : "pole [1/s]", "wn [rad/s]", "damping", "time const [s]"}};
   for (const Row& row : rows) {
     const std::string pole =
         row.pole.imag() > 0 ? fmt::format("{:.6g} +- {:.6g}i", row.pole.real(), row.pole.imag())
                             : fmt::format("{:.6g}", row.pole.real());
     const double wn = std::abs(row.s);
     if (std::isinf(wn)) {  // z = 0: over within a sample, without a frequency
-      text += fmt::format("\n{:<24}{:>12}{:>10}{:>16}", pole, "-", "-", "0");
+      cells.push_back({pole, "-", "-", "0"});
       continue;
     }
     const double time = row.s.real() == 0 ? std::numeric_limits<double>::infinity()  // of either 0
                                           : -1 / row.s.real();
-    text += fmt::format("\n{:<24}{:>12.4g}{:>10.3f}{:>16.4g}", pole, wn,
-                        wn > 0 ? -row.s.real() / wn : 0.0, time);
+    cells.push_back({pole, fmt::format("{:.4g}", wn),
+                     fmt::format("{:.3f}", wn > 0 ? -row.s.real() / wn : 0.0),
+                     fmt::format("{:.4g}", time)});
   }
-  return text;
+  return aligned(cells);
 }
 
 std::string section(const std::string& heading, const std::string& text) {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "flown/flown_estimator.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "flown/on_board_jets.hpp"
+#include "quadtune/errors.hpp"
 #include "quadtune/estimation/general_filter.hpp"
 #include "quadtune/estimation/mambo_estimator.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
@@ -434,6 +437,7 @@ bool reads(const FlightSetup& setup, Reading reading) {
       return reading == Reading::specific_force || reading == Reading::rates ||
              reading == Reading::sonar || reading == Reading::flow || reading == Reading::vision;
     case EstimatorKind::general:
+    case EstimatorKind::own:
       return true;
     case EstimatorKind::uquad:
       break;
@@ -448,6 +452,11 @@ LinearEstimator linear_estimator(const FlightSetup& setup, double dt, const Vect
                                  const StateVector<double>& x, const VectorXd& speeds,
                                  const std::function<HoverFrame(std::size_t)>& frame,
                                  std::size_t N) {
+  if (setup.estimator == EstimatorKind::own)
+    throw InvalidInput(
+        "flown loop", fmt::format("the estimator '{}' has no linear model, expected one that comes "
+                                  "with quadtune",
+                                  setup.own_estimator.name));
   if (setup.estimator == EstimatorKind::uquad) {
     const Uquad uquad(setup, dt);
     return Linearizing<Uquad>(uquad, values, speeds).run(x, frame, N, dt);

@@ -8,6 +8,7 @@
 #include "quadtune/control/cascade_law.hpp"
 #include "quadtune/control/state_feedback_law.hpp"
 #include "quadtune/convention.hpp"
+#include "quadtune/errors.hpp"
 #include "quadtune/synthesis/flown_plant.hpp"
 
 namespace quadtune {
@@ -102,16 +103,29 @@ DiscreteLti flown_law(const CascadeGains& gains, PidMethod method) {
   return law;
 }
 
+namespace {
+
+const StateFeedbackController& feedback_of(const FlightSetup& setup) {
+  if (const auto* own = std::get_if<OwnController>(&setup.controller))
+    throw InvalidInput("flown loop",
+                       fmt::format("the law '{}' has no linear model, expected a PID cascade or a "
+                                   "state feedback, whose gains are known",
+                                   own->name));
+  return std::get<StateFeedbackController>(setup.controller);
+}
+
+}  // namespace
+
 DiscreteLti flown_law(const FlightSetup& setup) {
   if (const auto* cascade = std::get_if<CascadeController>(&setup.controller))
     return flown_law(cascade->gains, cascade->method);
-  const auto& feedback = std::get<StateFeedbackController>(setup.controller);
+  const StateFeedbackController& feedback = feedback_of(setup);
   return flown_law(setup.vehicle, feedback.gains, feedback.dt);
 }
 
 InputKind input_kind(const FlightSetup& setup) {
   if (std::holds_alternative<CascadeController>(setup.controller)) return InputKind::wrench;
-  return std::get<StateFeedbackController>(setup.controller).gains.input_kind;
+  return feedback_of(setup).gains.input_kind;
 }
 
 }  // namespace quadtune

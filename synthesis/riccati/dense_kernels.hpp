@@ -8,55 +8,15 @@
 #include <limits>
 #include <type_traits>
 #include <utility>
-#if defined(__FMA__) || defined(__AVX512F__)
-#include <immintrin.h>
-#endif
+
+#include "quadtune/internal/small_matrix.hpp"
 
 namespace quadtune::internal {
-
-/// kWidth numbers in one register.
-template <class Real, int kWidth>
-struct VectorOf {
-  typedef Real type __attribute__((vector_size(kWidth * sizeof(Real))));
-};
-
-// a b + c and c - a b. Fused by hand, since the build keeps the compiler from fusing on its own.
-#if defined(__FMA__)
-inline __m256d multiply_add(__m256d a, __m256d b, __m256d c) { return _mm256_fmadd_pd(a, b, c); }
-inline __m256 multiply_add(__m256 a, __m256 b, __m256 c) { return _mm256_fmadd_ps(a, b, c); }
-inline __m256d subtract_product(__m256d a, __m256d b, __m256d c) {
-  return _mm256_fnmadd_pd(a, b, c);
-}
-inline __m256 subtract_product(__m256 a, __m256 b, __m256 c) { return _mm256_fnmadd_ps(a, b, c); }
-#else
-template <class V>
-V multiply_add(V a, V b, V c) {
-  return a * b + c;
-}
-template <class V>
-V subtract_product(V a, V b, V c) {
-  return c - a * b;
-}
-#endif
-#if defined(__AVX512F__)
-inline __m512d multiply_add(__m512d a, __m512d b, __m512d c) { return _mm512_fmadd_pd(a, b, c); }
-inline __m512 multiply_add(__m512 a, __m512 b, __m512 c) { return _mm512_fmadd_ps(a, b, c); }
-inline __m512d subtract_product(__m512d a, __m512d b, __m512d c) {
-  return _mm512_fnmadd_pd(a, b, c);
-}
-inline __m512 subtract_product(__m512 a, __m512 b, __m512 c) { return _mm512_fnmadd_ps(a, b, c); }
-inline constexpr int kRegisters = 32;
-inline constexpr int kRegisterBytes = 64;
-#else
-inline constexpr int kRegisters = 16;
-inline constexpr int kRegisterBytes = 32;
-#endif
 
 /// Kernels for n × n matrices with rows `stride` numbers apart. All pointers are aligned to 64
 /// bytes; outputs do not overlap inputs.
 /// @tparam kSize  n, a multiple of 4, or 0 for an n that is a multiple of kMultiple and known at
-/// run
-///                time
+///                run time
 /// @tparam Real   double, or float with kSize 0
 template <int kSize, class Real = double>
 class Kernels {
@@ -65,7 +25,7 @@ class Kernels {
  public:
   static constexpr int kMultiple = 64 / static_cast<int>(sizeof(Real));
   static constexpr int W = kSize % kWidest == 0 ? kWidest : 4;
-  using V = typename VectorOf<Real, W>::type;
+  using V = Vector<Real, W>;
 
   explicit Kernels(int n) : n_(n) {}
 
@@ -75,13 +35,10 @@ class Kernels {
     return kSize > 0 ? kSize : n_ % 64 == 0 ? n_ + kMultiple : n_;
   }
 
-  static V load(const Real* p) { return *reinterpret_cast<const V*>(p); }
-  static void store(Real* p, V v) { *reinterpret_cast<V*>(p) = v; }
-  static V broadcast(Real x) { return x - V{}; }
-
   /// C = A B, or C = Aᵀ B.
   template <bool kTransposeA>
-  void multiply(const Real* __restrict A, const Real* __restrict B, Real* __restrict C) const {
+  [[gnu::always_inline]] inline void multiply(const Real* __restrict A, const Real* __restrict B,
+                                              Real* __restrict C) const {
     if constexpr (kSize == kInline)
       multiply_terms<kTransposeA>(A, B, C, std::integral_constant<int, kSize>());
     else if constexpr (kSize > 0)
@@ -173,8 +130,8 @@ class Kernels {
       for (int j = 0; j < n(); j += W) {
         Real* upper = X + k * stride() + j;
         Real* lower = X + pivots[k] * stride() + j;
-        const V held = load(upper);
-        store(upper, load(lower));
+        const V held = load<V>(upper);
+        store(upper, load<V>(lower));
         store(lower, held);
       }
     }
@@ -265,22 +222,10 @@ class Kernels {
                                                    const Real* __restrict B, Real* __restrict C,
                                                    int i, int j, Inner inner) const {
     const int s = stride();
-    V sum[kRows][kVectors] = {};
-    for (int k = 0; k < inner; ++k) {
-      V row[kVectors];
-#pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) row[v] = load(B + k * s + j + v * W);
-#pragma GCC unroll 8
-      for (int r = 0; r < kRows; ++r) {
-        const V a = broadcast(kTransposeA ? A[k * s + i + r] : A[(i + r) * s + k]);
-#pragma GCC unroll 4
-        for (int v = 0; v < kVectors; ++v) sum[r][v] = multiply_add(a, row[v], sum[r][v]);
-      }
-    }
-#pragma GCC unroll 8
-    for (int r = 0; r < kRows; ++r)
-#pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) store(C + (i + r) * s + j + v * W, sum[r][v]);
+    Tile<V, kRows, kVectors> sum;
+    const auto entries = kTransposeA ? entries_of<V>(A + i, 1, s) : entries_of<V>(A + i * s, s, 1);
+    sum.add_product(0, inner, entries, vectors_of<V>(B + j, s));
+    sum.each([&](int r, int v, V x) { store(C + (i + r) * s + j + v * W, x); });
   }
 
   /// Eliminates the columns [first, last) over all rows below; swaps rows of the columns before
@@ -303,24 +248,24 @@ class Kernels {
         for (int j = 0; j < last; ++j) std::swap(M[j * stride() + k], M[j * stride() + pivot]);
       // Rows up to k in the first vector are not eliminated: their multipliers are 0.
       const Real inverse = 1 / column[k];
-      const V scale = broadcast(inverse);
+      const V scale = broadcast<V>(inverse);
       const int aligned = (k + 1) / W * W;
       V multipliers = {};
       if (aligned < n()) {
-        const V mask = load(kMasks.rows[k + 1 - aligned]);
-        const V entries = load(column + aligned);
+        const V mask = load<V>(kMasks.rows[k + 1 - aligned]);
+        const V entries = load<V>(column + aligned);
         multipliers = entries * mask * scale;
-        store(column + aligned, multiply_add(entries, broadcast(1) - mask, multipliers));
+        store(column + aligned, multiply_add(entries, broadcast<V>(1) - mask, multipliers));
       }
-      for (int i = aligned + W; i < n(); i += W) store(column + i, load(column + i) * scale);
+      for (int i = aligned + W; i < n(); i += W) store(column + i, load<V>(column + i) * scale);
       column[k] = inverse;
       if (aligned == n()) continue;
       for (int j = k + 1; j < last; ++j) {
         Real* target = M + j * stride();
-        const V factor = broadcast(target[k]);
-        store(target + aligned, subtract_product(factor, multipliers, load(target + aligned)));
+        const V factor = broadcast<V>(target[k]);
+        store(target + aligned, subtract_product(factor, multipliers, load<V>(target + aligned)));
         for (int i = aligned + W; i < n(); i += W)
-          store(target + i, subtract_product(factor, load(column + i), load(target + i)));
+          store(target + i, subtract_product(factor, load<V>(column + i), load<V>(target + i)));
       }
     }
     return true;
@@ -350,94 +295,39 @@ class Kernels {
   [[gnu::always_inline]] inline void update_tile(Real* __restrict M, int i, int j, int first,
                                                  int last) const {
     const int s = stride();
-    V sum[4][kVectors];
-#pragma GCC unroll 4
-    for (int c = 0; c < 4; ++c)
-#pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) sum[c][v] = load(M + (j + c) * s + i + v * W);
-    for (int k = first; k < last; ++k) {
-      V l[kVectors];
-#pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) l[v] = load(M + k * s + i + v * W);
-#pragma GCC unroll 4
-      for (int c = 0; c < 4; ++c) {
-        const V u = broadcast(M[(j + c) * s + k]);
-#pragma GCC unroll 4
-        for (int v = 0; v < kVectors; ++v) sum[c][v] = subtract_product(u, l[v], sum[c][v]);
-      }
-    }
-#pragma GCC unroll 4
-    for (int c = 0; c < 4; ++c)
-#pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) store(M + (j + c) * s + i + v * W, sum[c][v]);
+    Tile<V, 4, kVectors> x;
+    x.set(vectors_of<V>(M + j * s + i, s));
+    x.subtract_product_of(first, last, entries_of<V>(M + j * s, s, 1), vectors_of<V>(M + i, s));
+    x.each([&](int c, int v, V from) { store(M + (j + c) * s + i + v * W, from); });
   }
 
   /// kRows rows from i on of L⁻¹ X, given those above; X points at the first column of the panel.
   template <int kVectors, int kRows>
   void solve_lower(const Real* __restrict LU, Real* __restrict X, int i) const {
     const int s = stride();
-    V sum[kRows][kVectors];
-#pragma GCC unroll 8
-    for (int r = 0; r < kRows; ++r)
-#pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) sum[r][v] = load(X + (i + r) * s + v * W);
-    subtract_rows<kVectors, kRows>(LU, X, i, 0, i, sum);
-#pragma GCC unroll 8
-    for (int r = 0; r < kRows; ++r) {
-#pragma GCC unroll 8
-      for (int q = 0; q < r; ++q) {
-        const V l = broadcast(LU[(i + q) * s + i + r]);
-#pragma GCC unroll 4
-        for (int v = 0; v < kVectors; ++v) sum[r][v] = subtract_product(l, sum[q][v], sum[r][v]);
-      }
-#pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) store(X + (i + r) * s + v * W, sum[r][v]);
-    }
+    const auto entry = entries_of<V>(LU + i, 1, s);  // LU is stored by columns
+    Tile<V, kRows, kVectors> x;
+    x.set(vectors_of<V>(X + i * s, s));
+    x.subtract_product_of(0, i, entry, vectors_of<V>(X, s));
+    x.solve_unit_lower([&](int r, int q) { return entry(r, i + q); });
+    x.each([&](int r, int v, V from) { store(X + (i + r) * s + v * W, from); });
   }
 
   /// kRows rows from i on of U⁻¹ X, given those below.
   template <int kVectors, int kRows>
   void solve_upper(const Real* __restrict LU, Real* __restrict X, int i) const {
     const int s = stride();
-    V sum[kRows][kVectors];
-#pragma GCC unroll 8
-    for (int r = 0; r < kRows; ++r)
-#pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) sum[r][v] = load(X + (i + r) * s + v * W);
-    subtract_rows<kVectors, kRows>(LU, X, i, i + kRows, n(), sum);
+    const auto entry = entries_of<V>(LU + i, 1, s);
+    Tile<V, kRows, kVectors> x;
+    x.set(vectors_of<V>(X + i * s, s));
+    x.subtract_product_of(i + kRows, n(), entry, vectors_of<V>(X, s));
 #pragma GCC unroll 8
     for (int r = kRows - 1; r >= 0; --r) {
 #pragma GCC unroll 8
-      for (int q = kRows - 1; q > r; --q) {
-        const V u = broadcast(LU[(i + q) * s + i + r]);
-#pragma GCC unroll 4
-        for (int v = 0; v < kVectors; ++v) sum[r][v] = subtract_product(u, sum[q][v], sum[r][v]);
-      }
-      const V inverse = broadcast(LU[(i + r) * s + i + r]);
-#pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) {
-        sum[r][v] = sum[r][v] * inverse;
-        store(X + (i + r) * s + v * W, sum[r][v]);
-      }
+      for (int q = kRows - 1; q > r; --q) x.subtract_row(r, q, entry(r, i + q));
+      x.multiply_row(r, entry(r, i + r));
     }
-  }
-
-  /// sum -= (kRows rows from i on of LU) (rows from to to - 1 of X).
-  template <int kVectors, int kRows>
-  void subtract_rows(const Real* __restrict LU, const Real* __restrict X, int i, int from, int to,
-                     V (&sum)[kRows][kVectors]) const {
-    const int s = stride();
-    for (int k = from; k < to; ++k) {
-      V row[kVectors];
-#pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) row[v] = load(X + k * s + v * W);
-#pragma GCC unroll 8
-      for (int r = 0; r < kRows; ++r) {
-        const V l = broadcast(LU[k * s + i + r]);
-#pragma GCC unroll 4
-        for (int v = 0; v < kVectors; ++v) sum[r][v] = subtract_product(l, row[v], sum[r][v]);
-      }
-    }
+    x.each([&](int r, int v, V from) { store(X + (i + r) * s + v * W, from); });
   }
 
   int n_;

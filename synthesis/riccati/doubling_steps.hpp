@@ -1,6 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The steps of structure-preserving doubling for both Riccati equations: Chu, Fan, Lin 2005
-/// (continuous) and Chu, Fan, Lin, Wang 2004 (discrete).
+/// The steps of structure-preserving doubling for both Riccati equations: Chu, Fan, Lin, Wang 2004
+/// (discrete) and Chu, Fan, Lin 2005 (continuous). In scaled states and without cross term,
+///
+///     continuous  ÃᵀX + XÃ - XGX + Q̃ = 0,    discrete  X = ÃᵀX (I + GX)⁻¹ Ã + Q̃,    G = B R⁻¹ Bᵀ
+///
+/// What each matrix holds. The papers' A_k is E_k here.
+///
+/// | matrix   | cayley(γ), continuous only                  | step k of iterate()              |
+/// |----------|---------------------------------------------|----------------------------------|
+/// | A_tilde_ | Ã                                           | –                                |
+/// | Q_tilde_ | Q̃                                           | –                                |
+/// | E_       | out: E₀                                     | E_k, then E_{k+1}                |
+/// | G_       | G, kept in case that γ has to move          | G_k, then G_{k+1}                |
+/// | H_       | Q̃ A_γ⁻¹, then W⁻¹ Q̃ A_γ⁻¹, then out: H₀     | H_k, then H_{k+1}; in the end X  |
+/// | G0_      | out: G₀                                     | –                                |
+/// | W_       | A_γ, then W                                 | I + G_k H_k                      |
+/// | V_       | A_γ⁻¹, then W⁻¹                             | (I + G_k H_k)⁻¹ E_k              |
+/// | U_       | A_γ⁻¹ G                                     | (I + G_k H_k)⁻¹ G_k              |
+/// | T_       | a product on its way                        | a product on its way             |
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +27,8 @@
 
 namespace quadtune::internal {
 
-/// @tparam Ops  the kernels that do the arithmetic; see kernel_ops.hpp
+/// @tparam Ops  the arithmetic: KernelOps or LaneOps. Ops::factor(M) factors M, solve(X) then sets
+///              X ← M⁻¹ X.
 template <class Ops>
 class DoublingSteps {
  protected:
@@ -18,10 +36,10 @@ class DoublingSteps {
 
   DoublingSteps(Eigen::Index nx, Eigen::Index nu) : ops_(nx, nu) {}
 
-  /// Cayley transform of the Hamiltonian matrix at γ: E_, G_, H_ of the doubling.
-  /// A γ near an eigenvalue shows in the condition of the two matrices solved with; then it moves.
-  bool start_continuous(double speed) {
-    gamma_ = speed;
+  /// E₀, G₀, H₀ by the Cayley transform of the Hamiltonian matrix [Ã -G; -Q̃ -Ãᵀ] at γ. If γ is
+  /// near one of its eigenvalues, A_γ or W is badly conditioned; another γ is tried then.
+  bool start_continuous(double gamma) {
+    gamma_ = gamma;
     if (!(gamma_ > 0) || !std::isfinite(gamma_)) return false;
     double best_gamma = gamma_;
     double best = std::numeric_limits<double>::infinity();
@@ -36,71 +54,81 @@ class DoublingSteps {
     if (!std::isfinite(best)) return false;
     if (best >= kGoodCondition) cayley(best_gamma);
     gamma_ = best_gamma;
-    ops_.swap(G_, next_);
+    swap(G_, G0_);
     return true;
   }
 
-  /// With A_γ = A - γI and W = A_γᵀ + Q A_γ⁻¹ G:
-  /// E = I + 2γ W⁻ᵀ, G = 2γ A_γ⁻¹ G W⁻¹ (left in next_), H = 2γ W⁻¹ Q A_γ⁻¹.
-  /// @return  the worse of the conditions of A_γ and W, 1-norm; infinite when one is singular
+  /// With A_γ = Ã - γI and W = A_γᵀ + Q̃ A_γ⁻¹ G:
+  /// E₀ = I + 2γ W⁻ᵀ, G₀ = 2γ A_γ⁻¹ G W⁻¹, H₀ = 2γ W⁻¹ Q̃ A_γ⁻¹.
+  /// @return  the larger of the conditions of A_γ and W, 1-norm; infinite if one is singular
   double cayley(double gamma) {
     const double infinite = std::numeric_limits<double>::infinity();
-    ops_.set_padding(At_, -gamma);
-    ops_.copy(At_, W_);
+    ops_.set_padding(A_tilde_, -gamma);
+    // V = A_γ⁻¹
+    W_ = A_tilde_;
     ops_.add_diagonal(W_, -gamma);
     const double norm_A = ops_.norm1(W_);
     if (!ops_.factor(W_)) return infinite;
-    ops_.identity(V_);
-    ops_.solve(V_);  // V = A_γ⁻¹
+    ops_.set_identity(V_);
+    ops_.solve(V_);
     const double condition_A = norm_A * ops_.norm1(V_);
-    ops_.multiply(Qt_, V_, H_);
-    ops_.multiply(V_, G_, U_);
+    ops_.multiply(Q_tilde_, V_, H_);  // H = Q̃ A_γ⁻¹
+    ops_.multiply(V_, G_, U_);        // U = A_γ⁻¹ G
+    // W = A_γᵀ + Q̃ A_γ⁻¹ G
     ops_.multiply(H_, G_, T_);
-    ops_.transpose(At_, W_);
+    ops_.transpose(A_tilde_, W_);
     ops_.add_diagonal(W_, -gamma);
-    ops_.add(W_, T_);
+    W_ += T_;
     const double norm_W = ops_.norm1(W_);
     if (!ops_.factor(W_)) return infinite;
-    ops_.identity(V_);
-    ops_.solve(V_);
-    ops_.solve(H_);  // V = W⁻¹, H = W⁻¹ Q A_γ⁻¹
+    ops_.set_identity(V_);
+    ops_.solve(V_);  // V = W⁻¹
+    ops_.solve(H_);  // H = W⁻¹ Q̃ A_γ⁻¹
     const double condition = std::max(condition_A, norm_W * ops_.norm1(V_));
     if (!std::isfinite(condition)) return infinite;
+    // G₀ = 2γ A_γ⁻¹ G W⁻¹, symmetric but for rounding
     ops_.multiply(U_, V_, T_);
-    ops_.scaled_symmetric(T_, 2 * gamma, next_);
-    ops_.copy(H_, T_);
+    ops_.scaled_symmetric(T_, 2 * gamma, G0_);
+    // H₀ = 2γ W⁻¹ Q̃ A_γ⁻¹, likewise
+    T_ = H_;
     ops_.scaled_symmetric(T_, 2 * gamma, H_);
+    // E₀ = I + 2γ W⁻ᵀ
     ops_.transpose(V_, E_);
-    ops_.multiply_by(E_, 2 * gamma);
+    E_ *= 2 * gamma;
     ops_.add_diagonal(E_, 1);
     return condition;
   }
 
+  /// E₀ = Ã, G₀ = G, H₀ = Q̃
   void start_discrete() {
-    ops_.set_padding(At_, 0);
-    ops_.copy(At_, E_);
-    ops_.scaled_symmetric(Qt_, 1, H_);
+    ops_.set_padding(A_tilde_, 0);
+    E_ = A_tilde_;
+    ops_.scaled_symmetric(Q_tilde_, 1, H_);
   }
 
-  /// E ← E (I+GH)⁻¹ E, G ← G + E (I+GH)⁻¹ G Eᵀ, H ← H + Eᵀ H (I+GH)⁻¹ E until H changes by less
-  /// than `stands` of it. Convergence is quadratic: the next change would be about its square.
-  bool iterate(int max_iterations, double stands, int& iterations) {
+  /// Doubles until H_k changes by less than `tolerance` of it. Convergence is quadratic: the next
+  /// change would be about the square of it.
+  bool iterate(int max_iterations, double tolerance, int& iterations) {
     for (iterations = 1; iterations <= max_iterations; ++iterations) {
+      // V = (I + G_k H_k)⁻¹ E_k
       ops_.multiply(G_, H_, W_);
       ops_.add_diagonal(W_, 1);
       if (!ops_.factor(W_)) return false;
-      ops_.copy(E_, V_);
-      ops_.solve(V_);  // V = (I+GH)⁻¹ E
+      V_ = E_;
+      ops_.solve(V_);
+      // H_{k+1} = H_k + E_kᵀ H_k (I + G_k H_k)⁻¹ E_k
       ops_.multiply(H_, V_, T_);
       const auto [change, size] = ops_.add_product_tn(E_, T_, H_);
       if (!std::isfinite(size)) return false;
-      if (change <= stands * size) return true;
-      ops_.copy(G_, U_);
-      ops_.solve(U_);  // U = (I+GH)⁻¹ G
+      if (change <= tolerance * size) return true;
+      // G_{k+1} = G_k + E_k (I + G_k H_k)⁻¹ G_k E_kᵀ
+      U_ = G_;
+      ops_.solve(U_);
       ops_.multiply(E_, U_, T_);
       ops_.add_product_nt(T_, E_, G_);
+      // E_{k+1} = E_k (I + G_k H_k)⁻¹ E_k
       ops_.multiply(E_, V_, T_);
-      ops_.swap(E_, T_);
+      swap(E_, T_);
     }
     return false;
   }
@@ -109,9 +137,9 @@ class DoublingSteps {
 
   Ops ops_;
   double gamma_ = 1;
-  Square At_ = ops_.square(), Qt_ = ops_.square();  ///< of the problem without cross term
+  Square A_tilde_ = ops_.square(), Q_tilde_ = ops_.square();
   Square E_ = ops_.square(), G_ = ops_.square(), H_ = ops_.square(), W_ = ops_.square();
-  Square T_ = ops_.square(), U_ = ops_.square(), V_ = ops_.square(), next_ = ops_.square();
+  Square T_ = ops_.square(), U_ = ops_.square(), V_ = ops_.square(), G0_ = ops_.square();
 };
 
 }  // namespace quadtune::internal

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "quadtune/internal/small_matrix.hpp"
 #include "riccati/dense_kernels.hpp"
-#include "riccati/kernel_storage.hpp"
 #include "riccati/riccati_scaling.hpp"
 
 namespace quadtune::internal {
@@ -23,7 +23,7 @@ class KernelOps {
   static constexpr int W = K::W;
 
  public:
-  using Square = KernelStorage<kSize, kSize, Real>;
+  using Square = VectorStorage<V, kSize * kSize / W>;
   using Panel = Square;  ///< (nx × nu), nu ≤ n, and small (nu × nu) matrices alike
 
   /// The size to which nx states and nu inputs are padded.
@@ -38,203 +38,151 @@ class KernelOps {
         nu_(static_cast<int>(nu)),
         k_(padded(nx, nu)),
         pivots_(static_cast<std::size_t>(k_.n())),
-        scale_(1, k_.stride()),
-        inverse_scale_(1, k_.stride()) {}
+        scale_(k_.stride() / W),
+        inverse_scale_(k_.stride() / W) {}
 
   [[nodiscard]] int size() const { return nx_; }
-  [[nodiscard]] Square square() const { return Square(k_.n(), k_.stride()); }
+  [[nodiscard]] Square square() const { return Square(k_.n() * k_.stride() / W); }
   [[nodiscard]] Panel panel() const { return square(); }
   [[nodiscard]] Panel small() const { return square(); }
 
   template <class M>
   void load_square(const M& from, Square& to) const {
-    load(from, nx_, nx_, to);
+    load_matrix(from, nx_, nx_, to);
   }
   template <class M>
   void load_panel(const M& from, Panel& to) const {
-    load(from, nx_, nu_, to);
+    load_matrix(from, nx_, nu_, to);
   }
   template <class M>
   void load_small(const M& from, Panel& to) const {
-    load(from, nu_, nu_, to);
+    load_matrix(from, nu_, nu_, to);
   }
 
   /// L⁻¹ of the lower triangle of `factor`.
   void invert_factor(const Eigen::MatrixXd& factor, Panel& inverse) const {
-    double* X = data(inverse);
-    for (int j = 0; j < nu_; ++j) {
-      for (int i = 0; i < j; ++i) X[i * s() + j] = 0;
-      X[j * s() + j] = 1 / factor(j, j);
-      for (int i = j + 1; i < nu_; ++i) {
-        double sum = 0;
-        for (int k = j; k < i; ++k) sum -= factor(i, k) * X[k * s() + j];
-        X[i * s() + j] = sum / factor(i, i);
-      }
-    }
+    invert_lower(nu_, factor, entries(inverse));
   }
 
   /// Inverse of the Cholesky factor of S = R + BᵀXB. False when S is not positive definite.
   bool invert_inner(const Panel& R, const Panel& B, const Panel& XB, Panel& inverse) {
-    k_.template multiply<true>(data(B), data(XB), data(scratch_), nx_);
-    double* S = data(scratch_);
+    k_.template multiply<true>(B.data(), XB.data(), scratch_.data(), nx_);
+    const auto S = entries(scratch_);
     for (int j = 0; j < nu_; ++j)
-      for (int i = j; i < nu_; ++i) S[i * s() + j] += data(R)[i * s() + j];
-    for (int j = 0; j < nu_; ++j) {
-      const double before = S[j * s() + j];
-      for (int k = 0; k < j; ++k) S[j * s() + j] -= S[j * s() + k] * S[j * s() + k];
-      if (!(S[j * s() + j] > 1e-14 * before)) return false;
-      S[j * s() + j] = std::sqrt(S[j * s() + j]);
-      for (int i = j + 1; i < nu_; ++i) {
-        for (int k = 0; k < j; ++k) S[i * s() + j] -= S[i * s() + k] * S[j * s() + k];
-        S[i * s() + j] /= S[j * s() + j];
-      }
-    }
-    double* X = data(inverse);
-    for (int j = 0; j < nu_; ++j) {
-      for (int i = 0; i < j; ++i) X[i * s() + j] = 0;
-      X[j * s() + j] = 1 / S[j * s() + j];
-      for (int i = j + 1; i < nu_; ++i) {
-        double sum = 0;
-        for (int k = j; k < i; ++k) sum -= S[i * s() + k] * X[k * s() + j];
-        X[i * s() + j] = sum / S[i * s() + i];
-      }
-    }
+      for (int i = j; i < nu_; ++i) S(i, j) += R[i * s() + j];
+    const auto is_positive = [](double pivot, double entry) { return pivot > 1e-14 * entry; };
+    if (!factor_cholesky(nu_, S, is_positive)) return false;
+    invert_lower(nu_, S, entries(inverse));
     return true;
   }
 
-  // Products. `panel` is square times panel; `small` matrices multiply from the right.
+  // Products. A panel has few columns; a small matrix multiplies one from the right.
+  /// C = A B.
   void multiply(const Square& A, const Square& B, Square& C) const {
-    k_.template multiply<false>(data(A), data(B), data(C));
+    k_.template multiply<false>(A.data(), B.data(), C.data());
   }
-  void multiply_transposed(const Square& A, const Square& B, Square& C) const {
-    k_.template multiply<true>(data(A), data(B), data(C));
+  /// C = Aᵀ B.
+  void multiply_tn(const Square& A, const Square& B, Square& C) const {
+    k_.template multiply<true>(A.data(), B.data(), C.data());
   }
   /// C = Aᵀ B, known to be symmetric.
-  void multiply_transposed_symmetric(const Square& A, const Square& B, Square& C) const {
-    k_.template multiply_symmetric<true>(data(A), data(B), data(C), k_.n());
+  void multiply_tn_symmetric(const Square& A, const Square& B, Square& C) const {
+    k_.template multiply_symmetric<true>(A.data(), B.data(), C.data(), k_.n());
   }
-  void panel(const Square& A, const Panel& B, Panel& C) const {
-    k_.template multiply_panel<false>(data(A), data(B), data(C), k_.n(), panel_columns());
+  /// C = A B, B a panel.
+  void multiply_panel(const Square& A, const Panel& B, Panel& C) const {
+    k_.template multiply_panel<false>(A.data(), B.data(), C.data(), k_.n(), panel_columns());
   }
-  void panel_transposed(const Square& A, const Panel& B, Panel& C) const {
-    k_.template multiply_panel<true>(data(A), data(B), data(C), k_.n(), panel_columns());
+  /// C = Aᵀ B, B a panel.
+  void multiply_panel_tn(const Square& A, const Panel& B, Panel& C) const {
+    k_.template multiply_panel<true>(A.data(), B.data(), C.data(), k_.n(), panel_columns());
   }
-  void times_small(const Panel& A, const Panel& S, Panel& C) const {
-    k_.template multiply_panel<false>(data(A), data(S), data(C), nu_, panel_columns());
+  /// C = A S, S small.
+  void multiply_small(const Panel& A, const Panel& S, Panel& C) const {
+    k_.template multiply_panel<false>(A.data(), S.data(), C.data(), nu_, panel_columns());
   }
-  void times_small_transposed(const Panel& A, const Panel& S, Panel& C) {
-    k_.transpose(data(S), data(scratch_));
-    k_.template multiply_panel<false>(data(A), data(scratch_), data(C), nu_, panel_columns());
+  /// C = A Sᵀ, S small.
+  void multiply_small_nt(const Panel& A, const Panel& S, Panel& C) {
+    transpose(S, scratch_);
+    multiply_small(A, scratch_, C);
   }
   /// C = A Bᵀ of two panels.
-  void outer(const Panel& A, const Panel& B, Square& C) {
-    k_.transpose(data(B), data(scratch_));
-    k_.template multiply<false>(data(A), data(scratch_), data(C), nu_);
+  void multiply_nt(const Panel& A, const Panel& B, Square& C) {
+    transpose(B, scratch_);
+    k_.template multiply<false>(A.data(), scratch_.data(), C.data(), nu_);
   }
-
   /// C = A Aᵀ of a panel.
-  void outer(const Panel& A, Square& C) {
-    k_.transpose(data(A), data(scratch_));
-    k_.template multiply_symmetric<false>(data(A), data(scratch_), data(C), nu_);
+  void multiply_nt(const Panel& A, Square& C) {
+    transpose(A, scratch_);
+    k_.template multiply_symmetric<false>(A.data(), scratch_.data(), C.data(), nu_);
   }
 
-  bool factor(Square& A) {
-    k_.transpose(data(A), data(factor_));
-    return k_.factor(data(factor_), pivots_.data());
+  /// Factors A for solve(). False when A is singular or not finite.
+  bool factor(const Square& A) {
+    transpose(A, factor_);
+    return k_.factor(factor_.data(), pivots_.data());
   }
-  void solve(Square& X) const { k_.solve(data(factor_), pivots_.data(), data(X)); }
+  /// X ← A⁻¹ X with the A of the last factor().
+  void solve(Square& X) const { k_.solve(factor_.data(), pivots_.data(), X.data()); }
 
-  // Entry by entry.
-  // Copies go by the kernels' own vectors: wider loads would have to wait for narrower stores.
-  void copy(const Square& from, Square& to) const {
-    for (int i = 0; i < entries(); i += W) K::store(at(to, i), K::load(at(from, i)));
-  }
-  void swap(Square& a, Square& b) const {
-    if constexpr (kSize > 0) {
-      for (int i = 0; i < entries(); i += W) {
-        const V held = K::load(at(a, i));
-        K::store(at(a, i), K::load(at(b, i)));
-        K::store(at(b, i), held);
-      }
-    } else {
-      std::swap(a, b);
-    }
-  }
-  void transpose(const Square& A, Square& T) const { k_.transpose(data(A), data(T)); }
-  void add(Square& A, const Square& B) const {
-    for (int i = 0; i < entries(); i += W)
-      K::store(at(A, i), K::load(at(A, i)) + K::load(at(B, i)));
-  }
-  void add_panel(Panel& A, const Panel& B) const { add(A, B); }
-  void subtract(const Square& A, const Square& B, Square& C) const {
-    for (int i = 0; i < entries(); i += W)
-      K::store(at(C, i), K::load(at(A, i)) - K::load(at(B, i)));
-  }
-  void multiply_by(Square& A, Real factor) const {
-    const V f = K::broadcast(factor);
-    for (int i = 0; i < entries(); i += W) K::store(at(A, i), K::load(at(A, i)) * f);
-  }
-  void identity(Square& A) const {
-    A.fill(0);
+  void transpose(const Square& A, Square& T) const { k_.transpose(A.data(), T.data()); }
+  void set_identity(Square& A) const {
+    A = 0;
     add_diagonal(A, 1);
   }
   void add_diagonal(Square& A, Real value) const {
-    for (int i = 0; i < k_.n(); ++i) data(A)[i * s() + i] += value;
+    for (int i = 0; i < k_.n(); ++i) A.data()[i * s() + i] += value;
   }
   /// Sets the diagonal of the states that are only padding.
   void set_padding(Square& A, Real value) const {
-    for (int i = nx_; i < k_.n(); ++i) data(A)[i * s() + i] = value;
+    for (int i = nx_; i < k_.n(); ++i) A.data()[i * s() + i] = value;
   }
   /// S = factor · (M + Mᵀ)/2.
   void scaled_symmetric(const Square& M, Real factor, Square& S) {
-    k_.transpose(data(M), data(scratch_));
-    const V f = K::broadcast(Real(0.5) * factor);
-    for (int i = 0; i < entries(); i += W)
-      K::store(at(S, i), (K::load(at(M, i)) + K::load(at(scratch_, i))) * f);
+    transpose(M, scratch_);
+    const V f = broadcast<V>(Real(0.5) * factor);
+    S.assign([&](int i) { return (M.begin()[i] + scratch_.begin()[i]) * f; });
   }
   /// S ← S + (M + Mᵀ)/2; returns the norms of the change and of the sum.
   std::pair<double, double> add_symmetric(const Square& M, Square& S) {
-    k_.transpose(data(M), data(scratch_));
-    const V half = K::broadcast(0.5);
-    return add_measured(
-        S, [&](int i) { return (K::load(at(M, i)) + K::load(at(scratch_, i))) * half; });
+    transpose(M, scratch_);
+    const V half = broadcast<V>(0.5);
+    return add_measured(S, [&](int i) { return (M.begin()[i] + scratch_.begin()[i]) * half; });
   }
 
   /// S ← S + AᵀB, the product known to be symmetric; returns as add_symmetric().
   std::pair<double, double> add_product_tn(const Square& A, const Square& B, Square& S) {
-    k_.template multiply_symmetric<true>(data(A), data(B), data(product_), k_.n());
+    multiply_tn_symmetric(A, B, product_);
     return add_product(S);
   }
   /// S ← S + A Bᵀ, the product known to be symmetric.
   void add_product_nt(const Square& A, const Square& B, Square& S) {
-    k_.transpose(data(B), data(scratch_));
-    k_.template multiply_symmetric<false>(data(A), data(scratch_), data(product_), k_.n());
+    transpose(B, scratch_);
+    k_.template multiply_symmetric<false>(A.data(), scratch_.data(), product_.data(), k_.n());
     add_product(S);
   }
 
   // Norms and measures.
-  [[nodiscard]] double norm1(const Square& A) {
+  [[nodiscard]] double norm1(const Square& A) const {
     Real largest = 0;
-    for (int j = 0; j < s(); j += W) {
+    for (int j = 0; j < row(); ++j) {
       V sums = {};
-      for (int i = 0; i < k_.n(); ++i) sums += magnitude(K::load(at(A, i * s() + j)));
+      for (int i = 0; i < k_.n(); ++i) sums += magnitude(at(A, i, j));
       for (int lane = 0; lane < W; ++lane) largest = std::max(largest, sums[lane]);
     }
     return largest;
   }
   [[nodiscard]] double norm_frobenius(const Square& A) const {
     V sum = {};
-    for (int i = 0; i < entries(); i += W)
-      sum = multiply_add(K::load(at(A, i)), K::load(at(A, i)), sum);
+    for (int i = 0; i < A.size(); ++i) sum = multiply_add(A.begin()[i], A.begin()[i], sum);
     return std::sqrt(total(sum));
   }
   /// Norm of D⁻¹ M D⁻¹, M in scaled states: that of a solution in the caller's units.
   [[nodiscard]] double weighted_norm(const Square& M) const {
     V sum = {};
     for (int i = 0; i < k_.n(); ++i)
-      for (int j = 0; j < s(); j += W) {
-        const V m = K::load(at(M, i * s() + j)) * K::broadcast(inverse_scale_[i]) *
-                    K::load(inverse_scale_.data() + j);
+      for (int j = 0; j < row(); ++j) {
+        const V m = at(M, i, j) * broadcast<V>(inverse_scale_[i]) * inverse_scale_.begin()[j];
         sum = multiply_add(m, m, sum);
       }
     return std::sqrt(total(sum));
@@ -245,15 +193,12 @@ class KernelOps {
     for (int i = 0; i < nx_; i += W) {
       V squares = {};
       V sums = {};
-      for (int k = 0; k < nx_; ++k)
-        add_sizes(K::load(at(A, k * s() + i)), K::load(at(Q, k * s() + i)), squares, sums);
+      for (int k = 0; k < nx_; ++k) add_sizes(at(A, k, i / W), at(Q, k, i / W), squares, sums);
       for (int lane = 0; lane < std::min(W, nx_ - i); ++lane) {
         V row_squares = {};
         V row_sums = {};
-        for (int j = 0; j < s(); j += W) {
-          const int row = (i + lane) * s() + j;
-          add_sizes(K::load(at(A, row)), K::load(at(G, row)), row_squares, row_sums);
-        }
+        for (int j = 0; j < row(); ++j)
+          add_sizes(at(A, i + lane, j), at(G, i + lane, j), row_squares, row_sums);
         speed.add(total(row_squares), total(row_sums));
         speed.add(squares[lane], sums[lane]);
       }
@@ -263,50 +208,38 @@ class KernelOps {
 
   /// AᵀX + (AᵀX)ᵀ - U + Q, given T = AᵀX.
   Residual residual_continuous(const Square& T, const Square& U, const Square& Q, Square& out) {
-    k_.transpose(data(T), data(scratch_));
-    return measure(out, [&](int i, V* term) {
-      term[0] = K::load(at(T, i));
-      term[1] = K::load(at(scratch_, i));
-      term[2] = -K::load(at(U, i));
-      term[3] = K::load(at(Q, i));
-    });
+    transpose(T, scratch_);
+    return measure(T, scratch_, 1, U, Q, out);
   }
   /// T - X - U + Q, given T = AᵀXA.
   Residual residual_discrete(const Square& T, const Square& X, const Square& U, const Square& Q,
                              Square& out) {
-    return measure(out, [&](int i, V* term) {
-      term[0] = K::load(at(T, i));
-      term[1] = -K::load(at(X, i));
-      term[2] = -K::load(at(U, i));
-      term[3] = K::load(at(Q, i));
-    });
+    return measure(T, X, -1, U, Q, out);
   }
 
   /// Writes factor · M, M of other kernels, of which the padding is not copied.
   template <class OtherOps>
   void convert(const OtherOps& other, const typename OtherOps::Square& M, double factor,
                Square& to) const {
-    to.fill(0);
+    to = 0;
     for (int i = 0; i < nx_; ++i)
       for (int j = 0; j < nx_; ++j)
-        data(to)[i * s() + j] = static_cast<Real>(factor * M.data()[i * other.stride() + j]);
+        to.data()[i * s() + j] = static_cast<Real>(factor * M[i * other.stride() + j]);
   }
   [[nodiscard]] int stride() const { return k_.stride(); }
 
   // Scaling of the states.
   void balance(const Square& A, const Square& G, const Square& Q) {
-    for (int i = 0; i < entries(); i += W) {
-      K::store(at(scratch_, i), magnitude(K::load(at(A, i))));
-      K::store(at(factor_, i), magnitude(K::load(at(G, i))));
-      K::store(at(absolute_, i), magnitude(K::load(at(Q, i))));
-    }
-    k_.transpose(data(scratch_), data(columns_));
+    scratch_.assign([&](int i) { return magnitude(A.begin()[i]); });
+    factor_.assign([&](int i) { return magnitude(G.begin()[i]); });
+    absolute_.assign([&](int i) { return magnitude(Q.begin()[i]); });
+    transpose(scratch_, columns_);
     const auto dot = [this](const double* a, const double* b) {
       V sum = {};
-      for (int j = 0; j < s(); j += W) sum = multiply_add(K::load(a + j), K::load(b + j), sum);
+      for (int j = 0; j < s(); j += W) sum = multiply_add(load<V>(a + j), load<V>(b + j), sum);
       return total(sum);
     };
-    level_scales(data(scratch_), data(columns_), data(factor_), data(absolute_), k_.n(), s(),
+    level_scales(scratch_.data(), columns_.data(), factor_.data(), absolute_.data(), k_.n(), s(),
                  scale_.data(), inverse_scale_.data(), dot);
   }
   /// Largest scale over smallest.
@@ -318,30 +251,27 @@ class KernelOps {
   void scale_square(Square& A, int left, int right) const {
     const auto& rows = left > 0 ? scale_ : inverse_scale_;
     const auto& columns = right > 0 ? scale_ : inverse_scale_;
-    for (int i = 0; i < k_.n(); ++i) {
-      const V r = K::broadcast(rows[i]);
-      for (int j = 0; j < s(); j += W)
-        K::store(at(A, i * s() + j), K::load(at(A, i * s() + j)) * r * K::load(columns.data() + j));
-    }
+    for (int i = 0; i < k_.n(); ++i)
+      for (int j = 0; j < row(); ++j)
+        at(A, i, j) = at(A, i, j) * broadcast<V>(rows[i]) * columns.begin()[j];
+  }
+  /// A_ij ← d_i^left A_ij
+  void scale_panel(Panel& A, int left) const {
+    const auto& rows = left > 0 ? scale_ : inverse_scale_;
+    for (int i = 0; i < k_.n(); ++i)
+      for (int j = 0; j < row(); ++j) at(A, i, j) *= broadcast<V>(rows[i]);
   }
   /// S = D², without the padding.
-  void squared_scales(Square& S) const {
-    S.fill(0);
-    for (int i = 0; i < nx_; ++i) data(S)[i * s() + i] = scale_[i] * scale_[i];
+  void set_squared_scales(Square& S) const {
+    S = 0;
+    for (int i = 0; i < nx_; ++i) S.data()[i * s() + i] = scale_[i] * scale_[i];
   }
   /// T = D⁻² X.
   void divide_rows_twice(const Square& X, Square& T) const {
     for (int i = 0; i < k_.n(); ++i) {
-      const V weight = K::broadcast(inverse_scale_[i] * inverse_scale_[i]);
-      for (int j = 0; j < s(); j += W)
-        K::store(at(T, i * s() + j), K::load(at(X, i * s() + j)) * weight);
+      const V weight = broadcast<V>(inverse_scale_[i] * inverse_scale_[i]);
+      for (int j = 0; j < row(); ++j) at(T, i, j) = at(X, i, j) * weight;
     }
-  }
-  void scale_panel(Panel& A, int left) const {
-    const auto& rows = left > 0 ? scale_ : inverse_scale_;
-    for (int i = 0; i < k_.n(); ++i)
-      for (int j = 0; j < s(); j += W)
-        K::store(at(A, i * s() + j), K::load(at(A, i * s() + j)) * K::broadcast(rows[i]));
   }
   /// X = D⁻¹ X_z D⁻¹, K = K_z D⁻¹.
   void store_solution(const Square& X, const Panel& Kt, Eigen::MatrixXd& to_X,
@@ -350,26 +280,24 @@ class KernelOps {
     to_K.resize(nu_, nx_);
     for (int i = 0; i < nx_; ++i)
       for (int j = 0; j < nx_; ++j)
-        to_X(j, i) = data(X)[i * s() + j] * (inverse_scale_[i] * inverse_scale_[j]);
+        to_X(j, i) = X[i * s() + j] * (inverse_scale_[i] * inverse_scale_[j]);
     for (int i = 0; i < nx_; ++i)
-      for (int j = 0; j < nu_; ++j) to_K(j, i) = data(Kt)[i * s() + j] * inverse_scale_[i];
+      for (int j = 0; j < nu_; ++j) to_K(j, i) = Kt[i * s() + j] * inverse_scale_[i];
   }
 
  private:
   [[nodiscard]] int s() const { return k_.stride(); }
-  [[nodiscard]] int entries() const { return k_.n() * k_.stride(); }
+  /// Vectors of one row.
+  [[nodiscard]] int row() const { return s() / W; }
   [[nodiscard]] int panel_columns() const {
     return (nu_ + K::kMultiple - 1) / K::kMultiple * K::kMultiple;
   }
-  static Real* data(Square& A) { return A.data(); }
-  static const Real* data(const Square& A) { return A.data(); }
-  static Real* at(Square& A, int i) { return A.data() + i; }
-  static const Real* at(const Square& A, int i) { return A.data() + i; }
-  static V magnitude(V v) { return v < V{} ? -v : v; }
-  static Real total(V v) {
-    Real sum = 0;
-    for (int i = 0; i < W; ++i) sum += v[i];
-    return sum;
+  /// Vector j of row i.
+  V& at(Square& A, int i, int j) const { return A.begin()[i * row() + j]; }
+  const V& at(const Square& A, int i, int j) const { return A.begin()[i * row() + j]; }
+  /// (i, j) → entry (i, j).
+  auto entries(Square& A) const {
+    return [M = A.data(), stride = s()](int i, int j) -> Real& { return M[i * stride + j]; };
   }
 
   static void add_sizes(V a, V b, V& squares, V& sums) {
@@ -378,46 +306,44 @@ class KernelOps {
   }
 
   template <class M>
-  void load(const M& from, int rows, int cols, Square& to) const {
-    to.fill(0);
+  void load_matrix(const M& from, int rows, int cols, Square& to) const {
+    to = 0;
     const double* p = from.data();
     const Eigen::Index stride = from.outerStride();
     for (int j = 0; j < cols; ++j)
-      for (int i = 0; i < rows; ++i) data(to)[i * s() + j] = p[j * stride + i];
+      for (int i = 0; i < rows; ++i) to.data()[i * s() + j] = p[j * stride + i];
   }
 
   /// S ← S + product_, whose halves are equal already where the kernels computed only one.
   std::pair<double, double> add_product(Square& S) {
     if constexpr (kSize > 0) return add_symmetric(product_, S);
-    return add_measured(S, [&](int i) { return K::load(at(product_, i)); });
+    return add_measured(S, [&](int i) { return product_.begin()[i]; });
   }
   template <class Change>
   std::pair<double, double> add_measured(Square& S, const Change& change_at) const {
     V changes = {};
     V sizes = {};
-    for (int i = 0; i < entries(); i += W) {
+    for (int i = 0; i < S.size(); ++i) {
       const V change = change_at(i);
-      const V sum = K::load(at(S, i)) + change;
-      K::store(at(S, i), sum);
+      const V sum = S.begin()[i] + change;
+      S.begin()[i] = sum;
       changes = multiply_add(change, change, changes);
       sizes = multiply_add(sum, sum, sizes);
     }
     return {std::sqrt(total(changes)), std::sqrt(total(sizes))};
   }
 
-  /// Sums four terms into `out`; measures the sum against them.
-  template <class Terms>
-  Residual measure(Square& out, const Terms& terms) const {
+  /// out = T + sign · M - U + Q, measured against these four terms.
+  Residual measure(const Square& T, const Square& M, Real sign, const Square& U, const Square& Q,
+                   Square& out) const {
     V scaled[5] = {};
     V original[5] = {};
-    for (int i = 0; i < k_.n(); ++i) {
-      const V row = K::broadcast(inverse_scale_[i]);
-      for (int j = 0; j < s(); j += W) {
-        V term[5];
-        terms(i * s() + j, term);
+    for (int i = 0; i < k_.n(); ++i)
+      for (int j = 0; j < row(); ++j) {
+        V term[5] = {at(T, i, j), at(M, i, j) * broadcast<V>(sign), -at(U, i, j), at(Q, i, j)};
         term[4] = (term[0] + term[1]) + (term[2] + term[3]);
-        K::store(at(out, i * s() + j), term[4]);
-        const V weight = row * K::load(inverse_scale_.data() + j);
+        at(out, i, j) = term[4];
+        const V weight = broadcast<V>(inverse_scale_[i]) * inverse_scale_.begin()[j];
 #pragma GCC unroll 5
         for (int t = 0; t < 5; ++t) {
           scaled[t] = multiply_add(term[t], term[t], scaled[t]);
@@ -425,7 +351,6 @@ class KernelOps {
           original[t] = multiply_add(weighted, weighted, original[t]);
         }
       }
-    }
     Residual result;
     std::array<double, 4> scaled_terms;
     for (std::size_t t = 0; t < 4; ++t) {
@@ -442,8 +367,8 @@ class KernelOps {
   int nu_;
   K k_;
   std::vector<int> pivots_;
-  KernelStorage<1, kSize, Real> scale_;
-  KernelStorage<1, kSize, Real> inverse_scale_;
+  VectorStorage<V, kSize / W> scale_;
+  VectorStorage<V, kSize / W> inverse_scale_;
   Square scratch_ = square();
   Square product_ = square();
   Square factor_ = square();

@@ -12,8 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "riccati/dense_kernels.hpp"
-#include "riccati/kernel_storage.hpp"
+#include "quadtune/internal/small_matrix.hpp"
 #include "riccati/riccati_scaling.hpp"
 
 namespace quadtune::internal {
@@ -26,21 +25,10 @@ inline constexpr int kLaneCount = 4;
 #else
 inline constexpr int kLaneCount = 2;
 #endif
-using Lane = VectorOf<double, kLaneCount>::type;
+using Lane = Vector<double, kLaneCount>;
 
-inline Lane all_lanes(double x) { return x - Lane{}; }
-inline Lane magnitude(Lane v) { return v < Lane{} ? -v : v; }
+inline Lane all_lanes(double x) { return broadcast<Lane>(x); }
 inline Lane larger(Lane a, Lane b) { return a > b ? a : b; }
-inline Lane square_root(Lane v) {
-#if defined(__AVX512F__)
-  return _mm512_sqrt_pd(v);
-#elif defined(__FMA__)
-  return _mm256_sqrt_pd(v);
-#else
-  for (int lane = 0; lane < kLaneCount; ++lane) v[lane] = std::sqrt(v[lane]);
-  return v;
-#endif
-}
 /// The largest of all lanes; NaN if one is NaN.
 inline double largest(Lane v) {
   double result = v[0];
@@ -50,23 +38,20 @@ inline double largest(Lane v) {
 }
 
 /// A matrix of lanes, row by row.
-class LaneMatrix {
+class LaneMatrix : public VectorStorage<Lane> {
  public:
   LaneMatrix(int rows, int columns)
-      : rows_(rows), columns_(columns), values_(rows, columns * kLaneCount) {}
+      : VectorStorage(rows * columns), rows_(rows), columns_(columns) {}
+  using VectorStorage::operator=;
 
   [[nodiscard]] int rows() const { return rows_; }
   [[nodiscard]] int columns() const { return columns_; }
-  [[nodiscard]] int entries() const { return rows_ * columns_; }
-  [[nodiscard]] Lane* data() { return reinterpret_cast<Lane*>(values_.data()); }
-  [[nodiscard]] const Lane* data() const { return reinterpret_cast<const Lane*>(values_.data()); }
-  [[nodiscard]] Lane& operator()(int i, int j) { return data()[i * columns_ + j]; }
-  [[nodiscard]] const Lane& operator()(int i, int j) const { return data()[i * columns_ + j]; }
+  [[nodiscard]] Lane& operator()(int i, int j) { return begin()[i * columns_ + j]; }
+  [[nodiscard]] const Lane& operator()(int i, int j) const { return begin()[i * columns_ + j]; }
 
  private:
   int rows_;
   int columns_;
-  KernelStorage<0, 0, double> values_;
 };
 
 /// Residuals of all lanes, relative to the sum of the norms of the terms: in the callers' units and
@@ -101,26 +86,24 @@ class LaneOps {
 
   /// Writes a problem's matrix into one lane; the padding stays 0.
   static void load(const Eigen::MatrixXd& from, int lane, LaneMatrix& to) {
-    double* target = reinterpret_cast<double*>(to.data()) + lane;
-    const int stride = to.columns() * kLaneCount;
     for (int j = 0; j < from.cols(); ++j)
-      for (int i = 0; i < from.rows(); ++i) target[i * stride + j * kLaneCount] = from(i, j);
+      for (int i = 0; i < from.rows(); ++i) to(i, j)[lane] = from(i, j);
   }
 
   // Products. Rows and columns are multiples of kMultiple; what a product writes, it does not read.
   void multiply(const LaneMatrix& A, const LaneMatrix& B, LaneMatrix& C) const {
-    product<false, false, Store::set>(A, B, C);
+    product<false, false>(A, B, C);
   }
-  void multiply_transposed(const LaneMatrix& A, const LaneMatrix& B, LaneMatrix& C) const {
-    product<true, false, Store::set>(A, B, C);
+  void multiply_tn(const LaneMatrix& A, const LaneMatrix& B, LaneMatrix& C) const {
+    product<true, false>(A, B, C);
   }
   /// C = A Bᵀ.
-  void outer(const LaneMatrix& A, const LaneMatrix& B, LaneMatrix& C) const {
-    product<false, true, Store::set>(A, B, C);
+  void multiply_nt(const LaneMatrix& A, const LaneMatrix& B, LaneMatrix& C) const {
+    product<false, true>(A, B, C);
   }
   /// C ← C - A Bᵀ.
-  void subtract_outer(const LaneMatrix& A, const LaneMatrix& B, LaneMatrix& C) const {
-    product<false, true, Store::subtract>(A, B, C);
+  void subtract_product_nt(const LaneMatrix& A, const LaneMatrix& B, LaneMatrix& C) const {
+    product<false, true, true>(A, B, C);
   }
   /// S ← S + AᵀB, the product known to be symmetric; returns the largest share of any lane's sum
   /// that the change is, and 1, or NaN for numbers that are not finite.
@@ -132,25 +115,18 @@ class LaneOps {
     add_symmetric_product<false, true>(A, B, S);
   }
 
-  /// Factors A = L U for solve(), T columns at a time; false when a pivot of some lane is 0 or not
-  /// finite. The diagonal of U is left inverted.
+  /// Factors A = L U for solve(), tile by tile; false when a pivot of some lane is 0 or not finite.
+  /// The diagonal of U is left inverted.
   bool factor(const Square& A) {
-    copy(A, factor_);
-    Lane least = all_lanes(std::numeric_limits<double>::infinity());
-    for (int k = 0; k < n_; k += T) {
-      factor_diagonal(k, least);
-      for (int j = k + T; j < n_; j += T) solve_right_of(k, j);
-      for (int i = k + T; i < n_; i += T) solve_below(k, i);
-      for (int i = k + T; i < n_; i += T)
-        for (int j = k + T; j < n_; j += T) {
-          Tile x;
-          load_tile(factor_, i, j, x);
-          subtract_terms(factor_, i, j, k, k + T, x);
-          store_tile(x, i, j, factor_);
-        }
+    factor_ = A;
+    Lane smallest = all_lanes(std::numeric_limits<double>::infinity());
+    for (int i = 0; i < n_; i += T) {
+      for (int j = 0; j < i; j += T) solve_right(i, j);
+      factor_diagonal(i, smallest);
+      for (int j = i + T; j < n_; j += T) solve_lower(factor_, i, j);
     }
     for (int lane = 0; lane < kLaneCount; ++lane)
-      if (!(least[lane] > 0) || !std::isfinite(least[lane])) return false;
+      if (!(smallest[lane] > 0) || !std::isfinite(smallest[lane])) return false;
     return true;
   }
 
@@ -162,56 +138,26 @@ class LaneOps {
     }
   }
 
-  /// L⁻¹ of the Cholesky factor of the small S, lane by lane as one; false where some lane's S is
-  /// not positive beyond rounding.
+  /// L⁻¹ of the Cholesky factor of the small S; false where some lane's S is not positive beyond
+  /// rounding.
   bool invert_cholesky(const Panel& S, Panel& inverse) {
-    Panel& L = small_;
-    copy(S, L);
-    bool positive = true;
-    for (int j = 0; j < nu_; ++j) {
-      const Lane before = L(j, j);
-      for (int k = 0; k < j; ++k) L(j, j) -= L(j, k) * L(j, k);
-      const Lane pivot = L(j, j);
+    small_ = S;
+    const auto is_positive = [](Lane pivot, Lane entry) {
       for (int lane = 0; lane < kLaneCount; ++lane)
-        positive = positive && pivot[lane] > kLeastPivot * before[lane];
-      L(j, j) = square_root(pivot);
-      for (int i = j + 1; i < nu_; ++i) {
-        for (int k = 0; k < j; ++k) L(i, j) -= L(i, k) * L(j, k);
-        L(i, j) /= L(j, j);
-      }
-    }
-    fill(inverse, 0);
-    for (int j = 0; j < nu_; ++j) {
-      inverse(j, j) = 1 / L(j, j);
-      for (int i = j + 1; i < nu_; ++i) {
-        Lane sum = {};
-        for (int k = j; k < i; ++k) sum -= L(i, k) * inverse(k, j);
-        inverse(i, j) = sum / L(i, i);
-      }
-    }
-    return positive;
+        if (!(pivot[lane] > kSmallestPivot * entry[lane])) return false;
+      return true;
+    };
+    if (!factor_cholesky(nu_, small_, is_positive)) return false;
+    invert_lower(nu_, small_, inverse);
+    return true;
   }
 
-  // Entry by entry.
-  static void fill(LaneMatrix& A, double value) {
-    std::fill_n(A.data(), A.entries(), all_lanes(value));
-  }
-  static void copy(const LaneMatrix& from, LaneMatrix& to) {
-    std::copy_n(from.data(), from.entries(), to.data());
-  }
-  static void swap(LaneMatrix& a, LaneMatrix& b) { std::swap(a, b); }
   static void transpose(const Square& A, Square& to) {
     for (int i = 0; i < A.rows(); ++i)
       for (int j = 0; j < A.columns(); ++j) to(j, i) = A(i, j);
   }
-  static void add(LaneMatrix& A, const LaneMatrix& B) {
-    for (int i = 0; i < A.entries(); ++i) A.data()[i] += B.data()[i];
-  }
-  static void multiply_by(LaneMatrix& A, double factor) {
-    for (int i = 0; i < A.entries(); ++i) A.data()[i] *= all_lanes(factor);
-  }
-  void identity(Square& A) const {
-    fill(A, 0);
+  void set_identity(Square& A) const {
+    A = 0;
     add_diagonal(A, 1);
   }
   void add_diagonal(Square& A, double value) const {
@@ -247,7 +193,7 @@ class LaneOps {
   }
   [[nodiscard]] static Lane squared_norm(const LaneMatrix& A) {
     Lane sum = {};
-    for (int i = 0; i < A.entries(); ++i) sum = multiply_add(A.data()[i], A.data()[i], sum);
+    for (int i = 0; i < A.size(); ++i) sum = multiply_add(A.begin()[i], A.begin()[i], sum);
     return sum;
   }
 
@@ -322,12 +268,10 @@ class LaneOps {
   }
 
  private:
-  enum class Store { set, subtract };
-
   /// Rows and columns of a product that are summed in registers together.
   static constexpr int T = kRegisters >= 32 ? 4 : 2;
   static constexpr int kMultiple = 4;
-  static constexpr double kLeastPivot = 1e-10;
+  static constexpr double kSmallestPivot = 1e-10;
 
   static int padded(int size) { return (size + kMultiple - 1) / kMultiple * kMultiple; }
 
@@ -343,43 +287,36 @@ class LaneOps {
     return size == Lane{} ? Lane{} : size / terms;
   }
 
-  using Tile = Lane[T][T];
+  using LaneTile = Tile<Lane, T, T>;
 
-  /// Sums the T × T tile of A B, Aᵀ B or A Bᵀ at (i, j) over all inner terms.
-  template <bool kTransposeA, bool kTransposeB>
-  [[gnu::always_inline]] static inline void sum_tile(const LaneMatrix& A, const LaneMatrix& B,
-                                                     int i, int j, Tile& sum) {
-    const int inner = kTransposeA ? A.rows() : A.columns();
-    const int lda = A.columns();
-    const int ldb = B.columns();
-    const Lane* a = kTransposeA ? &A(0, i) : &A(i, 0);
-    const Lane* b = kTransposeB ? &B(j, 0) : &B(0, j);
-    for (int k = 0; k < inner; ++k) {
-      Lane row[T];
-#pragma GCC unroll 4
-      for (int c = 0; c < T; ++c) row[c] = kTransposeB ? b[c * ldb + k] : b[k * ldb + c];
-#pragma GCC unroll 4
-      for (int r = 0; r < T; ++r) {
-        const Lane entry = kTransposeA ? a[k * lda + r] : a[r * lda + k];
-#pragma GCC unroll 4
-        for (int c = 0; c < T; ++c) sum[r][c] = multiply_add(entry, row[c], sum[r][c]);
-      }
-    }
+  /// (i, j) → entry (i, j) of A from (row, column) on, or of Aᵀ.
+  template <bool kTranspose>
+  [[gnu::always_inline]] static inline auto entries_from(const LaneMatrix& A, int row, int column) {
+    const int stride = A.columns();
+    return [M = &(kTranspose ? A(column, row) : A(row, column)), stride](int i, int j) {
+      return kTranspose ? M[j * stride + i] : M[i * stride + j];
+    };
   }
 
-  template <bool kTransposeA, bool kTransposeB, Store kStore>
+  /// The tile of A B, Aᵀ B or A Bᵀ at (i, j).
+  template <bool kTransposeA, bool kTransposeB>
+  [[gnu::always_inline]] static inline void sum_tile(const LaneMatrix& A, const LaneMatrix& B,
+                                                     int i, int j, LaneTile& sum) {
+    sum.add_product(0, kTransposeA ? A.rows() : A.columns(), entries_from<kTransposeA>(A, i, 0),
+                    entries_from<kTransposeB>(B, 0, j));
+  }
+
+  /// C = A B, or C ← C - A B, of matrices that may be transposed.
+  template <bool kTransposeA, bool kTransposeB, bool kSubtract = false>
   [[gnu::noinline]] static void product(const LaneMatrix& A, const LaneMatrix& B, LaneMatrix& C) {
     for (int i = 0; i < C.rows(); i += T)
       for (int j = 0; j < C.columns(); j += T) {
-        Tile sum = {};
+        LaneTile sum;
         sum_tile<kTransposeA, kTransposeB>(A, B, i, j, sum);
-#pragma GCC unroll 4
-        for (int r = 0; r < T; ++r)
-#pragma GCC unroll 4
-          for (int c = 0; c < T; ++c) {
-            Lane& target = C(i + r, j + c);
-            target = kStore == Store::set ? sum[r][c] : target - sum[r][c];
-          }
+        sum.each([&](int r, int c, Lane x) {
+          Lane& target = C(i + r, j + c);
+          target = kSubtract ? target - x : x;
+        });
       }
   }
 
@@ -391,20 +328,17 @@ class LaneOps {
 
   /// Adds a tile to S at (i, j), and its mirror where it is off the diagonal.
   template <bool kDiagonal>
-  [[gnu::always_inline]] static inline void add_tile(const Tile& tile, int i, int j, Square& S,
+  [[gnu::always_inline]] static inline void add_tile(LaneTile& tile, int i, int j, Square& S,
                                                      Sizes& sizes) {
     const Lane times = all_lanes(kDiagonal ? 1 : 2);
-#pragma GCC unroll 4
-    for (int r = 0; r < T; ++r)
-#pragma GCC unroll 4
-      for (int c = 0; c < T; ++c) {
-        const Lane change = kDiagonal ? (tile[r][c] + tile[c][r]) * all_lanes(0.5) : tile[r][c];
-        const Lane sum = S(i + r, j + c) + change;
-        S(i + r, j + c) = sum;
-        if constexpr (!kDiagonal) S(j + c, i + r) = sum;
-        sizes.change = multiply_add(change * times, change, sizes.change);
-        sizes.sum = multiply_add(sum * times, sum, sizes.sum);
-      }
+    tile.each([&](int r, int c, Lane x) {
+      const Lane change = kDiagonal ? (x + tile.at[c][r]) * all_lanes(0.5) : x;
+      const Lane sum = S(i + r, j + c) + change;
+      S(i + r, j + c) = sum;
+      if constexpr (!kDiagonal) S(j + c, i + r) = sum;
+      sizes.change = multiply_add(change * times, change, sizes.change);
+      sizes.sum = multiply_add(sum * times, sum, sizes.sum);
+    });
   }
 
   /// Computes the tiles on and above the diagonal and mirrors them.
@@ -414,11 +348,11 @@ class LaneOps {
                                                                            LaneMatrix& S) {
     Sizes sizes;
     for (int i = 0; i < S.rows(); i += T) {
-      Tile diagonal = {};
+      LaneTile diagonal;
       sum_tile<kTransposeA, kTransposeB>(A, B, i, i, diagonal);
       add_tile<true>(diagonal, i, i, S, sizes);
       for (int j = i + T; j < S.columns(); j += T) {
-        Tile tile = {};
+        LaneTile tile;
         sum_tile<kTransposeA, kTransposeB>(A, B, i, j, tile);
         add_tile<false>(tile, i, j, S, sizes);
       }
@@ -430,112 +364,73 @@ class LaneOps {
                        : std::numeric_limits<double>::quiet_NaN()};
   }
 
-  /// L U of the T × T block at (k, k).
-  [[gnu::always_inline]] inline void factor_diagonal(int k, Lane& least) {
-    Tile x;
-    load_tile(factor_, k, k, x);
+  /// L U of the tile at (k, k), given the tiles above and to its left.
+  [[gnu::always_inline]] inline void factor_diagonal(int k, Lane& smallest) {
+    LaneTile x = less_product(factor_, k, k, 0, k);
 #pragma GCC unroll 4
     for (int p = 0; p < T; ++p) {
-      const Lane size = magnitude(x[p][p]);
-      least = size < least || size != size ? size : least;
-      x[p][p] = 1 / x[p][p];
+      const Lane size = magnitude(x.at[p][p]);
+      smallest = size < smallest || size != size ? size : smallest;
+      x.at[p][p] = 1 / x.at[p][p];
 #pragma GCC unroll 4
       for (int r = p + 1; r < T; ++r) {
-        x[r][p] *= x[p][p];
+        x.at[r][p] *= x.at[p][p];
 #pragma GCC unroll 4
-        for (int c = p + 1; c < T; ++c) x[r][c] = subtract_product(x[r][p], x[p][c], x[r][c]);
+        for (int c = p + 1; c < T; ++c)
+          x.at[r][c] = subtract_product(x.at[r][p], x.at[p][c], x.at[r][c]);
       }
     }
     store_tile(x, k, k, factor_);
   }
 
-  /// L11⁻¹ of the block at (k, j).
-  [[gnu::always_inline]] inline void solve_right_of(int k, int j) {
-    Tile x;
-    load_tile(factor_, k, j, x);
-    forward(k, x);
-    store_tile(x, k, j, factor_);
-  }
-
-  /// The block at (i, k) times U11⁻¹.
-  [[gnu::always_inline]] inline void solve_below(int k, int i) {
-    Tile x;
-    load_tile(factor_, i, k, x);
+  /// L of the tile at (i, k), below the diagonal, given the tiles above and to its left.
+  [[gnu::always_inline]] inline void solve_right(int i, int k) {
+    LaneTile x = less_product(factor_, i, k, 0, k);
 #pragma GCC unroll 4
     for (int c = 0; c < T; ++c) {
 #pragma GCC unroll 4
       for (int p = 0; p < c; ++p)
 #pragma GCC unroll 4
         for (int r = 0; r < T; ++r)
-          x[r][c] = subtract_product(x[r][p], factor_(k + p, k + c), x[r][c]);
+          x.at[r][c] = subtract_product(x.at[r][p], factor_(k + p, k + c), x.at[r][c]);
 #pragma GCC unroll 4
-      for (int r = 0; r < T; ++r) x[r][c] *= factor_(k + c, k + c);
+      for (int r = 0; r < T; ++r) x.at[r][c] *= factor_(k + c, k + c);
     }
     store_tile(x, i, k, factor_);
   }
 
-  /// L11⁻¹ of a tile by the T × T block at (i, i).
-  [[gnu::always_inline]] inline void forward(int i, Tile& x) const {
-#pragma GCC unroll 4
-    for (int r = 1; r < T; ++r)
-#pragma GCC unroll 4
-      for (int k = 0; k < r; ++k)
-#pragma GCC unroll 4
-        for (int c = 0; c < T; ++c)
-          x[r][c] = subtract_product(factor_(i + r, i + k), x[k][c], x[r][c]);
-  }
-
-  /// L⁻¹ of the rows i … i + T - 1 of the columns j … j + T - 1, the rows above being done.
+  /// L⁻¹ X of the tile at (i, j), given the rows above.
   [[gnu::always_inline]] inline void solve_lower(Square& X, int i, int j) const {
-    Tile x;
-    load_tile(X, i, j, x);
-    subtract_terms(X, i, j, 0, i, x);
-    forward(i, x);
+    LaneTile x = less_product(X, i, j, 0, i);
+    x.solve_unit_lower(entries_from<false>(factor_, i, i));
     store_tile(x, i, j, X);
   }
 
-  /// U⁻¹ likewise, the rows below being done.
+  /// U⁻¹ X of the tile at (i, j), given the rows below.
   [[gnu::always_inline]] inline void solve_upper(Square& X, int i, int j) const {
-    Tile x;
-    load_tile(X, i, j, x);
-    subtract_terms(X, i, j, i + T, n_, x);
+    LaneTile x = less_product(X, i, j, i + T, n_);
+    const auto u = entries_from<false>(factor_, i, i);
 #pragma GCC unroll 4
     for (int r = T - 1; r >= 0; --r) {
 #pragma GCC unroll 4
-      for (int k = r + 1; k < T; ++k)
-#pragma GCC unroll 4
-        for (int c = 0; c < T; ++c)
-          x[r][c] = subtract_product(factor_(i + r, i + k), x[k][c], x[r][c]);
-#pragma GCC unroll 4
-      for (int c = 0; c < T; ++c) x[r][c] *= factor_(i + r, i + r);
+      for (int q = r + 1; q < T; ++q) x.subtract_row(r, q, u(r, q));
+      x.multiply_row(r, u(r, r));
     }
     store_tile(x, i, j, X);
   }
 
-  [[gnu::always_inline]] inline void subtract_terms(const Square& X, int i, int j, int first,
-                                                    int last, Tile& x) const {
-    for (int k = first; k < last; ++k) {
-      const Lane* row = &X(k, j);
-#pragma GCC unroll 4
-      for (int r = 0; r < T; ++r) {
-        const Lane entry = factor_(i + r, k);
-#pragma GCC unroll 4
-        for (int c = 0; c < T; ++c) x[r][c] = subtract_product(entry, row[c], x[r][c]);
-      }
-    }
+  /// The tile of X at (i, j) less the product of row i of the factors and column j of X, over the
+  /// inner indices [first, last).
+  [[gnu::always_inline]] inline LaneTile less_product(const Square& X, int i, int j, int first,
+                                                      int last) const {
+    LaneTile x;
+    x.set(entries_from<false>(X, i, j));
+    x.subtract_product_of(first, last, entries_from<false>(factor_, i, 0),
+                          entries_from<false>(X, 0, j));
+    return x;
   }
-
-  [[gnu::always_inline]] static inline void load_tile(const Square& X, int i, int j, Tile& x) {
-#pragma GCC unroll 4
-    for (int r = 0; r < T; ++r)
-#pragma GCC unroll 4
-      for (int c = 0; c < T; ++c) x[r][c] = X(i + r, j + c);
-  }
-  [[gnu::always_inline]] static inline void store_tile(const Tile& x, int i, int j, Square& X) {
-#pragma GCC unroll 4
-    for (int r = 0; r < T; ++r)
-#pragma GCC unroll 4
-      for (int c = 0; c < T; ++c) X(i + r, j + c) = x[r][c];
+  [[gnu::always_inline]] static inline void store_tile(LaneTile& x, int i, int j, Square& X) {
+    x.each([&](int r, int c, Lane from) { X(i + r, j + c) = from; });
   }
 
   int nx_;

@@ -1,9 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Structure-preserving doubling for both Riccati equations, written once over the kernels that do
-/// the arithmetic (`Ops`: sizes known to the compiler, or not).
+/// Solves both Riccati equations by structure-preserving doubling, then by Newton's method, and
+/// proves the solution stabilizing. Written once over the arithmetic (`Ops`).
 ///
-/// In scaled states z, x = D z. The closed loop's Lyapunov equation, solved by squaring (Smith
-/// 1968), gives the Newton step; that its powers vanish is the proof that X is stabilizing.
+/// All is in scaled states z, x = D z. A Newton step solves the Lyapunov equation of the closed
+/// loop by squaring (Smith 1968); that the powers vanish is the proof that X is stabilizing.
+///
+/// What each matrix holds after the doubling; L Lᵀ = R, and M is the right side of a Lyapunov
+/// equation A_cᵀΔ + ΔA_c + M = 0 (discrete A_cᵀΔA_c - Δ + M = 0), A_c = A - B K.
+///
+/// | matrix           | content                                                               |
+/// |------------------|-----------------------------------------------------------------------|
+/// | A_, B_, Q_, N_   | as the caller gave them, scaled; R_ is not scaled                     |
+/// | Linv_, Bs_, Ns_  | L⁻¹, B L⁻ᵀ, N L⁻ᵀ                                                     |
+/// | H_               | X                                                                     |
+/// | G_               | the X before a Newton step                                            |
+/// | XB_              | X B                                                                   |
+/// | Sinv_            | discrete only: inverse of the Cholesky factor of S = R + BᵀXB         |
+/// | Y_               | Y Yᵀ = KᵀSK (continuous KᵀRK), the quadratic term of the equation     |
+/// | Kt_              | discrete BᵀXA + Nᵀ, transposed, then Kᵀ; continuous Kᵀ at the end     |
+/// | residual_        | residual matrix of the equation at X                                  |
+/// | BK_              | B K of the X that was proved stabilizing                              |
+/// | F_               | continuous only: (A_c - γI)⁻¹                                         |
+/// | E_               | S₀ = I + 2γ F (discrete A_c), then its powers S₀², S₀⁴, …             |
+/// | h0_, h2_         | M = I and M = X² (discrete A_cᵀX²A_c), then the solutions Δ           |
+/// | correction_      | M = residual_, then the solution Δ, Newton's correction of X          |
+/// | T_, U_, V_       | products on their way                                                 |
 #pragma once
 
 #include <Eigen/Core>
@@ -30,18 +51,18 @@ class Doubling : public DoublingSolver, protected DoublingSteps<Ops> {
   using Steps = DoublingSteps<Ops>;
   using Square = typename Ops::Square;
   using Panel = typename Ops::Panel;
-  using Steps::At_, Steps::Qt_, Steps::E_, Steps::G_, Steps::H_, Steps::T_, Steps::U_, Steps::next_,
+  using Steps::A_tilde_, Steps::Q_tilde_, Steps::E_, Steps::G_, Steps::H_, Steps::T_, Steps::U_,
       Steps::V_, Steps::gamma_, Steps::ops_;
 
   bool solve_loaded(bool continuous, const RiccatiOptions& options, Candidate& found,
                     SquaredNorms& norms) {
-    if (continuous && !Steps::start_continuous(ops_.speed(At_, G_, Qt_))) return false;
+    if (continuous && !Steps::start_continuous(ops_.speed(A_tilde_, G_, Q_tilde_))) return false;
     if (!continuous) Steps::start_discrete();
-    if (!Steps::iterate(options.max_iterations, kStands, found.iterations)) return false;
+    if (!Steps::iterate(options.max_iterations, kTolerance, found.iterations)) return false;
     return polish(continuous, found, norms);
   }
 
-  /// Fills the scaled matrices: A, B, Q, N as given; A_, Q_ of the problem without cross term.
+  /// Fills the scaled matrices: A, B, Q, N as given; Ã, Q̃, G of the problem without cross term.
   void load(const RiccatiEquation& problem, const Eigen::MatrixXd& factor_R) {
     cross_ = problem.has_cross_term();
     ops_.load_square(problem.A, A_);
@@ -50,26 +71,31 @@ class Doubling : public DoublingSolver, protected DoublingSteps<Ops> {
     ops_.load_panel(problem.B, B_);
     ops_.load_small(problem.R, R_);
     ops_.invert_factor(factor_R, Linv_);
-    ops_.times_small_transposed(B_, Linv_, Bs_);  // Bs = B L⁻ᵀ, so that G = Bs Bsᵀ
-    ops_.outer(Bs_, G_);
+    ops_.multiply_small_nt(B_, Linv_, Bs_);
+    ops_.multiply_nt(Bs_, G_);  // G = B R⁻¹ Bᵀ
     if (cross_) {
       ops_.load_panel(problem.N, N_);
-      ops_.times_small_transposed(N_, Linv_, Ns_);
-      ops_.outer(Bs_, Ns_, T_);
-      ops_.subtract(A_, T_, At_);  // A - B R⁻¹ Nᵀ
-      ops_.outer(Ns_, T_);
-      ops_.subtract(Q_, T_, Qt_);  // Q - N R⁻¹ Nᵀ
+      ops_.multiply_small_nt(N_, Linv_, Ns_);
+      ops_.multiply_nt(Bs_, Ns_, T_);
+      A_tilde_.set_difference(A_, T_);  // Ã = A - B R⁻¹ Nᵀ
+      ops_.multiply_nt(Ns_, T_);
+      Q_tilde_.set_difference(Q_, T_);  // Q̃ = Q - N R⁻¹ Nᵀ
     } else {
-      ops_.copy(A_, At_);
-      ops_.copy(Q_, Qt_);
+      A_tilde_ = A_;
+      Q_tilde_ = Q_;
     }
-    norm_A_ = ops_.norm_frobenius(At_);
+    norm_A_ = ops_.norm_frobenius(A_tilde_);
     norm_G_ = ops_.norm_frobenius(G_);
-    norm_Q_ = ops_.norm_frobenius(Qt_);
-    ops_.balance(At_, G_, Qt_);
-    ops_.scale_square(At_, -1, 1);
+    norm_Q_ = ops_.norm_frobenius(Q_tilde_);
+    scale();
+  }
+
+  /// D⁻¹AD, D⁻¹B, D⁻¹GD⁻¹, DQD, DN
+  void scale() {
+    ops_.balance(A_tilde_, G_, Q_tilde_);
+    ops_.scale_square(A_tilde_, -1, 1);
     ops_.scale_square(G_, -1, -1);
-    ops_.scale_square(Qt_, 1, 1);
+    ops_.scale_square(Q_tilde_, 1, 1);
     ops_.scale_panel(B_, -1);
     ops_.scale_panel(Bs_, -1);
     if (cross_) {
@@ -78,31 +104,33 @@ class Doubling : public DoublingSolver, protected DoublingSteps<Ops> {
       ops_.scale_panel(N_, 1);
       ops_.scale_panel(Ns_, 1);
     } else {
-      ops_.copy(At_, A_);
-      ops_.copy(Qt_, Q_);
+      A_ = A_tilde_;
+      Q_ = Q_tilde_;
     }
   }
 
   /// Judges X = H; takes Newton steps while they pay; writes X, K and the residual back.
   bool polish(bool continuous, Candidate& found, SquaredNorms& norms) {
+    Square& X = H_;
+    Square& X_before = G_;
     Residual now = residual(continuous);
     if (!std::isfinite(now.worst())) return false;
+    bool pays = true;  // whether the step before halved the residual
     for (int step = 0;; ++step) {
-      const bool refine = now.worst() > worth_refining_ && step < kMaxNewtonSteps;
+      const bool refine = pays && now.worst() > worth_refining_ && step < kMaxNewtonSteps;
       if (!prove_stable(continuous, refine)) return false;
       if (!refine) break;
-      ops_.copy(H_, G_);  // to go back to
-      ops_.add_symmetric(correction_, H_);
+      X_before = X;
+      ops_.add_symmetric(correction_, X);  // X ← X + Δ
       const Residual then = residual(continuous);
       if (!(then.worst() < now.worst())) {
-        ops_.copy(G_, H_);
+        X = X_before;
         now = residual(continuous);
         break;
       }
-      const bool paid = then.worst() < 0.5 * now.worst();
+      pays = then.worst() < 0.5 * now.worst();
       now = then;
-      if ((!paid || now.worst() <= worth_refining_) && proof_covers_correction(continuous)) break;
-      if (!paid) step = kMaxNewtonSteps;
+      if ((!pays || now.worst() <= worth_refining_) && proof_covers_correction(continuous)) break;
     }
     publish(continuous, now, found, norms);
     return true;
@@ -110,92 +138,96 @@ class Doubling : public DoublingSolver, protected DoublingSteps<Ops> {
 
   void publish(bool continuous, const Residual& of_X, Candidate& found, SquaredNorms& norms) {
     fill_norms(of_X, norms);
-    ops_.times_small(Y_, continuous ? Linv_ : Sinv_, Kt_);
+    // Kᵀ = Y L⁻¹ with L Lᵀ = R, discrete S
+    ops_.multiply_small(Y_, continuous ? Linv_ : Sinv_, Kt_);
     ops_.store_solution(H_, Kt_, found.X, found.K);
   }
 
-  /// Leaves the residual matrix in residual_, Y_ with Y Yᵀ the quadratic term, and, for the
-  /// discrete equation, B K's factor; all by the caller's data, scaled by exact powers of two.
+  /// The residual matrix into residual_, with Y_ and, for the discrete equation, Sinv_; from the
+  /// caller's data, scaled by exact powers of two.
   Residual residual(bool continuous) {
-    ops_.panel(H_, B_, XB_);
+    ops_.multiply_panel(H_, B_, XB_);
     if (continuous) {
-      // Y = X Bs + Ns; residual = AᵀX + XA - Y Yᵀ + Q
-      ops_.times_small_transposed(XB_, Linv_, Y_);
-      if (cross_) ops_.add_panel(Y_, Ns_);
-      ops_.multiply_transposed(A_, H_, T_);
-      ops_.outer(Y_, U_);
+      // Y = X B L⁻ᵀ + N L⁻ᵀ
+      ops_.multiply_small_nt(XB_, Linv_, Y_);
+      if (cross_) Y_ += Ns_;
+      // residual = AᵀX + XA - Y Yᵀ + Q
+      ops_.multiply_tn(A_, H_, T_);
+      ops_.multiply_nt(Y_, U_);
       return ops_.residual_continuous(T_, U_, Q_, residual_);
     }
-    // S = R + BᵀXB, F = BᵀXA + Nᵀ, Y = Fᵀ L⁻ᵀ with L Lᵀ = S; residual = AᵀXA - X - Y Yᵀ + Q
+    // S = R + BᵀXB = L Lᵀ, Y = (AᵀXB + N) L⁻ᵀ
     if (!ops_.invert_inner(R_, B_, XB_, Sinv_)) return {};
-    ops_.panel_transposed(A_, XB_, Kt_);
-    if (cross_) ops_.add_panel(Kt_, N_);
-    ops_.times_small_transposed(Kt_, Sinv_, Y_);
+    ops_.multiply_panel_tn(A_, XB_, Kt_);
+    if (cross_) Kt_ += N_;
+    ops_.multiply_small_nt(Kt_, Sinv_, Y_);
+    // residual = AᵀXA - X - Y Yᵀ + Q
     ops_.multiply(H_, A_, V_);
-    ops_.multiply_transposed(A_, V_, T_);
-    ops_.outer(Y_, U_);
+    ops_.multiply_tn(A_, V_, T_);
+    ops_.multiply_nt(Y_, U_);
     return ops_.residual_discrete(T_, H_, U_, Q_, residual_);
   }
 
-  /// B K of the present X into BK.
+  /// BK = B K of the present X: B L⁻ᵀ Yᵀ (discrete B (Y L⁻¹)ᵀ).
   void feedback(bool continuous, Square& BK) {
-    if (!continuous) ops_.times_small(Y_, Sinv_, Kt_);
-    ops_.outer(continuous ? Bs_ : B_, continuous ? Y_ : Kt_, BK);
+    if (!continuous) ops_.multiply_small(Y_, Sinv_, Kt_);
+    ops_.multiply_nt(continuous ? Bs_ : B_, continuous ? Y_ : Kt_, BK);
   }
 
-  /// Leaves in E_ the closed loop A - B K, or, continuous, its Cayley transform I + 2γ F with
-  /// F = (A - B K - γI)⁻¹ left in F_. All poles are stable exactly when the powers of E_ vanish.
+  /// E = A_c, or, continuous, its Cayley transform I + 2γ F with F = (A_c - γI)⁻¹. All poles are
+  /// stable exactly when the powers of E vanish.
   bool close_loop(bool continuous) {
     feedback(continuous, BK_);
-    ops_.subtract(A_, BK_, E_);
+    E_.set_difference(A_, BK_);  // A_c = A - B K
     if (!continuous) return true;
     ops_.add_diagonal(E_, -gamma_);
     ops_.set_padding(E_, -2 * gamma_);
     if (!ops_.factor(E_)) return false;
-    ops_.identity(F_);
-    ops_.solve(F_);
-    ops_.copy(F_, E_);
-    ops_.multiply_by(E_, 2 * gamma_);
-    ops_.add_diagonal(E_, 1);
+    ops_.set_identity(F_);
+    ops_.solve(F_);  // F = (A_c - γI)⁻¹
+    E_ = F_;
+    E_ *= 2 * gamma_;
+    ops_.add_diagonal(E_, 1);  // E = I + 2γ F
     return true;
   }
 
-  /// First term of the sum Σ (Eᵏ)ᵀ M₀ Eᵏ that solves the closed loop's Lyapunov equation for M:
-  /// M₀ = 2γ Fᵀ M F, or M itself when discrete.
+  /// M ← 2γ Fᵀ M F, the first term of the sum Σ (Eᵏ)ᵀ M₀ Eᵏ that solves the Lyapunov equation;
+  /// discrete M itself.
   void start_sum(bool continuous, Square& M) {
     if (!continuous) return;
     ops_.multiply(M, F_, T_);
-    ops_.multiply_transposed(F_, T_, M);
-    ops_.multiply_by(M, 2 * gamma_);
+    ops_.multiply_tn(F_, T_, M);
+    M *= 2 * gamma_;
   }
 
-  /// Doubles the number of terms of the sum: M ← M + Eᵀ M E.
+  /// M ← M + Eᵀ M E, twice as many terms of the sum.
   void double_sum(Square& M) {
     ops_.multiply(M, E_, T_);
     ops_.add_product_tn(E_, T_, M);
   }
 
-  /// Right sides of the Lyapunov equations that the condition is estimated from: I into h0_, X²
-  /// (discrete AcᵀX²Ac, Ac in E_) into h2_, in the caller's units.
+  /// Right sides of the Lyapunov equations from which the condition is estimated, I and X²
+  /// (discrete A_cᵀX²A_c) in the caller's units.
   void load_norm_sums(bool continuous) {
-    ops_.squared_scales(h0_);  // D I D
+    ops_.set_squared_scales(h0_);  // D I D
+    // D X² D = X_z D⁻² X_z
     ops_.divide_rows_twice(H_, T_);
-    ops_.multiply(H_, T_, h2_);  // D X² D = X_z D⁻² X_z
+    ops_.multiply(H_, T_, h2_);
     if (!continuous) {
       ops_.multiply(h2_, E_, T_);
-      ops_.multiply_transposed(E_, T_, h2_);
+      ops_.multiply_tn(E_, T_, h2_);
     }
   }
 
-  /// Proves X stabilizing by squaring E_ until it is small. The same powers solve the closed loop's
-  /// Lyapunov equation for h0_, h2_ and, with `refine`, Newton's correction of X.
+  /// Proves X stabilizing by squaring E until it is small. The same powers solve the Lyapunov
+  /// equations for h0_, h2_ and, with `refine`, for Newton's correction of X.
   bool prove_stable(bool continuous, bool refine) {
     if (!close_loop(continuous)) return false;
     load_norm_sums(continuous);
     start_sum(continuous, h0_);
     start_sum(continuous, h2_);
     if (refine) {
-      ops_.copy(residual_, correction_);
+      correction_ = residual_;
       start_sum(continuous, correction_);
     }
     for (int i = 0; i < kMaxSquarings; ++i) {
@@ -205,28 +237,30 @@ class Doubling : public DoublingSolver, protected DoublingSteps<Ops> {
       double_sum(h0_);
       double_sum(h2_);
       if (refine) double_sum(correction_);
-      ops_.multiply(E_, E_, T_);
-      ops_.swap(E_, T_);
+      ops_.multiply(E_, E_, T_);  // E ← E²
+      swap(E_, T_);
     }
     return false;
   }
 
   /// Whether xᵀ h₀ x, a Lyapunov function of the closed loop before the correction, is one of the
-  /// closed loop after it: with dA the difference, h₀ dA (discrete (Ac + dA)ᵀ h₀ dA) must be small
-  /// against the I that h₀ was made for.
+  /// closed loop after it: with dA the difference, h₀ dA (discrete (A_c + dA)ᵀ h₀ dA) must be small
+  /// compared with the I for which h₀ was computed.
   bool proof_covers_correction(bool continuous) {
-    feedback(continuous, T_);
-    ops_.subtract(BK_, T_, U_);  // dA
-    ops_.multiply(h0_, U_, V_);
+    Square& BK_now = T_;
+    feedback(continuous, BK_now);
+    U_.set_difference(BK_, BK_now);  // dA
+    ops_.multiply(h0_, U_, V_);      // h₀ dA
     if (!continuous) {
-      ops_.subtract(A_, T_, E_);
-      ops_.multiply_transposed(E_, V_, T_);
-      ops_.swap(T_, V_);
+      E_.set_difference(A_, BK_now);  // A_c + dA
+      ops_.multiply_tn(E_, V_, T_);
+      swap(T_, V_);
     }
     return ops_.weighted_norm(V_) < 0.05;
   }
 
   void fill_norms(const Residual& of_X, SquaredNorms& norms) const {
+    const auto squared = [](double x) { return x * x; };
     norms.residual = of_X.squared;
     norms.terms = of_X.squared_terms;
     norms.A = squared(norm_A_);
@@ -237,12 +271,10 @@ class Doubling : public DoublingSolver, protected DoublingSteps<Ops> {
     norms.h2 = squared(ops_.weighted_norm(h2_));
   }
 
-  static double squared(double x) { return x * x; }
-
   /// Norm of the powers at which the sums are exact to its square.
   static constexpr double kVanished = 0.03;
-  /// Change of H after which the next one is lost in rounding.
-  static constexpr double kStands = 1e-8;
+  /// Relative change of H after which the next one is lost in rounding.
+  static constexpr double kTolerance = 1e-8;
   static constexpr int kMaxNewtonSteps = 8;
   static constexpr int kMaxSquarings = 45;
 

@@ -11,9 +11,9 @@ bool LaneDoubling::solve(Time time, const std::array<const RiccatiMatrices*, kLa
   stable_.fill(false);
   if (!load(problems)) return false;
   scale();
-  if (continuous_ && !start_continuous(ops_.speed(At_, G_, Qt_))) return false;
+  if (continuous_ && !start_continuous(ops_.speed(A_tilde_, G_, Q_tilde_))) return false;
   if (!continuous_) start_discrete();
-  return iterate(max_iterations, kStands, iterations_) && polish();
+  return iterate(max_iterations, kTolerance, iterations_) && polish();
 }
 
 /// A, B, Q, R, N as given; At, Qt of the problem without cross term; G = B R⁻¹ Bᵀ.
@@ -29,22 +29,22 @@ bool LaneDoubling::load(const std::array<const RiccatiMatrices*, kLaneCount>& pr
   }
   ops_.set_padding(A_, 0);
   if (!ops_.invert_cholesky(R_, Linv_)) return false;
-  ops_.outer(B_, Linv_, Bs_);  // Bs = B L⁻ᵀ, so that G = Bs Bsᵀ
-  ops_.outer(Bs_, Bs_, G_);
-  LaneOps::copy(A_, At_);
-  LaneOps::copy(Q_, Qt_);
+  ops_.multiply_nt(B_, Linv_, Bs_);  // Bs = B L⁻ᵀ, so that G = Bs Bsᵀ
+  ops_.multiply_nt(Bs_, Bs_, G_);
+  A_tilde_ = A_;
+  Q_tilde_ = Q_;
   if (cross_) {
-    ops_.outer(N_, Linv_, Ns_);
-    ops_.subtract_outer(Bs_, Ns_, At_);  // A - B R⁻¹ Nᵀ
-    ops_.subtract_outer(Ns_, Ns_, Qt_);  // Q - N R⁻¹ Nᵀ
+    ops_.multiply_nt(N_, Linv_, Ns_);
+    ops_.subtract_product_nt(Bs_, Ns_, A_tilde_);  // A - B R⁻¹ Nᵀ
+    ops_.subtract_product_nt(Ns_, Ns_, Q_tilde_);  // Q - N R⁻¹ Nᵀ
   }
   return true;
 }
 
 void LaneDoubling::scale() {
-  ops_.balance(At_, G_, Qt_);
-  for (Square* M : {&At_, &A_}) ops_.scale_square(*M, -1, 1);
-  for (Square* M : {&Qt_, &Q_}) ops_.scale_square(*M, 1, 1);
+  ops_.balance(A_tilde_, G_, Q_tilde_);
+  for (Square* M : {&A_tilde_, &A_}) ops_.scale_square(*M, -1, 1);
+  for (Square* M : {&Q_tilde_, &Q_}) ops_.scale_square(*M, 1, 1);
   ops_.scale_square(G_, -1, -1);
   for (Panel* M : {&B_, &Bs_}) ops_.scale_panel(*M, -1);
   if (cross_)
@@ -53,31 +53,34 @@ void LaneDoubling::scale() {
 
 LaneResidual LaneDoubling::evaluate() {
   if (continuous_) {
-    // Y = X Bs + Ns; residual = AᵀX + XA - Y Yᵀ + Q
+    // Y = X B L⁻ᵀ + N L⁻ᵀ
     ops_.multiply(H_, Bs_, Y_);
-    if (cross_) LaneOps::add(Y_, Ns_);
-    LaneOps::copy(Bs_, Bh_);
-    LaneOps::copy(Linv_, inverse_);
-    ops_.multiply_transposed(A_, H_, T_);
-    ops_.outer(Y_, Y_, U_);
+    if (cross_) Y_ += Ns_;
+    Bh_ = Bs_;
+    inverse_ = Linv_;
+    // residual = AᵀX + XA - Y Yᵀ + Q
+    ops_.multiply_tn(A_, H_, T_);
+    ops_.multiply_nt(Y_, Y_, U_);
     return ops_.measure(
         [this](int i, int j) {
           return std::array{T_(i, j), T_(j, i), -U_(i, j), Q_(i, j)};
         },
         residual_);
   }
-  // S = R + BᵀXB = L Lᵀ, F = AᵀXB + N, Y = F L⁻ᵀ; residual = AᵀXA - X - Y Yᵀ + Q
+  // S = R + BᵀXB = L Lᵀ
   ops_.multiply(H_, B_, XB_);
-  ops_.multiply_transposed(B_, XB_, S_);
-  LaneOps::add(S_, R_);
+  ops_.multiply_tn(B_, XB_, S_);
+  S_ += R_;
   if (!ops_.invert_cholesky(S_, inverse_)) return {};
-  ops_.multiply_transposed(A_, XB_, Kt_);
-  if (cross_) LaneOps::add(Kt_, N_);
-  ops_.outer(Kt_, inverse_, Y_);
-  ops_.outer(B_, inverse_, Bh_);
+  // Y = (AᵀXB + N) L⁻ᵀ
+  ops_.multiply_tn(A_, XB_, Kt_);
+  if (cross_) Kt_ += N_;
+  ops_.multiply_nt(Kt_, inverse_, Y_);
+  ops_.multiply_nt(B_, inverse_, Bh_);
+  // residual = AᵀXA - X - Y Yᵀ + Q
   ops_.multiply(H_, A_, V_);
-  ops_.multiply_transposed(A_, V_, T_);
-  ops_.outer(Y_, Y_, U_);
+  ops_.multiply_tn(A_, V_, T_);
+  ops_.multiply_nt(Y_, Y_, U_);
   return ops_.measure(
       [this](int i, int j) {
         return std::array{T_(i, j), -H_(i, j), -U_(i, j), Q_(i, j)};
@@ -86,39 +89,42 @@ LaneResidual LaneDoubling::evaluate() {
 }
 
 bool LaneDoubling::polish() {
+  Square& X = H_;
+  Square& X_before = G_;
   residual_of_ = evaluate();
+  bool pays = true;  // whether the step before halved the residual
   for (int step = 0;; ++step) {
     const double worst = largest(residual_of_.worst);
     if (std::isnan(worst)) return false;
-    const bool refine = worst > kWorthRefining && step < kMaxNewtonSteps;
+    const bool refine = pays && worst > kWorthRefining && step < kMaxNewtonSteps;
     if (!prove_stable(refine)) return false;
     if (!refine) return true;
-    LaneOps::copy(H_, G_);  // to go back to; the proof is of this one
-    LaneOps::add_symmetric(correction_, H_);
+    X_before = X;  // the proof is of this one
+    LaneOps::add_symmetric(correction_, X);
     const LaneResidual then = evaluate();
     const double refined = largest(then.worst);
     if (!(refined < worst)) {
-      LaneOps::copy(G_, H_);
+      X = X_before;
       residual_of_ = evaluate();
       return true;
     }
     residual_of_ = then;
-    if (refined > 0.5 * worst) step = kMaxNewtonSteps;
+    pays = refined <= 0.5 * worst;
   }
 }
 
 /// E = A - B K, or, continuous, its Cayley transform I + 2γ F with F = (A - B K - γI)⁻¹.
 bool LaneDoubling::close_loop() {
-  LaneOps::copy(A_, E_);
-  ops_.subtract_outer(Bh_, Y_, E_);
+  E_ = A_;
+  ops_.subtract_product_nt(Bh_, Y_, E_);
   ops_.set_padding(E_, continuous_ ? -gamma_ : 0);
   if (!continuous_) return true;
   ops_.add_diagonal(E_, -gamma_);
   if (!ops_.factor(E_)) return false;
-  ops_.identity(F_);
-  ops_.solve(F_);
-  LaneOps::copy(F_, E_);
-  LaneOps::multiply_by(E_, 2 * gamma_);
+  ops_.set_identity(F_);
+  ops_.solve(F_);  // F = (A - B K - γI)⁻¹
+  E_ = F_;
+  E_ *= 2 * gamma_;
   ops_.add_diagonal(E_, 1);
   return true;
 }
@@ -126,12 +132,12 @@ bool LaneDoubling::close_loop() {
 bool LaneDoubling::prove_stable(bool refine) {
   if (!close_loop()) return false;
   if (refine) {
-    // First term of Σ (Eᵏ)ᵀ M Eᵏ that solves the closed loop's Lyapunov equation: 2γ Fᵀ M F, or M.
-    LaneOps::copy(residual_, correction_);
+    // First term of Σ (Eᵏ)ᵀ M₀ Eᵏ that solves the closed loop's Lyapunov equation: 2γ Fᵀ M F, or M.
+    correction_ = residual_;
     if (continuous_) {
       ops_.multiply(correction_, F_, T_);
-      ops_.multiply_transposed(F_, T_, correction_);
-      LaneOps::multiply_by(correction_, 2 * gamma_);
+      ops_.multiply_tn(F_, T_, correction_);
+      correction_ *= 2 * gamma_;
     }
   }
   const double small = refine ? kVanished : kContracts;
@@ -149,7 +155,7 @@ bool LaneDoubling::prove_stable(bool refine) {
       ops_.add_product_tn(E_, T_, correction_);
     }
     ops_.multiply(E_, E_, T_);
-    LaneOps::swap(E_, T_);
+    swap(E_, T_);
   }
   return true;
 }

@@ -1,6 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 /// One Riccati equation in each lane, all at once, by structure-preserving doubling, with Newton
 /// steps, residuals and the proof that each closed loop is stable.
+///
+/// Matrices as in riccati_doubling.hpp, which explains the steps, but for
+///
+/// | matrix   | content                                                                       |
+/// |----------|-------------------------------------------------------------------------------|
+/// | inverse_ | L⁻¹ with L Lᵀ = R, discrete S = R + BᵀXB, so that Kᵀ = Y L⁻¹                  |
+/// | Bh_      | B L⁻ᵀ with the same L, so that B K = Bh Yᵀ                                    |
+/// | S_       | discrete only: S                                                              |
+/// | Kt_      | discrete only: AᵀXB + N                                                       |
 #pragma once
 
 #include <Eigen/Core>
@@ -37,8 +46,8 @@ class LaneDoubling : DoublingSteps<LaneOps> {
   bool load(const std::array<const RiccatiMatrices*, kLaneCount>& problems);
   void scale();
   bool polish();
-  /// Leaves the residual matrix in residual_, Y_ with Y Yᵀ the quadratic term, Bh_ with A - Bh Yᵀ
-  /// the closed loop, and inverse_ with Kᵀ = Y inverse. NaN where R + BᵀXB is not positive.
+  /// The residual matrix at X into residual_, with Y_, Bh_ and inverse_. NaN if S of some lane is
+  /// not positive definite.
   LaneResidual evaluate();
   /// Squares the closed loop's map until it is small in every lane; with `refine` the same powers
   /// give Newton's correction of X. False when the map cannot be formed.
@@ -50,7 +59,7 @@ class LaneDoubling : DoublingSteps<LaneOps> {
   /// Norm at which the sums of the correction are exact to its square.
   static constexpr double kVanished = 0.03;
   /// As in riccati_doubling.hpp.
-  static constexpr double kStands = 1e-8;
+  static constexpr double kTolerance = 1e-8;
   /// Doubling without pivots leaves some 1e-15 to 1e-14; a Newton step costs a quarter of it.
   static constexpr double kWorthRefining = 2e-14;
   static constexpr int kMaxNewtonSteps = 3;

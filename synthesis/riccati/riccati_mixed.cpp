@@ -10,16 +10,16 @@ SingleDoubling::SingleDoubling(Eigen::Index nx, Eigen::Index nu) : DoublingSteps
   for (std::size_t i = 0; i < kRoom; ++i) powers_.push_back(ops_.square());
 }
 
-bool SingleDoubling::approximate(bool continuous, const DoubleOps& ops, const DoubleOps::Square& At,
-                                 const DoubleOps::Square& G, const DoubleOps::Square& Qt,
-                                 int max_iterations, double& gamma, DoubleOps::Square& X,
-                                 int& iterations) {
-  ops_.convert(ops, At, 1, At_);
+bool SingleDoubling::approximate(bool continuous, const DoubleOps& ops,
+                                 const DoubleOps::Square& A_tilde, const DoubleOps::Square& G,
+                                 const DoubleOps::Square& Q_tilde, int max_iterations,
+                                 double& gamma, DoubleOps::Square& X, int& iterations) {
+  ops_.convert(ops, A_tilde, 1, A_tilde_);
   ops_.convert(ops, G, 1, G_);
-  ops_.convert(ops, Qt, 1, Qt_);
+  ops_.convert(ops, Q_tilde, 1, Q_tilde_);
   if (continuous && !start_continuous(gamma)) return false;
   if (!continuous) start_discrete();
-  if (!iterate(max_iterations, kStands, iterations)) return false;
+  if (!iterate(max_iterations, kTolerance, iterations)) return false;
   gamma = gamma_;
   ops.convert(ops_, H_, 1, X);
   return true;
@@ -45,8 +45,8 @@ void SingleDoubling::solve_lyapunov(const DoubleOps& ops, DoubleOps::Square& M) 
   ops_.convert(ops, M, 1 / size, V_);
   if (continuous_) {
     ops_.multiply(V_, F_, T_);
-    ops_.multiply_transposed_symmetric(F_, T_, V_);
-    ops_.multiply_by(V_, static_cast<float>(2 * sum_gamma_));
+    ops_.multiply_tn_symmetric(F_, T_, V_);
+    V_ *= static_cast<float>(2 * sum_gamma_);
   }
   for (std::size_t i = 0; i < kept_; ++i) {
     ops_.multiply(V_, powers_[i], T_);
@@ -90,9 +90,9 @@ bool MixedDoubling::solve(const RiccatiEquation& problem, const Eigen::MatrixXd&
 bool MixedDoubling::solve_from_single(bool continuous, const RiccatiOptions& options,
                                       Candidate& found, SquaredNorms& norms) {
   if (!(ops_.scale_spread() <= kLargestSpread)) return false;
-  gamma_ = continuous ? ops_.speed(At_, G_, Qt_) : 1;
-  if (!single_.approximate(continuous, ops_, At_, G_, Qt_, options.max_iterations, gamma_, H_,
-                           found.iterations))
+  gamma_ = continuous ? ops_.speed(A_tilde_, G_, Q_tilde_) : 1;
+  if (!single_.approximate(continuous, ops_, A_tilde_, G_, Q_tilde_, options.max_iterations, gamma_,
+                           H_, found.iterations))
     return false;
   Residual now = residual(continuous);
   if (!(now.worst() < kWorthMending) || !keep_powers(continuous)) return false;
@@ -114,22 +114,23 @@ bool MixedDoubling::keep_powers(bool continuous) {
     if (!(size <= kLargestPower) || !single_.keep_power(ops_, E_)) return false;
     if (std::pow(size, 4) <= kLeftOut) return true;
     ops_.multiply(E_, E_, T_);
-    ops_.swap(E_, T_);
+    swap(E_, T_);
   }
 }
 
 /// Newton's steps by the loop that was closed with the first X, until they no longer pay. False
 /// when double precision would end with a smaller residual.
 bool MixedDoubling::correct(bool continuous, Residual& now) {
+  Square& X_before = G0_;
   for (int step = 0; now.worst() > kGoodEnough * worth_refining_ && step < kMaxCorrections;
        ++step) {
-    ops_.copy(H_, next_);  // to go back to
-    ops_.copy(residual_, correction_);
+    X_before = H_;
+    correction_ = residual_;
     single_.solve_lyapunov(ops_, correction_);
     ops_.add_symmetric(correction_, H_);
     const Residual then = residual(continuous);
     if (!(then.worst() < now.worst())) {
-      ops_.copy(next_, H_);
+      H_ = X_before;
       now = residual(continuous);
       break;
     }

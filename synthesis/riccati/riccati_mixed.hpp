@@ -18,10 +18,10 @@ class SingleDoubling : private DoublingSteps<KernelOps<0, float>> {
 
   SingleDoubling(Eigen::Index nx, Eigen::Index nu);
 
-  /// X of the problem At, G, Qt in X, with about four digits; continuous from the given γ, which
-  /// may move. False when the steps do not converge.
-  bool approximate(bool continuous, const DoubleOps& ops, const DoubleOps::Square& At,
-                   const DoubleOps::Square& G, const DoubleOps::Square& Qt, int max_iterations,
+  /// X of the problem A_tilde, G, Q_tilde in X, with about four digits; continuous from the given
+  /// γ, which may move. False when the steps do not converge.
+  bool approximate(bool continuous, const DoubleOps& ops, const DoubleOps::Square& A_tilde,
+                   const DoubleOps::Square& G, const DoubleOps::Square& Q_tilde, int max_iterations,
                    double& gamma, DoubleOps::Square& X, int& iterations);
 
   /// Starts a list of powers. F is the (A - B K - γI)⁻¹ of a continuous equation.
@@ -36,7 +36,7 @@ class SingleDoubling : private DoublingSteps<KernelOps<0, float>> {
   /// 2¹⁶ samples of the Cayley-transformed loop: slower ones are left to double precision.
   static constexpr std::size_t kRoom = 16;
   /// Change of H at which single precision has nothing more to give.
-  static constexpr double kStands = 1e-4;
+  static constexpr double kTolerance = 1e-4;
 
   bool continuous_ = true;
   double sum_gamma_ = 1;

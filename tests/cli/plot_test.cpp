@@ -13,7 +13,6 @@
 #include "quadtune/errors.hpp"
 #include "report/plots/comparison_figure.hpp"
 #include "report/plots/gnuplot.hpp"
-#include "report/plots/label_placement.hpp"
 #include "report/plots/loop_figure.hpp"
 #include "report/plots/loop_panels.hpp"
 #include "run_program.hpp"
@@ -48,16 +47,14 @@ OpenLoop example_loop() {
 
 std::vector<LoopCurves> example_curves() {
   const OpenLoop loop = example_loop();
-  return {cli::loop_curves(loop, loop_margins(loop), "loop", {})};
+  return {cli::loop_curves(loop, loop_margins(loop), "loop")};
 }
 
-/// The two ends of the segment that starts a panel's mark: black, two points, one above the other.
+/// The two ends of the segment that marks a margin.
 cli::Series mark_of(const Panel& panel) {
   const auto mark =
-      std::find_if(panel.series.begin(), panel.series.end(), [](const cli::Series& series) {
-        return series.look.color == cli::Look::kInk && series.x.size() == 2 &&
-               series.shape == cli::Shape::line;
-      });
+      std::find_if(panel.series.begin(), panel.series.end(),
+                   [](const cli::Series& series) { return series.style == cli::kMarkStyle; });
   EXPECT_NE(mark, panel.series.end());
   return *mark;
 }
@@ -225,45 +222,42 @@ TEST(Plot, NamesWithMarkupStayText) {
 
 TEST(Plot, LeavesOutWhatIsNotFinite) {
   const double inf = std::numeric_limits<double>::infinity();
-  const Figure figure{
-      .title = "",
-      .subtitle = "",
-      .panels = {{.title = "",
-                  .x = {.logarithmic = true},
-                  .y = {},
-                  .series = {{.x = {-1, 0, 1, 2, 3}, .y = {1, 1, std::nan(""), 2, inf}}}}}};
+  const Figure figure{.title = "",
+                      .subtitle = "",
+                      .panels = {{.title = "",
+                                  .x = {.logarithmic = true},
+                                  .y = {},
+                                  .series = {{.x = {-1, 0, 1, 2, 3},
+                                              .y = {1, 1, std::nan(""), 2, inf},
+                                              .style = cli::line_style(0)}}}}};
   const std::string script = cli::gnuplot_script(figure, PictureFormat::svg);
-  EXPECT_THAT(script, HasSubstr("$p0s0 << EOD\n2 2\n"));
+  EXPECT_THAT(script, HasSubstr("$p0s0 << EOD\n2 2\n\nEOD\n"));
   EXPECT_THAT(script, Not(HasSubstr("inf")));
   EXPECT_FALSE(cli::run_gnuplot(script, "test.svg").empty());
 }
 
-// Points far outside are left out; what is drawn in their place must not come into the panel.
-TEST(Plot, ALineAroundThePanelStaysOutside) {
-  cli::Series circle;
-  for (int i = 0; i <= 360; ++i) {
-    circle.x.push_back(100 * std::cos(i * M_PI / 180));
-    circle.y.push_back(100 * std::sin(i * M_PI / 180));
-  }
-  const cli::Axis axis{.low = -1, .high = 1};
-  const std::string script =
-      cli::gnuplot_script({.title = "",
-                           .subtitle = "",
-                           .panels = {{.title = "", .x = axis, .y = axis, .series = {circle}}}},
-                          PictureFormat::svg);
-  std::istringstream block(script.substr(script.find("$p0s0 << EOD\n") + 13));
-  double x = 0;
-  double y = 0;
-  double last_x = 100;
-  double last_y = 0;
-  while (block >> x >> y) {  // no chord passes the middle
-    const double cross = std::abs(x * last_y - y * last_x);
-    const double length = std::hypot(x - last_x, y - last_y);
-    EXPECT_TRUE(length == 0 || cross / length > 2);
-    last_x = x;
-    last_y = y;
-  }
-  EXPECT_EQ(last_x, 100);
+// Every panel names its axes with their units, and the legend lies outside the axes.
+TEST(Plot, ScriptHasOneLegendAPanelOutsideOfIt) {
+  const OpenLoop loop = example_loop();
+  const std::string script = cli::gnuplot_script(
+      cli::margins_figure("title", loop, margins_report(loop, {"loop"})), PictureFormat::svg);
+  EXPECT_THAT(script, HasSubstr("set multiplot layout 2,3 title 'title'.\"\\n\".'stable, "));
+  EXPECT_THAT(script, HasSubstr("set key below"));
+  EXPECT_THAT(script, HasSubstr("title 'GM 11.1 dB'"));
+  EXPECT_THAT(script, HasSubstr("title 'PM 29.1°'"));
+  for (const char* label : {"time [s]", "frequency [rad/s]", "magnitude [dB]", "phase [deg]"})
+    EXPECT_THAT(script, HasSubstr(std::string("label '") + label + "'"));
+  EXPECT_THAT(script, Not(HasSubstr("set label")));
+}
+
+TEST(Plot, APanelWithoutDataHasItsAxes) {
+  const Figure figure{
+      .title = "",
+      .subtitle = "",
+      .panels = {{.title = "empty", .x = {.label = "time [s]"}, .y = {}, .series = {{}}}}};
+  const std::string svg =
+      cli::run_gnuplot(cli::gnuplot_script(figure, PictureFormat::svg), "test.svg");
+  EXPECT_TRUE(says(svg, "time [s]"));
 }
 
 // --- what goes wrong -----------------------------------------------------------------------------
@@ -342,7 +336,7 @@ TEST(LoopPanels, PhaseStartsWithTheIntegratorsAndDoesNotJump) {
     Eigen::VectorXd den = Eigen::VectorXd::Zero(integrators + 2);
     den.head(2) << 1, 10;
     const OpenLoop loop(ContinuousTransferFunction{Eigen::VectorXd::Ones(1), den});
-    const LoopCurves curves = cli::loop_curves(loop, loop_margins(loop), "", {});
+    const LoopCurves curves = cli::loop_curves(loop, loop_margins(loop), "");
     EXPECT_NEAR(curves.phase.front(), -90 * integrators, 10) << integrators;
     for (std::size_t i = 1; i < curves.phase.size(); ++i)
       ASSERT_LT(std::abs(curves.phase[i] - curves.phase[i - 1]), 45);
@@ -383,34 +377,25 @@ TEST(LoopPanels, LTouchesTheForbiddenDisk) {
   for (const double w : {0.0, 0.1, 1.0, 10.0}) EXPECT_LT(distance(outside, w, all_but), 1e-9);
 }
 
-TEST(LoopPanels, PoleMapShowsAllPoints) {
+TEST(LoopPanels, PoleMapHasAllPointsAndTheUnitCircle) {
   for (const double dt : {0.0, 0.01}) {
     Eigen::VectorXcd poles(4);
     poles.real() << -1000, -0.1, -0.1, 0.5;
     poles.imag() << 0, 3, -3, 0;
-    const Panel panel = cli::pole_panel("", {{"pole", cli::Shape::crosses, 0, poles}}, dt);
-    for (const cli::Series& series : panel.series) {
-      if (series.shape != cli::Shape::crosses) continue;
-      ASSERT_EQ(series.x.size(), 4U);
-      for (std::size_t i = 0; i < 4; ++i) {
-        EXPECT_GT(series.x[i], *panel.x.low);
-        EXPECT_LT(series.x[i], *panel.x.high);
-        EXPECT_LE(std::abs(series.y[i]), *panel.y.high);
-      }
-    }
+    const Panel panel = cli::pole_panel("", {{"pole", cli::cross_style(0), poles}}, dt);
+    ASSERT_EQ(panel.series.size(), dt > 0 ? 2U : 1U);
+    EXPECT_EQ(panel.series[0].x, std::vector<double>({-1000, -0.1, -0.1, 0.5}));
+    EXPECT_EQ(panel.series[0].y, std::vector<double>({0, 3, -3, 0}));
+    EXPECT_EQ(panel.equal, dt > 0);
   }
 }
 
-TEST(LabelPlacement, KeepsClearOfCurvesAndOtherLabels) {
-  cli::Placement placement;
-  placement.avoid({{0, 1}, {1, 0}});  // falling: free to the upper right and the lower left
-  const cli::Box first = placement.beside({0.5, 0.5}, 0.2, 0.1);
-  EXPECT_TRUE(first.x + first.y > 1 || first.x + 0.2 + first.y + 0.1 < 1);
-  const cli::Box second = placement.beside({0.5, 0.5}, 0.2, 0.1);
-  EXPECT_TRUE(second.x >= first.x + 0.2 || first.x >= second.x + 0.2 || second.y >= first.y + 0.1 ||
-              first.y >= second.y + 0.1);
-  const cli::Box corner = placement.in_corner(0.3, 0.2);
-  EXPECT_TRUE((corner.x > 0.5 && corner.y > 0.5) || (corner.x < 0.5 && corner.y < 0.5));
+TEST(LoopPanels, PoleMapShowsWhatIsNearOne) {
+  Eigen::VectorXcd poles(2);
+  poles << std::complex(0.9, 0.05), std::complex(0.9, -0.05);
+  const Panel panel = cli::pole_panel("", {{"pole", cli::cross_style(0), poles}}, 0.01);
+  EXPECT_EQ(panel.x.range, "[0.865836:1.06708]");
+  EXPECT_EQ(panel.y.range, "[-0.134164:0.134164]");
 }
 
 TEST(ComparisonFigure, HasEveryMethodInEveryPanel) {

@@ -27,7 +27,7 @@ inline void columns(std::string_view bytes) {
   read(bytes.substr(feed + 1), options);
 }
 
-/// In this process, so that the fuzzer sees what the child does: the guard is for what it misses.
+/// Within 4 MiB.
 inline void mat(std::string_view bytes) {
   constexpr std::size_t kMost = std::size_t{1} << 22U;
   internal::ByteStream stream(bytes, "f");

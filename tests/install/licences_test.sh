@@ -1,11 +1,9 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
 # licences_test.sh PROGRAM SOURCE: the table under "## Licence" of the README names every library that
-# the program needs, its own and theirs, what it loads to read MAT files, and every library whose
-# headers are compiled in.
+# the program needs, its own and theirs, and every library whose headers are compiled in.
 #
-# It may name more, such as other builds of one library. What HDF5 brings comes with matio and is not
-# asked for one by one.
+# It may name more, such as other builds of one library.
 set -euo pipefail
 program=$1
 source=$2
@@ -30,19 +28,16 @@ needs_of() {
   done < <(ldd "$1")
 }
 needs_of "$program"
-loaded=$(dirname "$(sed 's/.*=> //; s/ (.*//' <<<"$(ldd "$program" | grep 'libquadtune_lib\.so')")")
-loaded+=/libquadtune_mat.so
-needs_of "$loaded"
 
 # Breadth first over what each file asks for by itself.
-queue=("$program" "$loaded")
+queue=("$program")
 while ((${#queue[@]} > 0)); do
   file=${queue[0]}
   queue=("${queue[@]:1}")
   while read -r name; do
     if [[ -n ${seen[$name]:-} ]]; then continue; fi
     seen[$name]=1
-    if [[ -n ${path[$name]:-} && $name != libmatio.* ]]; then queue+=("${path[$name]}"); fi
+    if [[ -n ${path[$name]:-} ]]; then queue+=("${path[$name]}"); fi
     if [[ $name != libquadtune_* ]]; then named "${name%%.so*}" "needed by $(basename "$file")"; fi
   done < <(readelf -d "$file" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p')
 done
@@ -69,7 +64,6 @@ fmt/ fmt
 toml\+\+/ toml++
 openssl/ OpenSSL
 sqlite3 SQLite
-matio matio
 lapacke LAPACKE
 zlib zlib
 PARTS

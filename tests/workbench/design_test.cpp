@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/export_target.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/workbench/design/export_content.hpp"
 #include "same_bits.hpp"
@@ -42,6 +43,17 @@ template <class Matrix>
 bool same(const Matrix& a, const Matrix& b) {
   if (a.rows() != b.rows() || a.cols() != b.cols()) return false;
   return (a.array() == b.array()).all();
+}
+
+// The estimator of a flight program is a word of its exporter, not of the library.
+TEST(Design, FliesWithTheEstimatorOfAnAddedExporter) {
+  add_export_target({.name = "own-program", .takes_memory = true, .estimator = "general"});
+  Design design = load_design(kSource + "/designs/crazyflie-flight.toml");
+  EXPECT_EQ(program_estimator(design), "");
+  design.exports.push_back({"own-program"});
+  EXPECT_EQ(program_estimator(design), "general");
+  design.vehicle.sensors.flow.reset();
+  EXPECT_EQ(program_estimator(design), "") << "which nothing feeds with a velocity";
 }
 
 TEST(Design, InMemoryIsThatOfTheFile) {

@@ -148,16 +148,17 @@ std::string program_estimator(const Design& design) {
   const Sensors& sensors = design.vehicle.sensors;
   const bool tuned = std::any_of(design.kalman.begin(), design.kalman.end(),
                                  [](const KalmanDesign& filter) { return !filter.tuned.empty(); });
-  const auto asked_by_an_export = [&](const std::string& estimator) {
+  const auto asked_for = [&](EstimatorKind kind) {
+    if (kind == EstimatorKind::mambo && tuned) return true;
+    if (kind == EstimatorKind::uquad && design.estimator) return true;
     return std::any_of(design.exports.begin(), design.exports.end(),
                        [&](const ExportRequest& request) {
-                         return export_target(request.to, "export").estimator == estimator;
+                         return export_target(request.to, "export").estimator == to_string(kind);
                        });
   };
-  if ((tuned || asked_by_an_export("mambo")) && sensors.sonar) return "mambo";
-  if ((design.estimator || asked_by_an_export("uquad")) && sensors.barometer &&
-      sensors.magnetometer)
-    return "uquad";
+  for (const EstimatorKind kind :
+       {EstimatorKind::mambo, EstimatorKind::uquad, EstimatorKind::general, EstimatorKind::truth})
+    if (asked_for(kind) && feed_estimator(sensors, to_string(kind))) return to_string(kind);
   // A matrix is optimized with the estimator of the program whose words it has.
   if (design.lqi && design.lqi->matrix)
     return estimator_of_program(design.vehicle, design.lqi->matrix->convention);

@@ -8,6 +8,7 @@
 #include "quadtune/convention.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/convert.hpp"
+#include "quadtune/exports/exporter.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/workbench/design/cascade_report.hpp"
 #include "quadtune/workbench/design/export_content.hpp"
@@ -37,9 +38,9 @@ ExportContent export_content(StoredLaws laws, const std::string& vehicle, const 
 }
 
 std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kind) {
-  if (content.gains && kind != ExportKind::json)
-    content.gains = in_convention(
-        *content.gains, convention(kind == ExportKind::uquad ? "uquad" : "mambo", "--to"));
+  const std::string& words = exporter_of(kind, "--to").convention;
+  if (content.gains && !words.empty())
+    content.gains = in_convention(*content.gains, convention(words, "--to"));
   if (!content.gains || !(content.gains->dt > 0)) return {};
   const VerifyModel model = model_of(content.vehicle, *content.gains);
   content.plant = model.plant;

@@ -8,6 +8,7 @@
 #include <exception>
 #include <string>
 
+#include "quadtune/exports/exporter.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/flight/flight_plan.hpp"
 #include "quadtune/workbench/flown/flown_loop.hpp"
@@ -34,10 +35,28 @@ FlownLaw analysed(const Vehicle& vehicle, const Controller& controller,
 
 }  // namespace
 
+bool feed_estimator(const Sensors& sensors, const std::string& estimator) {
+  switch (estimator_kind(estimator, "exporter")) {
+    case EstimatorKind::mambo:
+      return sensors.sonar.has_value();
+    case EstimatorKind::uquad:
+      return sensors.barometer && sensors.magnetometer;
+    case EstimatorKind::general:
+      return general_filter_lacks(sensors).empty();
+    case EstimatorKind::truth:
+    case EstimatorKind::own:
+      break;
+  }
+  return true;
+}
+
 std::string estimator_of_program(const Vehicle& vehicle, const std::string& convention) {
-  const Sensors& sensors = vehicle.sensors;
-  if (convention == "mambo" && sensors.sonar) return "mambo";
-  if (convention == "uquad" && sensors.barometer && sensors.magnetometer) return "uquad";
+  for (const Exporter& exporter : exporters()) {
+    const std::string& estimator = exporter.target.estimator;
+    if (!exporter.convention.empty() && exporter.convention == convention && !estimator.empty() &&
+        feed_estimator(vehicle.sensors, estimator))
+      return estimator;
+  }
   return "";
 }
 

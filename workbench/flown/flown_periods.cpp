@@ -16,6 +16,10 @@ Controller at_period(Controller law, double dt) {
     cascade->gains.dt = dt;
     return law;
   }
+  if (auto* own = std::get_if<OwnController>(&law)) {
+    own->dt = dt;
+    return law;
+  }
   auto& feedback = std::get<StateFeedbackController>(law);
   if (feedback.gains.memory)
     throw InvalidInput("flown periods",

@@ -13,8 +13,8 @@ struct ExportTarget {
   /// Whether its files hold a law's past commands and lags; others take a matrix alone.
   bool takes_memory = false;
   bool needs_gains = false;  ///< whether there is nothing to write without a state feedback
-  /// The estimator of its flight program, with which a design that is exported to it is flown where
-  /// the vehicle's sensors feed it: "mambo" or "uquad"; empty: by the sensors.
+  /// The estimator of its flight program, with which a design that is exported to it is flown if
+  /// the vehicle's sensors feed it: a name of EstimatorKind; empty: by the sensors.
   std::string estimator = {};
 };
 

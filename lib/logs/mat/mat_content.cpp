@@ -7,25 +7,23 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <deque>
+#include <memory>
+#include <new>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "logs/formats/log_lines.hpp"
 #include "logs/mat/mat_elements.hpp"
-#include "logs/mat/mat_inner_names.hpp"
 #include "logs/mat/mat_tables.hpp"
-#include "logs/mat/mat_variable.hpp"
-#include "logs/mat/memory_file.hpp"
 #include "quadtune/errors.hpp"
 
 namespace quadtune::internal {
 namespace {
 
-constexpr std::size_t kHeaderSize = 128;  // [bytes]
-constexpr std::size_t kTagSize = 8;       // [bytes]
-constexpr std::size_t kKindSize = 520;    // [bytes] that tell MAT v5 from v7.3
-constexpr std::uint32_t kMatrix = 14;
-constexpr std::uint32_t kCompressed = 15;
+constexpr std::size_t kKindSize = 520;  // [bytes] that tell MAT v5 from v7.3
 
 struct Tag {
   std::uint32_t type = 0;
@@ -39,16 +37,16 @@ Tag tag_at(std::string_view bytes) {
   return tag;
 }
 
-// Inflates a whole stream; "" where it is damaged or larger than `most`. zlib compares its
-// checksum.
-std::string inflated(const std::string& compressed, std::size_t most) {
+// Inflates a whole stream behind `bytes`; false where it is damaged. zlib compares its checksum.
+// What was inflated stays charged even then, which bounds the time that damaged streams take.
+bool inflate_behind(std::string& bytes, std::string_view compressed, MemoryBudget& budget) {
   z_stream z{};
-  if (inflateInit(&z) != Z_OK) return "";
+  if (inflateInit(&z) != Z_OK) return false;
+  const std::unique_ptr<z_stream, decltype(&inflateEnd)> end(&z, inflateEnd);
   z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(compressed.data()));
   z.avail_in = static_cast<uInt>(compressed.size());
-  std::string bytes;
   int status = Z_OK;
-  while (status == Z_OK && bytes.size() <= most) {
+  while (status == Z_OK) {
     constexpr std::size_t kStep = std::size_t{1} << 20U;
     const std::size_t done = bytes.size();
     bytes.resize(done + kStep);
@@ -56,27 +54,27 @@ std::string inflated(const std::string& compressed, std::size_t most) {
     z.avail_out = static_cast<uInt>(kStep);
     status = inflate(&z, Z_NO_FLUSH);
     bytes.resize(done + kStep - z.avail_out);
+    budget.charge(bytes.size() - done);
     if (status == Z_OK && z.avail_in == 0 && z.avail_out > 0) break;  // it wants more than there is
   }
-  inflateEnd(&z);
-  return status == Z_STREAM_END && bytes.size() <= most ? bytes : "";
+  return status == Z_STREAM_END;
 }
 
 class Decoder {
  public:
-  Decoder(ByteStream& stream, std::size_t most) : stream_(stream), most_(most) {}
+  Decoder(ByteStream& stream, std::size_t memory_limit) : stream_(stream), budget_(memory_limit) {}
 
   MatContent content() {
     require_mat_header(stream_.peek(kKindSize), stream_.name());
-    header_ = stream_.peek(kHeaderSize);
-    stream_.skip(kHeaderSize);
+    header_ = stream_.peek(kMatHeaderSize);
+    stream_.skip(kMatHeaderSize);
     while (read_element()) {
     }
     LogCondition& condition = content_.condition;
     if (variables_.empty() && !condition.whole())
       throw InvalidInput("", (condition.torn.empty() ? condition.first_skipped : condition.torn) +
                                  "; no variable can be read");
-    content_.tables = tables_of(variables_, condition.notes);
+    content_.tables = tables_of(variables_, budget_, condition.notes);
     return std::move(content_);
   }
 
@@ -88,70 +86,76 @@ class Decoder {
   // The next element with its tag; false at the end of what can be read.
   bool read_element() {
     const std::uint64_t start = stream_.offset();
-    const std::string_view head = stream_.peek(kTagSize);
+    const std::string_view head = stream_.peek(kMatTagSize);
     if (head.empty()) return false;
-    const Tag tag = head.size() < kTagSize ? Tag{} : tag_at(head);
-    std::string element;
-    if (head.size() < kTagSize || !read_bytes(kTagSize + tag.size, element)) {
+    const Tag tag = head.size() < kMatTagSize ? Tag{} : tag_at(head);
+    const bool compressed = MatType{tag.type} == MatType::compressed;
+    std::string element = compressed ? "" : header_;
+    if (head.size() < kMatTagSize || !append_bytes(kMatTagSize + tag.size, element)) {
       content_.condition.torn = at(start, "the file ends within a variable");
       return false;
     }
-    // Uncompressed elements are padded to eight bytes.
-    if (tag.type != kCompressed) stream_.skip((8 - tag.size % 8) % 8);
-    if (tag.type == kCompressed) {
-      element = inflated(element.substr(kTagSize), most_);
-      if (element.size() < kTagSize) {
+    if (compressed) {
+      std::string bytes = header_;
+      if (!inflate_behind(bytes, std::string_view(element).substr(kMatTagSize), budget_) ||
+          bytes.size() < kMatHeaderSize + kMatTagSize) {
         skip_record(content_.condition, at(start, "a compressed variable is damaged or too large"));
         return true;
       }
+      element = std::move(bytes);
+    } else {
+      stream_.skip((8 - tag.size % 8) % 8);  // padding
+      budget_.charge(element.size());
     }
-    if (tag_at(element).type == kMatrix)
-      read_variable(element, start);
-    else
-      skip_record(content_.condition, at(start, "an element that is no variable"));
+    read_variable(std::move(element), start);
     return true;
   }
 
-  bool read_bytes(std::size_t count, std::string& bytes) {
-    while (bytes.size() < count) {
-      const std::string_view part =
-          stream_.peek(std::min(count - bytes.size(), ByteStream::kWindow));
+  bool append_bytes(std::size_t count, std::string& bytes) {
+    for (std::size_t left = count; left > 0;) {
+      const std::string_view part = stream_.peek(std::min(left, ByteStream::kWindow));
       if (part.empty()) return false;
+      if (bytes.size() + part.size() > budget_.left()) throw std::bad_alloc();
       bytes.append(part);
+      left -= part.size();
       stream_.skip(part.size());
     }
     return true;
   }
 
-  // As a file of its own, so that matio sees nothing that was not checked.
-  void read_variable(const std::string& element, std::uint64_t start) {
-    try {
-      require_mat_v5(header_ + element, at(start, "a variable"));
-    } catch (const InvalidInput& damage) {
-      skip_record(content_.condition, damage.what());
+  // @param bytes  A file of its own, with the header.
+  void read_variable(std::string bytes, std::uint64_t start) {
+    if (MatType{tag_at(std::string_view(bytes).substr(kMatHeaderSize)).type} != MatType::matrix) {
+      skip_record(content_.condition, at(start, "an element that is no variable"));
       return;
     }
-    const MemoryFile file;
-    file.write(header_ + without_inner_names(element));
-    const MatFile mat(Mat_Open(file.path().c_str(), MAT_ACC_RDONLY));
-    MatVariable variable(mat ? Mat_VarReadNext(mat.get()) : nullptr);
-    if (variable)
-      variables_.push_back(std::move(variable));
-    else
-      skip_record(content_.condition, at(start, "matio cannot read a variable"));
+    bytes_.push_back(std::move(bytes));
+    try {
+      std::vector<MatArray> found = parse_mat(bytes_.back(), at(start, "a variable"), budget_);
+      variables_.push_back(std::move(found.front()));
+    } catch (const InvalidInput& damage) {
+      bytes_.pop_back();
+      skip_record(content_.condition, damage.what());
+    }
   }
 
   ByteStream& stream_;
-  std::size_t most_;
+  MemoryBudget budget_;
   std::string header_;
-  std::vector<MatVariable> variables_;
+  std::deque<std::string> bytes_;  // of the variables, which refer to them
+  std::vector<MatArray> variables_;
   MatContent content_;
 };
 
 }  // namespace
 
-MatContent decode_mat(ByteStream& stream, std::size_t most) {
-  return Decoder(stream, most).content();
+MatContent decode_mat(ByteStream& stream, std::size_t memory_limit) {
+  try {
+    return Decoder(stream, memory_limit).content();
+  } catch (const std::bad_alloc&) {
+    throw InvalidInput("", fmt::format("{}: needs more than {} MiB of memory to be read",
+                                       stream.name(), memory_limit >> 20U));
+  }
 }
 
 }  // namespace quadtune::internal

@@ -26,10 +26,11 @@ struct MatContent {
   LogCondition condition;
 };
 
-/// Takes the file apart variable by variable: compressed ones are inflated with their checksum, the
-/// skeleton of each is checked, and only then matio is let at it.
-/// @param most  The largest variable, inflated [bytes].
-/// @throws InvalidInput  for a file of another kind, or one of which nothing can be read.
-[[nodiscard]] MatContent decode_mat(ByteStream& stream, std::size_t most);
+/// Takes the file apart variable by variable. Compressed ones are inflated with their checksum, and
+/// one that is damaged is skipped.
+/// @param memory_limit  Of all variables, inflated, and of the tables [bytes].
+/// @throws InvalidInput  for a file of another kind, one of which nothing can be read, or one that
+///                       needs more memory.
+[[nodiscard]] MatContent decode_mat(ByteStream& stream, std::size_t memory_limit);
 
 }  // namespace quadtune::internal

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -16,14 +15,8 @@
 namespace quadtune::internal {
 namespace {
 
-constexpr std::size_t kHeaderSize = 128;  // [bytes]
-constexpr std::size_t kTagSize = 8;       // [bytes]
-constexpr std::uint32_t kInt32 = 5;
-constexpr std::uint32_t kUint32 = 6;
-constexpr std::uint32_t kMatrix = 14;
-constexpr std::uint32_t kCompressed = 15;
-constexpr std::size_t kMostDimensions = 16;
-constexpr int kDeepest = 32;  // far more than a log has, far less than the stack holds
+constexpr std::size_t kMaxDimensions = 16;
+constexpr int kMaxDepth = 32;  // far more than a log has, far less than the stack holds
 
 template <typename Number>
 Number number_at(std::string_view bytes, std::size_t at) {
@@ -33,22 +26,25 @@ Number number_at(std::string_view bytes, std::size_t at) {
 }
 
 struct Element {
-  std::uint32_t type;
+  MatType type;
   std::string_view data;
 };
 
-class Elements {
+class Parser {
  public:
-  Elements(std::string_view bytes, const std::string& origin) : bytes_(bytes), origin_(origin) {}
+  Parser(std::string_view bytes, const std::string& origin, MemoryBudget& budget)
+      : bytes_(bytes), origin_(origin), budget_(budget) {}
 
-  void check() {
-    for (std::size_t at = kHeaderSize; at < bytes_.size();) {
+  std::vector<MatArray> variables() {
+    std::vector<MatArray> found;
+    for (std::size_t at = kMatHeaderSize; at < bytes_.size();) {
       const Element element = next(at, bytes_.size());
-      if (element.type == kCompressed)
+      if (element.type == MatType::compressed)
         throw InvalidInput(origin_,
                            "is compressed, expected a MAT file that is not: save it with -v6");
-      if (element.type == kMatrix) check_matrix(element, 1);
+      if (element.type == MatType::matrix) found.push_back(array_of(element, 1));
     }
+    return found;
   }
 
  private:
@@ -66,7 +62,7 @@ class Elements {
   // The element at `at`, which moves behind it.
   Element next(std::size_t& at, std::size_t end) const {
     const std::size_t start = at;
-    if (end - at < kTagSize) refuse(start, "an element has no whole tag");
+    if (end - at < kMatTagSize) refuse(start, "an element has no whole tag");
     auto type = number_at<std::uint32_t>(bytes_, at);
     std::size_t size = number_at<std::uint32_t>(bytes_, at + 4);
     const bool small = type > 0xffff;  // up to four bytes, in the tag itself
@@ -74,76 +70,118 @@ class Elements {
       size = type >> 16U;
       type &= 0xffffU;
     }
-    const std::size_t data = at + (small ? 4 : kTagSize);
+    const std::size_t data = at + (small ? 4 : kMatTagSize);
     if (size > (small ? 4 : end - data))
       refuse(start, fmt::format("an element claims {} bytes of {}", size, small ? 4 : end - data));
-    at = small ? at + kTagSize : std::min(end, data + (size + 7) / 8 * 8);
-    return {type, bytes_.substr(data, size)};
+    at = small ? at + kMatTagSize : std::min(end, data + (size + 7) / 8 * 8);
+    return {MatType{type}, bytes_.substr(data, size)};
   }
 
-  // Parts of an array, in order: flags with its class, dimensions, name, then data or what it
-  // holds.
-  void check_matrix(const Element& matrix, int depth) {
-    if (depth > kDeepest) refuse(offset(matrix.data), fmt::format("an array lies {} deep", depth));
+  // Its elements in order: flags, dimensions, name, then numbers or letters; or the length of a
+  // name, the names and the arrays of a struct; or the arrays of a cell.
+  MatArray array_of(const Element& matrix, int depth) {
+    if (depth > kMaxDepth) refuse(offset(matrix.data), fmt::format("an array lies {} deep", depth));
+    budget_.charge(sizeof(MatArray));
+    MatArray array;
     std::size_t at = offset(matrix.data);
     const std::size_t end = at + matrix.data.size();
-    bool plain = false;  // numbers or letters
-    std::int64_t entries = 0;
-    int parts = 0;
-    for (; at < end; ++parts) {
-      const Element part = next(at, end);
-      if (parts == 0) plain = is_plain(part);
-      if (parts == 1) entries = entries_of(part, matrix.data.size());
-      if (parts == 3 && plain) check_data(part, entries);
-      if (part.type == kMatrix) check_matrix(part, depth + 1);
+    std::size_t name_length = 0;
+    int count = 0;
+    for (; at < end; ++count) {
+      const Element element = next(at, end);
+      if (count == 0) read_flags(element, array);
+      if (count == 1) read_dimensions(element, matrix.data.size(), array);
+      if (count == 2) array.name = text_before_nul(element.data);
+      if (count == 3 && has_data(array)) read_data(element, array);
+      if (count == 3 && array.kind == MatClass::structure) name_length = name_length_of(element);
+      if (count == 4 && array.kind == MatClass::structure) read_fields(element, name_length, array);
+      if (count > 2 && element.type == MatType::matrix)
+        array.parts.push_back(array_of(element, depth + 1));
     }
-    if (plain && entries > 0 && parts < 4) refuse(end, "an array ends before its data");
+    if (has_data(array) && array.entries() > 0 && count < 4)
+      refuse(end, "an array ends before its data");
+    require_parts(array, end);
+    return array;
   }
 
-  [[nodiscard]] bool is_plain(const Element& flags) const {
-    if (flags.type != kUint32 || flags.data.size() != 2 * sizeof(std::uint32_t))
+  static bool has_data(const MatArray& array) {
+    return array.kind == MatClass::text || array.is_numeric();
+  }
+
+  static std::string_view text_before_nul(std::string_view bytes) {
+    return bytes.substr(0, bytes.find('\0'));
+  }
+
+  void read_flags(const Element& flags, MatArray& array) const {
+    if (flags.type != MatType::uint32 || flags.data.size() != 2 * sizeof(std::uint32_t))
       refuse(offset(flags.data), "an array does not begin with its flags");
-    const std::uint32_t kind = number_at<std::uint32_t>(flags.data, 0) & 0xffU;
-    constexpr std::uint32_t kCharacters = 4;
-    constexpr std::uint32_t kDouble = 6;
-    constexpr std::uint32_t kLastInteger = 15;
-    return kind == kCharacters || (kind >= kDouble && kind <= kLastInteger);
+    constexpr std::uint32_t kComplex = 0x800;
+    const auto word = number_at<std::uint32_t>(flags.data, 0);
+    array.kind = MatClass{static_cast<std::uint8_t>(word & 0xffU)};
+    array.complex = (word & kComplex) != 0;
   }
 
   // Each entry of what a log holds takes a byte or more.
-  [[nodiscard]] std::int64_t entries_of(const Element& dimensions, std::size_t most) const {
-    const std::size_t count = dimensions.data.size() / sizeof(std::int32_t);
-    if (dimensions.type != kInt32 || count < 2 || count > kMostDimensions ||
-        dimensions.data.size() % sizeof(std::int32_t) != 0)
-      refuse(offset(dimensions.data),
-             fmt::format("an array has other than 2 to {} dimensions", kMostDimensions));
-    std::int64_t entries = 1;
+  void read_dimensions(const Element& element, std::size_t max_entries, MatArray& array) {
+    const std::size_t count = element.data.size() / sizeof(std::int32_t);
+    if (element.type != MatType::int32 || count < 2 || count > kMaxDimensions ||
+        element.data.size() % sizeof(std::int32_t) != 0)
+      refuse(offset(element.data),
+             fmt::format("an array has other than 2 to {} dimensions", kMaxDimensions));
+    std::size_t entries = 1;
     bool too_many = false;
     std::string extents;
     for (std::size_t i = 0; i < count; ++i) {
-      const auto extent = number_at<std::int32_t>(dimensions.data, i * sizeof(std::int32_t));
+      const auto extent = number_at<std::int32_t>(element.data, i * sizeof(std::int32_t));
       extents += fmt::format("{}{}", i > 0 ? " x " : "", extent);
-      too_many = too_many || extent < 0 ||
-                 (extent > 0 && entries > static_cast<std::int64_t>(most) / extent);
-      if (!too_many) entries *= extent;
+      array.dimensions.push_back(static_cast<std::size_t>(extent));
+      too_many =
+          too_many || extent < 0 || (extent > 0 && entries > max_entries / array.dimensions[i]);
+      if (!too_many) entries *= array.dimensions[i];
     }
-    if (too_many)
-      refuse(offset(dimensions.data), fmt::format("an array claims {} entries", extents));
-    return entries;
+    if (too_many) refuse(offset(element.data), fmt::format("an array claims {} entries", extents));
+    budget_.charge(count * sizeof(std::size_t));
   }
 
-  void check_data(const Element& data, std::int64_t entries) const {
-    // Bytes of an entry by type, 0 for what is none: int8, uint8, … as the format numbers them.
-    constexpr std::array<std::int64_t, 19> kWidths = {0, 1, 1, 2, 2, 4, 4, 4, 0, 8,
-                                                      0, 0, 8, 8, 0, 0, 1, 2, 4};
-    const std::int64_t width = data.type < kWidths.size() ? kWidths[data.type] : 0;
-    if (width == 0 || entries * width != static_cast<std::int64_t>(data.data.size()))
-      refuse(offset(data.data), fmt::format("an array of {} entries has {} bytes of type {}",
-                                            entries, data.data.size(), data.type));
+  void read_data(const Element& element, MatArray& array) const {
+    const std::size_t width = width_of(element.type);
+    if (width == 0 || array.entries() * width != element.data.size())
+      refuse(offset(element.data),
+             fmt::format("an array of {} entries has {} bytes of type {}", array.entries(),
+                         element.data.size(), static_cast<std::uint32_t>(element.type)));
+    array.type = element.type;
+    array.data = element.data;
+  }
+
+  [[nodiscard]] std::size_t name_length_of(const Element& element) const {
+    const bool number =
+        element.type == MatType::int32 && element.data.size() == sizeof(std::int32_t);
+    const std::int32_t length = number ? number_at<std::int32_t>(element.data, 0) : 0;
+    if (length <= 0)
+      refuse(offset(element.data), "a struct does not state the length of its names");
+    return static_cast<std::size_t>(length);
+  }
+
+  // Names in slots of one length, with NUL behind them.
+  void read_fields(const Element& element, std::size_t length, MatArray& array) {
+    const std::size_t count = element.data.size() / length;
+    budget_.charge(count * sizeof(std::string_view));
+    for (std::size_t i = 0; i < count; ++i)
+      array.fields.push_back(text_before_nul(element.data.substr(i * length, length)));
+  }
+
+  void require_parts(const MatArray& array, std::size_t end) const {
+    const bool structure = array.kind == MatClass::structure;
+    if (!structure && array.kind != MatClass::cell) return;
+    const std::size_t expected = array.entries() * (structure ? array.fields.size() : 1);
+    if (array.parts.size() != expected)
+      refuse(end, fmt::format("a {} holds {} arrays instead of {}", structure ? "struct" : "cell",
+                              array.parts.size(), expected));
   }
 
   std::string_view bytes_;
   const std::string& origin_;
+  MemoryBudget& budget_;
 };
 
 }  // namespace
@@ -155,10 +193,10 @@ void require_mat_header(std::string_view bytes, const std::string& origin) {
       bytes.substr(std::min(kHdf5Offset, bytes.size())).starts_with(kHdf5))
     throw InvalidInput(origin,
                        "is a MAT v7.3 file, which is HDF5, expected MAT v5: save it with -v6");
-  if (bytes.size() < kHeaderSize)
+  if (bytes.size() < kMatHeaderSize)
     throw InvalidInput(origin, fmt::format("has {} bytes, expected a MAT v5 file, which has a "
                                            "header of {}",
-                                           bytes.size(), kHeaderSize));
+                                           bytes.size(), kMatHeaderSize));
   const auto version = number_at<std::uint16_t>(bytes, 124);
   const auto order = number_at<std::uint16_t>(bytes, 126);
   if (order == 0x494d)
@@ -169,9 +207,10 @@ void require_mat_header(std::string_view bytes, const std::string& origin) {
     throw InvalidInput(origin, "is no MAT v5 file, expected one: its header says otherwise");
 }
 
-void require_mat_v5(const std::string& bytes, const std::string& origin) {
+std::vector<MatArray> parse_mat(std::string_view bytes, const std::string& origin,
+                                MemoryBudget& budget) {
   require_mat_header(bytes, origin);
-  Elements(bytes, origin).check();
+  return Parser(bytes, origin, budget).variables();
 }
 
 }  // namespace quadtune::internal

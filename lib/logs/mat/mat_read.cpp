@@ -2,34 +2,34 @@
 #include <fmt/format.h>
 
 #include <cstddef>
+#include <new>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "logs/formats/unicode.hpp"
 #include "logs/log_checks.hpp"
 #include "logs/mat/mat_elements.hpp"
-#include "logs/mat/mat_table.hpp"
-#include "logs/mat/mat_variable.hpp"
-#include "logs/mat/memory_file.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/logs/flight_log.hpp"
+#include "quadtune/logs/log_reader.hpp"
 
 namespace quadtune {
 namespace {
 
 using internal::kMatVariable;
-using internal::MatFile;
-using internal::MatVariable;
+using internal::MatArray;
+using internal::MatClass;
+using internal::MatType;
 using internal::printable;
 
 class Reader {
  public:
   explicit Reader(const std::string& origin) : origin_(origin) {}
 
-  LogTable table(matvar_t* variable) const {
-    const Place log{variable, kMatVariable};
+  LogTable table(const MatArray& variable) const {
+    const Place log{&variable, kMatVariable};
     require_struct(log, 1);
     const std::string format = text(field(log, "format"));
     const double version = number(field(log, "format_version"));
@@ -51,9 +51,9 @@ class Reader {
   }
 
  private:
-  // A variable, which may be missing, and what messages call it.
+  // An array, which may be missing, and what messages call it.
   struct Place {
-    matvar_t* variable;
+    const MatArray* array;
     std::string name;
   };
 
@@ -62,48 +62,33 @@ class Reader {
                                             printable(place.name), expected));
   }
 
-  // matio leaves out the size of what it could not read.
-  static bool has_size(const Place& place) {
-    return place.variable != nullptr && place.variable->rank == 2 &&
-           place.variable->dims != nullptr;
-  }
-  static std::size_t rows(const Place& place) {
-    return has_size(place) ? place.variable->dims[0] : 0;
-  }
+  static std::size_t rows(const Place& place) { return place.array ? place.array->rows() : 0; }
   static std::size_t columns(const Place& place) {
-    return has_size(place) ? place.variable->dims[1] : 0;
+    return place.array ? place.array->columns() : 0;
   }
 
-  // Of that kind, with its data where it has any.
-  static bool is(const Place& place, matio_classes kind) {
-    if (!has_size(place) || place.variable->class_type != kind || place.variable->isComplex != 0)
-      return false;
-    const bool empty = rows(place) * columns(place) == 0 ||
-                       (kind == MAT_C_STRUCT && Mat_VarGetNumberOfFields(place.variable) == 0);
-    return empty || place.variable->data != nullptr;
-  }
-
-  // Likewise, as many entries of that type as its size says.
-  static bool is(const Place& place, matio_classes kind, matio_types type, std::size_t entry) {
-    return is(place, kind) && place.variable->data_type == type &&
-           place.variable->nbytes == rows(place) * columns(place) * entry;
+  static bool is(const Place& place, MatClass kind) {
+    return place.array != nullptr && place.array->is_matrix() && place.array->kind == kind &&
+           !place.array->complex;
   }
 
   void require_struct(const Place& place, std::size_t count) const {
-    if (!is(place, MAT_C_STRUCT) || columns(place) != 1 || rows(place) != count)
+    if (!is(place, MatClass::structure) || columns(place) != 1 || rows(place) != count)
       refuse(place, "a struct, or a column of them");
   }
 
   static Place field(const Place& place, const std::string& name, std::size_t row = 0) {
-    return {Mat_VarGetStructFieldByName(place.variable, name.c_str(), row),
+    return {place.array == nullptr ? nullptr : place.array->field(name, row),
             place.name + '.' + name};
   }
 
   [[nodiscard]] std::vector<double> numbers(const Place& place) const {
-    if (!is(place, MAT_C_DOUBLE, MAT_T_DOUBLE, sizeof(double)) || columns(place) != 1)
+    if (!is(place, MatClass::float64) || place.array->type != MatType::float64 ||
+        columns(place) != 1)
       refuse(place, "a column of real numbers");
-    const auto* const first = static_cast<const double*>(place.variable->data);
-    return {first, first + rows(place)};
+    std::vector<double> values(rows(place));
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = place.array->number(i);
+    return values;
   }
 
   [[nodiscard]] double number(const Place& place) const {
@@ -113,10 +98,8 @@ class Reader {
   }
 
   [[nodiscard]] std::string text(const Place& place) const {
-    if (!is(place, MAT_C_CHAR, MAT_T_UTF16, sizeof(char16_t)) || rows(place) > 1)
-      refuse(place, "a text in UTF-16");
-    const std::optional<std::string> utf8 = internal::utf8_of(
-        {static_cast<const char16_t*>(place.variable->data), rows(place) * columns(place)});
+    const bool letters = is(place, MatClass::text) && rows(place) <= 1;
+    const std::optional<std::string> utf8 = letters ? place.array->utf16_text() : std::nullopt;
     if (!utf8) refuse(place, "a text in UTF-16");
     return *utf8;
   }
@@ -125,14 +108,12 @@ class Reader {
     const Place about = field(log, "about");
     require_struct(about, 1);
     const Place keys = field(log, "about_keys");
-    if (!is(keys, MAT_C_CELL) || columns(keys) != 1 ||
-        rows(keys) != Mat_VarGetNumberOfFields(about.variable))
+    if (!is(keys, MatClass::cell) || columns(keys) != 1 || rows(keys) != about.array->fields.size())
       refuse(keys, "a column of cells, one for each field of about");
     for (std::size_t i = 0; i < rows(keys); ++i) {
       const std::string name = fmt::format("{}[{}]", about.name, i);
-      result.about.emplace_back(
-          text({Mat_VarGetCell(keys.variable, static_cast<int>(i)), keys.name}),
-          text({Mat_VarGetStructFieldByIndex(about.variable, i, 0), name}));
+      result.about.emplace_back(text({&keys.array->parts[i], keys.name}),
+                                text({&about.array->parts[i], name}));
     }
   }
 
@@ -148,7 +129,8 @@ class Reader {
   static Place follow(Place place, std::string_view path) {
     while (true) {
       const std::size_t dot = path.find('.');
-      if (!is(place, MAT_C_STRUCT) || rows(place) * columns(place) != 1) place.variable = nullptr;
+      if (!is(place, MatClass::structure) || rows(place) * columns(place) != 1)
+        place.array = nullptr;
       place = field(place, std::string(path.substr(0, dot)));
       if (dot == std::string_view::npos) return place;
       path.remove_prefix(dot + 1);
@@ -160,17 +142,19 @@ class Reader {
 
 }  // namespace
 
-LogTable internal::table_by_matio(const std::string& bytes, const std::string& origin) {
-  internal::require_mat_v5(bytes, origin);
-  const internal::MemoryFile file;
-  file.write(bytes);
-  const MatFile mat(Mat_Open(file.path().c_str(), MAT_ACC_RDONLY));
-  const MatVariable log(mat ? Mat_VarRead(mat.get(), kMatVariable) : nullptr);
-  if (!log)
+LogTable table_of_mat(const std::string& bytes, const std::string& origin) {
+  const std::size_t memory_limit = LogOptions().memory_limit;
+  internal::MemoryBudget budget(memory_limit);
+  try {
+    const std::vector<MatArray> variables = internal::parse_mat(bytes, origin, budget);
+    for (const MatArray& variable : variables)
+      if (variable.name == kMatVariable) return Reader(origin).table(variable);
+  } catch (const std::bad_alloc&) {
     throw InvalidInput(
-        origin,
-        fmt::format("has no variable '{}', expected it as quadtune writes it", kMatVariable));
-  return Reader(origin).table(log.get());
+        origin, fmt::format("needs more than {} MiB of memory to be read", memory_limit >> 20U));
+  }
+  throw InvalidInput(
+      origin, fmt::format("has no variable '{}', expected it as quadtune writes it", kMatVariable));
 }
 
 }  // namespace quadtune

@@ -4,26 +4,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdint>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <string_view>
 
 #include "logs/clock_unit.hpp"
-#include "logs/formats/unicode.hpp"
 #include "logs/log_titles.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune::internal {
 namespace {
 
-constexpr std::size_t kMostColumns = 10000;    // of a matrix that is a log
+constexpr std::size_t kMaxColumns = 10000;     // of a matrix that is a log
 constexpr std::string_view kUnits = "units.";  // the struct of units in the project's own logs
 
 // A matrix of real numbers as rows of channels.
 struct Matrix {
-  const matvar_t* variable = nullptr;
+  const MatArray* array = nullptr;
   std::size_t rows = 0;
   std::size_t columns = 0;
   bool rows_last = false;  // the rows are along the last dimension: neighbours are of one row
@@ -34,129 +31,41 @@ struct Leaf {
   Matrix matrix;
 };
 
-std::size_t bytes_of(matio_classes kind) {
-  switch (kind) {
-    case MAT_C_DOUBLE:
-    case MAT_C_INT64:
-    case MAT_C_UINT64:
-      return 8;
-    case MAT_C_SINGLE:
-    case MAT_C_INT32:
-    case MAT_C_UINT32:
-      return 4;
-    case MAT_C_INT16:
-    case MAT_C_UINT16:
-      return 2;
-    case MAT_C_INT8:
-    case MAT_C_UINT8:
-      return 1;
-    default:
-      return 0;
-  }
+bool is_scalar_struct(const MatArray& array) {
+  return array.kind == MatClass::structure && array.rows() == 1 && array.columns() == 1;
 }
 
-bool is_scalar_struct(const matvar_t* variable) {
-  if (variable == nullptr || variable->class_type != MAT_C_STRUCT || variable->rank != 2 ||
-      variable->dims == nullptr)
-    return false;
-  return variable->dims[0] == 1 && variable->dims[1] == 1;
+// Of real numbers.
+bool is_numeric(const MatArray* array) {
+  return array != nullptr && array->is_numeric() && !array->complex;
 }
 
-// matio takes no pointers to constants where it only looks.
-matvar_t* mutable_of(const matvar_t* variable) { return const_cast<matvar_t*>(variable); }
-
-std::vector<std::string> fields_of(const matvar_t* variable) {
-  const unsigned count = Mat_VarGetNumberOfFields(mutable_of(variable));
-  char* const* const names = Mat_VarGetStructFieldnames(variable);
-  std::vector<std::string> fields;
-  for (unsigned i = 0; names != nullptr && i < count; ++i) fields.emplace_back(names[i]);
-  return fields;
-}
-
-const matvar_t* field_of(const matvar_t* variable, const char* name, std::size_t index = 0) {
-  return Mat_VarGetStructFieldByName(mutable_of(variable), name, index);
-}
-
-// Real numbers with all of their data.
-bool is_numeric(const matvar_t* variable) {
-  return variable != nullptr && bytes_of(variable->class_type) > 0 && variable->isComplex == 0 &&
-         variable->rank >= 2 && variable->dims != nullptr;
-}
-
-std::size_t entries_of(const matvar_t* variable) {
-  std::size_t entries = 1;
-  for (int i = 0; i < variable->rank; ++i) entries *= variable->dims[i];
-  return entries;
-}
-
-std::optional<Matrix> matrix_of(const matvar_t* variable) {
-  if (!is_numeric(variable) || variable->rank > 3) return std::nullopt;
-  const std::size_t entries = entries_of(variable);
-  if (entries == 0 || variable->data == nullptr ||
-      variable->nbytes != entries * bytes_of(variable->class_type))
+std::optional<Matrix> matrix_of(const MatArray* array) {
+  if (!is_numeric(array) || array->dimensions.size() > 3 || array->data.empty())
     return std::nullopt;
-  const std::size_t first = variable->dims[0];
-  if (variable->rank == 3)
-    return Matrix{variable, variable->dims[2], entries / variable->dims[2], true};
-  if (first == 1) return Matrix{variable, variable->dims[1], 1, true};
-  return Matrix{variable, first, entries / first, false};
+  const std::vector<std::size_t>& size = array->dimensions;
+  const std::size_t entries = array->entries();
+  if (size.size() == 3) return Matrix{array, size[2], entries / size[2], true};
+  if (size[0] == 1) return Matrix{array, size[1], 1, true};
+  return Matrix{array, size[0], entries / size[0], false};
 }
 
-template <typename Number>
-double number_at(const void* data, std::size_t index) {
-  Number value;
-  std::memcpy(&value, static_cast<const char*>(data) + index * sizeof value, sizeof value);
-  return static_cast<double>(value);
-}
-
-double entry(const matvar_t* variable, std::size_t index) {
-  switch (variable->class_type) {
-    case MAT_C_DOUBLE:
-      return number_at<double>(variable->data, index);
-    case MAT_C_SINGLE:
-      return number_at<float>(variable->data, index);
-    case MAT_C_INT64:
-      return number_at<std::int64_t>(variable->data, index);
-    case MAT_C_UINT64:
-      return number_at<std::uint64_t>(variable->data, index);
-    case MAT_C_INT32:
-      return number_at<std::int32_t>(variable->data, index);
-    case MAT_C_UINT32:
-      return number_at<std::uint32_t>(variable->data, index);
-    case MAT_C_INT16:
-      return number_at<std::int16_t>(variable->data, index);
-    case MAT_C_UINT16:
-      return number_at<std::uint16_t>(variable->data, index);
-    case MAT_C_INT8:
-      return number_at<std::int8_t>(variable->data, index);
-    default:
-      return number_at<std::uint8_t>(variable->data, index);
-  }
-}
-
-std::vector<double> column_of(const Matrix& matrix, std::size_t column) {
+std::vector<double> column_of(const Matrix& matrix, std::size_t column, MemoryBudget& budget) {
+  budget.charge(matrix.rows * sizeof(double));
   std::vector<double> values(matrix.rows);
   for (std::size_t i = 0; i < matrix.rows; ++i)
-    values[i] = entry(matrix.variable,
-                      matrix.rows_last ? i * matrix.columns + column : column * matrix.rows + i);
+    values[i] = matrix.array->number(matrix.rows_last ? i * matrix.columns + column
+                                                      : column * matrix.rows + i);
   return values;
 }
 
-// A text of letters that are ASCII; "" for anything else.
-std::string text_of(const matvar_t* variable) {
-  if (variable == nullptr || variable->class_type != MAT_C_CHAR || variable->data == nullptr ||
-      variable->rank != 2 || variable->dims == nullptr)
+// A text of at most 1000 letters; "" for anything else.
+std::string text_of(const MatArray* array) {
+  constexpr std::size_t kMaxLetters = 1000;
+  if (array == nullptr || array->kind != MatClass::text || !array->is_matrix() ||
+      array->entries() > kMaxLetters)
     return "";
-  const std::size_t letters = entries_of(variable);
-  if (letters == 0 || letters > 1000 || variable->nbytes % letters != 0) return "";
-  const std::size_t width = variable->nbytes / letters;
-  const auto* const bytes = static_cast<const char*>(variable->data);
-  if (width == 2) {
-    std::u16string units(letters, u'\0');
-    std::memcpy(units.data(), bytes, variable->nbytes);
-    return utf8_of(units).value_or("");
-  }
-  return width == 1 ? std::string(bytes, letters) : "";
+  return width_of(array->type) == 1 ? std::string(array->data) : array->utf16_text().value_or("");
 }
 
 // What a vector called like a clock is; none where it is not.
@@ -169,59 +78,47 @@ std::optional<LogTitle> clock_title(const Leaf& leaf) {
   return title.ticks > 0 ? std::optional(title) : std::nullopt;
 }
 
-void add_columns(const std::string& name, const std::string& unit, const Matrix& matrix,
-                 MatTable& table) {
-  for (std::size_t i = 0; i < matrix.columns; ++i) {
-    table.group.channels.push_back(
-        {matrix.columns == 1 ? name : fmt::format("{}[{}]", name, i + 1), unit});
-    table.columns.push_back(column_of(matrix, i));
-  }
-}
-
 class Finder {
  public:
-  explicit Finder(std::vector<std::string>& notes) : notes_(notes) {}
+  Finder(MemoryBudget& budget, std::vector<std::string>& notes) : budget_(budget), notes_(notes) {}
 
-  std::vector<MatTable> tables(const std::vector<MatVariable>& variables) {
-    for (const MatVariable& variable : variables)
-      if (!is_scalar_struct(variable.get()))
-        gather(variable.get(), variable->name == nullptr ? "" : variable->name, "");
+  std::vector<MatTable> tables(const std::vector<MatArray>& variables) {
+    for (const MatArray& variable : variables)
+      if (!is_scalar_struct(variable)) gather(variable, std::string(variable.name), "");
     make_tables("");
-    for (const MatVariable& variable : variables) {
-      if (!is_scalar_struct(variable.get())) continue;
-      const std::string name = variable->name == nullptr ? "" : variable->name;
-      if (is_simulink(variable.get()))
-        add_simulink(variable.get(), name);
+    for (const MatArray& variable : variables) {
+      if (!is_scalar_struct(variable)) continue;
+      const std::string name(variable.name);
+      if (is_simulink(variable))
+        add_simulink(variable, name);
       else
-        gather_fields(variable.get(), "", name);
-      make_tables(is_own(variable.get()) ? "" : name);
+        gather_fields(variable, "", name);
+      make_tables(is_own(variable) ? "" : name);
     }
     report_scalars();
     return std::move(tables_);
   }
 
  private:
-  static bool is_simulink(const matvar_t* variable) {
-    const matvar_t* const signals = field_of(variable, "signals");
-    return is_numeric(field_of(variable, "time")) && signals != nullptr &&
-           signals->class_type == MAT_C_STRUCT && signals->rank == 2 && signals->dims != nullptr;
+  static bool is_simulink(const MatArray& array) {
+    const MatArray* const signals = array.field("signals");
+    return is_numeric(array.field("time")) && signals != nullptr &&
+           signals->kind == MatClass::structure && signals->is_matrix();
   }
 
   // A flight log of the project itself, whose channels are called as in its CSV.
-  static bool is_own(const matvar_t* variable) {
-    return text_of(field_of(variable, "format")) == kMatFormat;
-  }
+  static bool is_own(const MatArray& array) { return text_of(array.field("format")) == kMatFormat; }
 
-  void gather_fields(const matvar_t* variable, const std::string& prefix,
-                     const std::string& scope) {
-    const bool own = prefix.empty() && is_own(variable);
-    for (const std::string& field : fields_of(variable)) {
+  void gather_fields(const MatArray& array, const std::string& prefix, const std::string& scope) {
+    const bool own = prefix.empty() && is_own(array);
+    for (std::size_t i = 0; i < array.fields.size(); ++i) {
+      const std::string_view field = array.fields[i];
       if (own && (field == "about" || field == "about_keys" || field == "columns" ||
                   field == "events" || field == "format_version"))
         continue;
-      const matvar_t* const value = field_of(variable, field.c_str());
+      const MatArray& value = array.parts[i];
       if (!is_scalar_struct(value))
-        gather(value, prefix + field, scope);
+        gather(value, fmt::format("{}{}", prefix, field), scope);
       else if (is_simulink(value))
         add_simulink(value, fmt::format("{}.{}{}", scope, prefix, field));
       else
@@ -229,44 +126,46 @@ class Finder {
     }
   }
 
+  // A long name of a struct stands before the names of all that it holds.
+  void charge_name(const std::string& name) { budget_.charge(sizeof(Leaf) + 3 * name.size()); }
+
   // A variable or field that is no struct.
-  void gather(const matvar_t* value, const std::string& name, const std::string& scope) {
-    if (const std::string text = text_of(value); !text.empty()) {
+  void gather(const MatArray& value, const std::string& name, const std::string& scope) {
+    charge_name(scope + name);
+    if (const std::string text = text_of(&value); !text.empty()) {
       if (name.starts_with(kUnits)) units_[name.substr(kUnits.size())] = text;
       return;
     }
-    const std::optional<Matrix> matrix = matrix_of(value);
+    const std::optional<Matrix> matrix = matrix_of(&value);
     const std::string full = scope.empty() ? name : scope + '.' + name;
     if (!matrix)
       note(full, what_is(value));
-    else if (matrix->columns > kMostColumns)
-      note(full,
-           fmt::format("has {} columns, expected at most {},", matrix->columns, kMostColumns));
+    else if (matrix->columns > kMaxColumns)
+      note(full, fmt::format("has {} columns, expected at most {},", matrix->columns, kMaxColumns));
     else if (matrix->rows * matrix->columns == 1)
       scalars_.push_back(full);
     else
       leaves_.push_back({name, *matrix});
   }
 
-  static std::string what_is(const matvar_t* value) {
-    if (value == nullptr) return "";
-    switch (value->class_type) {
-      case MAT_C_CHAR:
+  static std::string what_is(const MatArray& value) {
+    switch (value.kind) {
+      case MatClass::text:
         return "";
-      case MAT_C_CELL:
+      case MatClass::cell:
         return "is a cell array";
-      case MAT_C_STRUCT:
+      case MatClass::structure:
         return "is an array of structs";
-      case MAT_C_SPARSE:
+      case MatClass::sparse:
         return "is a sparse matrix";
-      case MAT_C_OBJECT:
-      case MAT_C_OPAQUE:
+      case MatClass::object:
+      case MatClass::opaque:
         return "is an object: save a timeseries as a struct";
       default:
         break;
     }
-    if (value->isComplex != 0) return "is complex";
-    if (is_numeric(value) && entries_of(value) == 0) return "";
+    if (value.complex) return "is complex";
+    if (value.is_numeric() && value.data.empty()) return "";
     return "is no vector or matrix of numbers";
   }
 
@@ -288,7 +187,7 @@ class Finder {
 
   // The times of a clock [s]; none, with a note, where its unit is not stated and ambiguous.
   std::vector<double> times_of(const Leaf& leaf, const std::string& scope) {
-    std::vector<double> time = column_of(leaf.matrix, 0);
+    std::vector<double> time = column_of(leaf.matrix, 0, budget_);
     const LogTitle title = clock_title(leaf).value_or(LogTitle{});
     const ClockSample sample = sample_of_clock(time);
     const std::string name = printable(scope.empty() ? leaf.name : scope + '.' + leaf.name);
@@ -325,21 +224,24 @@ class Finder {
     const std::vector<double> own_time =
         own_clock == nullptr ? std::vector<double>{} : times_of(*own_clock, scope);
     if (own_time.empty()) own_clock = nullptr;
-    std::vector<std::size_t> lengths;
-    for (const Leaf& leaf : leaves_)
-      if (&leaf != own_clock &&
-          std::find(lengths.begin(), lengths.end(), leaf.matrix.rows) == lengths.end())
-        lengths.push_back(leaf.matrix.rows);
-    for (const std::size_t rows : lengths) {
+    std::map<std::size_t, std::size_t> group_of_rows;
+    std::vector<std::vector<const Leaf*>> groups;
+    for (const Leaf& leaf : leaves_) {
+      if (&leaf == own_clock) continue;
+      const auto [at, is_new] = group_of_rows.try_emplace(leaf.matrix.rows, groups.size());
+      if (is_new) groups.emplace_back();
+      groups[at->second].push_back(&leaf);
+    }
+    for (const std::vector<const Leaf*>& group : groups) {
+      const std::size_t rows = group.front()->matrix.rows;
       MatTable table;
-      table.group.name = lengths.size() == 1 ? scope
-                         : scope.empty()     ? fmt::format("rows{}", rows)
-                                             : fmt::format("{}.rows{}", scope, rows);
-      for (const Leaf& leaf : leaves_) {
-        if (&leaf == own_clock || leaf.matrix.rows != rows) continue;
-        const auto unit = units_.find(leaf.name);
-        add_columns(leaf.name, unit == units_.end() ? title_of(leaf.name).unit : unit->second,
-                    leaf.matrix, table);
+      table.group.name = groups.size() == 1 ? scope
+                         : scope.empty()    ? fmt::format("rows{}", rows)
+                                            : fmt::format("{}.rows{}", scope, rows);
+      for (const Leaf* leaf : group) {
+        const auto unit = units_.find(leaf->name);
+        add_columns(leaf->name, unit == units_.end() ? title_of(leaf->name).unit : unit->second,
+                    leaf->matrix, table);
       }
       if (own_clock != nullptr && own_clock->matrix.rows == rows)
         table.time = own_time;
@@ -352,19 +254,32 @@ class Finder {
     units_.clear();
   }
 
-  void take_file_clock(std::size_t rows, MatTable& table) const {
-    if (file_time_.size() == rows) table.time = file_time_;
+  void take_file_clock(std::size_t rows, MatTable& table) {
+    if (file_time_.size() != rows) return;
+    budget_.charge(rows * sizeof(double));
+    table.time = file_time_;
   }
 
-  void add_simulink(const matvar_t* variable, const std::string& name) {
-    const std::optional<Matrix> clock = matrix_of(field_of(variable, "time"));
-    const matvar_t* const signals = field_of(variable, "signals");
-    const std::size_t count = entries_of(signals);
+  void add_columns(const std::string& name, const std::string& unit, const Matrix& matrix,
+                   MatTable& table) {
+    for (std::size_t i = 0; i < matrix.columns; ++i) {
+      charge_name(name);
+      table.group.channels.push_back(
+          {matrix.columns == 1 ? name : fmt::format("{}[{}]", name, i + 1), unit});
+      table.columns.push_back(column_of(matrix, i, budget_));
+    }
+  }
+
+  void add_simulink(const MatArray& array, const std::string& name) {
+    const std::optional<Matrix> clock = matrix_of(array.field("time"));
+    const MatArray& signals = *array.field("signals");
+    const std::size_t count = signals.entries();
     std::map<std::size_t, MatTable> by_rows;
     for (std::size_t i = 0; i < count; ++i) {
       const std::string label = label_of(signals, i, count);
-      const std::optional<Matrix> values = matrix_of(field_of(signals, "values", i));
-      if (!values || values->columns > kMostColumns) {
+      charge_name(name + label);
+      const std::optional<Matrix> values = matrix_of(signals.field("values", i));
+      if (!values || values->columns > kMaxColumns) {
         note(fmt::format("{}.{}", name, label),
              "has no values that are numbers, or too many a row,");
         continue;
@@ -374,7 +289,7 @@ class Finder {
     for (auto& [rows, table] : by_rows) {
       table.group.name = by_rows.size() == 1 ? name : fmt::format("{}.rows{}", name, rows);
       if (clock && clock->columns == 1 && clock->rows == rows)
-        table.time = column_of(*clock, 0);
+        table.time = column_of(*clock, 0, budget_);
       else
         take_file_clock(rows, table);
       finish(std::move(table));
@@ -382,8 +297,8 @@ class Finder {
   }
 
   // What Simulink calls a signal, or else its place.
-  static std::string label_of(const matvar_t* signals, std::size_t i, std::size_t count) {
-    std::string label = text_of(field_of(signals, "label", i));
+  static std::string label_of(const MatArray& signals, std::size_t i, std::size_t count) {
+    std::string label = text_of(signals.field("label", i));
     if (!label.empty()) return label;
     return count == 1 ? "values" : fmt::format("values_{}", i + 1);
   }
@@ -409,6 +324,7 @@ class Finder {
   }
 
   void finish(MatTable table) {
+    charge_name(table.group.name);
     leave_out_strays(table);
     table.group.timed = !table.time.empty();
     std::map<std::string, int> seen;
@@ -428,6 +344,7 @@ class Finder {
     notes_.push_back("single numbers are passed over: " + names);
   }
 
+  MemoryBudget& budget_;
   std::vector<std::string>& notes_;
   std::vector<MatTable> tables_;
   std::vector<Leaf> leaves_;                  // of the scope that is gathered
@@ -438,9 +355,9 @@ class Finder {
 
 }  // namespace
 
-std::vector<MatTable> tables_of(const std::vector<MatVariable>& variables,
+std::vector<MatTable> tables_of(const std::vector<MatArray>& variables, MemoryBudget& budget,
                                 std::vector<std::string>& notes) {
-  return Finder(notes).tables(variables);
+  return Finder(budget, notes).tables(variables);
 }
 
 }  // namespace quadtune::internal

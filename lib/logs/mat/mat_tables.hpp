@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "logs/mat/mat_array.hpp"
 #include "logs/mat/mat_content.hpp"
-#include "logs/mat/mat_variable.hpp"
 
 namespace quadtune::internal {
 
@@ -17,7 +17,9 @@ namespace quadtune::internal {
 /// A matrix of N rows is N rows of channels x[1], x[2], …; a row vector is one channel; of three
 /// dimensions the last one counts the rows.
 /// @param notes  What was passed over is added.
-[[nodiscard]] std::vector<MatTable> tables_of(const std::vector<MatVariable>& variables,
+/// @throws std::bad_alloc  beyond the budget.
+[[nodiscard]] std::vector<MatTable> tables_of(const std::vector<MatArray>& variables,
+                                              MemoryBudget& budget,
                                               std::vector<std::string>& notes);
 
 }  // namespace quadtune::internal

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "logs/formats/unicode.hpp"
 #include "logs/log_checks.hpp"
-#include "logs/mat/mat_elements.hpp"
+#include "logs/mat/mat_array.hpp"
 #include "logs/mat/mat_fields.hpp"
-#include "logs/mat/mat_table.hpp"
-#include "logs/mat/mat_variable.hpp"
-#include "logs/mat/memory_file.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/logs/flight_log.hpp"
 
@@ -21,65 +18,80 @@ namespace {
 
 using internal::FieldLayout;
 using internal::FieldTree;
-using internal::MatFile;
-using internal::MatVariable;
+using internal::MatClass;
+using internal::MatType;
 
-// matio returns no variable where memory is short, and copies what it is given but for columns.
-MatVariable made(matvar_t* variable) {
-  if (variable == nullptr)
-    throw FileError("a MAT file in memory", "matio could not make a variable");
-  return MatVariable(variable);
+void append(std::string& bytes, const void* data, std::size_t size) {
+  bytes.append(static_cast<const char*>(data), size);
 }
 
-// It refers to `values`; matio only reads them.
-MatVariable numbers(const std::vector<double>& values) {
-  std::array<std::size_t, 2> size = {values.size(), 1};
-  return made(Mat_VarCreate(nullptr, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, size.data(),
-                            const_cast<double*>(values.data()), MAT_F_DONT_COPY_DATA));
+std::string tag(MatType type, std::size_t size) {
+  std::string bytes;
+  const auto length = static_cast<std::uint32_t>(size);
+  append(bytes, &type, sizeof type);
+  append(bytes, &length, sizeof length);
+  return bytes;
 }
 
-MatVariable number(double value) {
-  std::array<std::size_t, 2> size = {1, 1};
-  return made(Mat_VarCreate(nullptr, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, size.data(), &value, 0));
+template <typename Numbers>  // a vector or a string
+std::string element(MatType type, const Numbers& numbers) {
+  const std::size_t size = numbers.size() * sizeof numbers[0];
+  std::string bytes = tag(type, size);
+  append(bytes, numbers.data(), size);
+  bytes.resize((bytes.size() + 7) / 8 * 8, '\0');
+  return bytes;
 }
 
-MatVariable text(const std::string& utf8) {
-  std::u16string units = internal::utf16_of(utf8).value();
-  std::array<std::size_t, 2> size = {units.empty() ? 0U : 1U, units.size()};
-  return made(Mat_VarCreate(nullptr, MAT_C_CHAR, MAT_T_UTF16, 2, size.data(), units.data(), 0));
+// @param content  Its elements behind the name.
+std::string array(MatClass kind, std::size_t rows, std::size_t columns, const std::string& content,
+                  const std::string& name = "") {
+  const std::vector<std::uint32_t> flags = {static_cast<std::uint32_t>(kind), 0};
+  const std::vector<std::int32_t> size = {static_cast<std::int32_t>(rows),
+                                          static_cast<std::int32_t>(columns)};
+  const std::string head = element(MatType::uint32, flags) + element(MatType::int32, size) +
+                           element(MatType::int8, name);
+  return tag(MatType::matrix, head.size() + content.size()) + head + content;
 }
 
-MatVariable cells(const std::vector<std::string>& texts) {
-  std::array<std::size_t, 2> size = {texts.size(), 1};
-  MatVariable cell =
-      made(Mat_VarCreate(nullptr, MAT_C_CELL, MAT_T_CELL, 2, size.data(), nullptr, 0));
-  for (std::size_t i = 0; i < texts.size(); ++i)
-    Mat_VarSetCell(cell.get(), static_cast<int>(i), text(texts[i]).release());
-  return cell;
+std::string numbers(const std::vector<double>& values) {
+  return array(MatClass::float64, values.size(), 1, element(MatType::float64, values));
 }
 
-// One struct, or a column of `rows` of them.
-class Struct {
- public:
-  explicit Struct(const std::vector<std::string>& fields, std::size_t rows = 1,
-                  const char* name = nullptr) {
-    std::vector<const char*> names;
-    names.reserve(fields.size());
-    for (const std::string& field : fields) names.push_back(field.c_str());
-    std::array<std::size_t, 2> size = {rows, 1};
-    variable_ = made(Mat_VarCreateStruct(name, 2, size.data(), names.data(),
-                                         static_cast<unsigned>(names.size())));
+std::string number(double value) { return numbers({value}); }
+
+std::string text(const std::string& utf8) {
+  const std::u16string units = internal::utf16_of(utf8).value();
+  return array(MatClass::text, units.empty() ? 0 : 1, units.size(), element(MatType::utf16, units));
+}
+
+std::string cells(const std::vector<std::string>& texts) {
+  std::string parts;
+  for (const std::string& one : texts) parts += text(one);
+  return array(MatClass::cell, texts.size(), 1, parts);
+}
+
+// A struct, or a column of them.
+// @param values  All fields of the first one, then those of the second one, …
+std::string structs(const std::vector<std::string>& fields, const std::string& values,
+                    std::size_t rows = 1, const std::string& name = "") {
+  std::size_t slot = 1;  // of a name with its NUL, so that all of them fill whole eight bytes
+  for (const std::string& field : fields) slot = std::max(slot, field.size() + 1);
+  while (slot * fields.size() % 8 != 0) ++slot;
+  std::string names;
+  for (const std::string& field : fields) {
+    names += field;
+    names.append(slot - field.size(), '\0');
   }
-
-  void set(std::size_t field, MatVariable value, std::size_t row = 0) {
-    Mat_VarSetStructFieldByIndex(variable_.get(), field, row, value.release());
-  }
-
-  MatVariable take() { return std::move(variable_); }
-
- private:
-  MatVariable variable_;
-};
+  std::string content;
+  const std::uint32_t small_tag =
+      sizeof(std::int32_t) << 16U | static_cast<std::uint32_t>(MatType::int32);
+  const auto length = static_cast<std::int32_t>(slot);
+  append(content, &small_tag, sizeof small_tag);
+  append(content, &length, sizeof length);
+  content += element(MatType::int8, names);
+  content += values;
+  return array(MatClass::structure, rows, 1, content, name);
+}
 
 std::vector<std::string> fields_of(const FieldTree& tree) {
   std::vector<std::string> names;
@@ -89,11 +101,11 @@ std::vector<std::string> fields_of(const FieldTree& tree) {
 
 // The struct of the tree with what `leaf` makes of each column.
 template <typename Leaf>
-MatVariable filled(const FieldTree& tree, const Leaf& leaf) {
+std::string filled(const FieldTree& tree, const Leaf& leaf) {
   if (tree.column >= 0) return leaf(static_cast<std::size_t>(tree.column));
-  Struct result(fields_of(tree));
-  for (std::size_t i = 0; i < tree.fields.size(); ++i) result.set(i, filled(tree.fields[i], leaf));
-  return result.take();
+  std::string values;
+  for (const FieldTree& field : tree.fields) values += filled(field, leaf);
+  return structs(fields_of(tree), values);
 }
 
 std::vector<std::string> names_of(const LogTable& table) {
@@ -102,13 +114,15 @@ std::vector<std::string> names_of(const LogTable& table) {
   return names;
 }
 
-MatVariable about_of(const LogTable& table) {
+std::string about_of(const LogTable& table) {
   internal::FieldNames names;
   std::vector<std::string> fields;
-  for (const auto& [key, value] : table.about) fields.push_back(names.add(key));
-  Struct about(fields);
-  for (std::size_t i = 0; i < fields.size(); ++i) about.set(i, text(table.about[i].second));
-  return about.take();
+  std::string values;
+  for (const auto& [key, value] : table.about) {
+    fields.push_back(names.add(key));
+    values += text(value);
+  }
+  return structs(fields, values);
 }
 
 std::vector<std::string> keys_of(const LogTable& table) {
@@ -117,46 +131,33 @@ std::vector<std::string> keys_of(const LogTable& table) {
   return keys;
 }
 
-MatVariable columns_of(const LogTable& table, const FieldLayout& layout) {
-  Struct columns({"name", "unit", "field"}, table.columns.size());
-  for (std::size_t i = 0; i < table.columns.size(); ++i) {
-    columns.set(0, text(table.columns[i].name), i);
-    columns.set(1, text(table.columns[i].unit), i);
-    columns.set(2, text(layout.paths[i]), i);
-  }
-  return columns.take();
+std::string columns_of(const LogTable& table, const FieldLayout& layout) {
+  std::string values;
+  for (std::size_t i = 0; i < table.columns.size(); ++i)
+    values += text(table.columns[i].name) + text(table.columns[i].unit) + text(layout.paths[i]);
+  return structs({"name", "unit", "field"}, values, table.columns.size());
 }
 
-MatVariable events_of(const LogTable& table) {
-  Struct events({"time", "name", "detail"}, table.events.size());
-  for (std::size_t i = 0; i < table.events.size(); ++i) {
-    events.set(0, number(table.events[i].time), i);
-    events.set(1, text(table.events[i].name), i);
-    events.set(2, text(table.events[i].detail), i);
-  }
-  return events.take();
+std::string events_of(const LogTable& table) {
+  std::string values;
+  for (const LogEvent& event : table.events)
+    values += number(event.time) + text(event.name) + text(event.detail);
+  return structs({"time", "name", "detail"}, values, table.events.size());
 }
 
-MatVariable variable_of(const LogTable& table) {
+std::string variable_of(const LogTable& table) {
   // What a log has beside its columns; a column of such a name gets another field.
   std::vector<std::string> fields = {"format", "format_version", "about", "about_keys",
                                      "units",  "columns",        "events"};
-  const std::size_t first_column = fields.size();
   const FieldLayout layout = internal::layout_of(names_of(table), fields);
   for (const std::string& field : fields_of(layout.root)) fields.push_back(field);
-  Struct log(fields, 1, internal::kMatVariable);
-  log.set(0, text(internal::kMatFormat));
-  log.set(1, number(internal::kMatVersion));
-  log.set(2, about_of(table));
-  log.set(3, cells(keys_of(table)));
-  log.set(4, filled(layout.root, [&](std::size_t i) { return text(table.columns[i].unit); }));
-  log.set(5, columns_of(table, layout));
-  log.set(6, events_of(table));
-  for (std::size_t i = 0; i < layout.root.fields.size(); ++i)
-    log.set(first_column + i, filled(layout.root.fields[i], [&](std::size_t column) {
-              return numbers(table.columns[column].values);
-            }));
-  return log.take();
+  std::string values = text(internal::kMatFormat) + number(internal::kMatVersion) +
+                       about_of(table) + cells(keys_of(table));
+  values += filled(layout.root, [&](std::size_t i) { return text(table.columns[i].unit); });
+  values += columns_of(table, layout) + events_of(table);
+  for (const FieldTree& field : layout.root.fields)
+    values += filled(field, [&](std::size_t i) { return numbers(table.columns[i].values); });
+  return structs(fields, values, 1, internal::kMatVariable);
 }
 
 // No less than the file will have [bytes]: a text stands there up to three times in UTF-16, and
@@ -173,25 +174,21 @@ std::size_t most_bytes(const LogTable& table) {
 
 }  // namespace
 
-std::string internal::bytes_by_matio(const LogTable& table) {
+std::string bytes_of_mat(const LogTable& table) {
   internal::require_log(table, "log");
   if (most_bytes(table) >= kLogLimit)
     throw InvalidInput("log", fmt::format("has {} rows of {} columns and {} events, expected less "
                                           "than 2 GiB in all, as MAT v5 files hold no more: write "
                                           "a .csv",
                                           table.rows(), table.columns.size(), table.events.size()));
-  const internal::MemoryFile file;
-  const MatVariable log = variable_of(table);
-  // A header of our own, as matio's has the time of day.
-  MatFile mat(Mat_CreateVer(file.path().c_str(), "MATLAB 5.0 MAT-file, quadtune log", MAT_FT_MAT5));
-  if (!mat) throw FileError("a MAT file in memory", "matio could not open it");
-  const bool written = Mat_VarWrite(mat.get(), log.get(), MAT_COMPRESSION_NONE) == 0;
-  if (Mat_Close(mat.release()) != 0 || !written)
-    throw FileError("a MAT file in memory", "matio could not write it");
-  std::string bytes = file.read();
-  // matio passes over failed writes; what is torn is seen here.
-  internal::require_mat_v5(bytes, "log");
-  return bytes;
+  std::string bytes = "MATLAB 5.0 MAT-file, quadtune log";  // no date: same log, same bytes
+  bytes.resize(34, '\0');
+  bytes.resize(124, ' ');
+  const std::uint16_t version = 0x0100;
+  const std::uint16_t byte_order = 0x4d49;
+  append(bytes, &version, sizeof version);
+  append(bytes, &byte_order, sizeof byte_order);
+  return bytes + variable_of(table);
 }
 
 }  // namespace quadtune

@@ -17,7 +17,6 @@
 #include "quadtune/control/scheduled_feedback.hpp"
 #include "quadtune/control/state_feedback_law.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/estimation/general_filter.hpp"
 #include "quadtune/simulation/air.hpp"
 #include "quadtune/simulation/carried_motion.hpp"
 #include "quadtune/simulation/flight.hpp"
@@ -28,6 +27,7 @@
 #include "simulation/flight_recorder.hpp"
 #include "simulation/loop/closed_loop_parts.hpp"
 #include "simulation/loop/command_delay.hpp"
+#include "simulation/loop/estimator_slot.hpp"
 #include "simulation/loop/motor_stage.hpp"
 #include "simulation/loop/rotor_vibration.hpp"
 
@@ -57,6 +57,7 @@ class ClosedLoop {
   using PlantOf = Plant<P, R>;
   using State = typename PlantOf::State;
   using Lanes = std::array<const FlightSetup*, N>;
+  using Inputs = Eigen::Matrix<P, kMaxRotors, 1>;  ///< of a law, in its InputKind
 
   explicit ClosedLoop(const Lanes& setups);
 
@@ -80,7 +81,6 @@ class ClosedLoop {
   void make_plant();
   void make_sensors();
   void make_law();
-  void make_estimator();
   void make_upsets();
   void start();
 
@@ -89,13 +89,18 @@ class ClosedLoop {
   void carry(double t);
   [[nodiscard]] State truth_at(double instant, double now) const;
   void sense(double now);
-  void estimate();
+  void estimate(double t);
   void refer(double t);
   void command(std::uint64_t index, double t);
   void command_by_cascade();
-  void command_by_feedback();
+  void command_by_inputs(double t);
+  [[nodiscard]] Inputs feedback_inputs();
+  [[nodiscard]] Inputs own_inputs(double t);
+  void make_speeds(const Inputs& u);
+  [[nodiscard]] Mask<N> make_feasible();
+  void report_to_law(const Inputs& asked, const Inputs& made);
   void follow_schedule(Reference<P>& reference);
-  [[nodiscard]] Eigen::Matrix<P, kMaxRotors, 1> inputs_of_speeds() const;
+  [[nodiscard]] Inputs inputs_of_speeds() const;
   [[nodiscard]] RotorSpeeds<P> believed_thrusts() const;
   void watch(double t);
   void tell(RotorSpeeds<P> speeds);
@@ -154,13 +159,7 @@ class ClosedLoop {
   bool flow_grows_ = false;  ///< whether its noise grows with height
   SensorFrame<P> frame_;
 
-  MamboEstimatorSettings<P> mambo_settings_;
-  MamboEstimatorState<P> mambo_;
-  UquadFilterSettings<P> uquad_settings_;
-  UquadFilterState<P> uquad_;
-  GeneralFilterSettings general_settings_;
-  GeneralFilterState<P> general_;
-  RigidBody believed_body_;
+  std::optional<EstimatorSlot<N>> estimator_;
   Estimate<P> estimate_;
 
   std::vector<MissionRunner> runners_;  ///< one, or one a lane where they look at the estimate
@@ -171,7 +170,10 @@ class ClosedLoop {
   CascadedPidState<P> cascade_;
   StateFeedbackSettings<P> feedback_settings_;
   StateFeedbackState<P> feedback_;
-  std::vector<ScheduledFeedback> schedules_;  ///< one a lane, or none
+  std::vector<ScheduledFeedback> schedules_;          ///< one a lane, or none
+  std::vector<std::unique_ptr<FlightLaw>> own_laws_;  ///< one a lane, or none
+  InputKind input_kind_ = InputKind::wrench;  ///< of a state feedback or a law of the user's own
+  int inputs_ = 4;                            ///< their number
   Allocation<P> allocation_;
   ThrustLimits<P> limits_;
   MotorStage<N> motors_;

@@ -17,7 +17,7 @@ void ClosedLoop<N, R>::run(const std::function<bool()>& interrupted) {
     set_environment(k, t);
     if (carried_) carry(t);
     sense(t);
-    estimate();
+    estimate(t);
     refer(t);
     command(k, t);
     metrics_.add(t, dt_, euler_state_now(), estimate_, reference_, saturated_, power_, alive_,
@@ -211,32 +211,13 @@ void ClosedLoop<N, R>::sense(double now) {
 }
 
 template <int N, int R>
-void ClosedLoop<N, R>::estimate() {
-  switch (common_.estimator) {
-    case EstimatorKind::mambo:
-      estimate_ = step(mambo_settings_, mambo_, frame_);
-      return;
-    case EstimatorKind::uquad:
-    case EstimatorKind::general: {
-      const Mask<N> stands =
-          either(off_, Mask<N>(reference_.phase == FlightPhase::start_up || !between_));
-      const bool may_stand = !common_.mission.start.in_air && !carried_;
-      const Mask<N> standing = both(stands, Mask<N>(may_stand));
-      if (common_.estimator == EstimatorKind::general)
-        estimate_ = step(general_settings_, general_, frame_, standing);
-      else
-        estimate_ = step(uquad_settings_, uquad_, frame_, believed_body_, speeds_, standing);
-      return;
-    }
-    case EstimatorKind::truth:
-      break;
-  }
-  const P yaw_before = estimate_.x(5);
-  estimate_ = {};
-  estimate_.x = euler_state_now();
-  // The law holds an unwrapped yaw.
-  const P turns = nearest((yaw_before - estimate_.x(5)) * P(0.5 * std::numbers::inv_pi));
-  estimate_.x(5) += turns * P(2 * std::numbers::pi);
+void ClosedLoop<N, R>::estimate(double t) {
+  const Mask<N> stands =
+      either(off_, Mask<N>(reference_.phase == FlightPhase::start_up || !between_));
+  const bool may_stand = !common_.mission.start.in_air && !carried_;
+  StateVector<P> truth = StateVector<P>::Zero();
+  if (estimator_->needs_truth()) truth = euler_state_now();
+  estimate_ = estimator_->update({t, frame_, speeds_, both(stands, Mask<N>(may_stand)), truth});
 }
 
 template <int N, int R>
@@ -295,12 +276,12 @@ RotorSpeeds<Pack<N>> ClosedLoop<N, R>::believed_thrusts() const {
   return thrusts;
 }
 
-/// The speeds that the motors are told, in the kind of input of the state feedback.
+/// The speeds that the motors are told, in the kind of input of the law.
 template <int N, int R>
-Eigen::Matrix<Pack<N>, kMaxRotors, 1> ClosedLoop<N, R>::inputs_of_speeds() const {
-  Eigen::Matrix<P, kMaxRotors, 1> inputs = Eigen::Matrix<P, kMaxRotors, 1>::Zero();
+typename ClosedLoop<N, R>::Inputs ClosedLoop<N, R>::inputs_of_speeds() const {
+  Inputs inputs = Inputs::Zero();
   const Eigen::Index rotors = speeds_.size();
-  switch (feedback_settings_.input_kind) {
+  switch (input_kind_) {
     case InputKind::wrench:
       inputs.template head<4>() = wrench_of_thrusts(allocation_, believed_thrusts());
       break;
@@ -359,69 +340,124 @@ void ClosedLoop<N, R>::follow_schedule(Reference<P>& reference) {
 }
 
 template <int N, int R>
-void ClosedLoop<N, R>::command_by_feedback() {
+typename ClosedLoop<N, R>::Inputs ClosedLoop<N, R>::feedback_inputs() {
   Reference<P> reference = reference_;
   if (!schedules_.empty()) follow_schedule(reference);
-  const Eigen::Matrix<P, kMaxRotors, 1> u =
-      step(feedback_settings_, feedback_, estimate_, reference);
-  const InputKind kind = feedback_settings_.input_kind;
-  const auto curve_speed = [&](Eigen::Index i) {
-    const auto k = static_cast<std::size_t>(i);
-    return speed_for_thrust(u(i), allocation_.a2[k], allocation_.a1[k]);
-  };
-  switch (kind) {
+  return step(feedback_settings_, feedback_, estimate_, reference);
+}
+
+/// What the laws of the user's own ask for; where one fails, what the motors do already.
+template <int N, int R>
+typename ClosedLoop<N, R>::Inputs ClosedLoop<N, R>::own_inputs(double t) {
+  Inputs u = inputs_of_speeds();
+  for (int l = 0; l < N; ++l) {
+    const auto k = static_cast<std::size_t>(l);
+    if (!lane(alive_, l)) continue;
+    Estimate<double> estimate;
+    for (int i = 0; i < 12; ++i) estimate.x(i) = lane(estimate_.x(i), l);
+    const Eigen::VectorXd asked = own_laws_[k]->command(estimate, references_[k]);
+    const std::string fault = law_fault(*setups_[k], asked, inputs_);
+    if (fault.empty()) {
+      for (int i = 0; i < inputs_; ++i) set_lane(u(i), l, asked(i));
+      continue;
+    }
+    results_[k].culprit = fault;
+    Mask<N> one;
+    set_lane(one, l, true);
+    end_flight(one, t, FlightEnd::safety_exit, "law", fault);
+  }
+  return u;
+}
+
+/// Sets the speeds, before limits, and the wrench for what the law asks.
+template <int N, int R>
+void ClosedLoop<N, R>::make_speeds(const Inputs& u) {
+  switch (input_kind_) {
     case InputKind::wrench:
       wrench_ = u.template head<4>();
-      break;
+      if (common_.allocation == AllocationRule::clipped)
+        speeds_ = speeds_of_wrench(allocation_, wrench_);
+      return;
     case InputKind::rotor_speed:
       for (Eigen::Index i = 0; i < speeds_.size(); ++i) speeds_(i) = greater(u(i), P(0));
       break;
     case InputKind::rotor_thrust:
-      for (Eigen::Index i = 0; i < speeds_.size(); ++i) speeds_(i) = curve_speed(i);
+      for (Eigen::Index i = 0; i < speeds_.size(); ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        speeds_(i) = speed_for_thrust(u(i), allocation_.a2[k], allocation_.a1[k]);
+      }
       break;
     case InputKind::command:
       motors_.speeds_of_commands(u, speeds_);
       break;
   }
-  const bool by_rotor = kind != InputKind::wrench;
+  const RotorLoads<P> loads = rotor_loads(plant_.body(), speeds_);
+  wrench_ << -loads.force.z(), loads.torque;
+}
+
+/// By AllocationRule::prioritized: the nearest wrench that the motors can make, and its speeds.
+/// Returns where that is another than the law asks for.
+template <int N, int R>
+Mask<N> ClosedLoop<N, R>::make_feasible() {
+  const bool by_rotor = input_kind_ != InputKind::wrench;
+  Mask<N> limited = false;
+  Eigen::Matrix<P, 4, 1> asked = wrench_;
   if (by_rotor) {
-    const RotorLoads<P> loads = rotor_loads(plant_.body(), speeds_);
-    wrench_ << -loads.force.z(), loads.torque;
-  } else if (common_.allocation == AllocationRule::clipped) {
-    speeds_ = speeds_of_wrench(allocation_, wrench_);
+    const RotorSpeeds<P> thrusts = believed_thrusts();
+    asked = wrench_of_thrusts(allocation_, thrusts);
+    for (Eigen::Index i = 0; i < thrusts.size(); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      limited =
+          either(limited, either(thrusts(i) < limits_.least[k], thrusts(i) > limits_.greatest[k]));
+    }
   }
+  const LimitedWrench<P> feasible = prioritized(allocation_, limits_, asked);
+  limited = either(limited, feasible.limited);
+  const RotorSpeeds<P> told = speeds_of_wrench(allocation_, feasible.wrench);
+  for (int i = 0; i < 4; ++i) made_(i) = select(limited, feasible.wrench(i), wrench_(i));
+  for (Eigen::Index i = 0; i < speeds_.size(); ++i)
+    speeds_(i) = by_rotor ? P(select(limited, told(i), speeds_(i))) : told(i);
+  return limited;
+}
+
+/// By a law that asks for inputs of a kind: a state feedback, or one of the user's own.
+template <int N, int R>
+void ClosedLoop<N, R>::command_by_inputs(double t) {
+  const bool clips = common_.allocation == AllocationRule::clipped;
+  const Inputs u = own_laws_.empty() ? feedback_inputs() : own_inputs(t);
+  make_speeds(u);
   made_ = wrench_;
   Mask<N> limited = false;
-  if (common_.allocation == AllocationRule::prioritized) {
-    Eigen::Matrix<P, 4, 1> asked = wrench_;
-    if (by_rotor) {
-      const RotorSpeeds<P> thrusts = believed_thrusts();
-      asked = wrench_of_thrusts(allocation_, thrusts);
-      for (Eigen::Index i = 0; i < thrusts.size(); ++i) {
-        const auto k = static_cast<std::size_t>(i);
-        limited = either(limited,
-                         either(thrusts(i) < limits_.least[k], thrusts(i) > limits_.greatest[k]));
-      }
-    }
-    const LimitedWrench<P> feasible = prioritized(allocation_, limits_, asked);
-    limited = either(limited, feasible.limited);
-    const RotorSpeeds<P> told = speeds_of_wrench(allocation_, feasible.wrench);
-    for (int i = 0; i < 4; ++i) made_(i) = select(limited, feasible.wrench(i), wrench_(i));
-    for (Eigen::Index i = 0; i < speeds_.size(); ++i)
-      speeds_(i) = by_rotor ? P(select(limited, told(i), speeds_(i))) : told(i);
-  }
+  if (common_.allocation == AllocationRule::prioritized) limited = make_feasible();
   motors_.limit(speeds_, saturated_);
-  if (common_.allocation == AllocationRule::clipped) limited = saturated_;
+  if (clips) limited = saturated_;
   saturated_ = either(saturated_, limited);
-  if (!feedback_settings_.remembers && !feedback_settings_.conditional_integration && !common_.log)
+  if (!feedback_settings_.remembers && !feedback_settings_.conditional_integration &&
+      own_laws_.empty() && !common_.log)
     return;
-  const Eigen::Matrix<P, kMaxRotors, 1> told = inputs_of_speeds();
-  Eigen::Matrix<P, kMaxRotors, 1> carried = u;
-  for (int i = 0; i < feedback_settings_.inputs; ++i) carried(i) = select(limited, told(i), u(i));
-  if (common_.allocation == AllocationRule::clipped)
-    made_ = by_rotor ? wrench_of_thrusts(allocation_, believed_thrusts())
-                     : Eigen::Matrix<P, 4, 1>(carried.template head<4>());
-  carried_out(feedback_settings_, feedback_, u, carried);
+  const Inputs told = inputs_of_speeds();
+  Inputs carried = u;
+  for (int i = 0; i < inputs_; ++i) carried(i) = select(limited, told(i), u(i));
+  if (clips)
+    made_ = input_kind_ == InputKind::wrench ? Eigen::Matrix<P, 4, 1>(carried.template head<4>())
+                                             : wrench_of_thrusts(allocation_, believed_thrusts());
+  report_to_law(u, carried);
+}
+
+/// Reports what the motors carry out of what the law asked for.
+template <int N, int R>
+void ClosedLoop<N, R>::report_to_law(const Inputs& asked, const Inputs& made) {
+  if (own_laws_.empty()) {
+    carried_out(feedback_settings_, feedback_, asked, made);
+    return;
+  }
+  for (int l = 0; l < N; ++l) {
+    const auto of_lane = [&](const Inputs& all) {
+      return Eigen::VectorXd(all.head(inputs_).unaryExpr([l](const P& x) { return lane(x, l); }));
+    };
+    if (lane(alive_, l))
+      own_laws_[static_cast<std::size_t>(l)]->carried_out(of_lane(asked), of_lane(made));
+  }
 }
 
 template <int N, int R>
@@ -432,7 +468,7 @@ void ClosedLoop<N, R>::command(std::uint64_t index, double t) {
   if (lawful && std::holds_alternative<CascadeController>(common_.controller)) {
     command_by_cascade();
   } else if (lawful) {
-    command_by_feedback();
+    command_by_inputs(t);
   } else if (reference_.phase == FlightPhase::start_up) {
     const double share = common_.mission.start.start_up > 0
                              ? std::min(1.0, t / common_.mission.start.start_up)
@@ -445,9 +481,9 @@ void ClosedLoop<N, R>::command(std::uint64_t index, double t) {
   }
   if (!lawful) {
     made_ = wrench_of_thrusts(allocation_, believed_thrusts());
-    if (feedback_settings_.remembers) {
-      const Eigen::Matrix<P, kMaxRotors, 1> told = inputs_of_speeds();
-      carried_out(feedback_settings_, feedback_, told, told);
+    if (feedback_settings_.remembers || !own_laws_.empty()) {
+      const Inputs told = inputs_of_speeds();
+      report_to_law(told, told);
     }
   }
   for (int i = 0; i < 4; ++i) {
@@ -496,8 +532,12 @@ void ClosedLoop<N, R>::watch(double t) {
       end_flight(spent, t, FlightEnd::safety_exit, "battery", "its charge is spent");
   }
   const Mask<N> lost = negated(estimate_.finite);
-  if (common_.estimator != EstimatorKind::truth && any(both(lost, alive_)))
+  if (any(both(lost, alive_))) {
+    for (std::size_t l = 0; l < N; ++l)
+      if (lane(both(lost, alive_), static_cast<int>(l)))
+        results_[l].culprit = estimator_->culprit(l);
     end_flight(lost, t, FlightEnd::safety_exit, "estimator", "the estimate is not finite");
+  }
   const bool flies =
       reference_.phase == FlightPhase::flying || reference_.phase == FlightPhase::take_off;
   if (!flies || carried_) {
@@ -518,10 +558,10 @@ void ClosedLoop<N, R>::watch(double t) {
   if (any(both(tilted, alive_)))
     end_flight(tilted, t, FlightEnd::safety_exit, "tilt",
                fmt::format("the believed attitude is tilted by more than {} rad", safety.tilt));
-  if (common_.estimator == EstimatorKind::mambo && common_.flow != FlowModel::off) {
-    const Mask<N> high = -estimate_.x(2) > P(mambo_settings_.flow_least_height);
-    const Mask<N> blind =
-        both(both(in_flight, high), frame_.flow.age > mambo_settings_.flow_timeout);
+  if (const auto* settings = estimator_->needs_flow();
+      settings != nullptr && common_.flow != FlowModel::off) {
+    const Mask<N> high = -estimate_.x(2) > P(settings->flow_least_height);
+    const Mask<N> blind = both(both(in_flight, high), frame_.flow.age > settings->flow_timeout);
     flow_lost_time_ = select(blind, flow_lost_time_ + P(dt_), P(0));
     const Mask<N> too_long = flow_lost_time_ > P(safety.flow_lost_time);
     if (any(both(too_long, alive_)))

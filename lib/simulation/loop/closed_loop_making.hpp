@@ -14,14 +14,12 @@ ClosedLoop<N, R>::ClosedLoop(const Lanes& setups)
       common_(*setups[0]),
       dt_(control_period(common_)),
       substeps_(std::max(1, static_cast<int>(std::ceil(dt_ / common_.step - 1e-9)))),
-      believed_body_(common_.vehicle),
       metrics_(common_.mission.settling) {
   source_.seed = common_.seed;
   for (std::size_t l = 0; l < N; ++l) source_.flight[l] = setups[l]->flight;
   make_plant();
   make_sensors();
   make_law();
-  make_estimator();
   make_upsets();
   start();
 }
@@ -161,6 +159,15 @@ void ClosedLoop<N, R>::make_law() {
     const auto& controller = std::get<CascadeController>(common_.controller);
     cascade_settings_.velocity_feed_forward = controller.velocity_feed_forward;
     cascade_settings_.conditional_integration = controller.conditional_integration;
+  } else if (const auto* own = std::get_if<OwnController>(&common_.controller)) {
+    input_kind_ = own->input_kind;
+    inputs_ = input_kind_ == InputKind::wrench ? 4 : plant_.body().rotor_count;
+    for (const FlightSetup* setup : setups_) {
+      const auto& controller = std::get<OwnController>(setup->controller);
+      own_laws_.push_back(controller.make(setup->vehicle));
+      if (!own_laws_.back())
+        throw InvalidInput("law " + controller.name, "make() returned nothing, expected a law");
+    }
   } else {
     const auto settings = each<StateFeedbackSettings<double>>(setups_, [](const FlightSetup& s) {
       const auto& c = std::get<StateFeedbackController>(s.controller);
@@ -171,8 +178,8 @@ void ClosedLoop<N, R>::make_law() {
         set_lane(target, l, number(settings[static_cast<std::size_t>(l)]));
     };
     StateFeedbackSettings<P>& law = feedback_settings_;
-    law.input_kind = settings[0].input_kind;
-    law.inputs = settings[0].inputs;
+    input_kind_ = law.input_kind = settings[0].input_kind;
+    inputs_ = law.inputs = settings[0].inputs;
     law.integrals = settings[0].integrals;
     law.integrated = settings[0].integrated;
     for (int i = 0; i < law.inputs; ++i) {
@@ -241,31 +248,6 @@ void ClosedLoop<N, R>::make_law() {
 }
 
 template <int N, int R>
-void ClosedLoop<N, R>::make_estimator() {
-  const MissionStart& from = common_.mission.start;
-  // Standing still before take-off is when offsets are found; a flight that begins in the air, or
-  // is carried, had them found before.
-  const bool stands = !from.in_air && !carried_;
-  MamboEstimatorSettings<double> mambo = common_.mambo_estimator;
-  mambo.dt = dt_;
-  mambo.gravity = common_.vehicle.gravity;
-  mambo.calibration_time = stands && common_.real_sensors ? from.start_up : 0;
-  validate(mambo, "estimator");
-  mambo_settings_ = mambo_estimator_cast<P>(mambo);
-  UquadFilterSettings<double> uquad = common_.uquad_filter;
-  uquad.dt = dt_;
-  uquad.calibration_time = stands ? from.start_up : 0;
-  if (uquad.field_norm == 0) uquad.field_norm = common_.environment.magnetic_field.norm();
-  uquad.declination =
-      std::atan2(common_.environment.magnetic_field.y(), common_.environment.magnetic_field.x());
-  if (sensors_[0].barometer) uquad.reference_pressure = sensors_[0].barometer->ground_pressure;
-  validate(uquad, "estimator");
-  uquad_settings_ = uquad_filter_cast<P>(uquad);
-  if (common_.estimator == EstimatorKind::general)
-    general_settings_ = general_filter_settings(common_);
-}
-
-template <int N, int R>
 void ClosedLoop<N, R>::start() {
   const Mission& mission = common_.mission;
   runners_.assign(1, MissionRunner(mission));
@@ -295,45 +277,8 @@ void ClosedLoop<N, R>::start() {
     if constexpr (R != 0) x_.segment(kRotorSpeeds, rotors) = speeds_;
   }
   const StateVector<P> believed = euler_state_now();
-  mambo_ = mambo_estimator_start(mambo_settings_, believed);
-  uquad_ = uquad_filter_start(uquad_settings_, believed);
-  general_ = general_filter_start(general_settings_, believed);
-  if (mission.start.in_air || carried_)
-    for (int i = 0; i < 3; ++i) {
-      if (gyroscope_)
-        for (int l = 0; l < N; ++l) {
-          const double bias = sensors_[static_cast<std::size_t>(l)].gyroscope->bias(i);
-          set_lane(mambo_.attitude.gyro_bias(i), l, bias);
-          set_lane(uquad_.gyro_offset(i), l, bias);
-        }
-      if (accelerometer_)
-        for (int l = 0; l < N; ++l)
-          set_lane(mambo_.force_bias(i), l,
-                   sensors_[static_cast<std::size_t>(l)].accelerometer->bias(i));
-    }
-  if (common_.estimator == EstimatorKind::general && (mission.start.in_air || carried_) &&
-      gyroscope_ && accelerometer_) {
-    const auto offset = [&](int i, const auto& of_sensor, double scale) {
-      P result = 0;
-      for (int l = 0; l < N; ++l)
-        set_lane(result, l, of_sensor(sensors_[static_cast<std::size_t>(l)])(i) / scale);
-      return result;
-    };
-    Vector3<P> rates, force;
-    for (int i = 0; i < 3; ++i) {
-      rates(i) = offset(
-          i, [](const Sensors& s) { return s.gyroscope->bias; },
-          general_settings_.gyroscope.scale(i));
-      force(i) = offset(
-          i, [](const Sensors& s) { return s.accelerometer->bias; },
-          general_settings_.accelerometer.scale(i));
-    }
-    set_biases(general_, rates, force);
-    if (general_settings_.pressure && barometer_)
-      general_.pressure_height = offset(
-          0, [](const Sensors& s) { return s.barometer->faults.bias; },
-          general_settings_.pressure->slope() * general_settings_.pressure->aid.scale);
-  }
+  estimator_.emplace(EstimatorSetup<N>{setups_, sensors_, dt_,
+                                       mission.start.in_air || carried_.has_value(), believed});
   estimate_.x = believed;
   if (common_.log)
     for (int l = 0; l < N; ++l)

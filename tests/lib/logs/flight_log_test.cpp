@@ -242,7 +242,7 @@ TEST(LogMat, DamageIsRefusedOrReadWithoutHarm) {
   EXPECT_GT(refused, 3000);
 }
 
-// matio would hand out memory that it never filled.
+// No reader may return memory that it never filled.
 TEST(LogMat, RefusesArraysThatClaimMoreThanTheyHold) {
   std::string bytes = bytes_of_mat(small_log());
   const double first = 0.1;  // of x.px
@@ -262,7 +262,7 @@ TEST(LogMat, RefusesArraysThatClaimMoreThanTheyHold) {
               ThrowsMessage<InvalidInput>(HasSubstr("an array claims 127 x 1 entries")));
 }
 
-// Each level takes stack, here and in matio.
+// Each level takes stack.
 TEST(LogMat, RefusesArraysThatLieTooDeep) {
   const auto tagged = [](std::uint32_t type, const std::string& data) {
     std::string element(8, '\0');

@@ -122,13 +122,12 @@ TEST(HostileLogs, DamagedBytesAreReadOrRefused) {
     }
 }
 
-// What matio makes of damage is its own affair, in a process of its own.
 TEST(HostileLogs, DamagedMatFilesAreReadOrRefused) {
   std::mt19937_64 random(8);
   LogOptions options;
   options.format = "mat";
   for (const LogSample& sample : testing::mat_samples())
-    for (int round = 0; round < 100; ++round)
+    for (int round = 0; round < 2000; ++round)
       (void)read_or_refuse(damaged(sample.bytes, random), options);
 }
 

@@ -1,39 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-/// MAT files of other programs, through the guarded process.
-#include <fcntl.h>
-#include <fmt/format.h>
+/// MAT files of other programs, and hostile ones.
 #include <gmock/gmock.h>
-#include <sys/socket.h>
-#include <sys/stat.h>
-#include <unistd.h>
+#include <sys/resource.h>
+#include <zlib.h>
 
-#include <array>
-#include <cerrno>
-#include <chrono>
-#include <csignal>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
+#include <cstddef>
+#include <cstdint>
 #include <string>
-#include <string_view>
-#include <thread>
 #include <vector>
 
 #include "log_files/mat_writer.hpp"
 #include "log_files/read_logs.hpp"
 #include "log_files/sample_logs.hpp"
-#include "logs/mat/guarded_process.hpp"
-#include "logs/mat/memory_file.hpp"
-#include "logs/mat/system_call_filter.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/logs/flight_log.hpp"
-#include "temporary_directory.hpp"
 
 namespace quadtune {
 namespace {
 
-using internal::GuardedProcess;
-using ::testing::AnyOf;
 using ::testing::DoubleEq;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -166,153 +150,164 @@ TEST(MatLog, NeedsNoMoreMemoryThanItMay) {
   LogOptions options;
   options.memory_limit = std::size_t{64} << 20U;
   EXPECT_THAT([&] { (void)read_bytes(mat.bytes(), options); },
-              ThrowsMessage<InvalidInput>(
-                  AnyOf(HasSubstr("needs more than 64 MiB of memory"), HasSubstr("too large"))));
+              ThrowsMessage<InvalidInput>(HasSubstr("needs more than 64 MiB of memory")));
 }
 
-// The errors that system calls end with in a process under the filter.
-struct Tried {
-  int opened = 0, opened_for_writing = 0, listed = 0, reopened_pipe = 0, socket = 0, started = 0,
-      killed = 0;
-  bool in_memory = false, allocates = false;
-};
-
-Tried what_a_filtered_process_can() {
-  Tried tried;
-  const auto error_of = [](long result) { return result < 0 ? errno : 0; };
-  tried.opened = error_of(::open("/etc/passwd", O_RDONLY | O_CLOEXEC));
-  tried.opened_for_writing = error_of(
-      ::openat(AT_FDCWD, "/tmp/quadtune-must-not-be", O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
-  tried.listed = error_of(::open("/proc/self/fd", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  tried.reopened_pipe = error_of(::open("/proc/self/fd/0x", O_RDONLY | O_CLOEXEC));
-  tried.socket = error_of(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  tried.started = error_of(::fork());
-  tried.killed = error_of(::kill(::getppid(), 0));
-  const internal::MemoryFile file;
-  file.write("in memory");
-  const int again = ::open(file.path().c_str(), O_RDONLY | O_CLOEXEC);
-  std::array<char, 16> bytes{};
-  tried.in_memory = ::read(again, bytes.data(), bytes.size()) == 9 &&
-                    std::string_view(bytes.data()) == "in memory" && ::close(again) == 0;
-  tried.allocates = std::vector<double>(10'000'000, 1).back() == 1;
-  return tried;
-}
-
-TEST(SystemCallFilter, OpensNoFileAndMakesNoSocket) {
-  GuardedProcess child({std::size_t{4} << 30U, 10}, [](int pipe) {
-    const bool confined = internal::forbid_system_calls();
-    const Tried tried = confined ? what_a_filtered_process_can() : Tried{};
-    (void)internal::write_fully(pipe, &confined, sizeof confined);
-    (void)internal::write_fully(pipe, &tried, sizeof tried);
-  });
-  bool confined = false;
-  Tried tried;
-  ASSERT_TRUE(child.read(&confined, sizeof confined)) << child.why_ended();
-  if (!confined) GTEST_SKIP() << "this system lets no filter of system calls be set";
-  ASSERT_TRUE(child.read(&tried, sizeof tried)) << child.why_ended();
-  EXPECT_EQ(tried.opened, EPERM);
-  EXPECT_EQ(tried.opened_for_writing, EPERM);
-  EXPECT_EQ(tried.listed, EPERM);
-  EXPECT_EQ(tried.reopened_pipe, EPERM);
-  EXPECT_EQ(tried.socket, EPERM);
-  EXPECT_EQ(tried.started, EPERM);
-  EXPECT_EQ(tried.killed, EPERM);
-  EXPECT_TRUE(tried.in_memory);
-  EXPECT_TRUE(tried.allocates);
-  EXPECT_EQ(::access("/tmp/quadtune-must-not-be", F_OK), -1);
-}
-
-// Whether a child of this process is under a filter, as the kernel says.
-bool has_filtered_child() {
-  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
-    std::ifstream children(task.path() / "children");
-    for (int child = 0; children >> child;) {
-      std::ifstream status(fmt::format("/proc/{}/status", child));
-      for (std::string line; std::getline(status, line);)
-        if (line.starts_with("Seccomp:") && line.ends_with("2")) return true;
-    }
-  }
-  return false;
-}
-
-// The process that reads a MAT file waits for the rest of it, and is looked at meanwhile.
-TEST(SystemCallFilter, IsSetWhereMatFilesAreRead) {
-  bool available = false;
-  GuardedProcess probe({std::size_t{4} << 30U, 10}, [](int pipe) {
-    const bool confined = internal::forbid_system_calls();
-    (void)internal::write_fully(pipe, &confined, sizeof confined);
-  });
-  ASSERT_TRUE(probe.read(&available, sizeof available));
-  if (!available ||
-      !std::filesystem::exists("/proc/self/task/" + std::to_string(::getpid()) + "/children"))
-    GTEST_SKIP() << "no filter of system calls here, or no list of children";
-  EXPECT_EQ(probe.why_ended(), "ended with status 0");
+// One array of numbers, named z, that are stored otherwise than its class says.
+template <typename Number>
+std::vector<double> numbers_stored_as(std::uint32_t kind, std::uint32_t type,
+                                      const std::vector<Number>& numbers) {
   MatWriter mat(false);
-  mat.matrix("t_s", {2000, 1}, std::vector<double>(2000, 1)).matrix("z", {2, 1}, {1, 2});
-  const std::string bytes = mat.bytes();
-  const testing::TemporaryDirectory folder;
-  const std::string fifo = (folder.path() / "f.mat").string();
-  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
-  // A process of its own writes: the reading one has what this one has open, and would wait for it.
-  const std::filesystem::path looked = folder.path() / "looked";
-  GuardedProcess writer({std::size_t{4} << 30U, 60}, [&](int) {
-    std::ofstream pipe(fifo, std::ios::binary);
-    const auto most = static_cast<std::streamsize>(bytes.size() - 1);
-    pipe.write(bytes.data(), most).flush();
-    while (!std::filesystem::exists(looked)) ::usleep(10000);
-    pipe.write(bytes.data() + most, 1);
-  });
-  WholeLog log;
-  std::thread reader([&] { log = testing::read_whole(*open_log(fifo)); });
-  bool filtered = false;
-  for (int i = 0; i < 6000 && !filtered; ++i) {
-    filtered = has_filtered_child();
-    if (!filtered) ::usleep(10000);
-  }
-  EXPECT_TRUE(filtered);
-  folder.write("looked", "");
-  reader.join();
-  EXPECT_EQ(log.group("").column("z").size(), 2U);
-  EXPECT_TRUE(log.condition.whole()) << log.condition.torn;
+  mat.add(MatWriter::element(
+      14, MatWriter::head(kind, {static_cast<std::int32_t>(numbers.size()), 1}, "z") +
+              MatWriter::element(type, MatWriter::raw(numbers))));
+  return read_bytes(mat.bytes()).group("").column("z");
 }
 
-// What no reader of ours does, matio may.
-TEST(GuardedProcess, TellsHowItEnded) {
-  char byte = 0;
-  GuardedProcess fine({std::size_t{4} << 30U, 10},
-                      [](int pipe) { (void)internal::write_fully(pipe, "x", 1); });
-  EXPECT_TRUE(fine.read(&byte, 1));
-  EXPECT_EQ(byte, 'x');
-  EXPECT_FALSE(fine.read(&byte, 1));
-  EXPECT_EQ(fine.why_ended(), "ended with status 0");
+// MATLAB stores whole numbers of any class in the smallest type that holds them.
+TEST(MatLog, ReadsEveryTypeOfNumbers) {
+  constexpr std::uint32_t kDouble = 6;
+  EXPECT_THAT(numbers_stored_as<std::int8_t>(kDouble, 1, {-1, 2}), ElementsAre(-1, 2));
+  EXPECT_THAT(numbers_stored_as<std::uint8_t>(kDouble, 2, {255, 2}), ElementsAre(255, 2));
+  EXPECT_THAT(numbers_stored_as<std::int16_t>(10, 3, {-300, 2}), ElementsAre(-300, 2));
+  EXPECT_THAT(numbers_stored_as<std::uint16_t>(11, 4, {65535, 2}), ElementsAre(65535, 2));
+  EXPECT_THAT(numbers_stored_as<std::int32_t>(12, 5, {-70000, 2}), ElementsAre(-70000, 2));
+  EXPECT_THAT(numbers_stored_as<std::uint32_t>(13, 6, {4000000000U, 2}),
+              ElementsAre(4000000000.0, 2));
+  EXPECT_THAT(numbers_stored_as<float>(7, 7, {0.5F, 2}), ElementsAre(0.5, 2));
+  EXPECT_THAT(numbers_stored_as<std::int64_t>(14, 12, {-5000000000, 2}),
+              ElementsAre(-5000000000.0, 2));
+  EXPECT_THAT(numbers_stored_as<std::uint64_t>(15, 13, {5000000000U, 2}),
+              ElementsAre(5000000000.0, 2));
+}
 
-  GuardedProcess crash({std::size_t{4} << 30U, 10}, [](int) {
-    ::signal(SIGSEGV, SIG_DFL);
-    ::raise(SIGSEGV);
-  });
-  EXPECT_FALSE(crash.read(&byte, 1));
-  EXPECT_EQ(crash.why_ended(), "was ended by signal 11");
+TEST(MatLog, NamesWhatItPassesOver) {
+  const auto of_kind = [](std::uint32_t kind, const std::string& name) {
+    return MatWriter::element(14, MatWriter::head(kind, {0, 0}, name));
+  };
+  MatWriter mat(false);
+  mat.matrix("z", {2, 1}, {1, 2}).add(of_kind(1, "c")).add(of_kind(3, "o")).add(of_kind(5, "s"));
+  mat.add(of_kind(16, "f")).add(of_kind(6 | 0x800, "i"));
+  EXPECT_THAT(read_bytes(mat.bytes()).condition.notes,
+              ElementsAre("'c' is a cell array and is passed over",
+                          "'o' is an object: save a timeseries as a struct and is passed over",
+                          "'s' is a sparse matrix and is passed over",
+                          "'f' is no vector or matrix of numbers and is passed over",
+                          "'i' is complex and is passed over"));
+}
 
-  GuardedProcess talks_on({std::size_t{4} << 30U, 10}, [](int pipe) {
-    while (internal::write_fully(pipe, "x", 1)) {
-    }
-  });
-  EXPECT_TRUE(talks_on.read(&byte, 1));
-  EXPECT_EQ(talks_on.why_ended(), "ended with status 0");
+// A struct of `count` fields called `name` that states `rows` of them.
+std::string struct_of(std::int32_t rows, const std::string& name, std::size_t count,
+                      const std::string& values) {
+  std::string names;
+  for (std::size_t i = 0; i < count; ++i) names += name + '\0';
+  return MatWriter::element(
+      14, MatWriter::head(2, {rows, 1}, "s") +
+              MatWriter::element(5, MatWriter::raw(std::vector<std::size_t>{name.size() + 1})
+                                        .substr(0, sizeof(std::int32_t))) +
+              MatWriter::element(1, names) + values);
+}
 
-  // It never falls silent, so that it is the processor's time and not the clock that ends it,
-  // however little of the processor a loaded machine gives it.
-  GuardedProcess busy({std::size_t{4} << 30U, 1}, [](int pipe) {
-    while (internal::write_fully(pipe, "x", 1)) {
-    }
-  });
-  while (busy.read(&byte, 1)) {
+TEST(MatLog, RefusesStructsThatClaimWhatTheyDoNotHold) {
+  const std::string number = MatWriter::element(14, "");
+  const auto why = [&](const std::string& variable) {
+    MatWriter mat(false);
+    mat.matrix("z", {2, 1}, {1, 2}).add(variable);
+    return read_bytes(mat.bytes()).condition.first_skipped;
+  };
+  EXPECT_EQ(why(struct_of(1, "a", 1, number)), "");
+  EXPECT_THAT(why(struct_of(2, "a", 1, number)), HasSubstr("a struct holds 1 arrays instead of 2"));
+  EXPECT_THAT(why(struct_of(1, "a", 3, number)), HasSubstr("a struct holds 1 arrays instead of 3"));
+  EXPECT_THAT(why(struct_of(100000, "a", 1, number)), HasSubstr("claims 100000 x 1 entries"));
+  EXPECT_THAT(why(MatWriter::element(14, MatWriter::head(1, {2, 1}, "c") + number)),
+              HasSubstr("a cell holds 1 arrays instead of 2"));
+  EXPECT_THAT(why(MatWriter::element(14, MatWriter::head(2, {1, 1}, "s") + number)),
+              HasSubstr("a struct does not state the length of its names"));
+}
+
+std::string refusal_within(std::size_t memory_limit, const std::string& bytes) {
+  LogOptions options;
+  options.memory_limit = memory_limit;
+  try {
+    (void)read_bytes(bytes, options);
+  } catch (const InvalidInput& refusal) {
+    return refusal.what();
   }
-  EXPECT_EQ(busy.why_ended(), "ran into its limits of 1 s and 4096 MiB");
+  return "";
+}
 
-  GuardedProcess idle({std::size_t{4} << 30U, 0.1}, [](int) { ::pause(); });
-  EXPECT_FALSE(idle.read(&byte, 1));
-  EXPECT_EQ(idle.why_ended(), "took longer than 0.5 s");
+constexpr std::size_t kSmallLimit = std::size_t{16} << 20U;
+constexpr const char* kTooMuch = "f.log: needs more than 16 MiB of memory to be read";
+
+// What the process has used at most [bytes].
+std::size_t peak_memory() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+// A file of a megabyte that inflates to a gigabyte.
+TEST(HostileMat, InflatesNoMoreThanTheLimit) {
+  std::string packed(std::size_t{2} << 20U, '\0');
+  z_stream z{};
+  ASSERT_EQ(deflateInit(&z, 9), Z_OK);
+  std::string zeros(std::size_t{1} << 20U, '\0');
+  z.next_out = reinterpret_cast<Bytef*>(packed.data());
+  z.avail_out = static_cast<uInt>(packed.size());
+  for (int i = 0; i < 1024; ++i) {
+    z.next_in = reinterpret_cast<Bytef*>(zeros.data());
+    z.avail_in = static_cast<uInt>(zeros.size());
+    ASSERT_EQ(deflate(&z, i == 1023 ? Z_FINISH : Z_NO_FLUSH), i == 1023 ? Z_STREAM_END : Z_OK);
+  }
+  packed.resize(z.total_out);
+  deflateEnd(&z);
+  std::string bytes = MatWriter(true).bytes();
+  bytes +=
+      MatWriter::raw(std::vector<std::uint32_t>{15, static_cast<std::uint32_t>(packed.size())});
+  const std::size_t before = peak_memory();
+  EXPECT_EQ(refusal_within(kSmallLimit, bytes + packed), kTooMuch);
+  EXPECT_LT(peak_memory() - before, 6 * kSmallLimit);
+}
+
+// Streams that inflate far and turn out to be damaged cost time, so together they have one limit.
+TEST(HostileMat, DamagedStreamsShareTheLimit) {
+  MatWriter mat(true);
+  const std::size_t header = mat.bytes().size();
+  mat.matrix("zeros", {1000000, 1}, std::vector<double>(1000000));
+  std::string stream = mat.bytes().substr(header);
+  stream.back() = static_cast<char>(stream.back() ^ 1);  // of the checksum
+  std::string bytes = mat.bytes().substr(0, header) + stream;
+  EXPECT_THAT(refusal_within(kSmallLimit, bytes), HasSubstr("no variable can be read"));
+  for (int i = 0; i < 1000; ++i) bytes += stream;
+  EXPECT_EQ(refusal_within(kSmallLimit, bytes), kTooMuch);
+}
+
+// Eight bytes in the file are an array of a hundred in memory.
+TEST(HostileMat, CountsEmptyArrays) {
+  MatWriter mat(true);
+  std::string cells;
+  for (int i = 0; i < 1000000; ++i) cells += std::string("\x0e\0\0\0\0\0\0\0", 8);
+  mat.add(MatWriter::element(14, MatWriter::head(1, {1000000, 1}, "c") + cells));
+  EXPECT_EQ(refusal_within(kSmallLimit, mat.bytes()), kTooMuch);
+}
+
+// A column of bytes becomes one of doubles.
+TEST(HostileMat, CountsTheTablesToo) {
+  MatWriter mat(true);
+  mat.add(MatWriter::element(14, MatWriter::head(9, {4000000, 1}, "z") +
+                                     MatWriter::element(2, std::string(4000000, '\1'))));
+  EXPECT_EQ(refusal_within(kSmallLimit, mat.bytes()), kTooMuch);
+}
+
+// The name of a struct stands before those of all its fields.
+TEST(HostileMat, CountsLongNames) {
+  MatWriter mat(true);
+  std::string values;
+  const std::string two =
+      MatWriter::element(14, MatWriter::head(9, {2, 1}, "") + MatWriter::element(2, "\1\2"));
+  for (int i = 0; i < 1000; ++i) values += two;
+  mat.add(struct_of(1, std::string(100000, 'n'), 1, struct_of(1, "f", 1000, values)));
+  EXPECT_EQ(refusal_within(kSmallLimit, mat.bytes()), kTooMuch);
 }
 
 }  // namespace

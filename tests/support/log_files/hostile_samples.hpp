@@ -30,7 +30,7 @@ inline LogSample text_sample(const std::string& name, const std::string& format,
   return sample;
 }
 
-/// A log for each reader that works in this process.
+/// A log for each reader but that of MAT files.
 inline std::vector<LogSample> log_samples() {
   const std::string readings = "1 2 3 4 5 6 7 8 9 288 100947\n";
   std::string frames;
@@ -56,7 +56,7 @@ inline std::vector<LogSample> log_samples() {
   return samples;
 }
 
-/// MAT files, which are read in a process of their own.
+/// MAT files of other programs and of quadtune.
 inline std::vector<LogSample> mat_samples() {
   std::vector<LogSample> samples;
   for (const bool compressed : {false, true}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Writes MAT v5 files byte by byte, as programs that matio does not imitate do.
+/// Writes MAT v5 files byte by byte, as several programs do.
 #pragma once
 
 #include <zlib.h>
@@ -49,9 +49,7 @@ class MatWriter {
 
   [[nodiscard]] const std::string& bytes() const { return bytes_; }
 
- private:
-  static constexpr std::size_t kFieldSize = 16;
-
+  // The parts of a file, for arrays that no function above writes.
   template <typename Number>
   static std::string raw(const std::vector<Number>& numbers) {
     return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number)};
@@ -66,6 +64,25 @@ class MatWriter {
     return element(6, raw(std::vector<std::uint32_t>{kind, 0})) + element(5, raw(dimensions)) +
            element(1, name);
   }
+  /// @param variable  An element, compressed here if this file is.
+  MatWriter& add(const std::string& variable) {
+    if (!compressed_) {
+      bytes_ += variable;
+      return *this;
+    }
+    uLongf size = compressBound(variable.size());
+    std::string packed(size, '\0');
+    if (compress(reinterpret_cast<Bytef*>(packed.data()), &size,
+                 reinterpret_cast<const Bytef*>(variable.data()), variable.size()) != Z_OK)
+      throw std::runtime_error("zlib");
+    packed.resize(size);
+    bytes_ += raw(std::vector<std::uint32_t>{15, std::uint32_t(size)}) + packed;
+    return *this;
+  }
+
+ private:
+  static constexpr std::size_t kFieldSize = 16;
+
   static std::string numbers(const std::string& name, const std::vector<std::int32_t>& dimensions,
                              const std::vector<double>& values) {
     return element(14, head(6, dimensions, name) + element(9, raw(values)));
@@ -75,7 +92,7 @@ class MatWriter {
     return element(14, head(4, {text.empty() ? 0 : 1, std::int32_t(text.size())}, name) +
                            element(4, raw(units)));
   }
-  // The length of the names stands in its tag, as matio expects and the format asks.
+  // The length of the names stands in its tag, as the format asks.
   // @param fields  Of all structs, one struct after the other.
   static std::string structs(const std::string& name, std::size_t count,
                              const std::vector<std::string>& names, const std::string& fields) {
@@ -90,21 +107,6 @@ class MatWriter {
   }
   [[nodiscard]] std::string inner(const std::string& name) const {
     return inner_names_ ? name : "";
-  }
-
-  MatWriter& add(const std::string& variable) {
-    if (!compressed_) {
-      bytes_ += variable;
-      return *this;
-    }
-    uLongf size = compressBound(variable.size());
-    std::string packed(size, '\0');
-    if (compress(reinterpret_cast<Bytef*>(packed.data()), &size,
-                 reinterpret_cast<const Bytef*>(variable.data()), variable.size()) != Z_OK)
-      throw std::runtime_error("zlib");
-    packed.resize(size);
-    bytes_ += raw(std::vector<std::uint32_t>{15, std::uint32_t(size)}) + packed;
-    return *this;
   }
 
   std::string bytes_;

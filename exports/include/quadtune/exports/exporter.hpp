@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,7 @@ namespace quadtune {
 ///                   .files = my_files, .read = my_reader});
 ///     write_export("out", ExportKind("mine"), content);
 struct Exporter {
-  ExportTarget target;
+  ExportTarget target;     ///< its name, and the estimator of its flight program
   std::string convention;  ///< that its gains are written in; empty: any
   /// Every name under which its flight program would find gains.
   std::vector<std::string> gain_files;
@@ -38,6 +39,10 @@ struct Exporter {
   /// The laws as the flight program reads them from a directory.
   /// @throws InvalidInput, FileError
   std::function<StoredLaws(const std::filesystem::path&, const Manifest&)> read;
+  /// The laws of a file, or of a directory without a manifest; no value if it holds none of its
+  /// files. The exporter that was added last is asked first.
+  /// @throws InvalidInput, FileError
+  std::function<std::optional<StoredLaws>(const std::filesystem::path&)> read_plain = {};
   /// Reads what stands beside the laws, and refuses what the flight program would.
   /// @throws InvalidInput, FileError
   std::function<void(const std::filesystem::path&, const Manifest&, const Gains&)> check = {};

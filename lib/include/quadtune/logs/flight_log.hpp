@@ -47,16 +47,13 @@ void require_log_name(const std::string& path, const std::string& where);
 /// `flight.units.x.px`, `flight.about`, `flight.events(i)` (docs/formats.md, "Flight logs").
 /// @param table  As for csv_of(), with less than 2 GiB of numbers and texts.
 /// @throws InvalidInput  for any other table.
-/// @throws FileError     if the memory for it is not to be had.
 [[nodiscard]] std::string bytes_of_mat(const LogTable& table);
 
 /// What bytes_of_mat() was given, every bit of it.
 /// @param bytes   The file's bytes.
 /// @param origin  What messages call the file.
-/// @throws InvalidInput  for anything else than such a file: other versions of MAT files,
-/// compressed
-///                       ones, other variables, one that is cut short.
-/// @throws FileError     if the memory for it is not to be had.
+/// @throws InvalidInput  for any other file: one of another version, with other variables,
+///                       compressed, cut short, or in need of more than 4 GiB.
 [[nodiscard]] LogTable table_of_mat(const std::string& bytes, const std::string& origin);
 
 }  // namespace quadtune

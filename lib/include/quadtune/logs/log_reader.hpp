@@ -79,8 +79,7 @@ struct LogOptions {
   std::vector<LogColumnChoice> columns;  ///< of a text; none: all
   double rate_hz = 0;                    ///< > 0: row i of a text is at i / rate, whatever it says
   std::optional<std::int64_t> epoch_s;   ///< where time 0 lies in the file's clock [s]
-  std::size_t memory_limit = std::size_t{4} << 30;  ///< of the process that reads MAT [bytes]
-  double time_limit_s = 120;                        ///< of its processor's time
+  std::size_t memory_limit = std::size_t{4} << 30;  ///< of all variables of a MAT file [bytes]
 };
 
 /// A name for LogOptions::format and what it means.

@@ -21,6 +21,8 @@
 #include "quadtune/logs/log_table.hpp"
 #include "quadtune/model/environment.hpp"
 #include "quadtune/model/vehicle.hpp"
+#include "quadtune/simulation/flight_estimator.hpp"
+#include "quadtune/simulation/flight_law.hpp"
 #include "quadtune/simulation/integrators.hpp"
 #include "quadtune/simulation/mission.hpp"
 
@@ -49,7 +51,7 @@ struct StateFeedbackController {
   std::shared_ptr<const GainSchedule> schedule = nullptr;
 };
 
-using Controller = std::variant<CascadeController, StateFeedbackController>;
+using Controller = std::variant<CascadeController, StateFeedbackController, OwnController>;
 
 /// Where the law takes the state from.
 enum class EstimatorKind {
@@ -57,8 +59,9 @@ enum class EstimatorKind {
   uquad,    ///< UquadFilterSettings
   general,  ///< GeneralFilterSettings, made from the vehicle's sensors
   truth,    ///< the true state, to see what estimation costs
+  own,      ///< FlightSetup::own_estimator
 };
-/// "mambo", "uquad", "general", "truth", and back.
+/// "mambo", "uquad", "general", "truth", and back; "own", which is not read back.
 [[nodiscard]] std::string to_string(EstimatorKind kind);
 [[nodiscard]] EstimatorKind estimator_kind(const std::string& name, const std::string& where);
 
@@ -82,7 +85,8 @@ struct SafetyLimits {
   friend bool operator==(const SafetyLimits&, const SafetyLimits&) = default;
 };
 
-/// Everything that decides a flight: two flights of one setup have the same bytes.
+/// Everything that decides a flight: two flights of one setup have the same bytes, if laws and
+/// estimators of the user's own keep to what they are given.
 struct FlightSetup {
   Vehicle vehicle;               ///< as law and estimator believe it to be
   std::optional<Vehicle> flown;  ///< as it truly is, with its sensors; none: as believed
@@ -96,7 +100,8 @@ struct FlightSetup {
   /// Numbers of the general filter in place of those that follow from the sensors' file. Its dt and
   /// start are set by fly(). Only with real_sensors.
   std::optional<GeneralFilterSettings> general_filter;
-  bool real_sensors = true;  ///< false: they say what is true, at the vehicle's rates, at once
+  OwnEstimator own_estimator;  ///< of EstimatorKind::own
+  bool real_sensors = true;    ///< false: they say what is true, at the vehicle's rates, at once
   FlowModel flow = FlowModel::full;
   double flow_rate = 0;  ///< [Hz]; 0: the vehicle's
   Environment environment;
@@ -138,7 +143,9 @@ enum class FlightEnd {
 struct FlightResult {
   FlightEnd end = FlightEnd::completed;
   double end_time = 0;  ///< [s]
-  std::string culprit;  ///< of a flight that diverged: the state at fault; else empty
+  /// Of a flight that diverged: the state at fault. Of a safety exit by a law or an estimator of
+  /// the user's own: which, and the entry at fault. Otherwise empty.
+  std::string culprit;
   MetricValues metrics;
   std::vector<LogEvent> events;
   StateVector<double> final_state = StateVector<double>::Zero();     ///< true

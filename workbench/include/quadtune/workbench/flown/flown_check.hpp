@@ -44,16 +44,19 @@ struct FlownLaw {
 /// One check for each law: the detail names the mode of the largest |z|, and the problem.
 [[nodiscard]] std::vector<VerifyCheck> checks_of(const std::vector<FlownLaw>& laws);
 
-/// The estimator of the flight program that takes gains of a convention, "mambo" or "uquad", where
-/// the vehicle has the sensors that it needs; otherwise empty.
+/// Whether sensors are those that an estimator needs at least.
+/// @throws InvalidInput  if there is no such estimator
+[[nodiscard]] bool feed_estimator(const Sensors& sensors, const std::string& estimator);
+
+/// The estimator of the flight program that reads gains of a convention, as its exporter names it
+/// (ExportTarget::estimator), if the vehicle has the sensors that it needs; otherwise empty.
 [[nodiscard]] std::string estimator_of_program(const Vehicle& vehicle,
                                                const std::string& convention);
 
 /// A hover under an exported law, as flown_laws() analyses it.
 /// @param stored      estimator that the law was designed with
 /// @param convention  of the gains; without a stored estimator it chooses that of its flight
-/// program;
-///                    empty: by the sensors
+///                    program; empty: by the sensors
 /// @throws InvalidInput
 [[nodiscard]] PlannedFlight hover_under(const Vehicle& vehicle, const Controller& controller,
                                         const std::optional<StoredEstimator>& stored,

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Loops and models as text, JSON and pictures. The results are declared only: who has one includes
+/// its header.
+#pragma once
+
+#include <string>
+
+#include "quadtune/internal/json_fwd.hpp"
+#include "report/loops/margins_report.hpp"
+#include "report/plots/figure.hpp"
+
+namespace quadtune {
+struct CascadeReport;
+struct CertifyReport;
+struct FlownLoop;
+struct Linearization;
+struct LoopReport;
+struct MethodComparison;
+struct PidReport;
+struct SampledPlant;
+struct VehicleCascade;
+}  // namespace quadtune
+
+namespace quadtune::report {
+
+/// A vehicle's PID cascade: "vehicle", "dt", "sensor_delay_s", "integrator", "motor_lag_s",
+/// "published", "loops", "margins", "spectral_radius".
+[[nodiscard]] internal::Json to_json(const CascadeReport& report);
+[[nodiscard]] std::string to_text(const CascadeReport& report);
+/// The same with "method", "plant", "flown", "flown_loop", and its laws as they are read again.
+[[nodiscard]] internal::Json to_json(const VehicleCascade& cascade);
+[[nodiscard]] std::string to_text(const VehicleCascade& cascade);
+/// All loops, cut at the wrench.
+[[nodiscard]] Figure cascade_figure(const VehicleCascade& cascade);
+
+/// What `certify` proved and found.
+[[nodiscard]] internal::Json to_json(const CertifyReport& report);
+[[nodiscard]] std::string to_text(const CertifyReport& report);
+
+/// The flown loop: "stable", "largest_pole", "mode" and its circumstances; not its margins.
+[[nodiscard]] internal::Json to_json(const FlownLoop& loop);
+[[nodiscard]] std::string to_text(const FlownLoop& loop);
+
+/// The linear model of a vehicle about a trim, with the names of states and inputs; notes in JSON
+/// only.
+/// @param model  solved
+[[nodiscard]] internal::Json to_json(const Linearization& model);
+[[nodiscard]] std::string to_text(const Linearization& model);
+
+/// The margins of a loop, "time", "dt", and of a vehicle's loop "plant", "flown" and "ideal".
+[[nodiscard]] internal::Json to_json(const LoopReport& report);
+[[nodiscard]] std::string to_text(const LoopReport& report);
+
+/// What sampling makes of a vehicle's closed loops: "vehicle", "dt", "methods", "not_compared", and
+/// "flown" where it was requested.
+[[nodiscard]] internal::Json to_json(const MethodComparison& comparison);
+[[nodiscard]] std::string to_text(const MethodComparison& comparison);
+/// The set point of x of the cascade: the slowest chain of loops, where periods matter least, and
+/// the fastest poles, where they matter most.
+[[nodiscard]] Figure sampling_figure(const MethodComparison& methods);
+
+/// PID gains for a transfer function, the margins of their loop, and "how" they were found.
+[[nodiscard]] internal::Json to_json(const PidReport& report);
+[[nodiscard]] std::string to_text(const PidReport& report);
+/// @param num, den  the plant's, as they were given
+[[nodiscard]] Figure pid_figure(const PidReport& report, const std::string& num,
+                                const std::string& den);
+
+/// A sampled plant, or one taken back to continuous time: "A", "B", "C", "D", and "states" where
+/// delays have added to them; or "num", "den" and the delay. Then "dt", "method", "inverse" and
+/// "warnings".
+[[nodiscard]] internal::Json to_json(const SampledPlant& sampled);
+[[nodiscard]] std::string to_text(const SampledPlant& sampled);
+
+}  // namespace quadtune::report
