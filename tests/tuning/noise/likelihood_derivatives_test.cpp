@@ -83,6 +83,27 @@ TEST(LikelihoodDerivatives, AdjointAgreesWithSensitivitiesOverSteadyStretches) {
   }
 }
 
+// They have code of their own, which sensitivities do not run through. With the small R, some steps
+// need Joseph's form.
+TEST(LikelihoodDerivatives, AdjointAgreesWithSensitivitiesForTwoStatesAndOneOutput) {
+  std::mt19937_64 random(26);
+  for (const int nu : {0, 1, 2})
+    for (const double R : {0.5, 1e-5}) {
+      FilterModel model = testing::random_model(random, 2, nu, false, false);
+      model.sensors.resize(1);
+      model.parameters.resize(3);
+      model.parameters[2].start = R;
+      if (nu > 0) model.sensors[0].D = Eigen::MatrixXd::Constant(1, nu, 0.3);
+      const VectorXd truth = start_of(model);
+      FilterRecord record = testing::simulated(model, truth, 6000, 0.1, random);
+      for (int k = 2500; k < 2510; k += 3) record.y(0, k) = std::nan("");
+      for (std::size_t k = 4000; k < 6000; ++k) record.time[k] += 0.3;
+      expect_same_gradient(model, {record},
+                           truth + 0.2 * testing::uniform_vector(truth.size(), random),
+                           std::to_string(nu) + " inputs, R " + std::to_string(R));
+    }
+}
+
 // More than the tapes hold, with gains that change and with steady ones: a part is gone through
 // twice.
 TEST(LikelihoodDerivatives, AdjointThroughALongLog) {

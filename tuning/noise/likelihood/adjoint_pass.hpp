@@ -3,8 +3,10 @@
 /// whatever the number of parameters.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "noise/likelihood/forward_pass.hpp"
 #include "noise/likelihood/steady_information.hpp"
@@ -35,8 +37,8 @@ class AdjointPass {
   void run(LikelihoodSums<N>& sums) {
     Eigen::VectorXd repeated;
     for (std::size_t p = tape_.count; p-- > 0;) {
-      options_.ask();
       const TapePiece<N>& piece = tape_.pieces[p];
+      if (piece.steady < 0 || p % Tape<N>::kSteadyPiecesPerQuestion == 0) options_.ask();
       const Eigen::VectorXd* numbers = &piece.numbers;
       if (numbers->size() == 0) {
         repeated.resize((piece.end - piece.begin) * std::max<Eigen::Index>(4, Tape<N>::kEntry) *
@@ -57,7 +59,9 @@ class AdjointPass {
     // Missing measurements leave the tape shorter than it might be.
     for (Eigen::Index j = piece.begin * record_.ny; j < piece.end * record_.ny; ++j)
       if (!std::isnan(record_.y[j])) numbers += Tape<N>::kEntry;
-    for (Eigen::Index k = piece.end; k-- > piece.begin;) {
+    for (Eigen::Index k = piece.end; k > piece.begin;) {
+      if constexpr (N == 2) k = run_two_states(k, piece.begin, numbers, sums);
+      if (k-- == piece.begin) break;
       if (k + 1 < record_.samples) predict(k, sums);
       for (Eigen::Index i = record_.ny; i-- > 0;) {
         if (std::isnan(record_.y[k * record_.ny + i])) continue;
@@ -69,6 +73,48 @@ class AdjointPass {
         c.add_to(r_.at, u);
       }
     }
+  }
+
+  /// Two states and one output, a step of time and a correction in one: with g = F K,
+  ///     u = e/S - g·r, D = 1/S + g·N g, r ← Fᵀ r + cᵀ u, N ← (F - g c)ᵀ N (F - g c) + cᵀ c/S,
+  /// so that only one product lies between one N and the next.
+  /// @return  the end of what is left, from the last instant that is not like the others
+  Eigen::Index run_two_states(Eigen::Index k, Eigen::Index begin, const double*& numbers,
+                              LikelihoodSums<N>& sums) {
+    if (record_.ny != 1 || instants_ != nullptr || k == record_.samples) return k;
+    const std::uint32_t transition = record_.transition[k - 1];
+    const Square<N>& F = model_.transitions[transition].F;
+    const double F00 = F(0, 0), F01 = F(0, 1), F10 = F(1, 0), F11 = F(1, 1);
+    const double c0 = model_.C[0].value[0], c1 = model_.C[0].value[1];
+    double r0 = r_.at[0], r1 = r_.at[1], N00 = N_(0, 0), N10 = N_(1, 0), N11 = N_(1, 1);
+    double by_R = 0, by_Q00 = 0, by_Q10 = 0, by_Q11 = 0;  // twice
+    for (; k > begin && record_.transition[k - 1] == transition && !std::isnan(record_.y[k - 1]);
+         --k) {
+      numbers -= Tape<N>::kEntry;
+      by_Q00 += r0 * r0 - N00;
+      by_Q10 += r0 * r1 - N10;
+      by_Q11 += r1 * r1 - N11;
+      const double g0 = F00 * numbers[0] + F01 * numbers[1];
+      const double g1 = F10 * numbers[0] + F11 * numbers[1], precision = numbers[2];
+      const double u = numbers[3] - (g0 * r0 + g1 * r1);
+      by_R += u * u - (precision + g0 * (N00 * g0 + 2 * N10 * g1) + g1 * N11 * g1);
+      const double before = F00 * r0 + (F10 * r1 + c0 * u);
+      r1 = F01 * r0 + (F11 * r1 + c1 * u);
+      r0 = before;
+      const double M00 = F00 - g0 * c0, M01 = F01 - g0 * c1;
+      const double M10 = F10 - g1 * c0, M11 = F11 - g1 * c1;
+      const double NM00 = N00 * M00 + N10 * M10, NM01 = N00 * M01 + N10 * M11;
+      const double NM10 = N10 * M00 + N11 * M10, NM11 = N10 * M01 + N11 * M11;
+      N00 = M00 * NM00 + (M10 * NM10 + c0 * c0 * precision);
+      N10 = M01 * NM00 + (M11 * NM10 + c0 * c1 * precision);
+      N11 = M01 * NM01 + (M11 * NM11 + c1 * c1 * precision);
+    }
+    r_ = {{r0, r1}};
+    N_ = {{N00, N10, N10, N11}};
+    sums.by_R[0] += 0.5 * by_R;
+    const Square<N> by_Q = {{by_Q00, by_Q10, by_Q10, by_Q11}};
+    add_scaled<N * N>(0.5, by_Q.at, sums.by_Q[transition].at);
+    return k;
   }
 
   void predict(Eigen::Index k, LikelihoodSums<N>& sums) {
@@ -124,17 +170,19 @@ class AdjointPass {
     const SteadyState<N>& steady = tape_.steady[static_cast<std::size_t>(piece.steady)];
     if (steady_ != piece.steady) run_steady_information(steady, sums);
     steady_ = piece.steady;
+    const Eigen::Index blocks = (piece.end - piece.begin) / steady.block;
     steady.with_sizes([&](auto y_size, auto) {
-      run_steady_residuals<y_size()>(steady, piece.end - piece.begin, numbers, sums);
+      if constexpr (y_size() == 4)
+        run_two_steady_states(steady, blocks, numbers, sums);
+      else
+        run_steady_residuals(steady, blocks, numbers, sums);
     });
   }
 
   /// r through a piece, and what it adds to ∂ log p/∂Q and ∂ log p/∂R.
-  template <int y_size>
-  void run_steady_residuals(const SteadyState<N>& steady, Eigen::Index count, const double* numbers,
+  void run_steady_residuals(const SteadyState<N>& steady, Eigen::Index left, const double* numbers,
                             LikelihoodSums<N>& sums) {
     const Eigen::Index e_rows = steady.innovation_rows();
-    const Eigen::Index rows = y_size == 4 && N == 2 ? 16 : steady.backward.rows();
     constexpr int kGroup = 4;  // blocks whose r rᵀ are added up at once
     // One more, because the first r of a group is the last of the group before.
     alignas(64) double out[kGroup + 1][kMostOutputs + 4 * N + 8];  // u, and r before each sample
@@ -143,13 +191,13 @@ class AdjointPass {
     Square<N>& by_Q = sums.by_Q[steady.transition];
     const double* r = r_.at;
     int slot = 0;
-    for (Eigen::Index left = count / steady.block; left > 0;) {
+    while (left > 0) {
       int samples = 0;
       for (int block = 0; block < kGroup && left > 0; ++block) {
         --left;
         slot = (slot + 1) % (kGroup + 1);
-        multiply(steady.backward.data(), rows, out[slot],
-                 Input<y_size>{numbers + left * e_rows, steady.block * record_.ny}, Input<N>{r});
+        multiply(steady.backward.data(), steady.backward.rows(), out[slot],
+                 Input<>{numbers + left * e_rows, steady.block * record_.ny}, Input<N>{r});
         for (Eigen::Index i = 0; i < e_rows; i += 4)
           squares[i / 4] += lanes<4>(out[slot] + i)->v * lanes<4>(out[slot] + i)->v;
         for (Eigen::Index sample = 0; sample < steady.block; ++sample) {
@@ -167,6 +215,34 @@ class AdjointPass {
     if (r != r_.at) std::copy_n(r, N, r_.at);
     for (Eigen::Index row = 0; row < steady.block * record_.ny; ++row)
       sums.by_R[static_cast<std::size_t>(row % record_.ny)] += 0.5 * squares[row / 4][row % 4];
+  }
+
+  /// The same for two states and one output. All that is added up is quadratic in w = [ē; r] of a
+  /// block of four samples, so that Σ w wᵀ is enough, and r does not leave its register.
+  void run_two_steady_states(const SteadyState<N>& steady, Eigen::Index blocks,
+                             const double* numbers, LikelihoodSums<N>& sums) {
+    const Eigen::Matrix<double, 12, 6> map = steady.backward.topRows(12);
+    Vector<8> step[6], products[6] = {};
+    for (int j = 0; j < 6; ++j) step[j] = Vector<8>{0, 0, 0, 0, map(10, j), map(11, j), 0, 0};
+    Vector<8> r = {0, 0, 0, 0, r_.at[0], r_.at[1], 0, 0};
+    while (blocks-- > 0) {
+      const double* e = numbers + 4 * blocks;
+      const Vector<8> w = {e[0], e[1], e[2], e[3], r[4], r[5], 0, 0};
+      for (int j = 0; j < 4; ++j) products[j] += w * e[j];
+      products[4] += w * r[4];
+      products[5] += w * r[5];
+      r = (step[0] * e[0] + step[1] * e[1] + (step[2] * e[2] + step[3] * e[3])) + step[4] * r[4] +
+          step[5] * r[5];
+    }
+    r_ = {{r[4], r[5]}};
+    Eigen::Matrix<double, 6, 6> of_w;
+    for (int j = 0; j < 6; ++j)
+      for (int i = 0; i < 6; ++i) of_w(i, j) = products[j][i];
+    const Eigen::Matrix<double, 12, 12> of_map = map * of_w * map.transpose();
+    sums.by_R[0] += 0.5 * of_map.diagonal().head<4>().sum();
+    const Eigen::Matrix2d by_Q = 0.5 * (of_w.bottomRightCorner<2, 2>() + of_map.block<2, 2>(4, 4) +
+                                        of_map.block<2, 2>(6, 6) + of_map.block<2, 2>(8, 8));
+    add_scaled<N * N>(1, by_Q.data(), sums.by_Q[steady.transition].at);
   }
 
   /// N through the whole of a stretch, and what its steps add to ∂ log p/∂Q and ∂ log p/∂R.

@@ -11,57 +11,11 @@
 #include "noise/likelihood/convergence.hpp"
 #include "noise/likelihood/engine_model.hpp"
 #include "noise/likelihood/sensitivities.hpp"
+#include "noise/likelihood/steady_pass.hpp"
 #include "noise/likelihood/steady_state.hpp"
+#include "noise/likelihood/tape.hpp"
 
 namespace quadtune::internal {
-
-/// A stretch of a record that the adjoint pass goes through in one go.
-template <int N>
-struct TapePiece {
-  Eigen::Index begin = 0, end = 0;
-  int steady = -1;          ///< index of its gains; -1: they change
-  FilterState<N> start;     ///< before `begin`
-  Eigen::VectorXd numbers;  ///< empty: there was no room, the stretch is filtered once more
-};
-
-/// What a forward pass leaves for the adjoint pass; kept from one evaluation to the next, so that
-/// these allocate little.
-template <int N>
-class Tape {
- public:
-  static constexpr Eigen::Index kPieceSamples = 1024;
-  static constexpr Eigen::Index kEntry = N + 2;  ///< numbers of one measurement: K, 1/S, e/S
-
-  std::vector<TapePiece<N>> pieces;  ///< of which `count` are in use
-  std::size_t count = 0;
-  std::vector<SteadyState<N>> steady;
-
-  void clear() {
-    count = 0;
-    steady.clear();
-    left_ = kMaxNumbers;
-    steady_left_ = kMaxSteadyNumbers;
-  }
-  TapePiece<N>& add(Eigen::Index begin, Eigen::Index size, int steady_index,
-                    const FilterState<N>& start) {
-    if (count == pieces.size()) pieces.emplace_back();
-    TapePiece<N>& piece = pieces[count++];
-    piece.begin = begin;
-    piece.steady = steady_index;
-    piece.start = start;
-    Eigen::Index& left = steady_index < 0 ? left_ : steady_left_;
-    piece.numbers.resize(size <= left ? size : 0);
-    left -= piece.numbers.size();
-    return piece;
-  }
-
- private:
-  /// 64 MiB, and 4 MiB of steady gains, whose filter is fast: the memory of a fit must not grow
-  /// with the log.
-  static constexpr Eigen::Index kMaxNumbers = Eigen::Index{1} << 23;
-  static constexpr Eigen::Index kMaxSteadyNumbers = Eigen::Index{1} << 19;
-  Eigen::Index left_ = 0, steady_left_ = 0;
-};
 
 template <int N>
 class ForwardPass {
@@ -83,7 +37,10 @@ class ForwardPass {
         options_(options),
         tape_(extras.tape),
         sensitivities_(extras.sensitivities),
-        trace_(extras.trace) {}
+        trace_(extras.trace),
+        steady_(model, record, options, state_, tape_, sensitivities_) {}
+  ForwardPass(const ForwardPass&) = delete;
+  ForwardPass& operator=(const ForwardPass&) = delete;
 
   /// @return  false if an innovation has no positive variance; sums says which.
   /// @throws Interrupted  if the options ask for it
@@ -101,8 +58,8 @@ class ForwardPass {
     if (piece.steady < 0)
       run_samples(piece.begin, piece.end, ignored, numbers);
     else
-      run_steady(tape_->steady[static_cast<std::size_t>(piece.steady)], piece.begin, piece.end,
-                 ignored, numbers);
+      steady_.run_piece(tape_->steady[static_cast<std::size_t>(piece.steady)], piece.begin,
+                        piece.end, ignored, numbers);
   }
 
   [[nodiscard]] SparseRow<N> row(Eigen::Index k, Eigen::Index i) const {
@@ -133,6 +90,9 @@ class ForwardPass {
   bool run_segment(const KernelSegment& segment, LikelihoodSums<N>& sums) {
     bool may_settle = options_.hold_steady_gains && segment.complete && trace_ == nullptr &&
                       model_.student.empty() && segment.end - segment.begin > 2 * kEvery;
+    const bool one_output = segment.complete && record_.ny == 1 && record_.nu <= 1 &&
+                            instants_ == nullptr && trace_ == nullptr &&
+                            sensitivities_ == nullptr && model_.student.empty();
     SteadyTest<N> steady;
     for (Eigen::Index k = segment.begin; k < segment.end;) {
       if ((k - segment.begin) % RunOptions::kEvery < kEvery) options_.ask();
@@ -142,12 +102,15 @@ class ForwardPass {
         stop = std::min(stop, piece.begin + Tape<N>::kPieceSamples);
         piece.end = stop;
       }
+      if constexpr (N == 2)
+        if (one_output && state_.diffuse_rank == 0)
+          k = run_two_states(k, std::min(stop, record_.samples - 1), sums);
       if (!run_samples(k, stop, sums, numbers_)) return false;
       k = stop;
       if (may_settle && k < segment.end && (k - segment.begin) % kEvery == 0 &&
           state_.diffuse_rank == 0 && steady.reached(state_.P, sensitivities_)) {
         may_settle = false;
-        if (!hold_gains(k, segment.end, sums)) return false;
+        if (!steady_.run(k, segment.end, sums)) return false;
       }
     }
     return true;
@@ -173,6 +136,52 @@ class ForwardPass {
       if (k + 1 < record_.samples) predict(k);
     }
     return true;
+  }
+
+  /// Two states and one output, a correction and a step of time in one:
+  /// P⁺ = F P Fᵀ + Q - g gᵀ/S, g = F P cᵀ. The processor waits for P⁺ at each step, so that all
+  /// that does not need 1/S is computed while it is divided.
+  /// @return  the first instant that is left: `stop`, or one that needs Joseph's form
+  Eigen::Index run_two_states(Eigen::Index k, Eigen::Index stop, LikelihoodSums<N>& sums) {
+    if (k >= stop) return k;
+    const SparseRow<N> c = model_.C[0];
+    const double c0 = c.value[0], c1 = c.value[1], R = model_.R[0];
+    const Transition<N>& step = model_.transitions[record_.transition[k]];
+    const double F00 = step.F(0, 0), F01 = step.F(0, 1), F10 = step.F(1, 0), F11 = step.F(1, 1);
+    const double Q00 = step.Q(0, 0), Q10 = step.Q(1, 0), Q11 = step.Q(1, 1);
+    const Column<N> B = record_.nu == 0 ? Column<N>() : step.B[0];
+    const double D = model_.D.size() == 0 ? 0 : model_.D(0, 0);
+    double x0 = state_.x.at[0], x1 = state_.x.at[1];
+    double P00 = state_.P(0, 0), P10 = state_.P(1, 0), P11 = state_.P(1, 1);
+    LogSum logs = sums.logs;
+    double squares = 0;
+    const Eigen::Index first = k;
+    for (; k < stop; ++k) {
+      const double S = (R + c0 * c0 * P00) + (2 * c0 * c1 * P10 + c1 * c1 * P11);
+      const double inverse = 1 / S;
+      if (!(R * inverse > kLeastShareOfR)) break;
+      const double Pc0 = c0 * P00 + c1 * P10, Pc1 = c0 * P10 + c1 * P11;
+      const double u = record_.nu == 0 ? 0 : record_.u[k];
+      const double e = record_.y[k] - D * u - (c0 * x0 + c1 * x1), weighted = e * inverse;
+      const double g0 = F00 * Pc0 + F01 * Pc1, g1 = F10 * Pc0 + F11 * Pc1;
+      logs.add(S);
+      squares += e * weighted;
+      write({{Pc0 * inverse, Pc1 * inverse}}, inverse, weighted, numbers_);
+      const double next = (F00 * x0 + (F01 * x1 + B.at[0] * u)) + g0 * weighted;
+      x1 = (F10 * x0 + (F11 * x1 + B.at[1] * u)) + g1 * weighted;
+      x0 = next;
+      const double FP00 = F00 * P00 + F01 * P10, FP01 = F00 * P10 + F01 * P11;
+      const double FP10 = F10 * P00 + F11 * P10, FP11 = F10 * P10 + F11 * P11;
+      P00 = (FP00 * F00 + (FP01 * F01 + Q00)) - g0 * g0 * inverse;
+      P10 = (FP10 * F00 + (FP11 * F01 + Q10)) - g0 * g1 * inverse;
+      P11 = (FP10 * F10 + (FP11 * F11 + Q11)) - g1 * g1 * inverse;
+    }
+    state_.x = {{x0, x1}};
+    state_.P = {{P00, P10, P10, P11}};
+    sums.logs = logs;
+    sums.squares += squares;
+    sums.used += k - first;
+    return k;
   }
 
   /// The measurements of instant k, one by one.
@@ -315,183 +324,6 @@ class ForwardPass {
     });
   }
 
-  // --- steady gains ---
-
-  /// Whole blocks of the rest of a segment with the gains of the present P; moves k on.
-  bool hold_gains(Eigen::Index& k, Eigen::Index end, LikelihoodSums<N>& sums) {
-    SteadyState<N> own;
-    if (tape_ != nullptr) tape_->steady.emplace_back();
-    SteadyState<N>& steady = tape_ != nullptr ? tape_->steady.back() : own;
-    steady.transition = record_.transition[k];
-    steady.ny = record_.ny;
-    steady.nu = record_.nu;
-    steady.block = std::max<Eigen::Index>(1, 4 / record_.ny);
-    steady.samples = (end - k) / steady.block * steady.block;
-    if (!find_gains(k, steady, sums)) return false;
-    steady.fill_forward(model_, sensitivities_);
-    if (tape_ != nullptr) steady.fill_backward(model_);
-    for (const double S : steady.S) sums.logs.add(S, steady.samples);
-    sums.used += record_.ny * steady.samples;
-    for (end = k + steady.samples; k < end;) {
-      options_.ask();
-      const Eigen::Index stop = std::min(k + Tape<N>::kPieceSamples, end);
-      double* numbers = nullptr;
-      if (tape_ != nullptr) {
-        TapePiece<N>& piece = tape_->add(k, steady.innovation_rows() * ((stop - k) / steady.block),
-                                         static_cast<int>(tape_->steady.size()) - 1, state_);
-        piece.end = stop;
-        if (piece.numbers.size() > 0) numbers = piece.numbers.data();
-      }
-      if (sensitivities_ != nullptr)
-        steady.with_sizes([&](auto y_size, auto u_size) {
-          run_steady_sensitivities<y_size(), u_size()>(steady, k, stop, sums);
-        });
-      else
-        run_steady(steady, k, stop, sums, numbers);
-      k = stop;
-    }
-    return true;
-  }
-
-  /// K, S and their derivatives, by the corrections of one instant, which are then undone.
-  bool find_gains(Eigen::Index k, SteadyState<N>& steady, LikelihoodSums<N>& sums) {
-    const FilterState<N> before = state_;
-    std::vector<typename Sensitivities<N>::Slope> slopes_before;
-    if (sensitivities_ != nullptr) slopes_before = sensitivities_->slopes;
-    for (Eigen::Index i = 0; i < record_.ny; ++i) {
-      const SparseRow<N> c = model_.C[static_cast<std::size_t>(i)];
-      const Column<N> Pc = c.times(state_.P);
-      const double S = model_.R[static_cast<std::size_t>(i)] + c.dot(Pc.at);
-      if (!(S > 0)) {
-        sums.bad_sample = k;
-        sums.bad_output = i;
-        return false;
-      }
-      Column<N>& K = steady.K.emplace_back();
-      add_scaled<N>(1 / S, Pc.at, K.at);
-      steady.S.push_back(S);
-      if (sensitivities_ != nullptr) {
-        sensitivities_->linearize(i, c, state_, Pc);
-        for (const auto& slope : sensitivities_->slopes) {  // K' = (b - S' K)/S
-          Column<N>& K_slope = steady.K_slope.emplace_back();
-          add_scaled<N>(1 / S, slope.b.at, K_slope.at);
-          add_scaled<N>(-slope.S / S, K.at, K_slope.at);
-          steady.S_slope.push_back(slope.S);
-        }
-        sensitivities_->correct(K, 0);
-      }
-      add_outer<N>(-1, K.at, Pc.at, state_.P);
-    }
-    state_ = before;
-    if (sensitivities_ != nullptr) sensitivities_->slopes = std::move(slopes_before);
-    return true;
-  }
-
-  /// @param numbers  where to write the normalized innovations; may be null
-  void run_steady(const SteadyState<N>& steady, Eigen::Index k, Eigen::Index stop,
-                  LikelihoodSums<N>& sums, double* numbers) {
-    steady.with_sizes([&](auto y_size, auto u_size) {
-      run_steady<y_size(), u_size()>(steady, k, stop, sums, numbers);
-    });
-  }
-  template <int y_size, int u_size>
-  void run_steady(const SteadyState<N>& steady, Eigen::Index k, Eigen::Index stop,
-                  LikelihoodSums<N>& sums, double* numbers) {
-    const Eigen::Index e_rows = steady.innovation_rows();
-    const Eigen::Index rows = y_size == 4 ? 8 : steady.rows(N);
-    alignas(64) double out[2][kMostOutputs + (N + 15) / 8 * 8];
-    Vector<4> squares[kMostOutputs / 4] = {};
-    const double* x = state_.x.at;
-    int side = 0;
-    for (; k < stop; k += steady.block, side = 1 - side) {
-      const Input<y_size> y = {record_.y + k * record_.ny, steady.block * record_.ny};
-      const Input<u_size> u = {record_.u + k * record_.nu, steady.block * record_.nu};
-      multiply(steady.forward.data(), rows, out[side], y, u, Input<N>{x});
-      x = out[side] + e_rows;
-      for (Eigen::Index i = 0; i < e_rows; i += 4) {
-        const Vector<4> e = lanes<4>(out[side] + i)->v;
-        squares[i / 4] += e * e;
-        if (numbers != nullptr) lanes<4>(numbers + i)->v = e;
-      }
-      if (numbers != nullptr) numbers += e_rows;
-    }
-    for (const Vector<4>& square : squares)
-      for (int i = 0; i < 4; ++i) sums.squares += square[i];
-    if (x != state_.x.at) std::copy_n(x, N, state_.x.at);
-  }
-
-  /// The same with e'/√S, whose products make up gradient and information.
-  template <int y_size, int u_size>
-  void run_steady_sensitivities(const SteadyState<N>& steady, Eigen::Index k, Eigen::Index stop,
-                                LikelihoodSums<N>& sums) {
-    const auto p = static_cast<Eigen::Index>(sensitivities_->slopes.size());
-    const Eigen::Index e_rows = steady.innovation_rows();
-    const Eigen::Index rows = y_size == 4 ? 8 : steady.rows(N);
-    const auto samples = static_cast<double>(stop - k);
-    // Columns: of each parameter, and the run itself.
-    Eigen::MatrixXd now = Eigen::MatrixXd::Zero(rows, p + 1), next = now;
-    std::copy_n(state_.x.at, N, now.col(p).data() + e_rows);
-    for (Eigen::Index a = 0; a < p; ++a)
-      std::copy_n(sensitivities_->slopes[static_cast<std::size_t>(a)].x.at, N,
-                  now.col(a).data() + e_rows);
-    Eigen::Matrix4Xd products = Eigen::Matrix4Xd::Zero(4, p * (p + 3) / 2);  // one a pair
-    Eigen::VectorXd squares = Eigen::VectorXd::Zero(e_rows);
-    for (; k < stop; k += steady.block, now.swap(next)) {
-      const Input<y_size> y = {record_.y + k * record_.ny, steady.block * record_.ny};
-      const Input<u_size> u = {record_.u + k * record_.nu, steady.block * record_.nu};
-      const Input<N> x = {now.col(p).data() + e_rows};
-      multiply(steady.forward.data(), rows, next.col(p).data(), y, u, x);
-      for (Eigen::Index a = 0; a < p; ++a)
-        multiply(steady.forward_slope[static_cast<std::size_t>(a)].data(), rows, next.col(a).data(),
-                 y, u, x, Input<N>{now.col(a).data() + e_rows});
-      for (Eigen::Index i = 0; i < e_rows; i += 4) {
-        double* product = products.data();
-        for (Eigen::Index a = 0; a < p; ++a)
-          for (Eigen::Index b = a; b <= p; ++b, product += 4)
-            add_product(next.col(a).data() + i, next.col(b).data() + i, product);
-        add_product(next.col(p).data() + i, next.col(p).data() + i, squares.data() + i);
-      }
-    }
-    std::copy_n(now.col(p).data() + e_rows, N, state_.x.at);
-    for (Eigen::Index a = 0; a < p; ++a)
-      std::copy_n(now.col(a).data() + e_rows, N,
-                  sensitivities_->slopes[static_cast<std::size_t>(a)].x.at);
-    sums.squares += squares.sum();
-    Eigen::Index pair = 0;
-    for (Eigen::Index a = 0; a < p; ++a)
-      for (Eigen::Index b = a; b <= p; ++b) {
-        const double sum = products.col(pair++).sum();
-        if (b == p) {
-          sensitivities_->gradient(a) -= sum;
-        } else {
-          sensitivities_->information(a, b) += sum;
-          if (a != b) sensitivities_->information(b, a) += sum;
-        }
-      }
-    add_steady_variances(steady, samples, squares);
-  }
-
-  /// sum += a b, four entries each
-  static void add_product(const double* a, const double* b, double* sum) {
-    lanes<4>(sum)->v += lanes<4>(a)->v * lanes<4>(b)->v;
-  }
-
-  /// What S' adds to gradient, -½ Σ (1 - ē²) S'/S, and information, ½ Σ (S'/S)(S'/S)ᵀ.
-  void add_steady_variances(const SteadyState<N>& steady, double samples,
-                            const Eigen::VectorXd& squares) {
-    const auto p = static_cast<Eigen::Index>(sensitivities_->slopes.size());
-    for (Eigen::Index i = 0; i < steady.ny; ++i) {
-      double square = 0;
-      for (Eigen::Index sample = 0; sample < steady.block; ++sample)
-        square += squares(sample * steady.ny + i);
-      const Eigen::VectorXd relative =
-          Eigen::Map<const Eigen::VectorXd>(steady.S_slope.data() + i * p, p) /
-          steady.S[static_cast<std::size_t>(i)];
-      sensitivities_->gradient -= 0.5 * (samples - square) * relative;
-      sensitivities_->information += 0.5 * samples * relative * relative.transpose();
-    }
-  }
-
   // --- trace ---
 
   /// @return  false if the gate refuses the measurement
@@ -521,6 +353,7 @@ class ForwardPass {
   Sensitivities<N>* sensitivities_;
   const RunTrace* trace_;
   FilterState<N> state_;
+  SteadyPass<N> steady_;
   double* numbers_ = nullptr;  ///< of the open piece of the tape
   double whitened_[kMostOutputs] = {};
 };
