@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "noise/dense/steady_information.hpp"
+#include "noise/likelihood/steady_information.hpp"
 
 #include <gtest/gtest.h>
 
@@ -53,7 +53,7 @@ TEST(SteadyInformation, IsTheSumOfItsSteps) {
           N = (A * N * A.transpose() + W).eval();
         }
         const SteadyInformation<kSize> found =
-            steady_information<kSize>(A.data(), square_of(W), square_of(start), steps);
+            steady_information<kSize>(square_of(A), square_of(W), square_of(start), steps);
         EXPECT_THAT(matrix_of(found.last), MatrixNear(N, 1e-11 * N.norm())) << steps;
         EXPECT_THAT(matrix_of(found.sum), MatrixNear(sum, 1e-11 * sum.norm())) << steps;
       }

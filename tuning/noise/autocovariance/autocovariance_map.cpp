@@ -31,14 +31,13 @@ MatrixXd placed(const MatrixXd& of_sensor, Index first, const std::vector<Index>
 void add_process_terms(const FilterModel& model, const PreparedTransition& step,
                        SampledModel& sampled) {
   const MatrixXd none = MatrixXd::Zero(sampled.C.rows(), sampled.C.rows());
-  for (std::size_t t = 0; t < model.Q.scaled.size(); ++t)
-    sampled.terms.push_back({model.Q.scaled[t].parameter, -1, 0, step.scaled[t], none});
-  for (std::size_t t = 0; t < model.Q.full.size(); ++t) {
-    auto entry = step.full[t].begin();
-    for (int i = 0; i < static_cast<int>(model.Q.full[t].entries.size()); ++i)
+  auto shape = step.shapes.begin();
+  for (const ScaledCovariance& term : model.Q.scaled)
+    sampled.terms.push_back({term.parameter, -1, 0, *shape++, none});
+  for (const FullCovariance& term : model.Q.full)
+    for (int i = 0; i < static_cast<int>(term.entries.size()); ++i)
       for (int j = 0; j <= i; ++j)
-        sampled.terms.push_back({model.Q.full[t].first_parameter, i, j, *entry++, none});
-  }
+        sampled.terms.push_back({term.first_parameter, i, j, *shape++, none});
 }
 
 void add_sensor_terms(const FilterSensor& sensor, Index first, SampledModel& sampled) {

@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "noise/autocovariance/sparse_ldl.hpp"
-#include "noise/likelihood/prepared_model.hpp"
+#include "noise/likelihood/prepared_noise.hpp"
 #include "quadtune/tuning/innovation_likelihood.hpp"
 
 namespace quadtune {
@@ -25,20 +25,6 @@ using internal::PreparedModel;
 using internal::PreparedTransition;
 using internal::SparseLdl;
 
-MatrixXd step_noise(const PreparedTransition& step, const CovarianceModel& model,
-                    const VectorXd& theta) {
-  MatrixXd Q = step.fixed;
-  for (std::size_t t = 0; t < model.scaled.size(); ++t)
-    Q += std::exp(theta(model.scaled[t].parameter)) * step.scaled[t];
-  for (std::size_t t = 0; t < model.full.size(); ++t) {
-    std::size_t entry = 0;
-    for (int i = 0; i < static_cast<int>(model.full[t].entries.size()); ++i)
-      for (int j = 0; j <= i; ++j)
-        Q += full_entry(theta.data() + model.full[t].first_parameter, i, j) * step.full[t][entry++];
-  }
-  return Q;
-}
-
 /// The system of one record. Unknowns, instant by instant: the multipliers of the step to it, and
 /// its state.
 class System {
@@ -48,13 +34,14 @@ class System {
         record_(prepared.records[0]),
         nx_(prepared.model.A.rows()),
         N_(record_.samples()) {
-    for (const PreparedTransition& step : prepared.transitions)
-      noises_.push_back(step_noise(step, prepared.model.Q, theta));
-    for (const LinearizedInstant& at : record_.linearized) {
-      MatrixXd& Q = noises_.emplace_back(MatrixXd::Zero(nx_, nx_));
-      for (std::size_t t = 0; t < at.noise.size(); ++t)
-        Q += std::exp(theta(prepared.model.Q.scaled[t].parameter)) * at.noise[t];
-    }
+    const std::vector<double> factors = internal::noise_factors(prepared.model.Q, theta.data());
+    const auto add_noise = [&](MatrixXd Q, const std::vector<MatrixXd>& shapes) {
+      for (std::size_t s = 0; s < shapes.size(); ++s) Q += factors[s] * shapes[s];
+      noises_.push_back(std::move(Q));
+    };
+    for (const PreparedTransition& step : prepared.transitions) add_noise(step.fixed, step.shapes);
+    for (const LinearizedInstant& at : record_.linearized)
+      add_noise(MatrixXd::Zero(nx_, nx_), at.noise);
     for (std::size_t s = 0; s < prepared.model.sensors.size(); ++s) {
       const FilterSensor& sensor = prepared.model.sensors[s];
       R_.push_back(covariance(sensor.R, theta));

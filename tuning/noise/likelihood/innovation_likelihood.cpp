@@ -3,10 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
-#include "noise/dense/dense_likelihood.hpp"
-#include "noise/likelihood/likelihood_evaluator.hpp"
+#include "noise/likelihood/likelihood_engine.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/matrix_checks.hpp"
 
@@ -14,66 +11,22 @@ namespace quadtune {
 namespace {
 
 using Eigen::Index;
-using internal::DenseLikelihood;
-using internal::LikelihoodEvaluator;
+using internal::LikelihoodEngine;
 using internal::PreparedModel;
 using internal::RunOptions;
-
-std::unique_ptr<LikelihoodEvaluator> evaluator_of(const PreparedModel& prepared, int jets) {
-  const bool linear = std::all_of(prepared.records.begin(), prepared.records.end(),
-                                  [](const auto& record) { return record.linearized.empty(); });
-  if (!prepared.correlated && linear) switch (prepared.model.A.rows()) {
-      case 1:
-        return internal::make_evaluator<1>(prepared, jets);
-      case 2:
-        return internal::make_evaluator<2>(prepared, jets);
-      case 3:
-        return internal::make_evaluator<3>(prepared, jets);
-      case 4:
-        return internal::make_evaluator<4>(prepared, jets);
-      default:
-        break;
-    }
-  return internal::make_evaluator<-1>(prepared, jets);
-}
 
 }  // namespace
 
 struct InnovationLikelihood::Parts {
   std::shared_ptr<const PreparedModel> prepared;
-  std::unique_ptr<LikelihoodEvaluator> value, slope;
-  std::unique_ptr<DenseLikelihood> dense;  ///< may be null
-  int jets = 2;
-  RunOptions how;
+  std::unique_ptr<LikelihoodEngine> engine;
+  RunOptions options;
 
-  explicit Parts(std::shared_ptr<const PreparedModel> of) : prepared(std::move(of)) {
-    make_evaluators();
-    if (many_states() || prepared->model.parameters.size() > 4)
-      dense = internal::make_dense_likelihood(*prepared);
-  }
-  Parts(const Parts& other) : prepared(other.prepared), how(other.how) {
-    make_evaluators();
-    if (other.dense) dense = other.dense->copy();
-  }
+  explicit Parts(std::shared_ptr<const PreparedModel> of)
+      : prepared(std::move(of)), engine(internal::make_likelihood_engine(*prepared)) {}
+  Parts(const Parts& other)
+      : prepared(other.prepared), engine(other.engine->copy()), options(other.options) {}
   Parts& operator=(const Parts&) = delete;
-
-  /// Whether the dense filter is faster: of few states it has the gradient by many parameters, of
-  /// many states the value too.
-  [[nodiscard]] bool dense_has(LikelihoodOrder order) const {
-    if (!dense) return false;
-    if (order == LikelihoodOrder::information) return dense->has_information();
-    return order == LikelihoodOrder::gradient || many_states();
-  }
-
- private:
-  [[nodiscard]] bool many_states() const { return prepared->model.A.rows() > 4; }
-
-  void make_evaluators() {
-    const std::size_t p = prepared->model.parameters.size();
-    jets = prepared->correlated || p > 4 ? 16 : (p > 2 ? 4 : 2);
-    value = evaluator_of(*prepared, 0);
-    slope = evaluator_of(*prepared, jets);
-  }
 };
 
 InnovationLikelihood::InnovationLikelihood(FilterModel model, std::vector<FilterRecord> records) {
@@ -104,9 +57,11 @@ const FilterModel& InnovationLikelihood::model() const { return parts_->prepared
 const std::vector<FilterRecord>& InnovationLikelihood::records() const {
   return parts_->prepared->records;
 }
-void InnovationLikelihood::hold_steady_gains(bool hold) { parts_->how.hold_steady_gains = hold; }
+void InnovationLikelihood::hold_steady_gains(bool hold) {
+  parts_->options.hold_steady_gains = hold;
+}
 void InnovationLikelihood::stop_when(std::function<bool()> stop) {
-  parts_->how.stop = std::move(stop);
+  parts_->options.stop = std::move(stop);
 }
 
 Likelihood InnovationLikelihood::evaluate(const Eigen::Ref<const Eigen::VectorXd>& theta,
@@ -116,21 +71,7 @@ Likelihood InnovationLikelihood::evaluate(const Eigen::Ref<const Eigen::VectorXd
   require_finite(theta, "likelihood", "theta");
   Likelihood result;
   if (p == 0) order = LikelihoodOrder::value;
-  if (parts_->dense_has(order)) {
-    parts_->dense->evaluate(theta, order, parts_->how, result);
-    return result;
-  }
-  if (order == LikelihoodOrder::value) {
-    parts_->value->evaluate(theta, 0, false, parts_->how, result);
-    return result;
-  }
-  const bool information = order == LikelihoodOrder::information;
-  result.gradient.setZero(p);
-  if (information) result.information.setZero(p, p);
-  for (Index first = 0; first < p; first += parts_->jets) {
-    parts_->slope->evaluate(theta, first, information, parts_->how, result);
-    if (!result.computed()) break;
-  }
+  parts_->engine->evaluate(theta, order, parts_->options, result);
   return result;
 }
 
@@ -143,7 +84,7 @@ FilterRun InnovationLikelihood::run(std::size_t record,
     throw InvalidInput("likelihood", fmt::format("record {} came, expected 0 to {}", record,
                                                  records().size() - 1));
   FilterRun run;
-  parts_->value->trace(theta, record, parts_->how, run);
+  parts_->engine->run(theta, record, parts_->options, run);
   return run;
 }
 

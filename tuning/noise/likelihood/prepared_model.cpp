@@ -113,17 +113,15 @@ PreparedTransition prepare_transition(const FilterModel& model, double dt) {
     result.B = held.B.leftCols(model.B.cols());
   }
   result.fixed = sampled(model.Q.fixed);
-  for (const ScaledCovariance& term : model.Q.scaled) result.scaled.push_back(sampled(term.shape));
-  for (const FullCovariance& term : model.Q.full) {
-    std::vector<MatrixXd>& entries = result.full.emplace_back();
+  for (const ScaledCovariance& term : model.Q.scaled) result.shapes.push_back(sampled(term.shape));
+  for (const FullCovariance& term : model.Q.full)
     for (std::size_t i = 0; i < term.entries.size(); ++i)
       for (std::size_t j = 0; j <= i; ++j) {
         MatrixXd unit = MatrixXd::Zero(model.Q.size(), model.Q.size());
         unit(term.entries[i], term.entries[j]) = 1;
         unit(term.entries[j], term.entries[i]) = 1;
-        entries.push_back(sampled(unit));
+        result.shapes.push_back(sampled(unit));
       }
-  }
   return result;
 }
 

@@ -13,14 +13,15 @@
 
 namespace quadtune::internal {
 
-/// One step of time. The noise of a step is linear in Q: Q_d = fixed + Σ exp(θ) scaled + Σ Q_ij
-/// full_ij.
+/// One step of time. The noise of a step is linear in Q: Q_d = fixed + Σ factor(θ) shape, with the
+/// factors of noise_factors().
 struct PreparedTransition {
-  Eigen::MatrixXd F;                               ///< (nx × nx)
-  Eigen::MatrixXd B;                               ///< (nx × nu)
-  Eigen::MatrixXd fixed;                           ///< (nx × nx)
-  std::vector<Eigen::MatrixXd> scaled;             ///< one a term of Q.scaled
-  std::vector<std::vector<Eigen::MatrixXd>> full;  ///< of Q.full: (i, j), j ≤ i, row by row
+  Eigen::MatrixXd F;      ///< (nx × nx)
+  Eigen::MatrixXd B;      ///< (nx × nu)
+  Eigen::MatrixXd fixed;  ///< (nx × nx)
+  /// (nx × nx) one a term of Q.scaled, then one an entry (i, j), j ≤ i, row by row, of each term of
+  /// Q.full
+  std::vector<Eigen::MatrixXd> shapes;
 };
 
 struct PreparedRecord {

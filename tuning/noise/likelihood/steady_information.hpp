@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The information N of the dense filter's way back over a stretch of steady gains, where a step is
+/// The information N of the adjoint pass over a stretch of steady gains, where a step is
 /// N ← A N Aᵀ + W with the same A and W: by doubling, in as many products as the stretch's length
-/// has digits.
+/// has binary digits.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
-#include "noise/dense/dense_algebra.hpp"
+#include "noise/likelihood/small_algebra.hpp"
 
 namespace quadtune::internal {
 
@@ -51,19 +50,18 @@ bool join(const StepsBack<N>& early, const StepsBack<N>& late, StepsBack<N>& bot
   const auto count = static_cast<double>(late.steps);
   for (int i = 0; i < N * N; ++i) result.sum_made.at[i] += count * early.made.at[i];
   for (int j = 0; j < N; ++j)
-    multiply<N>(early.power.at, late.power.column(j), N, result.power.column(j));
+    multiply<N>(early.power, late.power.column(j), result.power.column(j));
   result.steps = early.steps + late.steps;
   both = result;
   return forgotten;
 }
 
-/// @param A  (N × N), column by column
 template <int N>
-SteadyInformation<N> steady_information(const double* A, const Square<N>& W, const Square<N>& start,
-                                        std::int64_t steps) {
+SteadyInformation<N> steady_information(const Square<N>& A, const Square<N>& W,
+                                        const Square<N>& start, std::int64_t steps) {
   StepsBack<N> doubled;  // 1, 2, 4, ... steps
   doubled.steps = 1;
-  std::copy_n(A, N * N, doubled.power.at);
+  doubled.power = A;
   doubled.made = W;
   doubled.sum_passed = start;
   StepsBack<N> all;

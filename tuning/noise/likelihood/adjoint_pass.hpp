@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The adjoint of the Kalman filter: derivatives of the log-likelihood by all covariances at once,
+/// whatever the number of parameters.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "noise/likelihood/forward_pass.hpp"
+#include "noise/likelihood/steady_information.hpp"
+
+namespace quadtune::internal {
+
+/// One record, from its end to its beginning, for measurements that are uncorrelated and normal.
+/// With r = ∂ log p/∂x and ½ (r rᵀ - N) = ∂ log p/∂P of a prediction, a measurement with gain K,
+/// innovation e of variance S and row c makes of them
+///     u = e/S - K·r,  D = 1/S + K·N K,  r ← r + cᵀ u,
+///     N ← (I - K c)ᵀ N (I - K c) + cᵀ c/S,  ∂ log p/∂R = ½ (u² - D),
+/// and a step of time ∂ log p/∂Q = ½ (r rᵀ - N), r ← Fᵀ r, N ← Fᵀ N F (Koopman and Shephard 1992).
+template <int N>
+class AdjointPass {
+ public:
+  /// @param forward  has run over the record with the tape
+  AdjointPass(const EngineModel<N>& model, const KernelRecord& record,
+              const LinearizedInstants<N>* instants, const RunOptions& options,
+              ForwardPass<N>& forward, Tape<N>& tape)
+      : model_(model),
+        record_(record),
+        instants_(instants),
+        options_(options),
+        forward_(forward),
+        tape_(tape) {}
+
+  /// Adds to sums.by_…
+  void run(LikelihoodSums<N>& sums) {
+    Eigen::VectorXd repeated;
+    for (std::size_t p = tape_.count; p-- > 0;) {
+      const TapePiece<N>& piece = tape_.pieces[p];
+      if (piece.steady < 0 || p % Tape<N>::kSteadyPiecesPerQuestion == 0) options_.ask();
+      const Eigen::VectorXd* numbers = &piece.numbers;
+      if (numbers->size() == 0) {
+        repeated.resize((piece.end - piece.begin) * std::max<Eigen::Index>(4, Tape<N>::kEntry) *
+                        record_.ny);
+        forward_.repeat(piece, repeated.data());
+        numbers = &repeated;
+      }
+      if (piece.steady < 0)
+        run_piece(piece, numbers->data(), sums);
+      else
+        run_steady_piece(piece, numbers->data(), sums);
+    }
+  }
+
+ private:
+  void run_piece(const TapePiece<N>& piece, const double* numbers, LikelihoodSums<N>& sums) {
+    steady_ = -1;
+    // Missing measurements leave the tape shorter than it might be.
+    for (Eigen::Index j = piece.begin * record_.ny; j < piece.end * record_.ny; ++j)
+      if (!std::isnan(record_.y[j])) numbers += Tape<N>::kEntry;
+    for (Eigen::Index k = piece.end; k > piece.begin;) {
+      if constexpr (N == 2) k = run_two_states(k, piece.begin, numbers, sums);
+      if (k-- == piece.begin) break;
+      if (k + 1 < record_.samples) predict(k, sums);
+      for (Eigen::Index i = record_.ny; i-- > 0;) {
+        if (std::isnan(record_.y[k * record_.ny + i])) continue;
+        numbers -= Tape<N>::kEntry;
+        const SparseRow<N> c = forward_.row(k, i);
+        const double u = numbers[N + 1] - dot<N>(numbers, r_.at);  // u = e/S - K·r
+        sums.by_R[static_cast<std::size_t>(i)] +=
+            0.5 * (u * u - correct_information(c, numbers, numbers[N]));
+        c.add_to(r_.at, u);
+      }
+    }
+  }
+
+  /// Two states and one output, a step of time and a correction in one: with g = F K,
+  ///     u = e/S - g·r, D = 1/S + g·N g, r ← Fᵀ r + cᵀ u, N ← (F - g c)ᵀ N (F - g c) + cᵀ c/S,
+  /// so that only one product lies between one N and the next.
+  /// @return  the end of what is left, from the last instant that is not like the others
+  Eigen::Index run_two_states(Eigen::Index k, Eigen::Index begin, const double*& numbers,
+                              LikelihoodSums<N>& sums) {
+    if (record_.ny != 1 || instants_ != nullptr || k == record_.samples) return k;
+    const std::uint32_t transition = record_.transition[k - 1];
+    const Square<N>& F = model_.transitions[transition].F;
+    const double F00 = F(0, 0), F01 = F(0, 1), F10 = F(1, 0), F11 = F(1, 1);
+    const double c0 = model_.C[0].value[0], c1 = model_.C[0].value[1];
+    double r0 = r_.at[0], r1 = r_.at[1], N00 = N_(0, 0), N10 = N_(1, 0), N11 = N_(1, 1);
+    double by_R = 0, by_Q00 = 0, by_Q10 = 0, by_Q11 = 0;  // twice
+    for (; k > begin && record_.transition[k - 1] == transition && !std::isnan(record_.y[k - 1]);
+         --k) {
+      numbers -= Tape<N>::kEntry;
+      by_Q00 += r0 * r0 - N00;
+      by_Q10 += r0 * r1 - N10;
+      by_Q11 += r1 * r1 - N11;
+      const double g0 = F00 * numbers[0] + F01 * numbers[1];
+      const double g1 = F10 * numbers[0] + F11 * numbers[1], precision = numbers[2];
+      const double u = numbers[3] - (g0 * r0 + g1 * r1);
+      by_R += u * u - (precision + g0 * (N00 * g0 + 2 * N10 * g1) + g1 * N11 * g1);
+      const double before = F00 * r0 + (F10 * r1 + c0 * u);
+      r1 = F01 * r0 + (F11 * r1 + c1 * u);
+      r0 = before;
+      const double M00 = F00 - g0 * c0, M01 = F01 - g0 * c1;
+      const double M10 = F10 - g1 * c0, M11 = F11 - g1 * c1;
+      const double NM00 = N00 * M00 + N10 * M10, NM01 = N00 * M01 + N10 * M11;
+      const double NM10 = N10 * M00 + N11 * M10, NM11 = N10 * M01 + N11 * M11;
+      N00 = M00 * NM00 + (M10 * NM10 + c0 * c0 * precision);
+      N10 = M01 * NM00 + (M11 * NM10 + c0 * c1 * precision);
+      N11 = M01 * NM01 + (M11 * NM11 + c1 * c1 * precision);
+    }
+    r_ = {{r0, r1}};
+    N_ = {{N00, N10, N10, N11}};
+    sums.by_R[0] += 0.5 * by_R;
+    const Square<N> by_Q = {{by_Q00, by_Q10, by_Q10, by_Q11}};
+    add_scaled<N * N>(0.5, by_Q.at, sums.by_Q[transition].at);
+    return k;
+  }
+
+  void predict(Eigen::Index k, LikelihoodSums<N>& sums) {
+    if (instants_ == nullptr) {
+      const Transition<N>& step = model_.transitions[record_.transition[k]];
+      Square<N>& by_Q = sums.by_Q[record_.transition[k]];  // += ½ (r rᵀ - N)
+      add_outer<N>(0.5, r_.at, r_.at, by_Q);
+      add_scaled<N * N>(-0.5, N_.at, by_Q.at);
+      predict(step.F_transposed);
+      return;
+    }
+    instants_->each_noise(static_cast<std::size_t>(k), [&](std::size_t t, const auto& entry) {
+      const double share = entry.row == entry.column ? 0.5 : 1;
+      sums.by_factors[t] += share * entry.value *
+                            (r_.at[entry.row] * r_.at[entry.column] - N_(entry.row, entry.column));
+    });
+    transpose<N>(instants_->F[static_cast<std::size_t>(k)], F_transposed_);
+    predict(F_transposed_);
+  }
+  void predict(const Square<N>& F_transposed) {
+    Column<N> r;
+    multiply<N>(F_transposed, r_.at, r.at);
+    r_ = r;
+    propagate<N>(F_transposed, N_, nullptr);
+  }
+
+  /// N ← (I - K c)ᵀ N (I - K c) + cᵀ c/S
+  /// @return  D = 1/S + K·N K
+  double correct_information(const SparseRow<N>& c, const double* K, double precision) {
+    Column<N> NK;
+    multiply<N>(N_, K, NK.at);
+    const double D = precision + dot<N>(K, NK.at);
+    if constexpr (N == 2) {  // the same in whole vectors: N - h c - cᵀ hᵀ, h = N K - ½ D cᵀ
+      add_scaled<N>(-0.5 * D, c.value, NK.at);
+      add_outer<N>(-1, NK.at, c.value, N_);
+      add_outer<N>(-1, c.value, NK.at, N_);
+      return D;
+    }
+    for (std::size_t q = 0; q < c.size; ++q) {
+      const int column = c.column[q];
+      add_scaled<N>(-c.value[q], NK.at, N_.column(column));
+      for (int j = 0; j < N; ++j) N_(column, j) -= c.value[q] * NK.at[j];
+    }
+    for (std::size_t q = 0; q < c.size; ++q)
+      for (std::size_t s = 0; s < c.size; ++s)
+        N_(c.column[q], c.column[s]) += c.value[q] * c.value[s] * D;
+    return D;
+  }
+
+  // --- steady gains ---
+
+  void run_steady_piece(const TapePiece<N>& piece, const double* numbers, LikelihoodSums<N>& sums) {
+    const SteadyState<N>& steady = tape_.steady[static_cast<std::size_t>(piece.steady)];
+    if (steady_ != piece.steady) run_steady_information(steady, sums);
+    steady_ = piece.steady;
+    const Eigen::Index blocks = (piece.end - piece.begin) / steady.block;
+    steady.with_sizes([&](auto y_size, auto) {
+      if constexpr (y_size() == 4)
+        run_two_steady_states(steady, blocks, numbers, sums);
+      else
+        run_steady_residuals(steady, blocks, numbers, sums);
+    });
+  }
+
+  /// r through a piece, and what it adds to ∂ log p/∂Q and ∂ log p/∂R.
+  void run_steady_residuals(const SteadyState<N>& steady, Eigen::Index left, const double* numbers,
+                            LikelihoodSums<N>& sums) {
+    const Eigen::Index e_rows = steady.innovation_rows();
+    constexpr int kGroup = 4;  // blocks whose r rᵀ are added up at once
+    // One more, because the first r of a group is the last of the group before.
+    alignas(64) double out[kGroup + 1][kMostOutputs + 4 * N + 8];  // u, and r before each sample
+    const double* r_after[4 * kGroup];                             // of each sample
+    Vector<4> squares[kMostOutputs / 4] = {};
+    Square<N>& by_Q = sums.by_Q[steady.transition];
+    const double* r = r_.at;
+    int slot = 0;
+    while (left > 0) {
+      int samples = 0;
+      for (int block = 0; block < kGroup && left > 0; ++block) {
+        --left;
+        slot = (slot + 1) % (kGroup + 1);
+        multiply(steady.backward.data(), steady.backward.rows(), out[slot],
+                 Input<>{numbers + left * e_rows, steady.block * record_.ny}, Input<N>{r});
+        for (Eigen::Index i = 0; i < e_rows; i += 4)
+          squares[i / 4] += lanes<4>(out[slot] + i)->v * lanes<4>(out[slot] + i)->v;
+        for (Eigen::Index sample = 0; sample < steady.block; ++sample) {
+          r_after[samples++] = r;
+          r = out[slot] + e_rows + sample * N;
+        }
+      }
+      for (const NoiseEntries& entries : model_.noise_entries) {  // ½ Σ r rᵀ
+        Vector<kLanes<N>> sum{};
+        for (int sample = 0; sample < samples; ++sample)
+          sum += r_after[sample][entries.column] * lanes<N>(r_after[sample] + entries.row)->v;
+        lanes<N>(by_Q.column(entries.column) + entries.row)->v += 0.5 * sum;
+      }
+    }
+    if (r != r_.at) std::copy_n(r, N, r_.at);
+    for (Eigen::Index row = 0; row < steady.block * record_.ny; ++row)
+      sums.by_R[static_cast<std::size_t>(row % record_.ny)] += 0.5 * squares[row / 4][row % 4];
+  }
+
+  /// The same for two states and one output. All that is added up is quadratic in w = [ē; r] of a
+  /// block of four samples, so that Σ w wᵀ is enough, and r does not leave its register.
+  void run_two_steady_states(const SteadyState<N>& steady, Eigen::Index blocks,
+                             const double* numbers, LikelihoodSums<N>& sums) {
+    const Eigen::Matrix<double, 12, 6> map = steady.backward.topRows(12);
+    Vector<8> step[6], products[6] = {};
+    for (int j = 0; j < 6; ++j) step[j] = Vector<8>{0, 0, 0, 0, map(10, j), map(11, j), 0, 0};
+    Vector<8> r = {0, 0, 0, 0, r_.at[0], r_.at[1], 0, 0};
+    while (blocks-- > 0) {
+      const double* e = numbers + 4 * blocks;
+      const Vector<8> w = {e[0], e[1], e[2], e[3], r[4], r[5], 0, 0};
+      for (int j = 0; j < 4; ++j) products[j] += w * e[j];
+      products[4] += w * r[4];
+      products[5] += w * r[5];
+      r = (step[0] * e[0] + step[1] * e[1] + (step[2] * e[2] + step[3] * e[3])) + step[4] * r[4] +
+          step[5] * r[5];
+    }
+    r_ = {{r[4], r[5]}};
+    Eigen::Matrix<double, 6, 6> of_w;
+    for (int j = 0; j < 6; ++j)
+      for (int i = 0; i < 6; ++i) of_w(i, j) = products[j][i];
+    const Eigen::Matrix<double, 12, 12> of_map = map * of_w * map.transpose();
+    sums.by_R[0] += 0.5 * of_map.diagonal().head<4>().sum();
+    const Eigen::Matrix2d by_Q = 0.5 * (of_w.bottomRightCorner<2, 2>() + of_map.block<2, 2>(4, 4) +
+                                        of_map.block<2, 2>(6, 6) + of_map.block<2, 2>(8, 8));
+    add_scaled<N * N>(1, by_Q.data(), sums.by_Q[steady.transition].at);
+  }
+
+  /// N through the whole of a stretch, and what its steps add to ∂ log p/∂Q and ∂ log p/∂R.
+  void run_steady_information(const SteadyState<N>& steady, LikelihoodSums<N>& sums) {
+    const Square<N> start = N_;
+    N_ = Square<N>();
+    for (Eigen::Index i = record_.ny; i-- > 0;) correct_information(steady, i);
+    const SteadyInformation<N> information =
+        steady_information<N>(steady.backward_step, N_, start, steady.samples);
+    const auto samples = static_cast<double>(steady.samples);
+    add_scaled<N * N>(-0.5, information.sum.at, sums.by_Q[steady.transition].at);
+    // D is linear in N: the sum of D is that of the mean of N.
+    N_ = Square<N>();
+    add_scaled<N * N>(1 / samples, information.sum.at, N_.at);
+    propagate<N>(model_.transitions[steady.transition].F_transposed, N_, nullptr);
+    for (Eigen::Index i = record_.ny; i-- > 0;)
+      sums.by_R[static_cast<std::size_t>(i)] -= 0.5 * samples * correct_information(steady, i);
+    N_ = information.last;
+  }
+  double correct_information(const SteadyState<N>& steady, Eigen::Index i) {
+    const auto q = static_cast<std::size_t>(i);
+    return correct_information(model_.C[q], steady.K[q].at, 1 / steady.S[q]);
+  }
+
+  const EngineModel<N>& model_;
+  const KernelRecord& record_;
+  const LinearizedInstants<N>* instants_;
+  const RunOptions& options_;
+  ForwardPass<N>& forward_;
+  Tape<N>& tape_;
+  Column<N> r_;
+  Square<N> N_, F_transposed_;
+  int steady_ = -1;  ///< index of the steady gains that N has been taken through
+};
+
+}  // namespace quadtune::internal

@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "noise/likelihood/likelihood_engine_of.hpp"
+
+namespace quadtune::internal {
+
+template std::unique_ptr<LikelihoodEngine> make_likelihood_engine_of<12>(const PreparedModel&);
+
+}  // namespace quadtune::internal
