@@ -153,8 +153,8 @@ void read_dynamic_parts(const Json& json, const std::string& where, Gains& gains
   gains.memory = std::move(read);
 }
 
-/// The name of a convention. One that came from a file has its definition beside its name, and is
-/// known from then on.
+/// The name of the convention. If the JSON contains a definition, the convention is registered, so
+/// that convention() finds it by this name.
 std::string convention_from_json(const Json& json, const std::string& where) {
   const auto text = [&](const char* key) {
     return internal::string_from_json(internal::member(json, key, where), where + "." + key);

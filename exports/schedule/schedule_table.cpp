@@ -94,10 +94,10 @@ TableFormat table_format(const std::filesystem::path& file, const std::string& w
 
 std::string schedule_text(const GainSchedule& schedule, TableFormat format) {
   if (!is_built_in(convention(schedule.convention, "schedule")))
-    throw InvalidInput("schedule", fmt::format("is in the convention '{}' of a file, expected one "
-                                               "that comes with quadtune because a table holds no "
-                                               "definition",
-                                               schedule.convention));
+    throw InvalidInput("schedule",
+                       fmt::format("uses the convention '{}', which comes from a file; expected a "
+                                   "built-in convention because a table cannot hold a definition",
+                                   schedule.convention));
   return format == TableFormat::toml ? exports::schedule_toml(schedule)
                                      : exports::schedule_json(schedule);
 }

@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "quadtune/convention_file.hpp"
 #include "quadtune/errors.hpp"
 #include "temporary_directory.hpp"
 
@@ -176,6 +177,17 @@ TEST(ScheduleTomlTable, RefusesWithTheLine) {
   refuses("residual = ", "residuum = ", "did you mean 'residual'?");
   refuses("convention = \"uquad\"", "convention = \"uqad\"", "uqad");
   refuses("unit = \"m/s\"\nvalues", "unit = \"km/h\"\nvalues", "unit of speed is 'km/h'");
+}
+
+TEST_P(ScheduleTable, RefusesAConventionWhoseDefinitionItCannotHold) {
+  Convention own = convention("uquad", "test");
+  own.name = "of-a-file";
+  GainSchedule schedule = sample();
+  schedule.convention = add_convention(own, "test").name;
+  EXPECT_THAT([&] { (void)schedule_text(schedule, GetParam()); },
+              ThrowsMessage<InvalidInput>(
+                  "schedule: uses the convention 'of-a-file', which comes from a file; expected a "
+                  "built-in convention because a table cannot hold a definition"));
 }
 
 TEST(ScheduleTableFormat, IsThatOfTheName) {

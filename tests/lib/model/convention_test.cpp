@@ -9,9 +9,11 @@
 namespace quadtune {
 namespace {
 
-using ::testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::EndsWith;
 using testing::MatrixNear;
 using ::testing::Property;
+using ::testing::StartsWith;
 using ::testing::ThrowsMessage;
 
 TEST(Convention, IsASignedPermutation) {
@@ -35,8 +37,10 @@ TEST(Convention, UquadCallsRollPsiAndTurnsYawAround) {
 
 TEST(Convention, RefusesUnknownNameAndSuggests) {
   EXPECT_THAT([] { (void)convention("uqad", "--convention"); },
-              ThrowsMessage<InvalidInput>(HasSubstr("--convention: no convention 'uqad', expected "
-                                                    "ned, uquad, mambo; did you mean 'uquad'?")));
+              ThrowsMessage<InvalidInput>(AllOf(
+                  // Other tests of this program may have added conventions to the list.
+                  StartsWith("--convention: no convention 'uqad', expected ned, uquad, mambo"),
+                  EndsWith("; did you mean 'uquad'?"))));
 }
 
 TEST(Convention, WordsOfInputsAndSignLawReadBack) {
