@@ -12,8 +12,9 @@ add_library(quadtune_eigen OBJECT
   lib/compiled_eigen/singular_values.cpp)
 target_include_directories(quadtune_eigen PRIVATE lib/internal)
 target_link_libraries(quadtune_eigen PRIVATE quadtune_flags Eigen3::Eigen fmt::fmt)
-target_precompile_headers(quadtune_eigen PRIVATE
-                          ${PROJECT_SOURCE_DIR}/lib/internal/quadtune/internal/precompiled.hpp)
+# In angle brackets, so that what CMake writes does not hold the name of the checkout: ccache would
+# compile everything again in the next one.
+target_precompile_headers(quadtune_eigen PRIVATE <quadtune/internal/precompiled.hpp>)
 
 # quadtune_own_options(file.cpp … OPTIONS …) compiles some source files with options of their own.
 function(quadtune_own_options)
