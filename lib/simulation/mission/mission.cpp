@@ -11,8 +11,8 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/model/rigid_body.hpp"
-#include "quadtune/simulation/climb.hpp"
 #include "simulation/loop/bounds.hpp"
+#include "simulation/mission/climb.hpp"
 
 namespace quadtune {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "quadtune/simulation/climb.hpp"
+#include "simulation/mission/climb.hpp"
 
 namespace quadtune {
 namespace {

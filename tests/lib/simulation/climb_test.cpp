@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/simulation/climb.hpp"
+#include "simulation/mission/climb.hpp"
 
 #include <gmock/gmock.h>
 
