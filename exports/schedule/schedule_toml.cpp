@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <iterator>
 #include <span>
 
 #include "quadtune/errors.hpp"
@@ -19,18 +18,18 @@ using internal::TomlTable;
 /// Builds the text; numbers are the shortest that read back to the same double.
 class TomlText {
  public:
-  void line(const std::string& text) { fmt::format_to(end(), "{}\n", text); }
+  void line(const std::string& text) { text_ += fmt::format("{}\n", text); }
   void text(const char* key, const std::string& value) {
-    fmt::format_to(end(), "{} = {}\n", key, quoted(value));
+    text_ += fmt::format("{} = {}\n", key, quoted(value));
   }
   void number(const char* key, double value) {
-    fmt::format_to(end(), "{} = ", key);
+    text_ += fmt::format("{} = ", key);
     append(value);
     text_ += '\n';
   }
   /// Eight numbers a line: readers have a limit on the line.
   void list(const char* key, std::span<const double> values) {
-    fmt::format_to(end(), "{} = [", key);
+    text_ += fmt::format("{} = [", key);
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (i > 0) text_ += i % 8 == 0 ? ",\n  " : ", ";
       append(values[i]);
@@ -38,7 +37,7 @@ class TomlText {
     text_ += "]\n";
   }
   void matrix(const char* key, const Eigen::MatrixXd& M) {
-    fmt::format_to(end(), "{} = [\n", key);
+    text_ += fmt::format("{} = [\n", key);
     for (Eigen::Index i = 0; i < M.rows(); ++i) {
       text_ += "  [";
       for (Eigen::Index j = 0; j < M.cols(); ++j) {
@@ -50,21 +49,19 @@ class TomlText {
     text_ += "]\n";
   }
   void signals(const char* key, const std::vector<Signal>& all) {
-    fmt::format_to(end(), "{} = [\n", key);
+    text_ += fmt::format("{} = [\n", key);
     for (const Signal& signal : all)
-      fmt::format_to(end(), "  {{ name = {}, unit = {} }},\n", quoted(signal.name),
-                     quoted(signal.unit));
+      text_ +=
+          fmt::format("  {{ name = {}, unit = {} }},\n", quoted(signal.name), quoted(signal.unit));
     text_ += "]\n";
   }
   [[nodiscard]] std::string take() { return std::move(text_); }
 
  private:
-  [[nodiscard]] std::back_insert_iterator<std::string> end() { return std::back_inserter(text_); }
-
   /// A whole number gets a point: TOML's integers know no -0.
   void append(double value) {
     const std::size_t start = text_.size();
-    fmt::format_to(end(), "{}", value);
+    text_ += fmt::format("{}", value);
     if (text_.find_first_not_of("-0123456789", start) == std::string::npos) text_ += ".0";
   }
 

@@ -98,7 +98,7 @@ std::string text_of(const AnyJson& json, bool ascii) {
     const Utf8Character c = first_character(std::string_view(text).substr(i));
     if (is_control_or_mark(c.code)) {
       safe.append(text, copied, i - copied);
-      fmt::format_to(std::back_inserter(safe), "\\u{:04x}", static_cast<unsigned>(c.code));
+      safe += fmt::format("\\u{:04x}", static_cast<unsigned>(c.code));
       copied = i + c.length;
     }
     i += c.length;

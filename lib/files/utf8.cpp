@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <iterator>
-
 namespace quadtune::internal {
 namespace {
 
@@ -36,7 +34,7 @@ std::string rewritten(std::string_view text, const Append& append) {
 }
 
 void append_byte(char32_t byte, std::string& text) {
-  fmt::format_to(std::back_inserter(text), "\\x{:02x}", static_cast<unsigned>(byte));
+  text += fmt::format("\\x{:02x}", static_cast<unsigned>(byte));
 }
 
 }  // namespace
@@ -79,7 +77,7 @@ std::string visible_text(std::string_view text) {
     if (!c.valid || (c.code < 0x100 && is_control_or_mark(c.code)))
       append_byte(c.code, result);
     else if (is_control_or_mark(c.code))
-      fmt::format_to(std::back_inserter(result), "\\u{:04x}", static_cast<unsigned>(c.code));
+      result += fmt::format("\\u{:04x}", static_cast<unsigned>(c.code));
     else
       result += bytes;
   });

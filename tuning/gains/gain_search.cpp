@@ -164,7 +164,7 @@ VectorXd stationary_round(const GainTarget& target, const Stationarity& of, cons
     }
   const VectorXd size = M.colwise().norm().transpose().cwiseMax(1e-12 * M.norm());
   if (!M.allFinite() || !(size.minCoeff() > 0)) return w;
-  const Eigen::BDCSVD<MatrixXd> svd(M * size.cwiseInverse().asDiagonal(), Eigen::ComputeFullV);
+  const Eigen::JacobiSVD<MatrixXd> svd(M * size.cwiseInverse().asDiagonal(), Eigen::ComputeFullV);
   const VectorXd& sigma = svd.singularValues();
   const double least = std::max(2 * sigma.minCoeff(), 1e-9 * sigma(0));
   VectorXd v = VectorXd::Zero(size.size());

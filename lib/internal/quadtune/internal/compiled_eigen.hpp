@@ -139,7 +139,6 @@
   namespace Eigen {                                 \
   declaration class JacobiSVD<MatrixXd>;            \
   declaration class JacobiSVD<MatrixXcd>;           \
-  declaration class BDCSVD<MatrixXd>;               \
   }
 
 QUADTUNE_EIGEN_PRODUCTS(extern template)
