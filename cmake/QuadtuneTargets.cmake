@@ -85,9 +85,10 @@ endfunction()
 
 # quadtune_library(synthesis SOURCES … KERNELS … PUBLIC … PRIVATE …) makes quadtune::synthesis from
 # synthesis/include and the sources. Headers of libraries given as PRIVATE stay out of its interface.
-# KERNELS and AVX2_KERNELS are sources whose time depends on the processor's vectors (Variants.cmake).
+# KERNELS, AVX2_KERNELS and PACKED_KERNELS are sources whose time depends on the processor's vectors
+# (Variants.cmake).
 function(quadtune_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;KERNELS;AVX2_KERNELS;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;KERNELS;AVX2_KERNELS;PACKED_KERNELS;PUBLIC;PRIVATE" ${ARGN})
   set(target quadtune_${name})
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS include/*.hpp)
   add_library(${target} SHARED ${ARG_SOURCES} ${ARG_KERNELS} ${ARG_AVX2_KERNELS})
@@ -106,7 +107,7 @@ function(quadtune_library name)
   target_precompile_headers(${target} REUSE_FROM quadtune_eigen)
   quadtune_keeps_to_itself(${target})
   quadtune_variants(${target} KERNELS ${ARG_KERNELS} AVX2_KERNELS ${ARG_AVX2_KERNELS}
-                    LINK ${ARG_PUBLIC} ${ARG_PRIVATE})
+                    PACKED_KERNELS ${ARG_PACKED_KERNELS} LINK ${ARG_PUBLIC} ${ARG_PRIVATE})
   install(TARGETS ${target} EXPORT quadtune-targets FILE_SET HEADERS)
   target_link_libraries(quadtune_all INTERFACE ${target})
   set_property(GLOBAL APPEND PROPERTY QUADTUNE_LIBRARIES ${target})
@@ -119,7 +120,7 @@ function(quadtune_test name)
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE ${ARG_LINK} quadtune_test_support quadtune_test_flags)
   target_precompile_headers(${target} REUSE_FROM quadtune_test_support)
-  add_dependencies(${target} quadtune_variants) # which are loaded
+  add_dependencies(${target} quadtune_loaded_variant)
   # Threads of OpenBLAS would fight for the processors with the tests that run beside.
   set(properties TIMEOUT 1800 ENVIRONMENT OPENBLAS_NUM_THREADS=1)
   if(ARG_LABELS)

@@ -26,6 +26,13 @@
 namespace quadtune {
 namespace {
 
+// A library for any processor has no packs where variants for wider vectors stand beside it.
+#if defined(QUADTUNE_ONE_AT_A_TIME)
+constexpr int kLanes = 1;
+#else
+constexpr int kLanes = kPackLanes;
+#endif
+
 int lagging_rotors(const FlightSetup& setup) {
   const std::vector<Rotor>& rotors = flown_vehicle(setup).rotors;
   const bool lags =
@@ -346,7 +353,7 @@ std::vector<FlightResult> fly_all(std::span<const FlightSetup> setups, std::size
   for (std::size_t begin = 0; begin < setups.size();) {
     begins.push_back(begin);
     std::size_t end = begin + 1;
-    while (end < setups.size() && end < begin + kPackLanes && has_pack(setups[begin]) &&
+    while (end < setups.size() && end < begin + kLanes && has_pack(setups[begin]) &&
            internal::same_structure(setups[begin], setups[end]))
       ++end;
     begin = end;
@@ -360,10 +367,10 @@ std::vector<FlightResult> fly_all(std::span<const FlightSetup> setups, std::size
       return;
     }
     // Lanes that are left over fly the first flight again.
-    std::array<const FlightSetup*, kPackLanes> lanes;
+    std::array<const FlightSetup*, kLanes> lanes;
     lanes.fill(&setups[begin]);
     for (std::size_t i = begin; i < end; ++i) lanes[i - begin] = &setups[i];
-    auto together = fly_lanes<kPackLanes>(lanes, interrupted);
+    auto together = fly_lanes<kLanes>(lanes, interrupted);
     for (std::size_t i = begin; i < end; ++i) results[i] = std::move(together[i - begin]);
   };
   internal::in_parallel(

@@ -276,11 +276,9 @@ class EstimatorSlot {
  public:
   using P = Pack<N>;
 
-  explicit EstimatorSlot(const EstimatorSetup<N>& from) : slot_(make(from)) {}
+  explicit EstimatorSlot(const EstimatorSetup<N>& from);
 
-  [[nodiscard]] Estimate<P> update(const EstimatorView<N>& now) {
-    return std::visit([&](auto& estimator) { return estimator.update(now); }, slot_);
-  }
+  [[nodiscard]] Estimate<P> update(const EstimatorView<N>& now);
 
   /// Whether update() reads EstimatorView::truth.
   [[nodiscard]] bool needs_truth() const {
@@ -302,23 +300,34 @@ class EstimatorSlot {
   using Slot = std::variant<MamboEstimation<N>, UquadEstimation<N>, GeneralEstimation<N>,
                             TrueState<N>, OwnEstimation<N>>;
 
-  [[nodiscard]] static Slot make(const EstimatorSetup<N>& from) {
-    switch (from.common().estimator) {
-      case EstimatorKind::mambo:
-        return MamboEstimation<N>(from);
-      case EstimatorKind::uquad:
-        return UquadEstimation<N>(from);
-      case EstimatorKind::general:
-        return GeneralEstimation<N>(from);
-      case EstimatorKind::truth:
-        break;
-      case EstimatorKind::own:
-        return OwnEstimation<N>(from);
-    }
-    return TrueState<N>(from);
-  }
+  [[nodiscard]] static Slot make(const EstimatorSetup<N>& from);
 
   Slot slot_;
 };
+
+template <int N>
+EstimatorSlot<N>::EstimatorSlot(const EstimatorSetup<N>& from) : slot_(make(from)) {}
+
+template <int N>
+Estimate<Pack<N>> EstimatorSlot<N>::update(const EstimatorView<N>& now) {
+  return std::visit([&](auto& estimator) { return estimator.update(now); }, slot_);
+}
+
+template <int N>
+typename EstimatorSlot<N>::Slot EstimatorSlot<N>::make(const EstimatorSetup<N>& from) {
+  switch (from.common().estimator) {
+    case EstimatorKind::mambo:
+      return MamboEstimation<N>(from);
+    case EstimatorKind::uquad:
+      return UquadEstimation<N>(from);
+    case EstimatorKind::general:
+      return GeneralEstimation<N>(from);
+    case EstimatorKind::truth:
+      break;
+    case EstimatorKind::own:
+      return OwnEstimation<N>(from);
+  }
+  return TrueState<N>(from);
+}
 
 }  // namespace quadtune::internal

@@ -1,0 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/loop/common_parts.hpp"
+
+QUADTUNE_LOOP_PARTS(template, kPackLanes)
