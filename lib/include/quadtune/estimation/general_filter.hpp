@@ -66,6 +66,99 @@ void write_states(const Motion9<T>& motion, const Vector3<T>& rates, T& yaw, Sta
   x.template segment<3>(kRates) = rates;
 }
 
+/// What the inertial sensors measured in this period.
+template <class T>
+struct InertialSamples {
+  Vector3<T> rates, force;  ///< scale factors undone; one that did not come is that before
+  MaskOf<T> rates_fresh, force_fresh;
+};
+
+/// Stores the newest readings.
+template <class T>
+InertialSamples<T> take_readings(const GeneralFilterSettings& settings,
+                                 GeneralFilterState<T>& state, const SensorFrame<T>& frame) {
+  const MaskOf<T> rates_fresh = both(frame.rates.fresh, entries_are_finite<T>(frame.rates.value));
+  const MaskOf<T> force_fresh =
+      both(frame.specific_force.fresh, entries_are_finite<T>(frame.specific_force.value));
+  const InertialReading<T> before = state.readings[0];
+  InertialReading<T>& newest = state.readings.advance();
+  for (int i = 0; i < 3; ++i) {
+    newest.rates(i) = select(
+        rates_fresh, T(frame.rates.value(i) * T(1 / settings.gyroscope.scale(i))), before.rates(i));
+    newest.force(i) = select(
+        force_fresh, T(frame.specific_force.value(i) * T(1 / settings.accelerometer.scale(i))),
+        before.force(i));
+  }
+  return {newest.rates, newest.force, rates_fresh, force_fresh};
+}
+
+/// Moves the horizon by one period, where the vehicle does not stand.
+template <class T>
+void predict_horizon(const Period<T>& period, const MaskOf<T>& standing) {
+  const GeneralFilterSettings& settings = period.settings;
+  GeneralFilterState<T>& state = period.state;
+  const T dt = T(settings.dt);
+  if (!all(standing)) {
+    const Inputs<T> in = inputs_at(state, period.gyro, period.force, 0);
+    Motion9<T> motion = state.motion;
+    const Eigen::Matrix<T, 4, 1> middle =
+        product(motion.attitude, small_rotation<T>(in.rates * (T(0.5) * dt)));
+    const Matrix3<T> R = rotation(middle);
+    move<T>(motion, in.rates * dt, in.force, T(settings.gravity), dt);
+    restore_norm(motion.attitude);
+    const Vector3<T> gained = R * in.force * dt;
+    if (!any(standing)) {
+      state.motion = motion;
+      spread(state.P, R, gained, dt);
+      add_noise(settings, state.P, R, settings.dt);
+    } else {
+      SymmetricMatrix<T, kErrorStates> P = state.P;
+      spread(P, R, gained, dt);
+      add_noise(settings, P, R, settings.dt);
+      for (std::size_t i = 0; i < P.entries.size(); ++i)
+        state.P.entries[i] = select(standing, state.P.entries[i], P.entries[i]);
+      state.motion.position = select_entries<T>(standing, state.motion.position, motion.position);
+      state.motion.velocity = select_entries<T>(standing, state.motion.velocity, motion.velocity);
+      state.motion.attitude = select_entries<T>(standing, state.motion.attitude, motion.attitude);
+    }
+  }
+  add_walks(settings, state.P, settings.dt);
+  for (Rejections<T>& rejections : state.rejections) rejections.time += dt;
+}
+
+/// Corrects by every sample that the horizon has reached or passed.
+template <class T>
+void correct_by_samples(const Period<T>& period, const SensorFrame<T>& frame) {
+  const GeneralFilterSettings& settings = period.settings;
+  GeneralFilterState<T>& state = period.state;
+  const auto vector = [&](auto& queue, const auto& sample, double lag) {
+    using Value = std::decay_t<decltype(sample.value)>;
+    return pass<Value, T>(queue, sample, both(sample.fresh, entries_are_finite<T>(sample.value)),
+                          lag, settings.dt, period.horizon);
+  };
+  const auto scalar = [&](auto& queue, const Sample<T, T>& sample, double lag) {
+    return pass<T, T>(queue, sample, both(sample.fresh, is_finite(sample.value)), lag, settings.dt,
+                      period.horizon);
+  };
+  if (settings.gps_position)
+    use_vector<kP>(period, *settings.gps_position,
+                   vector(state.gps_position, frame.gps_position, settings.gps_position->lag),
+                   Scalar::gps_position);
+  if (settings.gps_velocity)
+    use_vector<kV>(period, *settings.gps_velocity,
+                   vector(state.gps_velocity, frame.gps_velocity, settings.gps_velocity->lag),
+                   Scalar::gps_velocity);
+  if (settings.vision)
+    use_vector<kP>(period, *settings.vision,
+                   vector(state.vision, frame.vision, settings.vision->lag), Scalar::vision);
+  if (settings.flow) use_flow(period, vector(state.flow, frame.flow, settings.flow->lag));
+  if (settings.range) use_range(period, scalar(state.range, frame.sonar, settings.range->aid.lag));
+  if (settings.pressure)
+    use_pressure(period, scalar(state.pressure, frame.pressure, settings.pressure->aid.lag));
+  if (settings.heading)
+    use_heading(period, vector(state.field, frame.magnetic_field, settings.heading->aid.lag));
+}
+
 }  // namespace general_filter_internal
 
 /// One control period: the prediction of the horizon by one period, the correction by every sample
@@ -80,7 +173,6 @@ Estimate<T> step(const GeneralFilterSettings& settings, GeneralFilterState<T>& s
   namespace internal = general_filter_internal;
   Estimate<T> estimate;
   const int horizon = horizon_periods(settings);
-  const T dt = T(settings.dt);
   const internal::Period<T> period = {
       settings,
       state,
@@ -89,89 +181,15 @@ Estimate<T> step(const GeneralFilterSettings& settings, GeneralFilterState<T>& s
       horizon,
       estimate};
 
-  // Readings; one that does not come is held.
-  const MaskOf<T> rates_fresh = both(frame.rates.fresh, entries_are_finite<T>(frame.rates.value));
-  const MaskOf<T> force_fresh =
-      both(frame.specific_force.fresh, entries_are_finite<T>(frame.specific_force.value));
-  const InertialReading<T> before = state.readings[0];
-  InertialReading<T>& newest = state.readings.advance();
-  for (int i = 0; i < 3; ++i) {
-    newest.rates(i) = select(
-        rates_fresh, T(frame.rates.value(i) * T(1 / settings.gyroscope.scale(i))), before.rates(i));
-    newest.force(i) = select(
-        force_fresh, T(frame.specific_force.value(i) * T(1 / settings.accelerometer.scale(i))),
-        before.force(i));
-  }
-  const Vector3<T> rates_now = newest.rates, force_now = newest.force;
-
-  // Prediction.
-  if (!all(standing)) {
-    const internal::Inputs<T> in = internal::inputs_at(state, period.gyro, period.force, 0);
-    Motion9<T> motion = state.motion;
-    const Eigen::Matrix<T, 4, 1> middle =
-        internal::product(motion.attitude, internal::small_rotation<T>(in.rates * (T(0.5) * dt)));
-    const Matrix3<T> R = internal::rotation(middle);
-    internal::move<T>(motion, in.rates * dt, in.force, T(settings.gravity), dt);
-    internal::restore_norm(motion.attitude);
-    const Vector3<T> gained = R * in.force * dt;
-    if (!any(standing)) {
-      state.motion = motion;
-      internal::spread(state.P, R, gained, dt);
-      internal::add_noise(settings, state.P, R, settings.dt);
-    } else {
-      SymmetricMatrix<T, kErrorStates> P = state.P;
-      internal::spread(P, R, gained, dt);
-      internal::add_noise(settings, P, R, settings.dt);
-      for (std::size_t i = 0; i < P.entries.size(); ++i)
-        state.P.entries[i] = select(standing, state.P.entries[i], P.entries[i]);
-      state.motion.position = select_entries<T>(standing, state.motion.position, motion.position);
-      state.motion.velocity = select_entries<T>(standing, state.motion.velocity, motion.velocity);
-      state.motion.attitude = select_entries<T>(standing, state.motion.attitude, motion.attitude);
-    }
-  }
-  internal::add_walks(settings, state.P, settings.dt);
-  for (Rejections<T>& rejections : state.rejections) rejections.time += dt;
-
-  // Correction.
+  const internal::InertialSamples<T> inertial = internal::take_readings(settings, state, frame);
+  internal::predict_horizon(period, standing);
   if (any(standing))
-    internal::use_standing(period, rates_now, rates_fresh, force_now, force_fresh, standing);
-  const auto vector = [&](auto& queue, const auto& sample, double lag) {
-    using Value = std::decay_t<decltype(sample.value)>;
-    return internal::pass<Value, T>(queue, sample,
-                                    both(sample.fresh, entries_are_finite<T>(sample.value)), lag,
-                                    settings.dt, horizon);
-  };
-  const auto scalar = [&](auto& queue, const Sample<T, T>& sample, double lag) {
-    return internal::pass<T, T>(queue, sample, both(sample.fresh, is_finite(sample.value)), lag,
-                                settings.dt, horizon);
-  };
-  if (settings.gps_position)
-    internal::use_vector<internal::kP>(
-        period, *settings.gps_position,
-        vector(state.gps_position, frame.gps_position, settings.gps_position->lag),
-        Scalar::gps_position);
-  if (settings.gps_velocity)
-    internal::use_vector<internal::kV>(
-        period, *settings.gps_velocity,
-        vector(state.gps_velocity, frame.gps_velocity, settings.gps_velocity->lag),
-        Scalar::gps_velocity);
-  if (settings.vision)
-    internal::use_vector<internal::kP>(period, *settings.vision,
-                                       vector(state.vision, frame.vision, settings.vision->lag),
-                                       Scalar::vision);
-  if (settings.flow) internal::use_flow(period, vector(state.flow, frame.flow, settings.flow->lag));
-  if (settings.range)
-    internal::use_range(period, scalar(state.range, frame.sonar, settings.range->aid.lag));
-  if (settings.pressure)
-    internal::use_pressure(period,
-                           scalar(state.pressure, frame.pressure, settings.pressure->aid.lag));
-  if (settings.heading)
-    internal::use_heading(period,
-                          vector(state.field, frame.magnetic_field, settings.heading->aid.lag));
+    internal::use_standing(period, inertial.rates, inertial.rates_fresh, inertial.force,
+                           inertial.force_fresh, standing);
+  internal::correct_by_samples(period, frame);
 
-  // The present.
   Motion9<T> now = internal::motion_now(settings, state, horizon);
-  Vector3<T> rates = rates_now - state.gyro_bias;
+  Vector3<T> rates = inertial.rates - state.gyro_bias;
   if (any(standing)) {
     now.position = select_entries<T>(standing, state.motion.position, now.position);
     now.velocity = select_entries<T>(standing, state.motion.velocity, now.velocity);

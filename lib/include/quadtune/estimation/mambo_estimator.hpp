@@ -246,68 +246,54 @@ template <class T>
 /// @param dt        control period [s], > 0
 [[nodiscard]] int flow_alignment_periods(double gyro_lag, double flow_delay, double dt);
 
-/// One control period: from what the sensors said to what is believed.
-///
-/// The filters correct with this period's measurement (tables 3.1 and 3.2, measurement and update),
-/// give their estimate, and predict the next period with this period's acceleration. The position
-/// is the sum of the velocities before, times dt; a position from images, where there is a camera
-/// that gives it, corrects px and py, carried by the estimated velocity over the time that it took.
-/// Inputs that are not finite count as not fresh.
+namespace mambo_internal {
+
 template <class T>
-Estimate<T> step(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<T>& state,
-                 const SensorFrame<T>& frame) {
-  using Vector2 = Eigen::Matrix<T, 2, 1>;
-  using Matrix2 = Eigen::Matrix<T, 2, 2>;
-  const T dt = T(settings.dt);
-  Estimate<T> estimate;
+using Vector2 = Eigen::Matrix<T, 2, 1>;
 
-  const MaskOf<T> gyro_fresh = both(frame.rates.fresh, entries_are_finite<T>(frame.rates.value));
-  const MaskOf<T> force_fresh =
-      both(frame.specific_force.fresh, entries_are_finite<T>(frame.specific_force.value));
-  const Vector3<T> gyro = select_entries<T>(gyro_fresh, frame.rates.value, state.attitude.gyro);
-  state.force = select_entries<T>(force_fresh, frame.specific_force.value, state.force);
+/// Since the start, half a period more: it guards the product against rounding. [s]
+template <class T>
+[[nodiscard]] double elapsed(const MamboEstimatorSettings<T>& settings,
+                             const MamboEstimatorState<T>& state) {
+  return (static_cast<double>(state.periods) + 0.5) * settings.dt;
+}
 
-  // Standing still: nothing moves, the sensors' means are found. Half a period guards the product
-  // against rounding.
-  const auto elapsed = [&] { return (static_cast<double>(state.periods) + 0.5) * settings.dt; };
-  if (elapsed() < settings.calibration_time) {
-    ++state.periods;
-    state.gyro_sum += select_entries<T>(gyro_fresh, gyro, Vector3<T>(Vector3<T>::Zero()));
-    state.force_sum += select_entries<T>(force_fresh, state.force, Vector3<T>(Vector3<T>::Zero()));
-    state.gyro_count += select(gyro_fresh, T(1), T(0));
-    state.force_count += select(force_fresh, T(1), T(0));
-    const Vector3<T>& angles = state.attitude.angles;
-    const Matrix3<T> R_WB = rotation_of_euler(angles.x(), angles.y(), angles.z());
-    if (elapsed() >= settings.calibration_time) {
-      const Vector3<T> rest = R_WB.row(2).transpose() * T(-settings.gravity);
-      state.attitude.gyro_bias = state.gyro_sum / greater(state.gyro_count, T(1));
-      state.attitude.gyro = gyro;
-      state.force_bias = select_entries<T>(
-          state.force_count > T(0),
-          Vector3<T>(state.force_sum / greater(state.force_count, T(1)) - rest), state.force_bias);
-    }
-    estimate.x << state.position, state.altitude.x(0), angles, Vector3<T>::Zero(),
-        Vector3<T>::Zero();
-    estimate.finite = entries_are_finite<T>(estimate.x);
-    return estimate;
-  }
-
-  // Attitude.
-  const Vector3<T> force = state.force - state.force_bias;
-  step(attitude_settings(settings), state.attitude, gyro, force, force_fresh);
+/// A period of standing still: nothing moves, and at the end the sensors' means are their offsets.
+template <class T>
+void stand(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<T>& state,
+           const Vector3<T>& gyro, const MaskOf<T>& gyro_fresh, const MaskOf<T>& force_fresh,
+           Estimate<T>& estimate) {
+  ++state.periods;
+  state.gyro_sum += select_entries<T>(gyro_fresh, gyro, Vector3<T>(Vector3<T>::Zero()));
+  state.force_sum += select_entries<T>(force_fresh, state.force, Vector3<T>(Vector3<T>::Zero()));
+  state.gyro_count += select(gyro_fresh, T(1), T(0));
+  state.force_count += select(force_fresh, T(1), T(0));
   const Vector3<T>& angles = state.attitude.angles;
-  const Vector3<T> rates = gyro - state.attitude.gyro_bias;
   const Matrix3<T> R_WB = rotation_of_euler(angles.x(), angles.y(), angles.z());
-  Vector3<T> acceleration = R_WB * force;
-  acceleration.z() += settings.gravity;
-  const MaskOf<T> upright = R_WB(2, 2) > T(kLeastTiltCosine);
+  if (elapsed(settings, state) >= settings.calibration_time) {
+    const Vector3<T> rest = R_WB.row(2).transpose() * T(-settings.gravity);
+    state.attitude.gyro_bias = state.gyro_sum / greater(state.gyro_count, T(1));
+    state.attitude.gyro = gyro;
+    state.force_bias = select_entries<T>(
+        state.force_count > T(0),
+        Vector3<T>(state.force_sum / greater(state.force_count, T(1)) - rest), state.force_bias);
+  }
+  estimate.x << state.position, state.altitude.x(0), angles, Vector3<T>::Zero(), Vector3<T>::Zero();
+  estimate.finite = entries_are_finite<T>(estimate.x);
+}
 
-  // Height. Comparisons with NaN, which stands for no echo, are false.
-  const T range = frame.sonar.value;
+/// Height and vertical speed by the sonar. After sonar_recovery_time without an echo that is near
+/// the estimate, a steady one restarts the filter.
+/// @param upright  whether the sonar looks down
+template <class T>
+void correct_height(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<T>& state,
+                    const Sample<T, T>& sonar, const Matrix3<T>& R_WB, const MaskOf<T>& upright,
+                    Estimate<T>& estimate) {
+  // Comparisons with NaN, which stands for no echo, are false.
+  const T range = sonar.value;
   const T echo_height = range * R_WB(2, 2);
-  const MaskOf<T> echo =
-      both(both(frame.sonar.fresh, upright),
-           both(range >= settings.sonar_least, range <= settings.sonar_greatest));
+  const MaskOf<T> echo = both(both(sonar.fresh, upright), both(range >= settings.sonar_least,
+                                                               range <= settings.sonar_greatest));
   const MaskOf<T> steady =
       both(echo, magnitude(T(echo_height - state.echo_height)) <= settings.sonar_jump);
   const MaskOf<T> near =
@@ -326,61 +312,80 @@ Estimate<T> step(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<
   estimate.innovation_square += height_update.innovation_square;
   estimate.innovation_freedom += select(height_update.used, T(1), T(0));
   state.echo_height = select(echo, echo_height, state.echo_height);
-  state.unbelieved_time = select(estimate.height_used, T(0), T(state.unbelieved_time + dt));
-  const T z = state.altitude.x(0);
-  const T vz = state.altitude.x(1);
+  state.unbelieved_time =
+      select(estimate.height_used, T(0), T(state.unbelieved_time + T(settings.dt)));
+}
 
-  // Horizontal velocity. The turning is taken out when the flow comes, for it is of that instant.
-  const MaskOf<T> flow_fresh = both(frame.flow.fresh, entries_are_finite<T>(frame.flow.value));
-  AlignedFlow<T> come = {{frame.flow.value(0) + settings.flow_compensation_x * rates.y(),
-                          frame.flow.value(1) - settings.flow_compensation_y * rates.x()},
-                         flow_fresh};
-  if (settings.aligned_periods > 0)
-    come = aligned_flow(settings, state, rates, frame.flow, flow_fresh);
+/// The horizontal velocity that the newest flow means, and whether it is believed.
+template <class T>
+struct FlowVelocity {
+  Vector2<T> value;  ///< world [m/s]
+  MaskOf<T> valid;
+};
+
+/// Horizontal velocity by optical flow. The turning is taken out when the flow comes, for it is of
+/// that instant.
+template <class T>
+FlowVelocity<T> correct_velocity(const MamboEstimatorSettings<T>& settings,
+                                 MamboEstimatorState<T>& state, const Sample<Vector2<T>, T>& flow,
+                                 const Vector3<T>& rates, const Matrix3<T>& R_WB,
+                                 const MaskOf<T>& upright, Estimate<T>& estimate) {
+  using Matrix2 = Eigen::Matrix<T, 2, 2>;
+  const MaskOf<T> fresh = both(flow.fresh, entries_are_finite<T>(flow.value));
+  AlignedFlow<T> come = {{flow.value(0) + settings.flow_compensation_x * rates.y(),
+                          flow.value(1) - settings.flow_compensation_y * rates.x()},
+                         fresh};
+  if (settings.aligned_periods > 0) come = aligned_flow(settings, state, rates, flow, fresh);
   state.flow = select_entries<T>(come.due, come.translation, state.flow);
-  state.flow_age = select(come.due, T(0), T(state.flow_age + dt));
+  state.flow_age = select(come.due, T(0), T(state.flow_age + T(settings.dt)));
   state.flow_seen = either(state.flow_seen, come.due);
-  const Vector2 flow_velocity = velocity_of_flow<T>(state.flow * settings.flow_scale, -z, vz, R_WB);
-  const MaskOf<T> flow_valid = both(both(state.flow_seen, state.flow_age <= settings.flow_timeout),
-                                    both(upright, -z >= settings.flow_least_height));
-  const Vector2 difference = flow_velocity - state.velocity.x;
+  const T z = state.altitude.x(0), vz = state.altitude.x(1);
+  FlowVelocity<T> measured;
+  measured.value = velocity_of_flow<T>(state.flow * settings.flow_scale, -z, vz, R_WB);
+  measured.valid = both(both(state.flow_seen, state.flow_age <= settings.flow_timeout),
+                        both(upright, -z >= settings.flow_least_height));
+  const Vector2<T> difference = measured.value - state.velocity.x;
   estimate.flow_disagrees =
-      both(flow_valid, difference(0) * difference(0) + difference(1) * difference(1) >
-                           settings.flow_disagreement * settings.flow_disagreement);
+      both(measured.valid, difference(0) * difference(0) + difference(1) * difference(1) >
+                               settings.flow_disagreement * settings.flow_disagreement);
   const KalmanUpdate<T> flow_update =
-      update(state.velocity, Matrix2(Matrix2::Identity()), flow_velocity,
+      update(state.velocity, Matrix2(Matrix2::Identity()), measured.value,
              Matrix2(Matrix2::Identity() * settings.velocity_R),
-             settings.hold_flow ? flow_valid : both(flow_valid, come.due));
+             settings.hold_flow ? measured.valid : both(measured.valid, come.due));
   estimate.flow_used = flow_update.used;
   estimate.innovation_square += flow_update.innovation_square;
   estimate.innovation_freedom += select(flow_update.used, T(2), T(0));
+  return measured;
+}
 
-  // Horizontal position, carried over the time that the image took to be read.
-  const MaskOf<T> seen = both(frame.vision.fresh, entries_are_finite<T>(frame.vision.value));
-  if (any(seen)) {
-    const T& P = state.position_variance;
-    const T gain = select(seen, T(P / (P + settings.vision_R)), T(0));
-    const Vector2 fix = select_entries<T>(
-        seen, Vector2(frame.vision.value.template head<2>() + state.velocity.x * frame.vision.age),
-        state.position);
-    state.flow_position +=
-        select_entries<T>(seen, Vector2(fix - state.flow_position), Vector2(Vector2::Zero())) *
-        gain;
-    state.position += (fix - state.position) * gain;
-    state.position_variance -= gain * P;
-  }
+/// Horizontal position by images, carried over the time that the image took to be read.
+template <class T>
+void correct_position(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<T>& state,
+                      const Sample<Vector3<T>, T>& vision) {
+  const MaskOf<T> seen = both(vision.fresh, entries_are_finite<T>(vision.value));
+  if (!any(seen)) return;
+  const T& P = state.position_variance;
+  const T gain = select(seen, T(P / (P + settings.vision_R)), T(0));
+  const Vector2<T> fix = select_entries<T>(
+      seen, Vector2<T>(vision.value.template head<2>() + state.velocity.x * vision.age),
+      state.position);
+  state.flow_position += select_entries<T>(seen, Vector2<T>(fix - state.flow_position),
+                                           Vector2<T>(Vector2<T>::Zero())) *
+                         gain;
+  state.position += (fix - state.position) * gain;
+  state.position_variance -= gain * P;
+}
 
-  const Vector3<T> velocity = {state.velocity.x(0), state.velocity.x(1), vz};
-  const bool raw = settings.position == MamboPosition::flow_velocity;
-  estimate.x << (raw ? state.flow_position : state.position), z, angles,
-      Vector3<T>(R_WB.transpose() * velocity), rates;
-  estimate.finite = entries_are_finite<T>(estimate.x);
-
-  // Prediction for the next period.
+/// What the next period begins with.
+/// @param acceleration  world, gravity added [m/s²]
+template <class T>
+void predict_next(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<T>& state,
+                  const FlowVelocity<T>& flow, const Vector3<T>& acceleration) {
+  const T dt = T(settings.dt);
   state.position += state.velocity.x * dt;
   state.position_variance += settings.position_Q;
   state.flow_position +=
-      select_entries<T>(flow_valid, Vector2(flow_velocity * dt), Vector2(Vector2::Zero()));
+      select_entries<T>(flow.valid, Vector2<T>(flow.value * dt), Vector2<T>(Vector2<T>::Zero()));
   KalmanModel<T, 2, 1> altitude;
   altitude.F(0, 1) = dt;
   altitude.G(1, 0) = dt;
@@ -391,8 +396,54 @@ Estimate<T> step(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<
   horizontal.G(1, 1) = dt;
   horizontal.Q(0, 0) = settings.velocity_Q;
   horizontal.Q(1, 1) = settings.velocity_Q;
-  predict(horizontal, state.velocity, Vector2(acceleration.template head<2>()));
+  predict(horizontal, state.velocity, Vector2<T>(acceleration.template head<2>()));
   ++state.periods;
+}
+
+}  // namespace mambo_internal
+
+/// One control period: from what the sensors said to what is believed.
+///
+/// The filters correct with this period's measurement (tables 3.1 and 3.2, measurement and update),
+/// give their estimate, and predict the next period with this period's acceleration. The position
+/// is the sum of the velocities before, times dt; a position from images, where there is a camera
+/// that gives it, corrects px and py, carried by the estimated velocity over the time that it took.
+/// Inputs that are not finite count as not fresh.
+template <class T>
+Estimate<T> step(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<T>& state,
+                 const SensorFrame<T>& frame) {
+  namespace internal = mambo_internal;
+  Estimate<T> estimate;
+  const MaskOf<T> gyro_fresh = both(frame.rates.fresh, entries_are_finite<T>(frame.rates.value));
+  const MaskOf<T> force_fresh =
+      both(frame.specific_force.fresh, entries_are_finite<T>(frame.specific_force.value));
+  const Vector3<T> gyro = select_entries<T>(gyro_fresh, frame.rates.value, state.attitude.gyro);
+  state.force = select_entries<T>(force_fresh, frame.specific_force.value, state.force);
+  if (internal::elapsed(settings, state) < settings.calibration_time) {
+    internal::stand(settings, state, gyro, gyro_fresh, force_fresh, estimate);
+    return estimate;
+  }
+
+  const Vector3<T> force = state.force - state.force_bias;
+  step(attitude_settings(settings), state.attitude, gyro, force, force_fresh);
+  const Vector3<T>& angles = state.attitude.angles;
+  const Vector3<T> rates = gyro - state.attitude.gyro_bias;
+  const Matrix3<T> R_WB = rotation_of_euler(angles.x(), angles.y(), angles.z());
+  Vector3<T> acceleration = R_WB * force;
+  acceleration.z() += settings.gravity;
+  const MaskOf<T> upright = R_WB(2, 2) > T(kLeastTiltCosine);
+
+  internal::correct_height(settings, state, frame.sonar, R_WB, upright, estimate);
+  const internal::FlowVelocity<T> flow =
+      internal::correct_velocity(settings, state, frame.flow, rates, R_WB, upright, estimate);
+  internal::correct_position(settings, state, frame.vision);
+
+  const Vector3<T> velocity = {state.velocity.x(0), state.velocity.x(1), state.altitude.x(1)};
+  const bool raw = settings.position == MamboPosition::flow_velocity;
+  estimate.x << (raw ? state.flow_position : state.position), state.altitude.x(0), angles,
+      Vector3<T>(R_WB.transpose() * velocity), rates;
+  estimate.finite = entries_are_finite<T>(estimate.x);
+  internal::predict_next(settings, state, flow, acceleration);
   return estimate;
 }
 
