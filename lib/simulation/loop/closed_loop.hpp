@@ -89,7 +89,15 @@ class ClosedLoop {
   void set_environment(std::uint64_t index, double t);
   void carry(double t);
   [[nodiscard]] State truth_at(double instant, double now) const;
+  [[nodiscard]] State true_state(double instant, double now) const;
+  [[nodiscard]] static Matrix3<P> rotation_of(const State& x) {
+    return rotation_of_quaternion(x(3), x(4), x(5), x(6));
+  }
   void sense(double now);
+  void sense_inertial(double now);
+  void sense_field_and_pressure(double now);
+  void sense_ground(double now);
+  void sense_position(double now);
   void estimate(double t);
   void refer(double t);
   void command(std::uint64_t index, double t);

@@ -5,6 +5,7 @@
 #include "quadtune/simulation/packed_body.hpp"
 #include "simulation/loop/closed_loop.hpp"
 #include "simulation/loop/closed_loop_upsets.hpp"
+#include "simulation/loop/packed_laws.hpp"
 
 namespace quadtune::internal {
 
@@ -118,47 +119,8 @@ void ClosedLoop<N, R>::make_sensors() {
 
 template <int N, int R>
 void ClosedLoop<N, R>::make_law() {
-  // Several laws of one structure, number by number.
   if (std::holds_alternative<CascadeController>(common_.controller)) {
-    const auto settings = each<CascadedPidSettings<double>>(setups_, [](const FlightSetup& s) {
-      const auto& c = std::get<CascadeController>(s.controller);
-      return cascaded_pid_settings(s.vehicle, c.gains, c.method, c.attitude_limit,
-                                   c.integrator_limit, c.back_calculation);
-    });
-    const auto gather = [&](P& target, auto&& number) {
-      for (int l = 0; l < N; ++l)
-        set_lane(target, l, number(settings[static_cast<std::size_t>(l)]));
-    };
-    for (std::size_t i = 0; i < kCascadeAxes; ++i) {
-      const PidSettings<double>& first = settings[0].loops[i];
-      PidSettings<P>& loop = cascade_settings_.loops[i];
-      loop.method = first.method;
-      loop.derivative = first.derivative;
-      using Number = double PidSettings<double>::*;
-      using Packed = P PidSettings<P>::*;
-      const std::pair<Packed, Number> numbers[] = {
-          {&PidSettings<P>::dt, &PidSettings<double>::dt},
-          {&PidSettings<P>::Kp, &PidSettings<double>::Kp},
-          {&PidSettings<P>::Ki, &PidSettings<double>::Ki},
-          {&PidSettings<P>::Kd, &PidSettings<double>::Kd},
-          {&PidSettings<P>::Tf, &PidSettings<double>::Tf},
-          {&PidSettings<P>::b, &PidSettings<double>::b},
-          {&PidSettings<P>::c, &PidSettings<double>::c},
-          {&PidSettings<P>::output_min, &PidSettings<double>::output_min},
-          {&PidSettings<P>::output_max, &PidSettings<double>::output_max},
-          {&PidSettings<P>::integral_min, &PidSettings<double>::integral_min},
-          {&PidSettings<P>::integral_max, &PidSettings<double>::integral_max},
-          {&PidSettings<P>::back_calculation, &PidSettings<double>::back_calculation}};
-      for (const auto& entry : numbers)
-        gather(loop.*entry.first, [&](const auto& s) { return s.loops[i].*entry.second; });
-    }
-    gather(cascade_settings_.attitude_limit, [](const auto& s) { return s.attitude_limit; });
-    gather(cascade_settings_.weight, [](const auto& s) { return s.weight; });
-    gather(cascade_settings_.take_off_thrust, [](const auto& s) { return s.take_off_thrust; });
-    gather(cascade_settings_.greatest_thrust, [](const auto& s) { return s.greatest_thrust; });
-    const auto& controller = std::get<CascadeController>(common_.controller);
-    cascade_settings_.velocity_feed_forward = controller.velocity_feed_forward;
-    cascade_settings_.conditional_integration = controller.conditional_integration;
+    cascade_settings_ = packed_cascade<N>(setups_);
   } else if (const auto* own = std::get_if<OwnController>(&common_.controller)) {
     input_kind_ = own->input_kind;
     inputs_ = input_kind_ == InputKind::wrench ? 4 : plant_.body().rotor_count;
@@ -169,82 +131,16 @@ void ClosedLoop<N, R>::make_law() {
         throw InvalidInput("law " + controller.name, "make() returned nothing, expected a law");
     }
   } else {
-    const auto settings = each<StateFeedbackSettings<double>>(setups_, [](const FlightSetup& s) {
-      const auto& c = std::get<StateFeedbackController>(s.controller);
-      return state_feedback_settings(s.vehicle, c.gains, c.dt, c.guards);
-    });
-    const auto gather = [&](P& target, auto&& number) {
-      for (int l = 0; l < N; ++l)
-        set_lane(target, l, number(settings[static_cast<std::size_t>(l)]));
-    };
-    StateFeedbackSettings<P>& law = feedback_settings_;
-    input_kind_ = law.input_kind = settings[0].input_kind;
-    inputs_ = law.inputs = settings[0].inputs;
-    law.integrals = settings[0].integrals;
-    law.integrated = settings[0].integrated;
-    for (int i = 0; i < law.inputs; ++i) {
-      gather(law.u0(i), [&](const auto& s) { return s.u0(i); });
-      for (int j = 0; j < 12; ++j) gather(law.K(i, j), [&](const auto& s) { return s.K(i, j); });
-      for (int j = 0; j < law.integrals; ++j)
-        gather(law.K_int(i, j), [&](const auto& s) { return s.K_int(i, j); });
-    }
-    for (int j = 0; j < 12; ++j) gather(law.x0(j), [&](const auto& s) { return s.x0(j); });
-    law.axes = settings[0].axes;
-    law.conditional_integration = settings[0].conditional_integration;
-    gather(law.position_error_limit, [](const auto& s) { return s.position_error_limit; });
-    law.remembers = settings[0].remembers;
-    law.past = settings[0].past;
-    law.K_past.resize(kMaxRotors, settings[0].K_past.cols());
-    for (int i = 0; i < law.inputs; ++i) {
-      gather(law.lag_share(i), [&](const auto& s) { return s.lag_share(i); });
-      for (int j = 0; j < law.inputs; ++j)
-        gather(law.K_lag(i, j), [&](const auto& s) { return s.K_lag(i, j); });
-      for (Eigen::Index j = 0; j < law.K_past.cols(); ++j)
-        gather(law.K_past(i, j), [&](const auto& s) { return s.K_past(i, j); });
-    }
-    for (std::size_t j = 0; j < static_cast<std::size_t>(law.integrals); ++j) {
-      gather(law.guards[j].dt, [&](const auto& s) { return s.guards[j].dt; });
-      gather(law.guards[j].error_limit, [&](const auto& s) { return s.guards[j].error_limit; });
-      gather(law.guards[j].increment_limit,
-             [&](const auto& s) { return s.guards[j].increment_limit; });
-      gather(law.guards[j].integral_limit,
-             [&](const auto& s) { return s.guards[j].integral_limit; });
-    }
+    feedback_settings_ = packed_feedback<N>(setups_);
+    input_kind_ = feedback_settings_.input_kind;
+    inputs_ = feedback_settings_.inputs;
     for (const FlightSetup* setup : setups_) {
       const auto& c = std::get<StateFeedbackController>(setup->controller);
       if (c.schedule) schedules_.emplace_back(setup->vehicle, c.schedule, c.dt);
     }
   }
-  const auto allocations =
-      each<Allocation<double>>(setups_, [](const FlightSetup& s) { return allocation(s.vehicle); });
-  const auto gather = [&](P& target, auto&& number) {
-    for (int l = 0; l < N; ++l)
-      set_lane(target, l, number(allocations[static_cast<std::size_t>(l)]));
-  };
-  allocation_.rotors = allocations[0].rotors;
-  allocation_.thrust0.setZero(allocation_.rotors);
-  for (int i = 0; i < allocation_.rotors; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    gather(allocation_.thrust0(i), [&](const auto& a) { return a.thrust0(i); });
-    gather(allocation_.a2[k], [&](const auto& a) { return a.a2[k]; });
-    gather(allocation_.a1[k], [&](const auto& a) { return a.a1[k]; });
-    for (int j = 0; j < 4; ++j) {
-      gather(allocation_.P(i, j), [&](const auto& a) { return a.P(i, j); });
-      gather(allocation_.M(j, i), [&](const auto& a) { return a.M(j, i); });
-    }
-  }
-  const auto limits = each<ThrustLimits<double>>(
-      setups_, [](const FlightSetup& s) { return thrust_limits(s.vehicle); });
-  const auto limit = [&](P& target, auto&& number) {
-    for (int l = 0; l < N; ++l) set_lane(target, l, number(limits[static_cast<std::size_t>(l)]));
-  };
-  for (std::size_t k = 0; k < static_cast<std::size_t>(allocation_.rotors); ++k) {
-    limit(limits_.least[k], [&](const auto& of) { return of.least[k]; });
-    limit(limits_.greatest[k], [&](const auto& of) { return of.greatest[k]; });
-  }
-  limit(limits_.floor, [](const auto& of) { return of.floor; });
-  for (int j = 0; j < 4; ++j)
-    gather(allocation_.wrench0(j), [&](const auto& a) { return a.wrench0(j); });
+  allocation_ = packed_allocation<N>(setups_);
+  limits_ = packed_limits<N>(setups_, allocation_.rotors);
 }
 
 template <int N, int R>

@@ -8,6 +8,7 @@
 #include "quadtune/control/state_feedback_law.hpp"
 #include "quadtune/simulation/sensor_channel.hpp"
 #include "simulation/loop/estimator_slot.hpp"
+#include "simulation/loop/packed_laws.hpp"
 
 #define QUADTUNE_LOOP_PARTS(declaration, N)                                                       \
   namespace quadtune {                                                                            \
@@ -25,6 +26,13 @@
   }                                                                                               \
   namespace quadtune::internal {                                                                  \
   declaration class EstimatorSlot<N>;                                                             \
+  declaration CascadedPidSettings<Pack<N>> packed_cascade<N>(                                     \
+      const std::array<const FlightSetup*, N>&);                                                  \
+  declaration StateFeedbackSettings<Pack<N>> packed_feedback<N>(                                  \
+      const std::array<const FlightSetup*, N>&);                                                  \
+  declaration Allocation<Pack<N>> packed_allocation<N>(const std::array<const FlightSetup*, N>&); \
+  declaration ThrustLimits<Pack<N>> packed_limits<N>(const std::array<const FlightSetup*, N>&,    \
+                                                     int);                                        \
   }
 
 QUADTUNE_LOOP_PARTS(extern template, 1)
