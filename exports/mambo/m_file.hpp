@@ -5,13 +5,23 @@
 #include <fmt/format.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "quadtune/lti.hpp"
 #include "quadtune/matrix_checks.hpp"
 
 namespace quadtune::exports {
+
+/// Whether a word can name a variable: a letter, then letters, digits and underscores.
+[[nodiscard]] inline bool is_m_name(std::string_view word) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  return !word.empty() && letter(word[0]) && std::all_of(word.begin(), word.end(), [&](char c) {
+    return letter(c) || (c >= '0' && c <= '9') || c == '_';
+  });
+}
 
 /// Lines of a parameter file. Numbers read back to the same double; others are refused.
 class MFile {

@@ -6,9 +6,9 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
-#include <regex>
 #include <set>
 
+#include "mambo/m_file.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/mambo.hpp"
 
@@ -103,15 +103,28 @@ bool has_any(const std::vector<NamedMatrix>& all, const std::string& prefix) {
                      [&](const NamedMatrix& one) { return one.name.starts_with(prefix); });
 }
 
+// "Controller.Cascade.Ts"
+bool is_dotted_name(std::string_view name) {
+  while (true) {
+    const std::size_t point = name.find('.');
+    if (!exports::is_m_name(name.substr(0, point))) return false;
+    if (point == std::string_view::npos) return true;
+    name.remove_prefix(point + 1);
+  }
+}
+
 // The words of "name = {'a', 'b'};" or "name = 'a';".
 std::vector<std::string> words_of(const std::string& text, const std::string& name,
                                   const std::string& origin) {
   for (const Line& line : lines_of(text)) {
     if (line.text.rfind(name + " = ", 0) != 0) continue;
     std::vector<std::string> words;
-    static const std::regex quoted("'([^']*)'");
-    for (std::sregex_iterator i(line.text.begin(), line.text.end(), quoted), end; i != end; ++i)
-      words.push_back((*i)[1]);
+    for (std::size_t open = line.text.find('\''), close; open != std::string::npos;
+         open = line.text.find('\'', close + 1)) {
+      close = line.text.find('\'', open + 1);
+      if (close == std::string::npos) break;
+      words.push_back(line.text.substr(open + 1, close - open - 1));
+    }
     return words;
   }
   throw InvalidInput(origin, "has no " + name);
@@ -140,19 +153,18 @@ std::vector<NamedMatrix> parse_m_numbers(const std::string& text, const std::str
 }
 
 std::vector<NamedMatrix> parse_m_file(const std::string& text, const std::string& origin) {
-  static const std::regex assignment(R"(([A-Za-z]\w*(?:\.[A-Za-z]\w*)*) = (.*))");
   const std::vector<Line> lines = lines_of(text);
   std::vector<NamedMatrix> numbers;
   std::set<std::string> seen;
   for (std::size_t at = 0; at < lines.size(); ++at) {
     const std::string where = fmt::format("{}:{}", origin, lines[at].number);
-    std::smatch match;
-    if (!std::regex_match(lines[at].text, match, assignment))
+    const std::size_t equals = lines[at].text.find(" = ");
+    const std::string name = lines[at].text.substr(0, std::min(equals, lines[at].text.size()));
+    if (equals == std::string::npos || !is_dotted_name(name))
       throw InvalidInput(where, fmt::format("'{}' came, expected 'Name = value;', because only "
                                             "that can be checked",
                                             lines[at].text));
-    const std::string name = match[1];
-    std::string value = match[2];
+    std::string value = lines[at].text.substr(equals + 3);
     if (!seen.insert(name).second) throw InvalidInput(where, name + " is given twice");
     Eigen::MatrixXd M;
     if (value == "[") {

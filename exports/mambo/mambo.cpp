@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <regex>
 
 #include "mambo/m_file.hpp"
 #include "quadtune/errors.hpp"
@@ -217,7 +216,7 @@ void add_cascade(MFile& m, const CascadeDesign& design) {
   m.comment("output = Kp*error + Ki*integral(error) + Kd*measured rate");
   m.number("Controller.Cascade.Ts", design.gains.dt, "s");
   for (const PidLoop& loop : design.gains.loops) {
-    if (!std::regex_match(loop.name, std::regex("[A-Za-z][A-Za-z0-9_]*")))
+    if (!exports::is_m_name(loop.name))
       throw InvalidInput("mambo", fmt::format("loop '{}' came, expected a name of letters and "
                                               "digits, because it becomes a variable",
                                               loop.name));
