@@ -113,7 +113,8 @@ Replay replay(const ContinuousLti& plant, const LqrWeights& weights) {
   for (double moved = 1; moved >= 1e-4 && result.steps < 20000; ++result.steps) {
     const Eigen::MatrixXd K =
         (weights.R + B.transpose() * X * B).ldlt().solve(B.transpose() * X * A);
-    if (result.steps > 0) moved = Eigen::JacobiSVD<Eigen::MatrixXd>(K - result.K).singularValues()(0);
+    if (result.steps > 0)
+      moved = Eigen::JacobiSVD<Eigen::MatrixXd>(K - result.K).singularValues()(0);
     result.K = K;
     X = weights.Q + A.transpose() * X * (A - B * K);
     X = 0.5 * (X + X.transpose()).eval();
