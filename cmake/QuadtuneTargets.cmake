@@ -85,8 +85,8 @@ endfunction()
 
 # quadtune_library(synthesis SOURCES … KERNELS … PUBLIC … PRIVATE …) makes quadtune::synthesis from
 # synthesis/include and the sources. Headers of libraries given as PRIVATE stay out of its interface.
-# KERNELS, AVX2_KERNELS and PACKED_KERNELS are sources whose time depends on the processor's vectors
-# (Variants.cmake).
+# KERNELS, AVX2_KERNELS and PACKED_KERNELS are sources whose speed depends on the processor's vector
+# instructions (Variants.cmake).
 function(quadtune_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;KERNELS;AVX2_KERNELS;PACKED_KERNELS;PUBLIC;PRIVATE" ${ARGN})
   set(target quadtune_${name})

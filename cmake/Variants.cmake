@@ -14,8 +14,8 @@ else()
   # Those of another configuration of this build tree would still be loaded.
   file(REMOVE_RECURSE ${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/glibc-hwcaps)
 endif()
-# A program that loads the libraries is built with the variant that the loader finds on this machine:
-# otherwise it would load that of the build before. The others are part of `all`.
+# Programs depend on the variant that the loader chooses on this machine; otherwise they would run with
+# the variant of an earlier build. The other variants are built by `all`.
 add_custom_target(quadtune_loaded_variant)
 set(QUADTUNE_LOADED_VARIANT "")
 if(QUADTUNE_VARIANT_NAMES)
@@ -41,8 +41,8 @@ endfunction()
 
 # quadtune_variants(target KERNELS a.cpp … AVX2_KERNELS b.cpp … PACKED_KERNELS c.cpp … LINK …)
 # AVX2_KERNELS gain nothing by wider vectors than AVX2's: both variants share their objects.
-# PACKED_KERNELS compute for several at once and are in no library that has variants: on a machine
-# without AVX2 it does one after the other, in the same bytes.
+# PACKED_KERNELS simulate several flights at once. Where variants are built, only the variants contain
+# them; the library for any processor simulates one flight after the other, with the same results.
 function(quadtune_variants target)
   cmake_parse_arguments(ARG "" "" "KERNELS;AVX2_KERNELS;PACKED_KERNELS;LINK" ${ARGN})
   set(all ${ARG_KERNELS} ${ARG_AVX2_KERNELS} ${ARG_PACKED_KERNELS})

@@ -26,7 +26,8 @@
 namespace quadtune {
 namespace {
 
-// A library for any processor has no packs where variants for wider vectors stand beside it.
+// How many flights are simulated at once. Where the build makes variants of this library for AVX2
+// and AVX-512 (cmake/Variants.cmake), only the variants contain the code for packs of flights.
 #if defined(QUADTUNE_ONE_AT_A_TIME)
 constexpr int kLanes = 1;
 #else

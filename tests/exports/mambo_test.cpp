@@ -158,7 +158,7 @@ TEST(MNumbers, RefusesWhatCannotBeChecked) {
   refusal("K = [\n  1, 2\n", "x.m: ends within a matrix");
   refusal("a. = 1;\n", "x.m:1: 'a. = 1;' came");
   refusal(" = 1;\n", "expected 'Name = value;'");
-  // As long as a line may be; a matching of it by recursion would need all of the stack.
+  // Lines of a megabyte: std::regex, which matches by recursion, overflows the stack on them.
   refusal(std::string(1 << 20, 'a') + "-", "expected 'Name = value;'");
   refusal("a = " + std::string(1 << 20, '[') + "; ;", "expected one value and a semicolon");
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a loop of N flights has whatever its rotors, compiled once for all of them:
-/// parts_single.cpp and parts_packed.cpp.
+/// The parts of a loop of N flights that do not depend on the number of rotors. They are compiled
+/// in parts_single.cpp and parts_packed.cpp, and not again for each instantiation of ClosedLoop.
 #pragma once
 
 #include "quadtune/control/cascaded_pid.hpp"

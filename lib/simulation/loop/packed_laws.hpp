@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Laws and allocations of several flights, of one structure, number by number in the lanes.
+/// The control laws and allocations of N flights as one law and one allocation over Pack<N>: lane l
+/// of each number is that of flight l. The flights must have the same structure, see
+/// same_structure().
 #pragma once
 
 #include <array>
@@ -13,7 +15,7 @@
 
 namespace quadtune::internal {
 
-/// The same settings of each of N flights.
+/// One kind of settings, computed for each of N flights.
 template <int N, class Settings>
 struct EachLane {
   std::array<Settings, N> from;
@@ -29,7 +31,8 @@ struct EachLane {
   }
 };
 
-/// Of flights with a CascadeController.
+/// The settings of N cascades of PID loops.
+/// @param setups  each with a CascadeController
 template <int N>
 [[nodiscard]] CascadedPidSettings<Pack<N>> packed_cascade(
     const std::array<const FlightSetup*, N>& setups) {
@@ -73,7 +76,8 @@ template <int N>
   return law;
 }
 
-/// Of flights with a StateFeedbackController.
+/// The settings of N state feedback laws.
+/// @param setups  each with a StateFeedbackController
 template <int N>
 [[nodiscard]] StateFeedbackSettings<Pack<N>> packed_feedback(
     const std::array<const FlightSetup*, N>& setups) {
@@ -115,6 +119,7 @@ template <int N>
   return law;
 }
 
+/// The allocations of thrust among the rotors, of the vehicles that the laws assume.
 template <int N>
 [[nodiscard]] Allocation<Pack<N>> packed_allocation(
     const std::array<const FlightSetup*, N>& setups) {
@@ -137,6 +142,8 @@ template <int N>
   return result;
 }
 
+/// The limits of each rotor's thrust.
+/// @param rotors  number of rotors of each vehicle
 template <int N>
 [[nodiscard]] ThrustLimits<Pack<N>> packed_limits(const std::array<const FlightSetup*, N>& setups,
                                                   int rotors) {
