@@ -20,5 +20,5 @@ target_precompile_headers(quadtune_eigen PRIVATE <quadtune/internal/precompiled.
 function(quadtune_own_options)
   cmake_parse_arguments(ARG "" "" "OPTIONS" ${ARGN})
   set_source_files_properties(${ARG_UNPARSED_ARGUMENTS} PROPERTIES
-    COMPILE_OPTIONS "${ARG_OPTIONS}" SKIP_PRECOMPILE_HEADERS ON)
+    COMPILE_OPTIONS "${ARG_OPTIONS}" SKIP_PRECOMPILE_HEADERS ON QUADTUNE_SEPARATE ON)
 endfunction()

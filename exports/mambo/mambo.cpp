@@ -193,7 +193,7 @@ void add_state_feedback(MFile& m, const Gains& gains) {
   m.matrix(prefix + "toQ2Ts", to_mixer);
 }
 
-const PidLoop* find(const CascadeGains& cascade, const std::string& name) {
+const PidLoop* loop_named(const CascadeGains& cascade, const std::string& name) {
   for (const PidLoop& loop : cascade.loops)
     if (loop.name == name) return &loop;
   return nullptr;
@@ -202,8 +202,8 @@ const PidLoop* find(const CascadeGains& cascade, const std::string& name) {
 // The model project keeps the loops of pitch and roll as vectors [pitch roll].
 void add_pair(MFile& m, const CascadeGains& cascade, const std::string& name,
               const std::string& pitch, const std::string& roll) {
-  const PidLoop* first = find(cascade, pitch);
-  const PidLoop* second = find(cascade, roll);
+  const PidLoop* first = loop_named(cascade, pitch);
+  const PidLoop* second = loop_named(cascade, roll);
   if (first == nullptr || second == nullptr) return;
   const std::string prefix = "Controller.Cascade." + name;
   m.matrix(prefix + ".Kp", Eigen::RowVector2d(first->Kp, second->Kp), "[pitch roll]");

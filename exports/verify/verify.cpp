@@ -136,7 +136,7 @@ void check_readable(const fs::path& directory, const Manifest* manifest, VerifyR
 }
 
 // x0 with its entries as `states` stand; zero for a state that the gains do not have.
-Eigen::VectorXd in_order(const Gains& gains, const std::vector<Signal>& states) {
+Eigen::VectorXd in_order_of(const Gains& gains, const std::vector<Signal>& states) {
   Eigen::VectorXd x0 = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(states.size()));
   for (std::size_t i = 0; i < states.size(); ++i)
     for (std::size_t j = 0; j < gains.states.size(); ++j)
@@ -188,7 +188,7 @@ VerifyCheck check_same_gains(const Gains& read, const Gains& expected) {
     const GainsDiff difference = diff(read, expected);
     check.ok = difference.entries.empty();
     check.detail = "every entry is the same double";
-    if (check.ok && (read.x0 != in_order(expected, read.states) || read.u0 != expected.u0)) {
+    if (check.ok && (read.x0 != in_order_of(expected, read.states) || read.u0 != expected.u0)) {
       check.ok = false;
       check.detail = "trim x0 or u0 differs";
     }
@@ -289,7 +289,7 @@ VerifyCheck check_trim(const Gains& gains, const std::optional<VerifyModel>& mod
   Gains expected = gains;
   expected.states = model->plant.states;
   expected.x0 = model->x0;
-  check.detail = trim_difference("x0", gains.states, gains.x0, in_order(expected, gains.states));
+  check.detail = trim_difference("x0", gains.states, gains.x0, in_order_of(expected, gains.states));
   if (check.detail.empty()) check.detail = trim_difference("u0", gains.inputs, gains.u0, model->u0);
   check.ok = check.detail.empty();
   if (check.ok) check.detail = "x0 and u0 hold the vehicle in the flight that x0 names";

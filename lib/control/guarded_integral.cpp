@@ -9,7 +9,7 @@ namespace quadtune {
 namespace {
 
 template <class Scalar>
-void validate_settings(const GuardedIntegralSettings<Scalar>& settings, const std::string& where) {
+void validate_guards(const GuardedIntegralSettings<Scalar>& settings, const std::string& where) {
   if (!(settings.dt > 0) || !std::isfinite(settings.dt))
     throw InvalidInput(where, fmt::format("dt is {} s, expected a positive number", settings.dt));
   const auto require_limit = [&](Scalar limit, const char* name) {
@@ -26,11 +26,11 @@ void validate_settings(const GuardedIntegralSettings<Scalar>& settings, const st
 }  // namespace
 
 void validate(const GuardedIntegralSettings<double>& settings, const std::string& where) {
-  validate_settings(settings, where);
+  validate_guards(settings, where);
 }
 
 void validate(const GuardedIntegralSettings<float>& settings, const std::string& where) {
-  validate_settings(settings, where);
+  validate_guards(settings, where);
 }
 
 }  // namespace quadtune

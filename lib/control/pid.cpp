@@ -52,7 +52,7 @@ void require_stable_filter(const PidSettings<Scalar>& settings, const std::strin
 }
 
 template <class Scalar>
-void validate_settings(const PidSettings<Scalar>& settings, const std::string& where) {
+void validate_pid(const PidSettings<Scalar>& settings, const std::string& where) {
   if (!(settings.dt > 0) || !std::isfinite(settings.dt))
     throw InvalidInput(where, fmt::format("dt is {} s, expected a positive number", settings.dt));
   require_finite(settings.Kp, "Kp", where);
@@ -97,11 +97,11 @@ DiscreteTransferFunction combine(const PidSettings<double>& settings, double pro
 }  // namespace
 
 void validate(const PidSettings<double>& settings, const std::string& where) {
-  validate_settings(settings, where);
+  validate_pid(settings, where);
 }
 
 void validate(const PidSettings<float>& settings, const std::string& where) {
-  validate_settings(settings, where);
+  validate_pid(settings, where);
 }
 
 PidSettings<double> pid_settings(const PidLoop& loop, double dt) {

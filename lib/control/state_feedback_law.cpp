@@ -32,8 +32,8 @@ GuardedIntegralSettings<double> guard_of(const std::string& state, double dt,
 }
 
 /// @param W  from the inputs of the gains' convention to quadtune's own: a signed permutation
-void remember(const CommandMemory& memory, const Eigen::MatrixXd& W, double dt,
-              StateFeedbackSettings<double>& settings) {
+void set_memory(const CommandMemory& memory, const Eigen::MatrixXd& W, double dt,
+                StateFeedbackSettings<double>& settings) {
   const int n = settings.inputs;
   settings.remembers = true;
   settings.lag_share.head(n) =
@@ -125,7 +125,7 @@ StateFeedbackSettings<double> state_feedback_settings(const Vehicle& vehicle, co
   settings.axes = gains.axes;
   settings.position_error_limit = gains.limits.position_error;
   settings.conditional_integration = gains.limits.conditional_integration;
-  if (gains.memory) remember(*gains.memory, words.inputs, dt, settings);
+  if (gains.memory) set_memory(*gains.memory, words.inputs, dt, settings);
   return settings;
 }
 

@@ -12,7 +12,7 @@ namespace quadtune {
 namespace {
 
 template <class T>
-void validate_settings(const MamboEstimatorSettings<T>& settings, const std::string& where) {
+void validate_mambo(const MamboEstimatorSettings<T>& settings, const std::string& where) {
   validate(attitude_settings(settings), where);
   if (!(settings.calibration_time >= 0) || !std::isfinite(settings.calibration_time))
     throw InvalidInput(where, fmt::format("calibration_time is {} s, expected 0 or more and finite",
@@ -57,11 +57,11 @@ int flow_alignment_periods(double gyro_lag, double flow_delay, double dt) {
 }
 
 void validate(const MamboEstimatorSettings<double>& settings, const std::string& where) {
-  validate_settings(settings, where);
+  validate_mambo(settings, where);
 }
 
 void validate(const MamboEstimatorSettings<float>& settings, const std::string& where) {
-  validate_settings(settings, where);
+  validate_mambo(settings, where);
 }
 
 }  // namespace quadtune

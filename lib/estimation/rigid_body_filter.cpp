@@ -23,9 +23,10 @@ using internal::ExtendedMatrix;
 using internal::ExtendedVector;
 
 /// Longest Euler step [s]: the uquad's control period.
-constexpr double kLongestStep = 0.01;
+constexpr double kLongestBodyStep = 0.01;
 /// Variances of the state at the start, of each kind.
-constexpr double kPlace = 1, kAngle = 0.1, kSpeed = 1, kRate = 0.1, kOffset = 0.1;
+constexpr double kPlaceDeviation = 1, kAngleDeviation = 0.1, kSpeedDeviation = 1,
+                 kRateDeviation = 0.1, kOffsetDeviation = 0.1;
 
 /// What an output measures, row by row.
 enum class Seen { angle, force, rate, height, place, speed };
@@ -182,7 +183,9 @@ FilterModel rigid_body_model(const std::string& vehicle) {
   model.G = MatrixXd::Identity(kUquadStates, kUquadStates);
   model.Q.fixed = MatrixXd::Zero(kUquadStates, kUquadStates);
   model.x0 = VectorXd::Zero(kUquadStates);
-  model.P0 = uquad_variances<double>(kPlace, kAngle, kSpeed, kRate, kOffset).asDiagonal();
+  model.P0 = uquad_variances<double>(kPlaceDeviation, kAngleDeviation, kSpeedDeviation,
+                                     kRateDeviation, kOffsetDeviation)
+                 .asDiagonal();
   model.diffuse.assign(kUquadStates, false);
   return model;
 }
@@ -212,7 +215,7 @@ namespace {
 class RigidBodyFilter final : public internal::ExtendedFilter {
  public:
   RigidBodyFilter(FilterModel model, const std::vector<FilterRecord>& records)
-      : ExtendedFilter(std::move(model), records, false, kLongestStep),
+      : ExtendedFilter(std::move(model), records, false, kLongestBodyStep),
         body_(load_vehicle(model_.vehicle)),
         rows_(rows_of(model_)) {
     for (const FilterRecord& measured : measurements())

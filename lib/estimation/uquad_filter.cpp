@@ -15,7 +15,7 @@ void require_variances(const UquadVector<T>& values, const char* name, const std
 }
 
 template <class T>
-void validate_settings(const UquadFilterSettings<T>& settings, const std::string& where) {
+void validate_uquad(const UquadFilterSettings<T>& settings, const std::string& where) {
   require_positive(settings.dt, "dt", " s", where);
   if (!(settings.calibration_time >= 0) || !std::isfinite(settings.calibration_time))
     throw InvalidInput(where, fmt::format("calibration_time is {} s, expected 0 or more and finite",
@@ -49,11 +49,11 @@ void validate_settings(const UquadFilterSettings<T>& settings, const std::string
 }  // namespace
 
 void validate(const UquadFilterSettings<double>& settings, const std::string& where) {
-  validate_settings(settings, where);
+  validate_uquad(settings, where);
 }
 
 void validate(const UquadFilterSettings<float>& settings, const std::string& where) {
-  validate_settings(settings, where);
+  validate_uquad(settings, where);
 }
 
 }  // namespace quadtune

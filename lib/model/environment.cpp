@@ -18,7 +18,7 @@
 namespace quadtune {
 namespace {
 
-std::string trimmed(const std::string& text) {
+std::string without_blanks(const std::string& text) {
   const std::size_t begin = text.find_first_not_of(" \t");
   if (begin == std::string::npos) return "";
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
@@ -65,9 +65,9 @@ Wind wind_of_words(const std::string& words, const std::string& where) {
   std::size_t begin = 0;
   while (begin <= words.size()) {
     const std::size_t end = std::min(words.find(',', begin), words.size());
-    const std::string entry = trimmed(words.substr(begin, end - begin));
+    const std::string entry = without_blanks(words.substr(begin, end - begin));
     const std::size_t equals = entry.find('=');
-    const std::string key = trimmed(entry.substr(0, equals));
+    const std::string key = without_blanks(entry.substr(0, equals));
     double* target = nullptr;
     for (const auto& [name, number] : keys)
       if (name == key) target = number;
@@ -85,7 +85,7 @@ Wind wind_of_words(const std::string& words, const std::string& where) {
     if (std::find(given.begin(), given.end(), target) != given.end())
       throw InvalidInput(where, fmt::format("'{}' came twice, expected it once", key));
     given.push_back(target);
-    *target = number_of(trimmed(entry.substr(equals + 1)), key, where);
+    *target = number_of(without_blanks(entry.substr(equals + 1)), key, where);
     begin = end + 1;
   }
   if (!(wind.gust.length > 0))

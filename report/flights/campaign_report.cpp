@@ -54,13 +54,13 @@ Json reached_or_word(double x) {
   return x;
 }
 
-Json to_json(const Estimated& e) {
+Json estimated_json(const Estimated& e) {
   return {{"value", reached_or_word(e.value)},
           {"low", reached_or_word(e.low)},
           {"high", reached_or_word(e.high)}};
 }
 
-Json to_json(const MetricSpread& m) {
+Json spread_json(const MetricSpread& m) {
   return {{"metric", name_of(m.metric)},
           {"unit", unit_of(m.metric)},
           {"flights", m.flights},
@@ -68,10 +68,10 @@ Json to_json(const MetricSpread& m) {
           {"deviation", reached_or_word(m.deviation)},
           {"least", reached_or_word(m.least)},
           {"greatest", reached_or_word(m.greatest)},
-          {"p05", to_json(m.percentile_5)},
-          {"median", to_json(m.median)},
-          {"p95", to_json(m.percentile_95)},
-          {"p99", to_json(m.percentile_99)}};
+          {"p05", estimated_json(m.percentile_5)},
+          {"median", estimated_json(m.median)},
+          {"p95", estimated_json(m.percentile_95)},
+          {"p99", estimated_json(m.percentile_99)}};
 }
 
 std::string metrics_text(const CaseStatistics& of, const Mission& mission) {
@@ -161,15 +161,15 @@ Json to_json(const CampaignPlan& plan, const CampaignStatistics& statistics,
     const CaseStatistics& of = statistics.cases[i];
     Json entry = {
         {"design", of.design},    {"mission", of.mission},    {"law", plan.words[i].law},
-        {"flights", of.flights},  {"passed", of.passed},      {"success", to_json(of.success)},
+        {"flights", of.flights},  {"passed", of.passed},      {"success", estimated_json(of.success)},
         {"ends", Json::object()}, {"metrics", Json::array()}, {"sensitivities", Json::array()},
         {"worst", Json::array()}};
     for (const auto& [end, count] : of.ends) entry["ends"][end] = count;
-    for (const MetricSpread& m : of.metrics) entry["metrics"].push_back(to_json(m));
+    for (const MetricSpread& m : of.metrics) entry["metrics"].push_back(spread_json(m));
     for (const Sensitivity& s : of.sensitivities)
       entry["sensitivities"].push_back({{"quantity", s.quantity},
                                         {"figure", s.figure},
-                                        {"correlation", to_json(s.correlation)}});
+                                        {"correlation", estimated_json(s.correlation)}});
     for (const WorstFlight& worst : of.worst)
       entry["worst"].push_back({{"number", worst.number},
                                 {"why", worst.why},
@@ -187,7 +187,7 @@ Json to_json(const CampaignPlan& plan, const CampaignStatistics& statistics,
       entry["differences"].push_back({{"metric", name_of(d.metric)},
                                       {"unit", unit_of(d.metric)},
                                       {"flights", d.flights},
-                                      {"mean", to_json(d.mean)}});
+                                      {"mean", estimated_json(d.mean)}});
     json["comparisons"].push_back(std::move(entry));
   }
   return json;

@@ -65,7 +65,7 @@ std::string bound_text(const PlannedFlight& plan) {
   return text;
 }
 
-Json to_json(const Diagnosis& diagnosis) {
+Json diagnosis_json(const Diagnosis& diagnosis) {
   const FlightEvidence& evidence = diagnosis.evidence;
   return {{"cause", to_string(diagnosis.cause)},
           {"why", diagnosis.why},
@@ -125,18 +125,18 @@ Json state_json(const Eigen::VectorXd& state) {
   return json;
 }
 
-const LimitCheck* limit_of(const FlownFlight& flight, Metric metric) {
+const LimitCheck* limit_of_flight(const FlownFlight& flight, Metric metric) {
   for (const LimitCheck& check : flight.verdict.checks)
     if (check.metric == metric) return &check;
   return nullptr;
 }
 
-std::string metrics_text(const FlownFlight& flight) {
+std::string flight_metrics_text(const FlownFlight& flight) {
   Cells cells;
   for (std::size_t i = 0; i < kMetrics; ++i) {
     const auto metric = static_cast<Metric>(i);
     const double value = flight.result.metrics[metric];
-    const LimitCheck* check = limit_of(flight, metric);
+    const LimitCheck* check = limit_of_flight(flight, metric);
     if (std::isnan(value) && check == nullptr) continue;
     std::string limit;
     if (check != nullptr)
@@ -179,7 +179,7 @@ Json to_json(const FlownFlight& flight, const std::optional<Diagnosis>& diagnosi
   if (flight.plan.bound) json["sensor_bound"] = bound_json(flight.plan);
   if (flight.loop) json["flown_loop"] = to_json(*flight.loop);
   json["reasons"] = reasons(flight);
-  if (diagnosis && diagnosis->cause != FlightCause::none) json["diagnosis"] = to_json(*diagnosis);
+  if (diagnosis && diagnosis->cause != FlightCause::none) json["diagnosis"] = diagnosis_json(*diagnosis);
   if (!flight.variant.empty()) json["disturbance"] = flight.variant;
   if (!flight.seeds.empty()) json["seeds"] = seeds_json(flight.seeds);
   json["events"] = Json::array();
@@ -204,7 +204,7 @@ std::string to_text(const FlownFlight& flight, const std::optional<Diagnosis>& d
   if (diagnosis && diagnosis->cause != FlightCause::none)
     text += fmt::format("why: {}\nnext: {}\n", diagnosis->why, diagnosis->next);
   text += "\n";
-  text += metrics_text(flight);
+  text += flight_metrics_text(flight);
   text += bound_text(flight.plan);
   if (!result.events.empty()) text += "\nevents\n";
   for (const LogEvent& event : result.events)

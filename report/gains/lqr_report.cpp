@@ -26,7 +26,7 @@ Json evidence_json(const RiccatiResult& result) {
   return json;
 }
 
-std::string evidence_text(const RiccatiResult& result) {
+std::string riccati_text(const RiccatiResult& result) {
   return fmt::format("residual {:.2g}, rcond {:.2g}, {}", result.residual, result.rcond,
                      result.used_extended ? "in 50 digits"
                      : result.used_schur  ? "ordered Schur method"
@@ -49,7 +49,7 @@ std::string to_text(const LqrReport& report) {
   const RiccatiResult& riccati = report.riccati;
   return section("gain K", plain(riccati.K)) + section("cost S", plain(riccati.X)) +
          section("poles", pole_table(riccati.poles, report.dt)) +
-         section("margins", to_text(report.margins)) + section("evidence", evidence_text(riccati));
+         section("margins", to_text(report.margins)) + section("evidence", riccati_text(riccati));
 }
 
 Json to_json(const VehicleLqrReport& report) {
@@ -83,7 +83,7 @@ std::string to_text(const VehicleLqrReport& report) {
   if (report.flown)
     text += section("flown loop", to_text(*report.flown)) +
             section("margins of the flown loop", to_text(report.flown->margins));
-  return text + section("evidence", evidence_text(report.feedback.riccati));
+  return text + section("evidence", riccati_text(report.feedback.riccati));
 }
 
 }  // namespace quadtune::report

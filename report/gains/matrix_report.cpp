@@ -39,14 +39,14 @@ Weights weights_of(const MatrixReport& report) {
   return weights;
 }
 
-std::string weights_text(const MatrixReport& report) {
+std::string matrix_weights_text(const MatrixReport& report) {
   const Weights weights = weights_of(report);
   return table(weights.Q, {"Q"}, names_of(ned_convention().states)) + "\n" +
          table(weights.Q_integral, {"Q_int"}, standard_integrals()) + "\n" +
          table(weights.R, {"R"}, names_of(ned_convention().wrench));
 }
 
-std::string law_text(const Gains& gains) {
+std::string matrix_law_text(const Gains& gains) {
   return fmt::format(
       "a matrix on 12 states and one on 4 integrals, every {} s, convention {}\nlaw u = u0 {} "
       "K (x_sp - x) + K_int integral(x_sp - x), position errors in {} axes",
@@ -107,7 +107,7 @@ Json to_json(const MatrixReport& report, const Vehicle& vehicle) {
 std::string to_text(const MatrixReport& report) {
   const Gains& gains = report.gains;
   const std::vector<std::string> inputs = names_of(gains.inputs);
-  return section("law", law_text(gains)) + section("weights", weights_text(report)) +
+  return section("law", matrix_law_text(gains)) + section("weights", matrix_weights_text(report)) +
          section("gain K", table(gains.K, inputs, names_of(gains.states))) +
          section("integral K", table(gains.K_int, inputs, names_of(gains.integrals))) +
          section("plants of the design", family_text(report.design)) +

@@ -83,7 +83,7 @@ std::string channel_table(const LogSurvey& survey, std::size_t group) {
   return rows.size() > 1 ? aligned(rows, "<<>>>>>><") : "no channels";
 }
 
-Json to_json(const ModelNeeds& needs) {
+Json needs_json(const ModelNeeds& needs) {
   Json json = {{"name", needs.model},
                {"feeds", needs.feeds},
                {"uses", Json::object()},
@@ -147,7 +147,7 @@ Json to_json(const LogSurvey& survey, const std::vector<ModelNeeds>& models,
     json["channels"].push_back(std::move(entry));
   }
   json["models"] = Json::array();
-  for (const ModelNeeds& needs : models) json["models"].push_back(to_json(needs));
+  for (const ModelNeeds& needs : models) json["models"].push_back(needs_json(needs));
   return json;
 }
 

@@ -71,7 +71,7 @@ std::string innovation_table(const NoiseTuning& tuning) {
   return aligned(rows, "<>>>>>>><");
 }
 
-Json to_json(const AutocovarianceFit& als) {
+Json autocovariance_json(const AutocovarianceFit& als) {
   Json json;
   json["samples"] = als.samples;
   json["dt"] = als.innovation.dt;
@@ -129,7 +129,7 @@ Json parameters_json(const NoiseAgreement& agreement, const NoiseFit& fit) {
   return rows;
 }
 
-Json to_json(const NoiseAgreement& agreement, const NoiseFit& fit) {
+Json agreement_json(const NoiseAgreement& agreement, const NoiseFit& fit) {
   Json json = {{"method", to_string(agreement.other)}};
   if (agreement.not_compared.empty())
     json["parameters"] = parameters_json(agreement, fit);
@@ -310,7 +310,7 @@ Json to_json(const TunedNoise& tuned) {
   Json json;
   json["model"] = tuned.model.name;
   json["method"] = tuning.autocovariances ? "als" : "ml";
-  if (tuning.autocovariances) json["autocovariances"] = to_json(*tuning.autocovariances);
+  if (tuning.autocovariances) json["autocovariances"] = autocovariance_json(*tuning.autocovariances);
   json["status"] = to_string(fit.status);
   for (const TunedLog& log : tuned.logs)
     json["logs"].push_back({{"files", files_to_json(log)},
@@ -335,7 +335,7 @@ Json to_json(const TunedNoise& tuned) {
                      {"before", tuning.holdout.before},
                      {"after", tuning.holdout.after}};
   json["accuracy"] = accuracy_to_json(tuning);
-  if (tuning.agreement) json["agreement"] = to_json(*tuning.agreement, fit);
+  if (tuning.agreement) json["agreement"] = agreement_json(*tuning.agreement, fit);
   json["warnings"] = tuning.warnings;
   json["gate"] = {{"verdict", to_string(tuning.verdict)}, {"reasons", tuning.reasons}};
   return json;

@@ -65,7 +65,7 @@ std::string proof_text(const StabilityProof& proof) {
       proof.culprit, where_text(proof));
 }
 
-std::string loops_text(const StabilityProof& proof) {
+std::string stability_text(const StabilityProof& proof) {
   std::string text;
   for (const std::string& part : proof.parts) text += (text.empty() ? "" : " | ") + part;
   return text;
@@ -107,7 +107,7 @@ Json flown_json(const CertifiedLaw& law) {
 std::string law_text(const CertifiedLaw& law) {
   const Robustness& r = law.robustness;
   return section("law", fmt::format("{}, every {} s", law.name, number(law.dt))) +
-         section("box", box_text(law.family)) + section("loops", loops_text(r.proof)) +
+         section("box", box_text(law.family)) + section("loops", stability_text(r.proof)) +
          section("proof", proof_text(r.proof)) +
          section("worst found", fmt::format("largest |z| {:.9f}{}: {}", r.worst.radius,
                                             r.worst.unstable() ? ", UNSTABLE" : "",

@@ -50,7 +50,7 @@ Json loop_json(const std::string& name, const LoopMargins& margins) {
   return json;
 }
 
-Json loops_json(const MarginsReport& report) {
+Json margins_json(const MarginsReport& report) {
   Json loops = Json::array();
   for (std::size_t i = 0; i < report.loops.size(); ++i)
     loops.push_back(loop_json(report.names[i], report.loops[i]));
@@ -60,7 +60,7 @@ Json loops_json(const MarginsReport& report) {
 }  // namespace
 
 Json to_json(const MarginsReport& report) {
-  Json json = {{"loops", loops_json(report)}};
+  Json json = {{"loops", margins_json(report)}};
   json["multivariable"] = nullptr;
   if (report.together) {
     json["multivariable"] = disk_json(report.together->guaranteed);
@@ -83,7 +83,7 @@ std::string to_text(const MarginsReport& report) {
                                  {"disk_alpha", "disk", "alpha", ".3f"},
                                  {"disk_frequency", "at", "[rad/s]", ".3g", 1, "-"},
                                  {.key = "stable", .no = "UNSTABLE"}});
-  std::string text = table(loops_json(report), columns);
+  std::string text = table(margins_json(report), columns);
   if (report.loops.size() < 2 || !report.together) return text;
   const DiskMargin& all = report.together->guaranteed;
   if (all.alpha == 0) return text + "\nall at once  UNSTABLE";

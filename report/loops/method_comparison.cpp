@@ -69,7 +69,7 @@ std::string methods_text(const ComparedLaw& law, const std::array<double, 3>& pe
   return aligned(cells);
 }
 
-std::string flown_text(const ComparedLaw& law, const std::array<double, 3>& periods) {
+std::string flown_law_text(const ComparedLaw& law, const std::array<double, 3>& periods) {
   std::string estimator;
   for (const FlownMethod& method : law.flown)
     for (const FlownPeriod& at : method.periods)
@@ -193,7 +193,7 @@ std::string to_text(const MethodComparison& comparison) {
   for (const ComparedLaw& law : comparison.laws) {
     std::string about = law.about + "\n" + law.why;
     if (law.why.empty()) about += methods_text(law, comparison.periods);
-    if (!law.flown.empty()) about += flown_text(law, comparison.periods);
+    if (!law.flown.empty()) about += flown_law_text(law, comparison.periods);
     text += section(law.name, about);
   }
   return text;

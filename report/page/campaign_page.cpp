@@ -14,13 +14,13 @@ using nlohmann::json;
 /// JSON has no infinity: "never" is what was not reached.
 json shown(double x) { return std::isinf(x) ? json("never") : json(x); }
 
-json to_json(const PageSpread& m) {
+json spread_json(const PageSpread& m) {
   return {{"label", m.label},          {"unit", m.unit},      {"p05", shown(m.p05)},
           {"median", shown(m.median)}, {"p95", shown(m.p95)}, {"p99", shown(m.p99)},
           {"limit", m.limit}};
 }
 
-json to_json(const PageCase& c) {
+json case_json(const PageCase& c) {
   json of = {{"design", c.design},
              {"mission", c.mission},
              {"law", c.law},
@@ -37,13 +37,13 @@ json to_json(const PageCase& c) {
                {"values", c.trends.values}}},
              {"worst", json::array()}};
   for (const auto& [end, count] : c.ends) of["ends"].push_back({end, count});
-  for (const PageSpread& m : c.metrics) of["metrics"].push_back(to_json(m));
+  for (const PageSpread& m : c.metrics) of["metrics"].push_back(spread_json(m));
   for (const PageWorst& w : c.worst)
     of["worst"].push_back({{"why", w.why}, {"command", w.command}});
   return of;
 }
 
-json to_json(const PageDistribution& d) {
+json distribution_json(const PageDistribution& d) {
   json of = {{"label", d.label},
              {"mission", d.mission},
              {"unit", d.unit},
@@ -54,7 +54,7 @@ json to_json(const PageDistribution& d) {
   return of;
 }
 
-json to_json(const PageComparison& c) {
+json comparison_json(const PageComparison& c) {
   json of = {{"title", c.title}, {"passes", c.passes}, {"differences", json::array()}};
   for (const PageComparison::Difference& d : c.differences)
     of["differences"].push_back({{"label", d.label},
@@ -83,9 +83,9 @@ std::string html(const CampaignPage& page) {
                {"version", page.version},
                {"seed", page.seed}};
   for (const auto& [key, value] : page.about) data["about"].push_back({key, value});
-  for (const PageCase& c : page.cases) data["cases"].push_back(to_json(c));
-  for (const PageDistribution& d : page.distributions) data["distributions"].push_back(to_json(d));
-  for (const PageComparison& c : page.comparisons) data["comparisons"].push_back(to_json(c));
+  for (const PageCase& c : page.cases) data["cases"].push_back(case_json(c));
+  for (const PageDistribution& d : page.distributions) data["distributions"].push_back(distribution_json(d));
+  for (const PageComparison& c : page.comparisons) data["comparisons"].push_back(comparison_json(c));
   return page_html({.title = page.title,
                     .libraries = {{"vendor/uplot.min.js", "vendor/uplot.LICENSE"}},
                     .scripts = {"page.js", "plots.js", "frame.js", "cells.js", "campaign.js"},

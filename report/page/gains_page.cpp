@@ -12,18 +12,18 @@ namespace {
 using nlohmann::json;
 
 /// JSON has no infinity: "never" is what was not reached.
-json shown(double x) { return std::isinf(x) ? json("never") : json(x); }
+json shown_gain(double x) { return std::isinf(x) ? json("never") : json(x); }
 
-json to_json(const PageComparedTable& table) {
+json table_json(const PageComparedTable& table) {
   json rows = json::array();
   for (const PageCompared& r : table.rows) {
     json values = json::array();
-    for (const double x : r.values) values.push_back(shown(x));
+    for (const double x : r.values) values.push_back(shown_gain(x));
     rows.push_back({{"of", r.of},
                     {"label", r.label},
                     {"unit", r.unit},
                     {"values", std::move(values)},
-                    {"limit", shown(r.limit)},
+                    {"limit", shown_gain(r.limit)},
                     {"at_least", r.at_least},
                     {"broken", r.broken},
                     {"binds", r.binds},
@@ -51,7 +51,7 @@ std::string html(const GainsPage& page) {
   data["reasons"] = page.reasons;
   data["columns_of"] = page.columns;
   data["tables"] = json::array();
-  for (const PageComparedTable& table : page.tables) data["tables"].push_back(to_json(table));
+  for (const PageComparedTable& table : page.tables) data["tables"].push_back(table_json(table));
   data["search"] = {{"evaluation", page.search.evaluation},
                     {"best", page.search.best},
                     {"tried", page.search.tried}};

@@ -33,13 +33,13 @@ std::string text_of(const Line& line, std::size_t begin, std::size_t end) {
 
 void trim(std::string& text) { text.erase(text.find_last_not_of(' ') + 1); }
 
-struct Column {
+struct FoldedColumn {
   std::size_t begin, end;
 };
 
 /// What stands between runs of two blanks or more.
-std::vector<Column> columns_of(const std::vector<bool>& blank) {
-  std::vector<Column> columns;
+std::vector<FoldedColumn> columns_of(const std::vector<bool>& blank) {
+  std::vector<FoldedColumn> columns;
   for (std::size_t i = 0; i < blank.size(); ++i) {
     if (blank[i]) continue;
     if (!columns.empty() && i < columns.back().end + 2)
@@ -135,7 +135,7 @@ Table table_around(const std::vector<Line>& lines, std::size_t k, std::size_t le
 
 void append_folded(const std::vector<Line>& lines, const Table& table, std::size_t width,
                    std::string& text) {
-  const std::vector<Column> columns = columns_of(table.blank);
+  const std::vector<FoldedColumn> columns = columns_of(table.blank);
   // A heading stands before the first line alone.
   bool heading = table.end - table.begin > 1;
   for (std::size_t k = table.begin + 1; k < table.end; ++k)

@@ -22,7 +22,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr const char* kWhere = "pid cascade";
 
 /// Where an axis stands in ned_convention().
@@ -192,7 +192,7 @@ double greatest_gain(CascadeAxis axis, const Eigen::Vector4d& authority) {
     case CascadeAxis::altitude:
       return authority(facts(axis).input) / kDistance;
   }
-  return kInfinity;
+  return kUnbounded;
 }
 
 /// @param gain_max   of a loop whose speed nobody says
@@ -209,7 +209,7 @@ CascadeLoopBounds bounds_of(const CascadeRequirement& requirement, double fastes
   bounds.value_noise_max = gain_max;
   if (published == nullptr || !published->margins.stable) return bounds;
   constexpr double kNearer = 0.98;
-  bounds.rate_crossover_max = kInfinity;
+  bounds.rate_crossover_max = kUnbounded;
   bounds.Ms_max = std::min(bounds.Ms_max, 1 + kNearer * (published->margins.Ms - 1));
   bounds.value_noise_max = published->value_noise;
   bounds.rate_noise_max = published->rate_noise;

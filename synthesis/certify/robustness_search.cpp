@@ -21,7 +21,7 @@ constexpr int kMostCorners = 12;  // parameters of which all corners are looked 
 constexpr std::size_t kClimbs = 4;
 // Rays that are looked at together. A constant, so that what is found does not depend on the
 // threads.
-constexpr std::size_t kTogether = 16;
+constexpr std::size_t kSearchedTogether = 16;
 constexpr double kFinestStep = 1e-3;  // of half the box's width
 constexpr int kStepsAlong = 24;       // of a ray, from nominal outwards
 constexpr double kRayTolerance = 1e-4;
@@ -187,9 +187,9 @@ RobustnessSearch::Nearest RobustnessSearch::nearest() {
   const std::vector<Direction> all = starts();
   std::vector<Ray> seen;
   double least = family_.greatest_scale;
-  for (std::size_t first = 0; first < all.size() && !stopped(); first += kTogether) {
+  for (std::size_t first = 0; first < all.size() && !stopped(); first += kSearchedTogether) {
     const double up_to = least;
-    const std::size_t count = std::min(kTogether, all.size() - first);
+    const std::size_t count = std::min(kSearchedTogether, all.size() - first);
     for (Ray& ray : each(count, [&](std::size_t i) -> Ray {
            return {first_unstable(all[first + i], up_to), all[first + i]};
          })) {

@@ -21,8 +21,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kWidth = 8;  ///< derivatives that are carried at once
-using Jet = ceres::Jet<double, kWidth>;
+constexpr int kEstimatorWidth = 8;  ///< derivatives that are carried at once
+using EstimatorJet = ceres::Jet<double, kEstimatorWidth>;
 
 template <class T>
 SensorFrame<T> sensor_frame(const HoverFrame& at, const Eigen::Matrix<T, Eigen::Dynamic, 1>& v) {
@@ -127,40 +127,41 @@ void each_number(const GeneralParts& parts, GeneralFilterState<T>& state, const 
   }
 }
 
-MamboEstimatorState<Jet> as_jets(const MamboEstimatorState<double>& from) {
-  MamboEstimatorState<Jet> to;
-  to.attitude.angles = from.attitude.angles.cast<Jet>();
-  to.attitude.gyro_bias = from.attitude.gyro_bias.cast<Jet>();
-  to.attitude.gyro = from.attitude.gyro.cast<Jet>();
-  to.force = from.force.cast<Jet>();
-  to.force_bias = from.force_bias.cast<Jet>();
-  to.altitude = {from.altitude.x.cast<Jet>(), from.altitude.P.cast<Jet>()};
-  to.velocity = {from.velocity.x.cast<Jet>(), from.velocity.P.cast<Jet>()};
-  to.position = from.position.cast<Jet>();
-  to.flow_position = from.flow_position.cast<Jet>();
-  to.position_variance = Jet(from.position_variance);
-  to.echo_height = Jet(from.echo_height);
-  to.unbelieved_time = Jet(from.unbelieved_time);
-  to.flow = from.flow.cast<Jet>();
-  to.flow_age = Jet(from.flow_age);
+MamboEstimatorState<EstimatorJet> as_jets(const MamboEstimatorState<double>& from) {
+  MamboEstimatorState<EstimatorJet> to;
+  to.attitude.angles = from.attitude.angles.cast<EstimatorJet>();
+  to.attitude.gyro_bias = from.attitude.gyro_bias.cast<EstimatorJet>();
+  to.attitude.gyro = from.attitude.gyro.cast<EstimatorJet>();
+  to.force = from.force.cast<EstimatorJet>();
+  to.force_bias = from.force_bias.cast<EstimatorJet>();
+  to.altitude = {from.altitude.x.cast<EstimatorJet>(), from.altitude.P.cast<EstimatorJet>()};
+  to.velocity = {from.velocity.x.cast<EstimatorJet>(), from.velocity.P.cast<EstimatorJet>()};
+  to.position = from.position.cast<EstimatorJet>();
+  to.flow_position = from.flow_position.cast<EstimatorJet>();
+  to.position_variance = EstimatorJet(from.position_variance);
+  to.echo_height = EstimatorJet(from.echo_height);
+  to.unbelieved_time = EstimatorJet(from.unbelieved_time);
+  to.flow = from.flow.cast<EstimatorJet>();
+  to.flow_age = EstimatorJet(from.flow_age);
   to.flow_seen = from.flow_seen;
   for (std::size_t j = 0; j < from.moments.size(); ++j)
-    to.moments[j] = {from.moments[j].rates.cast<Jet>(), from.moments[j].flow.cast<Jet>(),
-                     Jet(from.moments[j].age), from.moments[j].came};
+    to.moments[j] = {from.moments[j].rates.cast<EstimatorJet>(),
+                     from.moments[j].flow.cast<EstimatorJet>(), EstimatorJet(from.moments[j].age),
+                     from.moments[j].came};
   to.periods = from.periods;
   return to;
 }
 
-UquadFilterState<Jet> as_jets(const UquadFilterState<double>& from) {
-  UquadFilterState<Jet> to;
-  to.kalman = {from.kalman.x.cast<Jet>(), from.kalman.P.cast<Jet>()};
-  to.gyro_offset = from.gyro_offset.cast<Jet>();
-  to.pressure_zero = Jet(from.pressure_zero);
-  to.start_z = Jet(from.start_z);
-  to.field_norm = Jet(from.field_norm);
-  to.tilt = {Jet(from.tilt.roll), Jet(from.tilt.pitch)};
-  to.force_excess = Jet(from.force_excess);
-  to.gps_age = Jet(from.gps_age);
+UquadFilterState<EstimatorJet> as_jets(const UquadFilterState<double>& from) {
+  UquadFilterState<EstimatorJet> to;
+  to.kalman = {from.kalman.x.cast<EstimatorJet>(), from.kalman.P.cast<EstimatorJet>()};
+  to.gyro_offset = from.gyro_offset.cast<EstimatorJet>();
+  to.pressure_zero = EstimatorJet(from.pressure_zero);
+  to.start_z = EstimatorJet(from.start_z);
+  to.field_norm = EstimatorJet(from.field_norm);
+  to.tilt = {EstimatorJet(from.tilt.roll), EstimatorJet(from.tilt.pitch)};
+  to.force_excess = EstimatorJet(from.force_excess);
+  to.gps_age = EstimatorJet(from.gps_age);
   to.periods = from.periods;
   return to;
 }
@@ -171,27 +172,28 @@ void as_jets(const From& from, To& to) {
   for (std::size_t j = 0; j < from.values.size(); ++j) {
     using Value = std::decay_t<decltype(from.values[j].value)>;
     if constexpr (std::is_same_v<Value, double>)
-      to.values[j].value = Jet(from.values[j].value);
+      to.values[j].value = EstimatorJet(from.values[j].value);
     else
-      to.values[j].value = from.values[j].value.template cast<Jet>();
-    to.values[j].age = Jet(from.values[j].age);
+      to.values[j].value = from.values[j].value.template cast<EstimatorJet>();
+    to.values[j].age = EstimatorJet(from.values[j].age);
     to.values[j].came = from.values[j].came;
   }
 }
 
-GeneralFilterState<Jet> as_jets(const GeneralFilterState<double>& from) {
-  GeneralFilterState<Jet> to;
-  to.motion = {from.motion.position.cast<Jet>(), from.motion.velocity.cast<Jet>(),
-               from.motion.attitude.cast<Jet>()};
-  to.gyro_bias = from.gyro_bias.cast<Jet>();
-  to.force_bias = from.force_bias.cast<Jet>();
-  to.pressure_height = Jet(from.pressure_height);
-  for (std::size_t i = 0; i < from.P.entries.size(); ++i) to.P.entries[i] = Jet(from.P.entries[i]);
-  to.yaw = Jet(from.yaw);
+GeneralFilterState<EstimatorJet> as_jets(const GeneralFilterState<double>& from) {
+  GeneralFilterState<EstimatorJet> to;
+  to.motion = {from.motion.position.cast<EstimatorJet>(), from.motion.velocity.cast<EstimatorJet>(),
+               from.motion.attitude.cast<EstimatorJet>()};
+  to.gyro_bias = from.gyro_bias.cast<EstimatorJet>();
+  to.force_bias = from.force_bias.cast<EstimatorJet>();
+  to.pressure_height = EstimatorJet(from.pressure_height);
+  for (std::size_t i = 0; i < from.P.entries.size(); ++i)
+    to.P.entries[i] = EstimatorJet(from.P.entries[i]);
+  to.yaw = EstimatorJet(from.yaw);
   to.readings.newest = from.readings.newest;
   for (std::size_t j = 0; j < from.readings.values.size(); ++j)
-    to.readings.values[j] = {from.readings.values[j].rates.cast<Jet>(),
-                             from.readings.values[j].force.cast<Jet>()};
+    to.readings.values[j] = {from.readings.values[j].rates.cast<EstimatorJet>(),
+                             from.readings.values[j].force.cast<EstimatorJet>()};
   as_jets(from.flow, to.flow);
   as_jets(from.range, to.range);
   as_jets(from.pressure, to.pressure);
@@ -200,7 +202,8 @@ GeneralFilterState<Jet> as_jets(const GeneralFilterState<double>& from) {
   as_jets(from.gps_velocity, to.gps_velocity);
   as_jets(from.vision, to.vision);
   for (std::size_t i = 0; i < from.rejections.size(); ++i)
-    to.rejections[i] = {Jet(from.rejections[i].time), Jet(from.rejections[i].count)};
+    to.rejections[i] = {EstimatorJet(from.rejections[i].time),
+                        EstimatorJet(from.rejections[i].count)};
   return to;
 }
 
@@ -217,7 +220,7 @@ class Mambo {
     settings.calibration_time = 0;
     validate(settings, "estimator");
     settings_ = settings;
-    jets_ = mambo_estimator_cast<Jet>(settings);
+    jets_ = mambo_estimator_cast<EstimatorJet>(settings);
   }
 
   [[nodiscard]] State<double> start(const StateVector<double>& x) const {
@@ -241,7 +244,7 @@ class Mambo {
 
  private:
   MamboEstimatorSettings<double> settings_;
-  MamboEstimatorSettings<Jet> jets_;
+  MamboEstimatorSettings<EstimatorJet> jets_;
 };
 
 class Uquad {
@@ -260,7 +263,7 @@ class Uquad {
     if (sensors.barometer) settings.reference_pressure = sensors.barometer->ground_pressure;
     validate(settings, "estimator");
     settings_ = settings;
-    jets_ = uquad_filter_cast<Jet>(settings);
+    jets_ = uquad_filter_cast<EstimatorJet>(settings);
   }
 
   [[nodiscard]] State<double> start(const StateVector<double>& x) const {
@@ -283,7 +286,7 @@ class Uquad {
  private:
   RigidBody body_;
   UquadFilterSettings<double> settings_;
-  UquadFilterSettings<Jet> jets_;
+  UquadFilterSettings<EstimatorJet> jets_;
 };
 
 class General {
@@ -394,29 +397,29 @@ class Linearizing {
                        const HoverFrame& frame, Index states) const {
     const Index width = states + kFrameSize + speeds_.size();
     MatrixXd all = MatrixXd::Zero(states + 12, width);
-    for (Index first = 0; first < width; first += kWidth) {
+    for (Index first = 0; first < width; first += kEstimatorWidth) {
       auto state = as_jets(at);
       Index column = 0;
-      const auto seed = [&](Jet& number) {
-        if (column >= first && column < first + kWidth)
+      const auto seed = [&](EstimatorJet& number) {
+        if (column >= first && column < first + kEstimatorWidth)
           number.v(static_cast<int>(column - first)) = 1;
         ++column;
       };
       each_number(estimator_.kept(), state,
-                  [&](const char*, Index, Jet& number, double) { seed(number); });
-      Eigen::Matrix<Jet, Eigen::Dynamic, 1> values = values_.cast<Jet>();
+                  [&](const char*, Index, EstimatorJet& number, double) { seed(number); });
+      Eigen::Matrix<EstimatorJet, Eigen::Dynamic, 1> values = values_.cast<EstimatorJet>();
       for (Index i = 0; i < kFrameSize; ++i) seed(values(i));
-      RotorSpeeds<Jet> speeds = speeds_.cast<Jet>();
+      RotorSpeeds<EstimatorJet> speeds = speeds_.cast<EstimatorJet>();
       for (Index i = 0; i < speeds.size(); ++i) seed(speeds(i));
-      const Estimate<Jet> estimate =
-          estimator_.step(state, sensor_frame<Jet>(frame, values), speeds);
-      const Index count = std::min<Index>(kWidth, width - first);
+      const Estimate<EstimatorJet> estimate =
+          estimator_.step(state, sensor_frame<EstimatorJet>(frame, values), speeds);
+      const Index count = std::min<Index>(kEstimatorWidth, width - first);
       Index row = 0;
-      const auto take = [&](const Jet& number) {
+      const auto take = [&](const EstimatorJet& number) {
         all.row(row++).segment(first, count) = number.v.head(count).transpose();
       };
       each_number(estimator_.kept(), state,
-                  [&](const char*, Index, const Jet& number, double) { take(number); });
+                  [&](const char*, Index, const EstimatorJet& number, double) { take(number); });
       for (int i = 0; i < 12; ++i) take(estimate.x(i));
     }
     return {all.leftCols(states), all.middleCols(states, kFrameSize),

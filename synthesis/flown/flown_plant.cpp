@@ -37,7 +37,7 @@ using internal::kReadingSize;
 using internal::LinearEstimator;
 using internal::Reading;
 
-constexpr const char* kWhere = "flown plant";
+constexpr const char* kPlantWhere = "flown plant";
 constexpr std::size_t kLongestRound = 1000;  ///< [control periods]
 /// Into so many parts a clock is rounded that does not repeat with the others within that.
 constexpr double kRounding = 1000;
@@ -242,9 +242,10 @@ class Assembly {
       if (!faults || std::isnan(body_.readings(kReadingFirst[i]))) continue;
       if (faults->delay > kMostDelayPeriods * options_.dt * (1 + 1e-9))
         throw InvalidInput(
-            kWhere, fmt::format("the {} is {} s late, expected at most {} control "
-                                "periods of {} s",
-                                kReadingNames[i], faults->delay, kMostDelayPeriods, options_.dt));
+            kPlantWhere,
+            fmt::format("the {} is {} s late, expected at most {} control "
+                        "periods of {} s",
+                        kReadingNames[i], faults->delay, kMostDelayPeriods, options_.dt));
       Channel channel;
       channel.reading = reading;
       channel.rate = faults->rate;
@@ -494,7 +495,7 @@ class Assembly {
 };
 
 void require(bool good, const std::string& came, const std::string& expected) {
-  if (!good) throw InvalidInput(kWhere, came + ", expected " + expected);
+  if (!good) throw InvalidInput(kPlantWhere, came + ", expected " + expected);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr char kWhere[] = "diagonal_lqr";
+constexpr char kDiagonalWhere[] = "diagonal_lqr";
 
 /// The cost of one weight alone, the others 0.
 LqrWeights unit_cost(Index nx, Index nu, Index weight) {
@@ -32,11 +32,12 @@ LqrWeights unit_cost(Index nx, Index nu, Index weight) {
 }
 
 VectorXd diagonal_of(const MatrixXd& M, const char* name) {
-  require_shape(M, M.rows(), M.rows(), kWhere, name, "a weight is square");
+  require_shape(M, M.rows(), M.rows(), kDiagonalWhere, name, "a weight is square");
   if (!M.isDiagonal(0))
-    throw InvalidInput(kWhere, fmt::format("{} has entries beside its diagonal, expected none "
-                                           "because only diagonal weights are looked for",
-                                           name));
+    throw InvalidInput(kDiagonalWhere,
+                       fmt::format("{} has entries beside its diagonal, expected none "
+                                   "because only diagonal weights are looked for",
+                                   name));
   return M.diagonal();
 }
 
@@ -45,7 +46,8 @@ VectorXd diagonal_of(const MatrixXd& M, const char* name) {
 DiagonalLqr::DiagonalLqr(const ContinuousLti& plant, const LqrDesign& design)
     : inputs_(plant.B.cols()) {
   if (design.method != LqrMethod::continuous && !(design.dt > 0))
-    throw InvalidInput(kWhere, fmt::format("dt is {} s, expected a positive number", design.dt));
+    throw InvalidInput(kDiagonalWhere,
+                       fmt::format("dt is {} s, expected a positive number", design.dt));
   const ContinuousLti augmented = with_integrals(plant, design.integrals);
   const Index nx = augmented.A.rows();
   names_ = names_or_numbers(augmented.states, nx);
@@ -64,13 +66,13 @@ DiagonalLqr::DiagonalLqr(const ContinuousLti& plant, const LqrDesign& design)
 
 LqrWeights DiagonalLqr::weights(const Eigen::Ref<const VectorXd>& w) const {
   if (w.size() != size())
-    throw InvalidInput(kWhere, fmt::format("{} weights came, expected {} ({})", w.size(), size(),
-                                           internal::joined(names_, " ")));
+    throw InvalidInput(kDiagonalWhere, fmt::format("{} weights came, expected {} ({})", w.size(),
+                                                   size(), internal::joined(names_, " ")));
   LqrWeights sum{MatrixXd::Zero(states(), states()), MatrixXd::Zero(inputs_, inputs_), {}};
   for (Index i = 0; i < size(); ++i) {
     if (!(w(i) >= 0) || !std::isfinite(w(i)))
-      throw InvalidInput(kWhere, fmt::format("the weight of {} is {}, expected 0 or more",
-                                             names_[static_cast<std::size_t>(i)], w(i)));
+      throw InvalidInput(kDiagonalWhere, fmt::format("the weight of {} is {}, expected 0 or more",
+                                                     names_[static_cast<std::size_t>(i)], w(i)));
     const LqrWeights& unit = unit_costs_[static_cast<std::size_t>(i)];
     sum.Q += w(i) * unit.Q;
     sum.R += w(i) * unit.R;
@@ -129,9 +131,10 @@ LqrDesign with_diagonals(LqrDesign design, const Eigen::Ref<const VectorXd>& w) 
   const Index ni = design.Q_integral.rows();
   const Index nu = design.R.rows();
   if (w.size() != nx + ni + nu)
-    throw InvalidInput(kWhere, fmt::format("{} weights came, expected {} of the states, {} of the "
-                                           "integrals and {} of the inputs",
-                                           w.size(), nx, ni, nu));
+    throw InvalidInput(kDiagonalWhere,
+                       fmt::format("{} weights came, expected {} of the states, {} of the "
+                                   "integrals and {} of the inputs",
+                                   w.size(), nx, ni, nu));
   design.Q = w.head(nx).asDiagonal();
   design.Q_integral = w.segment(nx, ni).asDiagonal();
   design.R = w.tail(nu).asDiagonal();

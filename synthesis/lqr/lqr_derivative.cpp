@@ -18,7 +18,7 @@ using internal::Time;
 
 namespace {
 
-constexpr char kWhere[] = "lqr_derivative";
+constexpr char kDerivativeWhere[] = "lqr_derivative";
 
 MatrixXd symmetric_part(const MatrixXd& M) { return 0.5 * (M + M.transpose()); }
 
@@ -30,24 +30,26 @@ MatrixXd not_a_number(Eigen::Index rows, Eigen::Index cols) {
 MatrixXd direction_of(const MatrixXd& M, Eigen::Index rows, Eigen::Index cols, const char* name,
                       bool symmetric) {
   if (M.size() == 0) return MatrixXd::Zero(rows, cols);
-  require_shape(M, rows, cols, kWhere, name, "as the weight itself");
-  require_finite(M, kWhere, name);
-  if (symmetric) require_symmetric(M, kWhere, name);
+  require_shape(M, rows, cols, kDerivativeWhere, name, "as the weight itself");
+  require_finite(M, kDerivativeWhere, name);
+  if (symmetric) require_symmetric(M, kDerivativeWhere, name);
   return M;
 }
 
 template <class Lti>
 void check(const Lti& plant, const LqrWeights& weights, const RiccatiResult& solution) {
-  validate(plant, kWhere);
+  validate(plant, kDerivativeWhere);
   if (!solution.solved())
-    throw InvalidInput(kWhere, fmt::format("the Riccati equation is '{}', expected one that is "
-                                           "solved because only a solution has a derivative",
-                                           to_string(solution.status)));
+    throw InvalidInput(kDerivativeWhere,
+                       fmt::format("the Riccati equation is '{}', expected one that is "
+                                   "solved because only a solution has a derivative",
+                                   to_string(solution.status)));
   const Eigen::Index nx = plant.A.rows();
   const Eigen::Index nu = plant.B.cols();
-  require_shape(solution.X, nx, nx, kWhere, "X", "as many rows and columns as A");
-  require_shape(solution.K, nu, nx, kWhere, "K", "one row per input, one column per state");
-  require_shape(weights.R, nu, nu, kWhere, "R", "one row and column per input");
+  require_shape(solution.X, nx, nx, kDerivativeWhere, "X", "as many rows and columns as A");
+  require_shape(solution.K, nu, nx, kDerivativeWhere, "K",
+                "one row per input, one column per state");
+  require_shape(weights.R, nu, nu, kDerivativeWhere, "R", "one row and column per input");
 }
 
 }  // namespace
@@ -111,8 +113,8 @@ LqrWeights LqrDerivative::gradient(const Eigen::Ref<const MatrixXd>& Y) const {
   const auto& [B, K, E, S, closed_loop] = *parts_;
   const Eigen::Index nx = B.rows();
   const Eigen::Index nu = B.cols();
-  require_shape(Y, nu, nx, kWhere, "Y", "as K");
-  require_finite(Y, kWhere, "Y");
+  require_shape(Y, nu, nx, kDerivativeWhere, "Y", "as K");
+  require_finite(Y, kDerivativeWhere, "Y");
   if (!closed_loop.ok()) return {not_a_number(nx, nx), not_a_number(nu, nu), not_a_number(nx, nu)};
   const MatrixXd W = S.solve(Y);
   // Λ answers the Lyapunov equation of the transposed loop for sym(B W Eᵀ); then

@@ -11,8 +11,8 @@ namespace quadtune {
 namespace {
 
 /// The Riccati problem that the method asks for.
-RiccatiResult solve(const ContinuousLti& augmented, const LqrWeights& weights, LqrMethod method,
-                    double dt) {
+RiccatiResult solve_augmented(const ContinuousLti& augmented, const LqrWeights& weights,
+                              LqrMethod method, double dt) {
   switch (method) {
     case LqrMethod::continuous:
       return lqr(augmented, weights);
@@ -36,7 +36,7 @@ StateFeedback state_feedback(const ContinuousLti& plant, const LqrDesign& design
   LqrWeights weights = {design.Q, design.R, {}};
   if (!design.integrals.empty()) weights = with_integral_weights(weights, design.Q_integral);
   StateFeedback feedback;
-  feedback.riccati = solve(augmented, weights, design.method, design.dt);
+  feedback.riccati = solve_augmented(augmented, weights, design.method, design.dt);
   feedback.K = feedback.riccati.K.leftCols(plant.A.rows());
   feedback.K_int = feedback.riccati.K.rightCols(static_cast<Eigen::Index>(design.integrals.size()));
   return feedback;

@@ -21,8 +21,8 @@ using Eigen::VectorXcd;
 namespace {
 
 template <class Lti>
-FrequencyResponse response_of(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C,
-                              const MatrixXd& D, double dt) {
+FrequencyResponse matrix_response(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C,
+                                  const MatrixXd& D, double dt) {
   Lti plant;
   plant.A = A;
   plant.B = B;
@@ -32,10 +32,10 @@ FrequencyResponse response_of(const MatrixXd& A, const MatrixXd& B, const Matrix
   return FrequencyResponse(plant);
 }
 
-FrequencyResponse response_of(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C,
-                              const MatrixXd& D, double dt) {
-  return dt > 0 ? response_of<DiscreteLti>(A, B, C, D, dt)
-                : response_of<ContinuousLti>(A, B, C, D, dt);
+FrequencyResponse matrix_response(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C,
+                                  const MatrixXd& D, double dt) {
+  return dt > 0 ? matrix_response<DiscreteLti>(A, B, C, D, dt)
+                : matrix_response<ContinuousLti>(A, B, C, D, dt);
 }
 
 /// Of the loop when closed: u = r - y, y = C x + D u, so u = (I + D)⁻¹ (r - C x).
@@ -50,7 +50,7 @@ FrequencyResponse sensitivity_of(const MatrixXd& A, const MatrixXd& B, const Mat
     throw InvalidInput("open loop",
                        "I + D is singular, expected a loop that can be closed at once");
   const MatrixXd closing = lu.inverse();
-  return response_of(A - B * closing * C, B * closing, -closing * C, closing, dt);
+  return matrix_response(A - B * closing * C, B * closing, -closing * C, closing, dt);
 }
 
 template <class Lti>
@@ -75,7 +75,7 @@ OpenLoop::OpenLoop(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C, cons
       D_(D),
       dt_(dt),
       delay_(delay),
-      response_(response_of(A, B, C, D, dt)),
+      response_(matrix_response(A, B, C, D, dt)),
       sensitivity_(sensitivity_of(A, B, C, D, dt)) {
   if (!(delay >= 0) || !std::isfinite(delay))
     throw InvalidInput("open loop",

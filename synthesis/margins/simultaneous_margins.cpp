@@ -135,16 +135,16 @@ StructuredGain structured_gain(const MatrixXcd& M) {
 namespace {
 
 /// Frequencies with upper bounds of μ there, each improved only where it may be the largest.
-class Peak {
+class PeakSearch {
  public:
-  Peak(const OpenLoop& loop, double skew)
+  PeakSearch(const OpenLoop& loop, double skew)
       : loop_(loop), offset_(0.5 * (skew - 1) * MatrixXcd::Identity(loop.size(), loop.size())) {
     for (const double w : frequency_grid(loop)) add(w);
     if (!loop.discrete()) add(std::numeric_limits<double>::infinity());
   }
 
   /// The largest upper bound and where.
-  [[nodiscard]] internal::Peak find() {
+  [[nodiscard]] Peak find() {
     improve_largest();
     return internal::highest_peak([&](double w) { return upper_bound(at(w)); }, w_, upper_);
   }
@@ -190,7 +190,7 @@ SimultaneousDiskMargin simultaneous_disk_margin(const OpenLoop& loop, double ske
     margin.alpha_destabilizing = margin.guaranteed.alpha;
     return margin;
   }
-  Peak search(loop, skew);
+  PeakSearch search(loop, skew);
   const auto [peak, w] = search.find();
   margin.guaranteed = internal::disk_of_peak(peak, w, skew);
   margin.alpha_destabilizing = 1 / structured_gain(search.at(w)).lower;

@@ -9,7 +9,7 @@
 namespace quadtune::internal {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 /// The place of the maximum of f in [low, high], by golden section: f has an order and no slope.
 template <class F>
@@ -57,12 +57,12 @@ bool GreatestGain::operator>(const GreatestGain& other) const {
 
 GreatestGain GainSearch::greatest(const GainPoint& x) {
   ++evaluations_;
-  const PidGains base = problem_.gains(x, -kInfinity);
+  const PidGains base = problem_.gains(x, -kUnbounded);
   forbidden_.clear();
   problem_.forbid_on_grid(base, forbidden_);
   double reached = 0;
   const std::vector<GainInterval> gaps = gaps_between(forbidden_, reached);
-  if (problem_.is_unlimited(x, reached)) return {GainStatus::within_bounds, 0, kInfinity};
+  if (problem_.is_unlimited(x, reached)) return {GainStatus::within_bounds, 0, kUnbounded};
   for (std::size_t k = gaps.size(); k-- > 0;) {
     const double log_gain = log_end_of(gaps[k], base);
     const PidGains found = problem_.gains(x, log_gain);
@@ -73,7 +73,7 @@ GreatestGain GainSearch::greatest(const GainPoint& x) {
     if (load > 0) return {GainStatus::load_exceeded, load, log_gain};
     return {GainStatus::within_bounds, 0, log_gain};
   }
-  return {GainStatus::out_of_bounds, std::max(problem_.excess(base), 0.0), -kInfinity};
+  return {GainStatus::out_of_bounds, std::max(problem_.excess(base), 0.0), -kUnbounded};
 }
 
 /// The minimum over the frequencies around the one that ends the gap, and a hair below it.

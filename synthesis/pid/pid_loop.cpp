@@ -26,7 +26,7 @@ using std::numbers::pi;
 using Complex = std::complex<double>;
 
 constexpr double kDegree = pi / 180;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
 void validate(const LoopRequirement& requirement) {
   const char* where = "pid_for_crossover";
@@ -264,7 +264,7 @@ void search_crossovers(const Problem& problem, PidLoopDesign& design) {
         .holds;
   };
   design.lowest_crossover = lowest == 0 ? 0 : last_between(lowest, lowest - 1);
-  design.highest_crossover = highest == steps ? kInfinity : last_between(highest, highest + 1);
+  design.highest_crossover = highest == steps ? kNever : last_between(highest, highest + 1);
 }
 
 /// "-90 to 0 deg": what gains of one sign can do to the phase at w.

@@ -25,7 +25,7 @@ using internal::LoopShape;
 using internal::SensitivityPeaks;
 using Complex = std::complex<double>;
 
-void validate(const PidBounds& bounds, PidType type, double Tf) {
+void validate_bounds(const PidBounds& bounds, PidType type, double Tf) {
   const char* where = "greatest_integral_gain";
   if (type != PidType::PI && type != PidType::PID)
     throw InvalidInput(where, fmt::format("type is {}, expected PI or PID because the others have "
@@ -162,7 +162,7 @@ std::ostream& operator<<(std::ostream& out, const PidOptimum& optimum) {
 PidOptimum greatest_integral_gain(const ContinuousTransferFunction& plant, PidType type,
                                   const PidBounds& bounds, double Tf) {
   quadtune::validate(plant, "greatest_integral_gain");
-  validate(bounds, type, Tf);
+  validate_bounds(bounds, type, Tf);
   if (plant.num.isZero(0))
     throw InvalidInput("greatest_integral_gain",
                        "num is 0, expected a plant that answers its input");

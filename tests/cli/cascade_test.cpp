@@ -26,7 +26,7 @@ using ::testing::Not;
 using testing::ProgramResult;
 using testing::run_program;
 
-Json json_of(std::vector<std::string> args) {
+Json cascade_json(std::vector<std::string> args) {
   args.emplace_back("--json");
   const ProgramResult result = run_program(args);
   EXPECT_EQ(result.status, 0) << result.err;
@@ -41,20 +41,20 @@ std::vector<std::string> loop_names(const Json& loops) {
 
 // The JSON of `pid V` is the cascade that `fly V` flies, limits included.
 TEST(PidOfAVehicle, JsonIsTheLawThatFlies) {
-  const Json loops = json_of({"pid", "mambo", "--method", "loops"})["cascade"];
+  const Json loops = cascade_json({"pid", "mambo", "--method", "loops"})["cascade"];
   EXPECT_EQ(loops["attitude_limit_rad"], 3);
   EXPECT_EQ(loops["integrator_limit"], 2);
   EXPECT_EQ(loops["back_calculation_per_s"], 2);
   EXPECT_EQ(loops["velocity_feed_forward"], true);
   EXPECT_EQ(loops["conditional_integration"], true);
-  const Json flown = json_of({"pid", "mambo"})["cascade"];
+  const Json flown = cascade_json({"pid", "mambo"})["cascade"];
   EXPECT_EQ(flown["attitude_limit_rad"], 0.5);
   EXPECT_EQ(flown["integrator_limit"], 2);
 }
 
 // What flights in other tests and benchmarks call designed is what the rules design loop by loop.
 TEST(PidOfAVehicle, IsTheMamboThatOthersFly) {
-  const Json json = json_of({"pid", "mambo", "--method", "loops"});
+  const Json json = cascade_json({"pid", "mambo", "--method", "loops"});
   for (const testing::DesignedLoop& flown : testing::kDesignedMambo)
     for (const Json& loop : json["loops"]) {
       if (loop["name"] != flown.name) continue;
@@ -65,7 +65,7 @@ TEST(PidOfAVehicle, IsTheMamboThatOthersFly) {
 }
 
 TEST(PidOfAVehicle, IsBetterThanWhatIsPublished) {
-  const Json json = json_of({"pid", "mambo", "--method", "loops"});
+  const Json json = cascade_json({"pid", "mambo", "--method", "loops"});
   EXPECT_EQ(json["published"], "table 3.3 of the Mambo thesis");
   EXPECT_EQ(json["dt"], 0.005);
   EXPECT_EQ(json["integrator"], "euler");
@@ -94,16 +94,16 @@ TEST(PidOfAVehicle, TellsWhatItIsNotBetterAt) {
 }
 
 TEST(PidOfAVehicle, TakesTheVehiclesMotorLag) {
-  const Json json = json_of({"pid", "crazyflie"});
+  const Json json = cascade_json({"pid", "crazyflie"});
   EXPECT_EQ(json["motor_lag_s"], 0.072);
   EXPECT_TRUE(json["published"].is_null());
-  EXPECT_EQ(json_of({"pid", "crazyflie", "--motor-lag", "0"})["motor_lag_s"], 0);
+  EXPECT_EQ(cascade_json({"pid", "crazyflie", "--motor-lag", "0"})["motor_lag_s"], 0);
 }
 
 /// The flown loop is told whatever the gains were designed for; on the textbook plant rotors do not
 /// lag, and `margins` of the same gains agrees.
 TEST(PidOfAVehicle, TellsTheFlownLoopToo) {
-  const Json ideal = json_of({"pid", "crazyflie", "--plant", "ideal"});
+  const Json ideal = cascade_json({"pid", "crazyflie", "--plant", "ideal"});
   EXPECT_EQ(ideal["plant"], "ideal");
   EXPECT_EQ(ideal["method"], "loops");
   EXPECT_EQ(ideal["motor_lag_s"], 0);
@@ -115,16 +115,16 @@ TEST(PidOfAVehicle, TellsTheFlownLoopToo) {
   const testing::TemporaryDirectory folder;
   const std::string file = (folder.path() / "gains.json").string();
   ASSERT_EQ(run_program({"pid", "crazyflie", "--plant", "ideal", "--json", "-o", file}).status, 0);
-  const Json margins = json_of({"margins", "crazyflie", "--gains", file});
+  const Json margins = cascade_json({"margins", "crazyflie", "--gains", file});
   for (std::size_t i = 0; i < 4; ++i)
     for (const char* key : {"phase_margin_deg", "Ms"}) {
       EXPECT_EQ(ideal["margins"]["loops"][i][key], margins["ideal"]["loops"][i][key]) << key;
       EXPECT_EQ(ideal["flown_loop"]["margins"]["loops"][i][key], margins["loops"][i][key]) << key;
     }
-  const Json loops = json_of({"pid", "crazyflie", "--method", "loops"});
+  const Json loops = cascade_json({"pid", "crazyflie", "--method", "loops"});
   EXPECT_EQ(loops["plant"], "lag");
   EXPECT_TRUE(loops["flown_loop"]["stable"]);
-  EXPECT_TRUE(json_of({"pid", "crazyflie"})["flown_loop"]["stable"]);
+  EXPECT_TRUE(cascade_json({"pid", "crazyflie"})["flown_loop"]["stable"]);
   const ProgramResult both = run_program({"pid", "mambo", "--method", "flown", "--plant", "ideal"});
   EXPECT_EQ(both.status, 2);
   EXPECT_THAT(both.err, HasSubstr("--method flown came with --plant ideal"));
@@ -139,8 +139,8 @@ TEST(PidOfAVehicle, TellsTheFlownLoopToo) {
 }
 
 TEST(PidOfAVehicle, MeetsABandwidth) {
-  const Json json = json_of({"pid", "uquad", "--bandwidth", "roll=40,x=1.5", "--integral", "roll",
-                             "--integrator", "tustin", "--dt", "0.01"});
+  const Json json = cascade_json({"pid", "uquad", "--bandwidth", "roll=40,x=1.5", "--integral",
+                                  "roll", "--integrator", "tustin", "--dt", "0.01"});
   for (const Json& loop : json["loops"]) {
     if (loop["name"] == "roll") {
       EXPECT_NEAR(loop["rate_crossover"], 40, 1e-6);
@@ -242,7 +242,7 @@ TEST(Sensors, ThatFeedNoEstimatorAreRefused) {
 }
 
 TEST(Comparison, HasEveryMethodAtThreePeriods) {
-  const Json json = json_of({"discretize", "mambo", "--compare", "--dt", "0.005"});
+  const Json json = cascade_json({"discretize", "mambo", "--compare", "--dt", "0.005"});
   EXPECT_EQ(json["vehicle"], "mambo");
   std::map<std::string, std::map<std::string, std::vector<double>>> poles;
   for (const Json& row : json["methods"]) {
@@ -275,7 +275,7 @@ TEST(Comparison, HasEveryMethodAtThreePeriods) {
 TEST(Comparison, LosesStabilityAtThePeriodThatItSays) {
   if (testing::kSanitized) GTEST_SKIP() << "a sanitizer learns no more from the second comparison";
   const Json json =
-      json_of({"discretize", "mambo", "--compare", "--dt", "0.005", "--plant", "ideal"});
+      cascade_json({"discretize", "mambo", "--compare", "--dt", "0.005", "--plant", "ideal"});
   EXPECT_FALSE(json.contains("flown"));
   for (const Json& row : json["methods"]) {
     if (row["law"] != "lqr" || row["dt"] != 0.005) continue;
@@ -288,7 +288,7 @@ TEST(Comparison, LosesStabilityAtThePeriodThatItSays) {
       const std::string within = std::to_string(0.99 * limit);
       for (const auto& [dt, stable] : {std::pair(beyond, false), std::pair(within, true)}) {
         const Json there =
-            json_of({"discretize", "mambo", "--compare", "--dt", dt, "--plant", "ideal"});
+            cascade_json({"discretize", "mambo", "--compare", "--dt", dt, "--plant", "ideal"});
         for (const Json& other : there["methods"])
           if (other["law"] == "lqr" && other["name"] == "euler" &&
               std::abs(double(other["dt"]) - std::stod(dt)) < 1e-9) {

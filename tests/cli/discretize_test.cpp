@@ -20,7 +20,7 @@ using testing::ProgramResult;
 using testing::run_program;
 using testing::TemporaryDirectory;
 
-nlohmann::ordered_json json_of(std::vector<std::string> args) {
+nlohmann::ordered_json discretize_json(std::vector<std::string> args) {
   args.insert(args.begin(), "discretize");
   args.insert(args.end(), {"--json", "--quiet"});
   const ProgramResult result = run_program(args);
@@ -29,7 +29,7 @@ nlohmann::ordered_json json_of(std::vector<std::string> args) {
   return nlohmann::ordered_json::parse(result.out);
 }
 
-MatrixXd matrix(const nlohmann::ordered_json& json, const char* key) {
+MatrixXd entry_matrix(const nlohmann::ordered_json& json, const char* key) {
   return internal::matrix_from_json(internal::Json::parse(json.at(key).dump()), key);
 }
 
@@ -40,7 +40,7 @@ MatrixXd vector(const nlohmann::ordered_json& json, const char* key) {
 TEST(DiscretizeCommand, SamplesTransferFunctionsByEveryMethod) {
   const auto num = [](const std::string& method) {
     const nlohmann::ordered_json json =
-        json_of({"--num", "2", "--den", "1,0,0", "--dt", "0.5", "--method", method});
+        discretize_json({"--num", "2", "--den", "1,0,0", "--dt", "0.5", "--method", method});
     EXPECT_EQ(json["method"], method);
     EXPECT_EQ(json["dt"], 0.5);
     EXPECT_EQ(json["delay_samples"], 0);
@@ -58,7 +58,7 @@ TEST(DiscretizeCommand, SamplesTransferFunctionsByEveryMethod) {
 }
 
 TEST(DiscretizeCommand, PrewarpsTustin) {
-  const nlohmann::ordered_json json = json_of(
+  const nlohmann::ordered_json json = discretize_json(
       {"--num", "1", "--den", "1,0", "--dt", "0.1", "--method", "tustin", "--prewarp", "10"});
   const double half = std::tan(0.5) / 10;  // h/2
   EXPECT_THAT(vector(json, "num"), MatrixNear(MatrixXd{{half, half}}, 1e-16));
@@ -70,7 +70,7 @@ TEST(DiscretizeCommand, GoesThereAndBack) {
   const std::string B = folder.write("B", "0\n2\n").string();
   for (const std::string method : {"zoh", "tustin"}) {
     const nlohmann::ordered_json there =
-        json_of({"--A", A, "--B", B, "--dt", "0.1", "--method", method});
+        discretize_json({"--A", A, "--B", B, "--dt", "0.1", "--method", method});
     std::vector<std::string> args = {"--dt", "0.1", "--method", method, "--inverse"};
     for (const char* key : {"A", "B", "C", "D"}) {
       std::string rows;
@@ -81,15 +81,15 @@ TEST(DiscretizeCommand, GoesThereAndBack) {
       args.insert(args.end(),
                   {std::string("--") + key, folder.write(std::string("d") + key, rows).string()});
     }
-    const nlohmann::ordered_json back = json_of(args);
+    const nlohmann::ordered_json back = discretize_json(args);
     EXPECT_TRUE(back["inverse"].get<bool>());
-    EXPECT_THAT(matrix(back, "A"), MatrixNear(MatrixXd{{0, 1}, {-4, -1}}, 1e-13)) << method;
-    EXPECT_THAT(matrix(back, "B"), MatrixNear(MatrixXd{{0}, {2}}, 1e-13)) << method;
-    EXPECT_THAT(matrix(back, "C"), MatrixNear(MatrixXd::Identity(2, 2), 1e-13)) << method;
-    EXPECT_THAT(matrix(back, "D"), MatrixNear(MatrixXd::Zero(2, 1), 1e-13)) << method;
+    EXPECT_THAT(entry_matrix(back, "A"), MatrixNear(MatrixXd{{0, 1}, {-4, -1}}, 1e-13)) << method;
+    EXPECT_THAT(entry_matrix(back, "B"), MatrixNear(MatrixXd{{0}, {2}}, 1e-13)) << method;
+    EXPECT_THAT(entry_matrix(back, "C"), MatrixNear(MatrixXd::Identity(2, 2), 1e-13)) << method;
+    EXPECT_THAT(entry_matrix(back, "D"), MatrixNear(MatrixXd::Zero(2, 1), 1e-13)) << method;
   }
-  const nlohmann::ordered_json fraction =
-      json_of({"--num", "1", "--den", "1,-0.5", "--delay", "0.2", "--dt", "0.1", "--inverse"});
+  const nlohmann::ordered_json fraction = discretize_json(
+      {"--num", "1", "--den", "1,-0.5", "--delay", "0.2", "--dt", "0.1", "--inverse"});
   EXPECT_THAT(vector(fraction, "den"), MatrixNear(MatrixXd{{1, std::log(2) / 0.1}}, 1e-13));
   EXPECT_EQ(fraction["delay_s"], 0.2);
 }
@@ -98,16 +98,16 @@ TEST(DiscretizeCommand, DelaysBecomeStatesWithNames) {
   const TemporaryDirectory folder;
   const std::string A = folder.write("A", "-1 0\n0 -2\n").string();
   const std::string B = folder.write("B", "1 0\n0 2\n").string();
-  const nlohmann::ordered_json json = json_of(
+  const nlohmann::ordered_json json = discretize_json(
       {"--A", A, "--B", B, "--dt", "0.1", "--input-delay", "0.1", "--output-delay", "0,0.03"});
   EXPECT_EQ(json["states"],
             (std::vector<std::string>{"x1", "x2", "y2[k-0.3]", "u1[k-1]", "u2[k-1]"}));
-  EXPECT_EQ(matrix(json, "A").rows(), 5);
+  EXPECT_EQ(entry_matrix(json, "A").rows(), 5);
   const ProgramResult text =
       run_program({"discretize", "--A", A, "--B", B, "--dt", "0.1", "--input-delay", "0.1,0"});
   EXPECT_THAT(text.out, HasSubstr("x1 x2 u1[k-1]"));
   const nlohmann::ordered_json late =
-      json_of({"--num", "1", "--den", "1,1", "--dt", "0.1", "--delay", "0.25"});
+      discretize_json({"--num", "1", "--den", "1,1", "--dt", "0.1", "--delay", "0.25"});
   EXPECT_EQ(late["delay_samples"], 2);
   EXPECT_EQ(vector(late, "den").cols(), 3);
 }

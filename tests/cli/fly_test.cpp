@@ -25,10 +25,8 @@ using testing::ProgramResult;
 using testing::run_program;
 using testing::TemporaryDirectory;
 
-const std::string kSource = testing::source_folder();
-
 std::string source(const std::string& name) {
-  std::ifstream file(kSource + "/" + name);
+  std::ifstream file(testing::source_folder() + "/" + name);
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();

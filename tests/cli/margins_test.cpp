@@ -20,7 +20,7 @@ using testing::ProgramResult;
 using testing::run_program;
 using testing::TemporaryDirectory;
 
-Json json_of(std::vector<std::string> args) {
+Json margins_json(std::vector<std::string> args) {
   args.emplace_back("--json");
   const ProgramResult result = run_program(args);
   EXPECT_EQ(result.status, 0) << result.err;
@@ -28,7 +28,7 @@ Json json_of(std::vector<std::string> args) {
 }
 
 TEST(MarginsVerb, OfATransferFunction) {
-  const Json json = json_of({"margins", "--num", "25", "--den", "1,10,10,10"});
+  const Json json = margins_json({"margins", "--num", "25", "--den", "1,10,10,10"});
   ASSERT_EQ(json["loops"].size(), 1U);
   const Json& loop = json["loops"][0];
   EXPECT_TRUE(loop["stable"]);
@@ -55,18 +55,19 @@ TEST(MarginsVerb, WarnsByName) {
 // A delay of whole samples is the same given as an option and as poles at 0.
 TEST(MarginsVerb, DelayOfDiscreteLoops) {
   const Json option =
-      json_of({"margins", "--num", "0.1", "--den", "1,-1", "--dt", "0.01", "--delay", "0.02"});
-  const Json states = json_of({"margins", "--num", "0.1", "--den", "1,-1,0,0", "--dt", "0.01"});
+      margins_json({"margins", "--num", "0.1", "--den", "1,-1", "--dt", "0.01", "--delay", "0.02"});
+  const Json states =
+      margins_json({"margins", "--num", "0.1", "--den", "1,-1,0,0", "--dt", "0.01"});
   EXPECT_NEAR(option["loops"][0]["gain_margin_db"], states["loops"][0]["gain_margin_db"], 1e-9);
   const TemporaryDirectory folder;
   const std::string A = folder.write("A", "1\n").string();
   const std::string B = folder.write("B", "0.1\n").string();
   const std::string K = folder.write("K", "1\n").string();
   const Json matrices =
-      json_of({"margins", "--A", A, "--B", B, "--K", K, "--dt", "0.01", "--delay", "0.02"});
+      margins_json({"margins", "--A", A, "--B", B, "--K", K, "--dt", "0.01", "--delay", "0.02"});
   EXPECT_EQ(matrices["loops"][0]["name"], "u1");
   EXPECT_NEAR(matrices["loops"][0]["gain_margin_db"], option["loops"][0]["gain_margin_db"], 1e-9);
-  const Json at_states = json_of({"margins", "--A", A, "--B", B, "--K", K, "--cut", "states"});
+  const Json at_states = margins_json({"margins", "--A", A, "--B", B, "--K", K, "--cut", "states"});
   EXPECT_EQ(at_states["loops"][0]["name"], "x1");
 }
 
@@ -75,11 +76,11 @@ TEST(MarginsVerb, OfAVehiclesGains) {
   const TemporaryDirectory folder;
   const std::string out = (folder.path() / "out").string();
   const std::string design = testing::source_folder() + "/designs/uquad-hover.toml";
-  const Json designed = json_of({"design", design, "-o", out});
+  const Json designed = margins_json({"design", design, "-o", out});
   const Json& expected = designed["lqr"]["margins"];
   EXPECT_EQ(designed["verdict"], "pass");
   EXPECT_TRUE(designed["warnings"].empty());
-  const Json read = json_of({"margins", "uquad", "--gains", out, "--plant", "ideal"});
+  const Json read = margins_json({"margins", "uquad", "--gains", out, "--plant", "ideal"});
   EXPECT_EQ(read["plant"], "ideal");
   EXPECT_FALSE(read.contains("flown"));
   ASSERT_EQ(read["loops"].size(), 4U);
@@ -95,12 +96,12 @@ TEST(MarginsVerb, OfAVehiclesGains) {
   const double samples = double(expected["loops"][0]["delay_margin_s"]) / 0.01;
   EXPECT_LT(samples, 10);
   const Json late =
-      json_of({"margins", "uquad", "--gains", out, "--delay", "0.14", "--plant", "ideal"});
+      margins_json({"margins", "uquad", "--gains", out, "--delay", "0.14", "--plant", "ideal"});
   EXPECT_FALSE(late["loops"][0]["stable"]);
   EXPECT_TRUE(
-      json_of({"margins", "uquad", "--gains", out, "--delay", "0.01"})["loops"][0]["stable"]);
+      margins_json({"margins", "uquad", "--gains", out, "--delay", "0.01"})["loops"][0]["stable"]);
   // The flown loop beside it: more delay, less margin, and the same textbook's.
-  const Json flown = json_of({"margins", "uquad", "--gains", out, "--estimator", "uquad"});
+  const Json flown = margins_json({"margins", "uquad", "--gains", out, "--estimator", "uquad"});
   EXPECT_EQ(flown["plant"], "flown");
   EXPECT_EQ(flown["ideal"]["loops"], read["loops"]);
   EXPECT_TRUE(flown["flown"]["stable"]);
@@ -115,10 +116,10 @@ TEST(MarginsVerb, OfAVehiclesGains) {
 /// sooner: its textbook's margins do not know.
 TEST(MarginsVerb, OfTheFlownLoopKnowTheEstimator) {
   const std::string design = testing::source_folder() + "/designs/mambo-hover.toml";
-  const Json aligned = json_of({"margins", "mambo", "--gains", design});
+  const Json aligned = margins_json({"margins", "mambo", "--gains", design});
   EXPECT_TRUE(aligned["flown"]["stable"]);
   EXPECT_EQ(aligned["flown"]["drifts"], Json({"px", "py", "yaw"}));
-  const Json original = json_of(
+  const Json original = margins_json(
       {"margins", "mambo", "--gains", design, "--estimator", "mambo-original", "--height", "3"});
   EXPECT_FALSE(original["flown"]["stable"]);
   EXPECT_GT(original["flown"]["largest_pole"], 1.01);
@@ -139,7 +140,7 @@ TEST(MarginsVerb, OfLqrAreTheGuaranteed) {
   const std::string B = folder.write("B", "0\n1\n").string();
   const std::string Q = folder.write("Q", "1 0\n0 1\n").string();
   const std::string R = folder.write("R", "1\n").string();
-  const Json json = json_of({"lqr", "--A", A, "--B", B, "--Q", Q, "--R", R});
+  const Json json = margins_json({"lqr", "--A", A, "--B", B, "--Q", Q, "--R", R});
   const Json& loop = json["margins"]["loops"][0];
   EXPECT_TRUE(loop["gain_margin_db"].is_null());  // infinite
   EXPECT_GE(double(loop["phase_margin_deg"]), 60);
@@ -173,11 +174,11 @@ TEST(MarginsVerb, SaysWhatMatricesAreTakenFor) {
   const ProgramResult declared = run_program(m.arguments({"--discrete", "--dt", "0.01"}));
   EXPECT_THAT(declared.err, ::testing::Not(HasSubstr("taken as")));
   EXPECT_THAT(declared.err, HasSubstr("unstable"));
-  const Json continuous = json_of(m.arguments({"--continuous"}));
+  const Json continuous = margins_json(m.arguments({"--continuous"}));
   EXPECT_EQ(continuous["time"], "continuous");
   EXPECT_TRUE(continuous["dt"].is_null());
   EXPECT_EQ(run_program(m.arguments({})).err, "");
-  const Json sampled = json_of(m.arguments({"--sampled", "0.01"}));
+  const Json sampled = margins_json(m.arguments({"--sampled", "0.01"}));
   EXPECT_EQ(sampled["time"], "discrete");
   EXPECT_EQ(sampled["dt"], 0.01);
   EXPECT_TRUE(sampled["loops"][0]["stable"]);
@@ -243,7 +244,7 @@ TEST(MarginsVerb, TellsItsConventions) {
       run_program({"margins", "--num", "1e-4", "--den", "1,1", "--delay", "1"});
   EXPECT_THAT(late.err,
               HasSubstr("phase crossovers with |L| below 1e-6 or above 1e6 are not listed"));
-  const Json far = json_of({"margins", "--num", "1e-6", "--den", "1,3,3,1"});
+  const Json far = margins_json({"margins", "--num", "1e-6", "--den", "1,3,3,1"});
   EXPECT_NEAR(double(far["loops"][0]["gain_margin_db"]), 20 * std::log10(8e6), 1e-6);  // 138 dB
 }
 
@@ -295,13 +296,13 @@ TEST(LqrEvidence, IsBoundedAndChosen) {
   EXPECT_EQ(none["K"].size(), 64U);
   EXPECT_TRUE(none["margins"]["loops"].empty());
   EXPECT_TRUE(none["margins"]["multivariable"].is_null());
-  const Json full = json_of(arguments(3, {}));
+  const Json full = margins_json(arguments(3, {}));
   EXPECT_EQ(full["margins"]["loops"].size(), 3U);
   EXPECT_GT(double(full["margins"]["multivariable"]["disk_alpha"]), 0);
-  const Json essential = json_of(arguments(3, {"--evidence", "essential"}));
+  const Json essential = margins_json(arguments(3, {"--evidence", "essential"}));
   EXPECT_EQ(essential["margins"]["loops"], full["margins"]["loops"]);
   EXPECT_TRUE(essential["margins"]["multivariable"].is_null());
-  EXPECT_TRUE(json_of(arguments(3, {"--evidence", "none"}))["margins"]["loops"].empty());
+  EXPECT_TRUE(margins_json(arguments(3, {"--evidence", "none"}))["margins"]["loops"].empty());
   EXPECT_THAT(run_program(arguments(3, {"--evidence", "none"})).out, HasSubstr("not computed"));
   const ProgramResult wrong = run_program(arguments(3, {"--evidence", "esential"}));
   EXPECT_EQ(wrong.status, 2);
@@ -366,7 +367,7 @@ TEST(LqrVerb, TellsThatAnEquationIsIllConditioned) {
   EXPECT_EQ(text.status, 0) << text.err;
   EXPECT_THAT(text.err, HasSubstr("lqr: warning: the equation is ill-conditioned (rcond "));
   EXPECT_THAT(text.err, HasSubstr("K is exact for these numbers, but changes by about"));
-  const Json json = json_of(arguments);
+  const Json json = margins_json(arguments);
   EXPECT_GT(double(json["gain_error"]), 1e-5);
   EXPECT_THAT(std::string(json["warning"]), HasSubstr("ill-conditioned"));
 }

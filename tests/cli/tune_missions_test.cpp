@@ -46,7 +46,7 @@ quantity = "mass"
 normal = { deviation = 0.02, least = 0.9, most = 1.1 }
 )";
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
+std::string with_text(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
@@ -334,7 +334,7 @@ TEST(TuneMissions, RefusesInOneLine) {
   refuses({"tune", "lqr", "mambo", "--mission", "hover", "--convention", "mambo"}, 2,
           "expected --Q and --R beside --convention");
   const auto file = [&](const std::string& from, const std::string& to) {
-    return directory.write("r.toml", replaced(kRequirements, from, to)).string();
+    return directory.write("r.toml", with_text(kRequirements, from, to)).string();
   };
   const auto refuses_file = [&](const std::string& from, const std::string& to,
                                 const std::string& message) {

@@ -26,13 +26,11 @@ using testing::ProgramResult;
 using testing::run_program;
 using testing::TemporaryDirectory;
 
-const std::string kSource = testing::source_folder();
-
 class TunedDesign : public ::testing::Test {
  protected:
   /// The Mambo's design whose altitude filter takes its noise from that file.
   std::string design_with(const std::string& tuned, const std::string& more = "") const {
-    std::ifstream file(kSource + "/designs/mambo-hover.toml");
+    std::ifstream file(testing::source_folder() + "/designs/mambo-hover.toml");
     std::stringstream text;
     text << file.rdbuf();
     std::string design = text.str();
@@ -43,7 +41,7 @@ class TunedDesign : public ::testing::Test {
 
   /// A tuned altitude model of that variance and verdict.
   void write_tuned(double density, const std::string& verdict) const {
-    std::ifstream file(kSource + "/filters/altitude.toml");
+    std::ifstream file(testing::source_folder() + "/filters/altitude.toml");
     std::stringstream text;
     text << file.rdbuf();
     std::string model = text.str();
@@ -55,7 +53,7 @@ class TunedDesign : public ::testing::Test {
 
   /// The uquad's design with an estimator of that model, and a mission that it flies.
   std::string uquad_with(const std::string& tuned) const {
-    std::ifstream file(kSource + "/designs/uquad-hover.toml");
+    std::ifstream file(testing::source_folder() + "/designs/uquad-hover.toml");
     std::stringstream text;
     text << file.rdbuf();
     text << "\n[estimator]\ntuned = \"" << tuned
@@ -65,7 +63,7 @@ class TunedDesign : public ::testing::Test {
 
   /// A tuned model of its filter, of that density of the rates.
   void write_uquad(double density, const std::string& more = "verdict = \"pass\"\n") const {
-    std::ifstream file(kSource + "/filters/uquad.toml");
+    std::ifstream file(testing::source_folder() + "/filters/uquad.toml");
     std::stringstream text;
     text << file.rdbuf();
     std::string model = text.str();
@@ -82,9 +80,9 @@ class TunedDesign : public ::testing::Test {
 
 // The whole way: a log, its tuned model, a design, what the flight program reads.
 TEST_F(TunedDesign, WritesWhatTheLogSaid) {
-  const ProgramResult tuning =
-      run_program({"tune", "kalman", "--model", "altitude", "--log",
-                   kSource + "/docs/examples/bobbing.csv", "-o", path("tuned.toml"), "--json"});
+  const ProgramResult tuning = run_program({"tune", "kalman", "--model", "altitude", "--log",
+                                            testing::source_folder() + "/docs/examples/bobbing.csv",
+                                            "-o", path("tuned.toml"), "--json"});
   ASSERT_EQ(tuning.status, 0) << tuning.err;
   const double density = Json::parse(tuning.out)["Q"][0][0];
   const double R = Json::parse(tuning.out)["R"]["sonar"][0][0];
@@ -193,7 +191,7 @@ TEST_F(TunedDesign, RefusesEstimatorsThatDoNotFit) {
   EXPECT_EQ(linear.status, 3);
   EXPECT_THAT(linear.err, HasSubstr("the tuned model 'altitude' is none of the uquad's filter, "
                                     "expected one with dynamics = \"rigid-body\""));
-  std::ifstream file(kSource + "/filters/uquad.toml");
+  std::ifstream file(testing::source_folder() + "/filters/uquad.toml");
   std::stringstream text;
   text << file.rdbuf();
   std::string model = text.str();

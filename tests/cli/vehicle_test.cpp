@@ -15,14 +15,14 @@ namespace {
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
+std::string with_line(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
 std::string crazyflie(const std::string& from, const std::string& to) {
-  return replaced(load_vehicle("crazyflie").text, from, to);
+  return with_line(load_vehicle("crazyflie").text, from, to);
 }
 
 TEST(VehicleCheck, WarnsInTextAndJson) {

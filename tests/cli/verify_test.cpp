@@ -21,13 +21,11 @@ namespace {
 using ::testing::HasSubstr;
 using Json = nlohmann::ordered_json;
 
-const std::string kSource = testing::source_folder();
-
 class VerifyManifest : public ::testing::Test {
  protected:
   /// A design, written to a directory of its own with the design beside it.
   std::string exported(const std::string& design, const std::string& more = "") {
-    std::ifstream file(kSource + "/designs/" + design + ".toml");
+    std::ifstream file(testing::source_folder() + "/designs/" + design + ".toml");
     std::ostringstream text;
     text << file.rdbuf() << more;
     const std::string path = folder_.write(design + ".toml", text.str()).string();
@@ -170,7 +168,9 @@ TEST_F(VerifyManifest, NoticesInputsThatAreNotTheFiles) {
   const ProgramResult other = run_program({"verify", out, "--design", design});
   EXPECT_EQ(other.status, 1);
   EXPECT_THAT(other.out, HasSubstr("FAIL inputs are those of the manifest: " + design + " has"));
-  EXPECT_THAT(run_program({"verify", out, "--design", kSource + "/designs/mambo-hover.toml"}).err,
+  EXPECT_THAT(run_program({"verify", out, "--design",
+                           testing::source_folder() + "/designs/mambo-hover.toml"})
+                  .err,
               HasSubstr("--design is 'mambo-hover.toml', expected one of the manifest's inputs: "
                         "uquad-hover.toml, uquad.toml"));
   std::filesystem::current_path(here);

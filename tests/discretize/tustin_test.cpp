@@ -25,7 +25,7 @@ using Complex = std::complex<double>;
 
 /// C (zI - A)⁻¹ B + D
 template <class Lti>
-MatrixXcd response(const Lti& lti, Complex z) {
+MatrixXcd response_at(const Lti& lti, Complex z) {
   const MatrixXcd zI = z * MatrixXcd::Identity(lti.A.rows(), lti.A.rows());
   return lti.C.template cast<Complex>() *
              (zI - lti.A).partialPivLu().solve(lti.B.template cast<Complex>()) +
@@ -53,8 +53,8 @@ TEST(DiscretizeTustin, HasThePlantsResponseAtTheWarpedFrequency) {
     for (const double w : {0.1, 1.0, 10.0, 25.0}) {
       const Complex z = std::exp(Complex(0, w * dt));
       const MatrixXcd difference =
-          response(d, z) - response(p, Complex(0, 2 / dt * std::tan(w * dt / 2)));
-      EXPECT_LT(difference.norm(), 1e-12 * response(d, z).norm());
+          response_at(d, z) - response_at(p, Complex(0, 2 / dt * std::tan(w * dt / 2)));
+      EXPECT_LT(difference.norm(), 1e-12 * response_at(d, z).norm());
     }
   }
 }
@@ -129,8 +129,9 @@ TEST(DiscretizeTustin, PrewarpedHasThePlantsOwnResponseThere) {
   const ContinuousLti p = random_plant(6, 2, 3, generator);
   for (const double w : {0.1, 5.0, 25.0, 31.0}) {
     const DiscreteLti d = discretize_tustin(p, dt, w);
-    const MatrixXcd theirs = response(p, Complex(0, w));
-    EXPECT_LT((response(d, std::exp(Complex(0, w * dt))) - theirs).norm(), 1e-12 * theirs.norm());
+    const MatrixXcd theirs = response_at(p, Complex(0, w));
+    EXPECT_LT((response_at(d, std::exp(Complex(0, w * dt))) - theirs).norm(),
+              1e-12 * theirs.norm());
   }
 }
 

@@ -28,7 +28,7 @@ ContinuousLti plant(const MatrixXd& A, const MatrixXd& B) {
   return result;
 }
 
-ContinuousLti random_plant(Eigen::Index nx, Eigen::Index nu, std::mt19937_64& generator) {
+ContinuousLti random_zoh_plant(Eigen::Index nx, Eigen::Index nu, std::mt19937_64& generator) {
   std::normal_distribution<double> normal;
   const auto draw = [&] { return normal(generator); };
   return plant(MatrixXd::NullaryExpr(nx, nx, draw), MatrixXd::NullaryExpr(nx, nu, draw));
@@ -64,7 +64,7 @@ TEST(DiscretizeZoh, HarmonicOscillatorTurns) {
 TEST(DiscretizeZoh, TwoHalfPeriodsMakeOne) {
   std::mt19937_64 generator(1);
   for (const Eigen::Index nx : {2, 7, 12, 16}) {
-    const ContinuousLti p = random_plant(nx, 3, generator);
+    const ContinuousLti p = random_zoh_plant(nx, 3, generator);
     const DiscreteLti half = discretize_zoh(p, 0.05);
     const DiscreteLti whole = discretize_zoh(p, 0.1);
     EXPECT_THAT(half.A * half.A, MatrixRelativelyNear(whole.A, 2e-15));
@@ -84,7 +84,7 @@ TEST(DiscretizeZoh, AgreesWithExtendedPrecisionForAllSizes) {
   std::mt19937_64 generator(2);
   for (Eigen::Index nx = 1; nx <= 30; ++nx)
     for (const double dt : {1e-4, 0.005, 0.01, 0.1, 1.0}) {
-      const ContinuousLti p = random_plant(nx, 1 + nx % 5, generator);
+      const ContinuousLti p = random_zoh_plant(nx, 1 + nx % 5, generator);
       const DiscreteLti d = discretize_zoh(p, dt);
       const testing::ExtendedHold reference = testing::extended_hold(p.A, p.B, dt);
       const double tolerance = 3e-16 * std::max(2.0, p.A.norm() * dt);
@@ -140,7 +140,7 @@ TEST(DiscretizeZoh, WorkspaceGivesTheSameBits) {
   std::mt19937_64 generator(5);
   ZohWorkspace workspace(9, 2);
   for (const double dt : {0.001, 3.0, 0.01}) {
-    const ContinuousLti p = random_plant(9, 2, generator);
+    const ContinuousLti p = random_zoh_plant(9, 2, generator);
     const DiscreteLti d = discretize_zoh(p, dt);
     MatrixXd Ad(9, 9);
     MatrixXd Bd(9, 2);

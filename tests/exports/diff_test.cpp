@@ -18,12 +18,12 @@ using testing::sampled_uquad;
 using ::testing::ThrowsMessage;
 using testing::without_horizontal_position;
 
-Gains uquad_gains(double R = 0.01) {
+Gains gains_by_weight(double R = 0.01) {
   return hover_gains(sampled_uquad(), "uquad", InputKind::rotor_speed, R, {"x", "y", "z", "theta"});
 }
 
 TEST(Diff, FindsNothingBetweenConventionsAndSignLaws) {
-  const Gains a = uquad_gains();
+  const Gains a = gains_by_weight();
   EXPECT_TRUE(diff(a, a).entries.empty());
   const Gains b = in_convention(a, convention("mambo", "test"), SignLaw::state_minus_set_point);
   EXPECT_EQ(diff(a, b).max_relative, 0);
@@ -31,7 +31,7 @@ TEST(Diff, FindsNothingBetweenConventionsAndSignLaws) {
 }
 
 TEST(Diff, NamesTheLargestDifferenceFirst) {
-  const Gains a = uquad_gains();
+  const Gains a = gains_by_weight();
   Gains b = in_convention(a, ned_convention());
   b.K(1, 1) *= 1.5;       // py of w2, which is -y there
   b.K_int(0, 2) += 1e-3;  // pz of w1
@@ -49,7 +49,7 @@ TEST(Diff, NamesTheLargestDifferenceFirst) {
 
 // w1 does nothing for y: 1e-16 there is rounding, not a difference of 100 %.
 TEST(Diff, MeasuresRoundingAgainstTheRowAndColumn) {
-  Gains a = uquad_gains();
+  Gains a = gains_by_weight();
   a.K(0, 1) = 0;
   Gains b = a;
   b.K(0, 1) = 1e-16;
@@ -61,7 +61,7 @@ TEST(Diff, MeasuresRoundingAgainstTheRowAndColumn) {
 
 // A gain whose rows stand under other names is another gain; in another order it is the same.
 TEST(Diff, MatchesRowsByTheNamesOfInputs) {
-  const Gains a = uquad_gains();
+  const Gains a = gains_by_weight();
   Gains b = a;
   std::swap(b.inputs[0], b.inputs[1]);
   EXPECT_GT(diff(a, b).max_relative, 0.1);
@@ -138,7 +138,7 @@ TEST(Diff, RefusesWhatCannotBeCompared) {
   const auto refusal = [](const Gains& a, const Gains& b, const std::string& message) {
     EXPECT_THAT([&] { (void)diff(a, b); }, ThrowsMessage<InvalidInput>(HasSubstr(message)));
   };
-  const Gains a = uquad_gains();
+  const Gains a = gains_by_weight();
   const Gains fewer = hover_gains(without_horizontal_position(sampled_uquad()), "uquad",
                                   InputKind::rotor_speed, 0.01, {"z", "theta"});
   refusal(a, fewer, "different states (only in the first: x y vqx vqy; only in the second: )");

@@ -22,7 +22,7 @@ void collect(Node& node, std::vector<Spot>& spots) {
   }
 }
 
-bool is_number(const Node& node) {
+bool is_number_node(const Node& node) {
   return node.kind == Node::Kind::leaf && !node.text.empty() &&
          std::string("-+.0123456789").find(node.text[0]) != std::string::npos;
 }
@@ -127,7 +127,7 @@ void change_tree(Node& root, bool json, Random& random) {
   Node& node = spot.node();
   // What a leaf is, half of the time: a range, a name, a type that is wrong.
   if (node.kind == Node::Kind::leaf && random.percent(50)) {
-    if (is_number(node) && random.percent(80))
+    if (is_number_node(node) && random.percent(80))
       change_number(node, random);
     else if (is_text(node) && random.percent(80))
       node = odd_text(random);

@@ -194,7 +194,7 @@ Kind mission_tables() {
             commands}}};
 }
 
-Kind campaigns() {
+Kind campaign_kind() {
   const std::string text = R"(name = "small"
 vehicle = "mambo"
 flights = 2
@@ -354,8 +354,8 @@ variance = [10]
 }  // namespace
 
 std::vector<Kind> written_kinds() {
-  return {vehicles(),  designs(),      missions(),     mission_tables(),
-          campaigns(), requirements(), filter_models()};
+  return {vehicles(),      designs(),      missions(),     mission_tables(),
+          campaign_kind(), requirements(), filter_models()};
 }
 
 }  // namespace quadtune::mutations

@@ -9,13 +9,13 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "browser_page.hpp"
 #include "hostile_texts.hpp"
+#include "numbers.hpp"
 #include "run_program.hpp"
 #include "sample_flight.hpp"
 #include "source_folder.hpp"
@@ -27,8 +27,8 @@ using report::CampaignPage;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 /// The page that the program writes of campaigns/mambo-hover.toml; with fewer flights, but for the
 /// picture of the documentation.
@@ -62,12 +62,14 @@ CampaignPage hostile_page() {
     of.rate = 1.0 / 3;
     of.high = kNaN;
     of.ends = {{one, 2}, {text, 1}};
-    of.metrics = {{one, one, kNaN, kInf, -kInf, 1e300, kNaN}, {"m", "", 0, -0.0, 1e-300, 1, 2}};
+    of.metrics = {{one, one, kNaN, kInfinity, -kInfinity, 1e300, kNaN},
+                  {"m", "", 0, -0.0, 1e-300, 1, 2}};
     of.trends = {{one, text}, {one, text}, {{1, kNaN}, {-1, 0}}};
     of.worst = {{one, one}, {text, text}};
     page.cases.push_back(of);
     page.distributions.push_back({one, one, one, kNaN, {{one, {0, 1, 2}, 1}, {text, {1, 1}, 0.2}}});
-    page.comparisons.push_back({one, one, {{one, one, kNaN, -kInf, kInf}, {"m", "", 1, 0, 2}}});
+    page.comparisons.push_back(
+        {one, one, {{one, one, kNaN, -kInfinity, kInfinity}, {"m", "", 1, 0, 2}}});
   }
   page.comparisons.push_back({text, text, {}});
   return page;

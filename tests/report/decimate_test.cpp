@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <random>
+
+#include "numbers.hpp"
 
 namespace quadtune {
 namespace {
@@ -19,8 +19,8 @@ using report::spread_rows;
 using ::testing::ElementsAre;
 using ::testing::SizeIs;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 std::vector<double> clock_of(std::size_t rows, double dt = 0.005) {
   std::vector<double> time;
@@ -30,12 +30,12 @@ std::vector<double> clock_of(std::size_t rows, double dt = 0.005) {
 
 TEST(Decimate, LeavesShortRecordsAlone) {
   const std::vector<double> time = clock_of(10);
-  const std::vector<double> values = {0, 1, kNaN, 3, kInf, 5, 6, 7, 8, 9};
+  const std::vector<double> values = {0, 1, kNaN, 3, kInfinity, 5, 6, 7, 8, 9};
   const Decimated kept = decimate(time, {&values}, 10);
   EXPECT_EQ(kept.time, time);
   ASSERT_THAT(kept.values, SizeIs(1));
   EXPECT_TRUE(std::isnan(kept.values[0][2]));
-  EXPECT_EQ(kept.values[0][4], kInf);
+  EXPECT_EQ(kept.values[0][4], kInfinity);
   EXPECT_EQ(kept.values[0][9], 9);
 }
 
@@ -96,7 +96,7 @@ TEST(Decimate, KeepsTheEnvelopeOfNoise) {
     const double start = 1 + 3.7 * window;
     const auto range = [&](const std::vector<double>& t, const std::vector<double>& v,
                            double more) {
-      double low = kInf, high = -kInf;
+      double low = kInfinity, high = -kInfinity;
       for (std::size_t i = 0; i < t.size(); ++i)
         if (t[i] >= start - more && t[i] <= start + 2 + more) {
           low = std::min(low, v[i]);
@@ -114,7 +114,7 @@ TEST(Decimate, KeepsTheEnvelopeOfNoise) {
 TEST(Decimate, KeepsGapsAndSparseValues) {
   const std::vector<double> time = clock_of(20'001);
   std::vector<double> gap(time.size(), 1), sparse(time.size(), kNaN), none(time.size(), kNaN);
-  for (std::size_t i = 5000; i < 9000; ++i) gap[i] = std::array{kNaN, kInf}[i % 2];
+  for (std::size_t i = 5000; i < 9000; ++i) gap[i] = std::array{kNaN, kInfinity}[i % 2];
   std::size_t count = 0;
   for (std::size_t i = 0; i < sparse.size(); i += 40, ++count) sparse[i] = static_cast<double>(i);
   const Decimated kept = decimate(time, {&gap, &sparse, &none}, 4000);

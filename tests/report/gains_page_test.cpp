@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "browser_page.hpp"
 #include "hostile_texts.hpp"
+#include "numbers.hpp"
 #include "run_program.hpp"
 
 namespace quadtune::testing {
@@ -24,12 +24,12 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 /// The page that the program writes of gains of the Mambo; of a longer search for the picture of
 /// the documentation.
-const std::string& example() {
+const std::string& example_of_gains() {
   static const std::string page = [] {
     const TemporaryDirectory folder;
     std::vector<std::string> args = {"--mission",     "hover", "--duration",    "12",
@@ -46,7 +46,7 @@ const std::string& example() {
   return page;
 }
 
-GainsPage hostile_page() {
+GainsPage hostile_gains() {
   std::string text;
   for (const std::string& one : hostile_texts()) text += one + " ";
   GainsPage page;
@@ -58,20 +58,28 @@ GainsPage hostile_page() {
     for (const std::string& one : hostile_texts()) {
       page.about.emplace_back(one, one);
       page.reasons.push_back(one);
-      table.rows.push_back(
-          {one, one, one, {kNaN, kInf, -1e300}, 1e-300, true, {true, false, true}, true, true});
+      table.rows.push_back({one,
+                            one,
+                            one,
+                            {kNaN, kInfinity, -1e300},
+                            1e-300,
+                            true,
+                            {true, false, true},
+                            true,
+                            true});
       table.rows.push_back({text, one, "", {0.0, -0.0, 1}, kNaN, false, {}, false, false});
     }
     page.tables.push_back(table);
   }
   page.search = {{1, 2, 3}, {2, 2, 1}, {kNaN, 1e300, 1}};
-  page.flown = {{{{}, {{"t", "s", {0, 1, 2}}, {"a", "m", {1, kNaN, kInf}}}, {{0.5, text, text}}},
-                 {text, text, {{text, "a"}}}}};
+  page.flown = {
+      {{{}, {{"t", "s", {0, 1, 2}}, {"a", "m", {1, kNaN, kInfinity}}}, {{0.5, text, text}}},
+       {text, text, {{text, "a"}}}}};
   return page;
 }
 
 TEST(GainsPage, TellsStartFoundAndPublished) {
-  const nlohmann::json data = data_of(example());
+  const nlohmann::json data = data_of(example_of_gains());
   EXPECT_EQ(data["title"], "mambo over hover");
   EXPECT_THAT(data["counts"].get<std::string>(), HasSubstr("Cost "));
   ASSERT_EQ(data["columns_of"].size(), 3U);
@@ -130,21 +138,21 @@ TEST(GainsPage, OfWeightsHasNoPublishedOnes) {
 }
 
 TEST_F(Browser, DrawsTunedGains) {
-  const std::string page = opened(example());
+  const std::string page = opened(example_of_gains());
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "cells"), "1");
-  EXPECT_EQ(root_data(page, "plots"), std::to_string(data_of(example())["flown"].size()));
+  EXPECT_EQ(root_data(page, "plots"), std::to_string(data_of(example_of_gains())["flown"].size()));
   EXPECT_THAT(page, HasSubstr("Margins of the loops"));
   EXPECT_THAT(page, HasSubstr("published"));
 }
 
 TEST_F(Browser, TunedGainsLoadNothing) {
-  EXPECT_THAT(asked_for(example()), IsEmpty());
-  EXPECT_THAT(asked_for(with_script(example(), "")), IsEmpty());
+  EXPECT_THAT(asked_for(example_of_gains()), IsEmpty());
+  EXPECT_THAT(asked_for(with_script(example_of_gains(), "")), IsEmpty());
 }
 
 TEST_F(Browser, HostileTextsOfTunedGainsStayTexts) {
-  const std::string page = opened_and_counted(report::html(hostile_page()));
+  const std::string page = opened_and_counted(report::html(hostile_gains()));
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "broken"), "(none)");
   EXPECT_EQ(root_data(page, "cells"), "1");
@@ -160,12 +168,12 @@ TEST_F(Browser, ShowsTunedGainsOfNothing) {
 }
 
 TEST_F(Browser, TunedGainsFitIntoANarrowWindow) {
-  EXPECT_EQ(narrow_width(example()), "390");
-  EXPECT_EQ(narrow_width(report::html(hostile_page())), "390");
+  EXPECT_EQ(narrow_width(example_of_gains()), "390");
+  EXPECT_EQ(narrow_width(report::html(hostile_gains())), "390");
 }
 
 TEST_F(Browser, TakesAPictureOfTunedGains) {
-  take_picture_for_docs(example(), "gains-report.png", 1600);
+  take_picture_for_docs(example_of_gains(), "gains-report.png", 1600);
 }
 
 }  // namespace

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hostile_texts.hpp"
 
-#include <limits>
 #include <utility>
+
+#include "numbers.hpp"
 
 namespace quadtune::testing {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 }  // namespace
 
@@ -47,17 +48,21 @@ report::FlightReport hostile_flight() {
   for (const std::string& one : hostile_texts()) {
     report.log.about.emplace_back(one, one);
     report.log.events.push_back({0.5, one, one});
-    report.metrics.push_back({one, one, kNaN, one, kInf, true, false});
+    report.metrics.push_back({one, one, kNaN, one, kInfinity, true, false});
   }
   report.log.events.push_back({kNaN, text, text});
   report.log.events.push_back({1e300, text, text});
-  report.log.events.push_back({-kInf, text, text});
-  for (const double value : {kInf, -kInf, 1e300, -1e-300, 0.0, -0.0})
+  report.log.events.push_back({-kInfinity, text, text});
+  for (const double value : {kInfinity, -kInfinity, 1e300, -1e-300, 0.0, -0.0})
     report.metrics.push_back({"m", "", value, "", value, false, true});
   report.log.columns.push_back({text, text, {0, 1, 2, 3, 4}});
   std::vector<std::vector<double>> columns = {
-      {1, kNaN, 2, kInf, 3},        {kNaN, kNaN, kNaN, kNaN, kNaN},   {1e300, -1e300, 1e39, 0, 1},
-      {1e-300, 0, -0.0, 5e-324, 1}, {kInf, -kInf, kInf, -kInf, kInf}, {7, 7, 7, 7, 7}};
+      {1, kNaN, 2, kInfinity, 3},
+      {kNaN, kNaN, kNaN, kNaN, kNaN},
+      {1e300, -1e300, 1e39, 0, 1},
+      {1e-300, 0, -0.0, 5e-324, 1},
+      {kInfinity, -kInfinity, kInfinity, -kInfinity, kInfinity},
+      {7, 7, 7, 7, 7}};
   const std::vector<std::string>& texts = hostile_texts();
   for (std::size_t i = 0; i < columns.size(); ++i)
     report.log.columns.push_back({texts[i], texts[i], columns[i]});
@@ -74,14 +79,14 @@ report::FlightReport hostile_flight() {
   replay.reference = {{texts[4], texts[2], texts[1]}};
   replay.estimate = {{texts[5], texts[5], texts[5]}};
   replay.arm = kNaN;
-  replay.rotor_radius = -kInf;
+  replay.rotor_radius = -kInfinity;
   replay.rotors = {
-      {{kNaN, kInf, 0}, 0, texts[4]}, {{0, 0, 0}, 1, ""}, {{1e300, 0, 0}, -1, texts[2]}};
+      {{kNaN, kInfinity, 0}, 0, texts[4]}, {{0, 0, 0}, 1, ""}, {{1e300, 0, 0}, -1, texts[2]}};
   report.replay = std::move(replay);
   Eigen::MatrixXd values(1, 3);
-  values << kNaN, kInf, -1e-300;
+  values << kNaN, kInfinity, -1e-300;
   report.gains.push_back({text, {text}, {text, "b", "c"}, values});
-  report.margins.push_back({text, {{text, text, kNaN}, {"m", "", -kInf}}});
+  report.margins.push_back({text, {{text, text, kNaN}, {"m", "", -kInfinity}}});
   return report;
 }
 

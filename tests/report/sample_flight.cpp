@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "numbers.hpp"
+
 namespace quadtune::testing {
 namespace {
 
@@ -16,7 +18,7 @@ using Eigen::Vector3d;
 using report::SeriesStyle;
 using std::numbers::pi;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using testing::kNaN;
 constexpr double kGravity = 9.81;    // [m/s²]
 constexpr double kHoverSpeed = 316;  // of a rotor [rad/s]
 constexpr double kDegrees = 180 / pi;
@@ -52,12 +54,12 @@ Vector3d acceleration(double t) {
   return (flown(t + kStep) - 2 * flown(t) + flown(t - kStep)) / (kStep * kStep);
 }
 
-struct Attitude {
+struct SampleAttitude {
   double roll, pitch, yaw;  // [rad]
 };
 
 /// The attitude whose thrust gives the acceleration, at a yaw.
-Attitude attitude(double t) {
+SampleAttitude attitude(double t) {
   const double yaw = 0.6 * std::sin(0.2 * t);
   const Vector3d up = -(acceleration(t) - Vector3d(0, 0, kGravity));  // along body +z, down
   const double c = std::cos(yaw), s = std::sin(yaw);
@@ -202,7 +204,7 @@ report::FlightReport sample_flight(double duration, double rate) {
   for (int i = 0; i <= rows; ++i) {
     const double t = i / rate;
     const Vector3d p = flown(t), ref = wanted(t), v = (flown(t + 0.01) - flown(t - 0.01)) / 0.02;
-    const Attitude a = attitude(t);
+    const SampleAttitude a = attitude(t);
     const Vector3d drift(0.05 * std::sin(0.4 * t), 0.05 * std::sin(0.31 * t + 2),
                          0.03 * std::sin(0.53 * t));
     record.add("t", "s", t);

@@ -8,11 +8,11 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "browser_page.hpp"
 #include "hostile_texts.hpp"
+#include "numbers.hpp"
 #include "run_program.hpp"
 #include "source_folder.hpp"
 
@@ -23,7 +23,7 @@ using report::TuningPage;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using testing::kNaN;
 
 /// The page that the program writes of a log.
 std::string page_of_log(const std::string& log, const std::vector<std::string>& more = {}) {
@@ -37,7 +37,7 @@ std::string page_of_log(const std::string& log, const std::vector<std::string>& 
   return folder.read("page.html");
 }
 
-std::string example() {
+std::string example_of_tuning() {
   // From the root, as in the documentation: the page says how the log was called.
   static const std::string page = [] {
     const std::filesystem::path before = std::filesystem::current_path();
@@ -69,7 +69,7 @@ std::string smoothed_log(int rows) {
   return text;
 }
 
-TuningPage hostile_page() {
+TuningPage hostile_tuning() {
   std::string text;
   for (const std::string& one : hostile_texts()) text += one + " ";
   TuningPage page;
@@ -98,7 +98,7 @@ TuningPage hostile_page() {
 }
 
 TEST(TuningPage, TellsWhatTheFitFound) {
-  const nlohmann::json data = data_of(example());
+  const nlohmann::json data = data_of(example_of_tuning());
   EXPECT_EQ(data["verdict"], "pass");
   EXPECT_THAT(data["reasons"], IsEmpty());
   ASSERT_EQ(data["parameters"].size(), 2U);
@@ -114,7 +114,7 @@ TEST(TuningPage, TellsWhatTheFitFound) {
   EXPECT_EQ(data["plots"].size(), 4U);  // innovation, its size, two states
   EXPECT_EQ(data["plots"][1]["logarithmic"], true);
   EXPECT_EQ(data["events"][1]["name"], "held out");
-  EXPECT_THAT(example(), ::testing::Not(HasSubstr("three")));
+  EXPECT_THAT(example_of_tuning(), ::testing::Not(HasSubstr("three")));
 }
 
 TEST(TuningPage, SaysWhyItFails) {
@@ -138,7 +138,7 @@ TEST(TuningPage, LogsFollowOneAnother) {
 }
 
 TEST_F(Browser, DrawsATuning) {
-  const std::string page = opened(example());
+  const std::string page = opened(example_of_tuning());
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "plots"), "4");
   EXPECT_EQ(root_data(page, "cells"), "3");
@@ -146,12 +146,12 @@ TEST_F(Browser, DrawsATuning) {
 }
 
 TEST_F(Browser, ATuningLoadsNothing) {
-  EXPECT_THAT(asked_for(example()), IsEmpty());
-  EXPECT_THAT(asked_for(with_script(example(), "")), IsEmpty());
+  EXPECT_THAT(asked_for(example_of_tuning()), IsEmpty());
+  EXPECT_THAT(asked_for(with_script(example_of_tuning(), "")), IsEmpty());
 }
 
 TEST_F(Browser, HostileTextsOfATuningStayTexts) {
-  const std::string page = opened_and_counted(report::html(hostile_page()));
+  const std::string page = opened_and_counted(report::html(hostile_tuning()));
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "broken"), "(none)");
   EXPECT_EQ(root_data(page, "plots"), "2");
@@ -167,8 +167,8 @@ TEST_F(Browser, ShowsATuningOfNothing) {
 }
 
 TEST_F(Browser, ATuningFitsIntoANarrowWindow) {
-  EXPECT_EQ(narrow_width(example()), "390");
-  EXPECT_EQ(narrow_width(report::html(hostile_page())), "390");
+  EXPECT_EQ(narrow_width(example_of_tuning()), "390");
+  EXPECT_EQ(narrow_width(report::html(hostile_tuning())), "390");
 }
 
 // Keys show and hide, paper is white, and what is hidden at first can be shown.
@@ -183,7 +183,7 @@ TEST_F(Browser, KeysOfATuningShowAndHide) {
     root.dataset.paper = root.dataset.theme;
     window.dispatchEvent(new Event('afterprint'));
   )";
-  const std::string page = opened(with_script(example(), script));
+  const std::string page = opened(with_script(example_of_tuning(), script));
   EXPECT_EQ(root_data(page, "error"), "(none)");
   EXPECT_EQ(root_data(page, "hidden"), "4");  // innovations and bands before
   EXPECT_EQ(root_data(page, "shown"), "11");
@@ -191,7 +191,7 @@ TEST_F(Browser, KeysOfATuningShowAndHide) {
 }
 
 TEST_F(Browser, TakesAPictureOfATuning) {
-  take_picture_for_docs(example(), "tuning-report.png", 1510);
+  take_picture_for_docs(example_of_tuning(), "tuning-report.png", 1510);
 }
 
 }  // namespace

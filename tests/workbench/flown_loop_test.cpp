@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-PlannedFlight plan_of(const std::string& vehicle) {
+PlannedFlight plan_of_vehicle(const std::string& vehicle) {
   FlightOptions options;
   options.vehicle = vehicle;
   return plan_flight(options, "test");
@@ -37,7 +37,7 @@ FlownLoopOptions delayed_by(double delay) {
 }
 
 TEST(FlownLoop, OfADesignedCascadeHoldsAtEveryHeight) {
-  const PlannedFlight plan = plan_of("mambo");
+  const PlannedFlight plan = plan_of_vehicle("mambo");
   for (const double height : {0.5, 1.1, 2.0, 3.0, 4.0}) {
     const FlownLoop loop = flown_loop(plan, at_height(height));
     EXPECT_TRUE(loop.stable()) << height << ": " << in_words(loop);
@@ -66,7 +66,7 @@ TEST(FlownLoop, KnowsWhyTheMamboFell) {
 }
 
 TEST(FlownLoop, TellsDelayedCommandsFromPrompt) {
-  const PlannedFlight plan = plan_of("mambo");
+  const PlannedFlight plan = plan_of_vehicle("mambo");
   const FlownLoop prompt = flown_loop(plan);
   const FlownLoop late = flown_loop(plan, delayed_by(0.006));
   for (std::size_t i = 1; i < 3; ++i)
@@ -99,7 +99,7 @@ TEST(Design, DoesNotPassWithAFlownLoopThatGrows) {
 }
 
 TEST(FlownLoop, SaysWhatNoSensorTells) {
-  const FlownLoop loop = flown_loop(plan_of("mambo"));
+  const FlownLoop loop = flown_loop(plan_of_vehicle("mambo"));
   ASSERT_FALSE(flown_notes(loop).empty());
   bool told = false;
   for (const std::string& note : flown_notes(loop))

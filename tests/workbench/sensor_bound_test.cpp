@@ -308,8 +308,8 @@ TEST(SensorBound, NeedsInertialSensorsAndSaneOptions) {
   EXPECT_THROW((void)sensor_bound(sensors, options), InvalidInput);  // no duration
 }
 
-PlannedFlight planned(const std::string& vehicle, const std::string& mission,
-                      const std::string& estimator = "", const std::string& sensors = "") {
+PlannedFlight planned_flight(const std::string& vehicle, const std::string& mission,
+                             const std::string& estimator = "", const std::string& sensors = "") {
   FlightOptions options;
   options.vehicle = vehicle;
   options.mission = mission;
@@ -319,39 +319,39 @@ PlannedFlight planned(const std::string& vehicle, const std::string& mission,
 }
 
 TEST(MissionBound, IsOfWhatTheMissionJudges) {
-  const PlannedFlight uquad = planned("uquad", "hover");
+  const PlannedFlight uquad = planned_flight("uquad", "hover");
   ASSERT_TRUE(uquad.bound);
   EXPECT_NEAR(uquad.bound->horizontal_rms, 0.321, 0.005);
   EXPECT_NEAR(uquad.bound->options.height, 1.1, 0.01);  // the climb is a little lower
   EXPECT_EQ(uquad.bound->options.begin, 0.5);           // it stands for the start-up
   // Steps of the reference leave their window out; the height of a path is its own.
-  const PlannedFlight step = planned("crazyflie", "step-height");
+  const PlannedFlight step = planned_flight("crazyflie", "step-height");
   ASSERT_TRUE(step.bound);
   EXPECT_GT(step.bound->tracking.rms, 0);
   EXPECT_GT(step.bound->options.height, 1.1);
   EXPECT_LT(step.bound->options.height, 1.6);
-  EXPECT_TRUE(planned("crazyflie", "waypoints").bound);
-  EXPECT_GT(planned("crazyflie", "waypoints").bound->tracking.rms, 0);
+  EXPECT_TRUE(planned_flight("crazyflie", "waypoints").bound);
+  EXPECT_GT(planned_flight("crazyflie", "waypoints").bound->tracking.rms, 0);
 }
 
 // An error of 0.22 m along a step of a metre looks like an overshoot of as much.
 TEST(MissionBound, HasTheStepsOfTheMission) {
-  const MissionBound north = *planned("uquad", "step-north").bound;
+  const MissionBound north = *planned_flight("uquad", "step-north").bound;
   EXPECT_GT(north.overshoot.rms, 0.1);
   EXPECT_LT(north.overshoot.rms, 0.3);
   EXPECT_GT(north.overshoot.most_rarely, 2 * north.overshoot.rms);
   EXPECT_EQ(north.yaw_overshoot.rms, 0);
-  const MissionBound height = *planned("uquad", "step-height").bound;
+  const MissionBound height = *planned_flight("uquad", "step-height").bound;
   EXPECT_GT(height.overshoot.rms, 0);
   EXPECT_LT(height.overshoot.rms, north.overshoot.rms);
-  EXPECT_GT(planned("uquad", "step-yaw").bound->yaw_overshoot.rms, 0);
-  EXPECT_EQ(planned("uquad", "hover").bound->overshoot.rms, 0);
+  EXPECT_GT(planned_flight("uquad", "step-yaw").bound->yaw_overshoot.rms, 0);
+  EXPECT_EQ(planned_flight("uquad", "hover").bound->overshoot.rms, 0);
 }
 
 TEST(MissionBound, IsNoneWhereNothingLimitsTheKnowledge) {
-  EXPECT_FALSE(planned("uquad", "hover", "truth").bound);
-  EXPECT_FALSE(planned("uquad", "hover", "", "ideal").bound);
-  EXPECT_FALSE(planned("uquad", "motor-test").bound);
+  EXPECT_FALSE(planned_flight("uquad", "hover", "truth").bound);
+  EXPECT_FALSE(planned_flight("uquad", "hover", "", "ideal").bound);
+  EXPECT_FALSE(planned_flight("uquad", "motor-test").bound);
 }
 
 }  // namespace

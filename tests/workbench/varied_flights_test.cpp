@@ -50,11 +50,11 @@ const std::vector<Variation>& variations() {
   return all;
 }
 
-struct Flights {
+struct FlightsOfVariants {
   std::string vehicle, controller;
 };
 
-class VariedFlights : public ::testing::TestWithParam<Flights> {
+class VariedFlights : public ::testing::TestWithParam<FlightsOfVariants> {
  protected:
   void SetUp() override {
     if (testing::kSanitized) GTEST_SKIP() << "thousands of seconds of flight";
@@ -96,19 +96,21 @@ TEST_P(VariedFlights, PassWithAnotherVehicle) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Vehicles, VariedFlights,
-    ::testing::Values(Flights{"mambo", "cascaded-pid"}, Flights{"mambo", "state-feedback"},
-                      Flights{"rolling-spider", "cascaded-pid"},
-                      Flights{"rolling-spider", "state-feedback"},
-                      Flights{"crazyflie", "cascaded-pid"}, Flights{"crazyflie", "state-feedback"},
-                      Flights{"uquad", "cascaded-pid"}, Flights{"uquad", "state-feedback"}),
-    [](const auto& tested) {
-      std::string name = tested.param.vehicle + "_" + tested.param.controller;
-      for (char& c : name)
-        if (c == '-') c = '_';
-      return name;
-    });
+INSTANTIATE_TEST_SUITE_P(Vehicles, VariedFlights,
+                         ::testing::Values(FlightsOfVariants{"mambo", "cascaded-pid"},
+                                           FlightsOfVariants{"mambo", "state-feedback"},
+                                           FlightsOfVariants{"rolling-spider", "cascaded-pid"},
+                                           FlightsOfVariants{"rolling-spider", "state-feedback"},
+                                           FlightsOfVariants{"crazyflie", "cascaded-pid"},
+                                           FlightsOfVariants{"crazyflie", "state-feedback"},
+                                           FlightsOfVariants{"uquad", "cascaded-pid"},
+                                           FlightsOfVariants{"uquad", "state-feedback"}),
+                         [](const auto& tested) {
+                           std::string name = tested.param.vehicle + "_" + tested.param.controller;
+                           for (char& c : name)
+                             if (c == '-') c = '_';
+                           return name;
+                         });
 
 }  // namespace
 }  // namespace quadtune

@@ -27,30 +27,32 @@ using Eigen::VectorXd;
 using internal::GainPoint;
 using internal::GainTarget;
 
-constexpr char kWhere[] = "match_gains";
+constexpr char kMatchWhere[] = "match_gains";
 /// Least scale of a difference, over the largest entry of its row, and of the matrix.
 constexpr double kLeastInRow = 1e-6;
 constexpr double kLeast = 1e-9;
 
 void check(const MatrixXd& K, const DiagonalLqr& problem, const VectorXd& w0,
            const GainMatchOptions& options) {
-  require_shape(K, problem.inputs(), problem.states(), kWhere, "[K K_int]",
+  require_shape(K, problem.inputs(), problem.states(), kMatchWhere, "[K K_int]",
                 "one row per input, one column per state and integral");
-  require_finite(K, kWhere, "[K K_int]");
-  if (K.isZero(0)) throw InvalidInput(kWhere, "the gain is 0, expected one that feeds back");
+  require_finite(K, kMatchWhere, "[K K_int]");
+  if (K.isZero(0)) throw InvalidInput(kMatchWhere, "the gain is 0, expected one that feeds back");
   if (w0.size() != problem.size())
-    throw InvalidInput(kWhere, fmt::format("{} weights came, expected {} ({})", w0.size(),
-                                           problem.size(), internal::joined(problem.names(), " ")));
+    throw InvalidInput(kMatchWhere,
+                       fmt::format("{} weights came, expected {} ({})", w0.size(), problem.size(),
+                                   internal::joined(problem.names(), " ")));
   for (Index i = 0; i < w0.size(); ++i)
     if (!std::isfinite(w0(i)) || w0(i) < 0 || (w0(i) == 0 && i >= problem.states()))
-      throw InvalidInput(kWhere, fmt::format("the weight of {} is {}, expected {}",
-                                             problem.names()[static_cast<std::size_t>(i)], w0(i),
-                                             i < problem.states() ? "0 or more" : "more than 0"));
+      throw InvalidInput(kMatchWhere,
+                         fmt::format("the weight of {} is {}, expected {}",
+                                     problem.names()[static_cast<std::size_t>(i)], w0(i),
+                                     i < problem.states() ? "0 or more" : "more than 0"));
   if (!(options.tolerance > 0) || !std::isfinite(options.tolerance))
-    throw InvalidInput(
-        kWhere, fmt::format("the tolerance is {}, expected a positive number", options.tolerance));
+    throw InvalidInput(kMatchWhere, fmt::format("the tolerance is {}, expected a positive number",
+                                                options.tolerance));
   if (options.starts < 1)
-    throw InvalidInput(kWhere, fmt::format("{} starts, expected 1 or more", options.starts));
+    throw InvalidInput(kMatchWhere, fmt::format("{} starts, expected 1 or more", options.starts));
 }
 
 /// What each entry's difference is relative to.
@@ -76,18 +78,18 @@ std::vector<std::vector<int>> groups_of(const std::vector<std::string>& names,
     for (const std::string& name : tie) {
       const auto found = std::find(names.begin(), names.end(), name);
       if (found == names.end())
-        throw InvalidInput(kWhere,
+        throw InvalidInput(kMatchWhere,
                            fmt::format("no weight of '{}' to tie, expected some of: {}{}",
                                        internal::printable(name), internal::joined(names, " "),
                                        internal::did_you_mean(name, names)));
       const auto index = static_cast<std::size_t>(found - names.begin());
       if (tied[index])
-        throw InvalidInput(kWhere, fmt::format("'{}' is tied twice, expected once", name));
+        throw InvalidInput(kMatchWhere, fmt::format("'{}' is tied twice, expected once", name));
       tied[index] = true;
       group.push_back(static_cast<int>(index));
     }
     if (group.size() < 2)
-      throw InvalidInput(kWhere,
+      throw InvalidInput(kMatchWhere,
                          fmt::format("a tie of {} weights, expected 2 or more", group.size()));
   }
   for (std::size_t i = 0; i < names.size(); ++i)
@@ -108,13 +110,15 @@ void level_ties(const DiagonalLqr& problem, const std::vector<std::vector<int>>&
       const std::string& name = problem.names()[static_cast<std::size_t>(i)];
       const std::string& first = problem.names()[static_cast<std::size_t>(group.front())];
       if ((i < n) != (group.front() < n))
-        throw InvalidInput(kWhere, fmt::format("'{}' and '{}' are tied, expected states or inputs, "
-                                               "because Q and R are in different units",
-                                               first, name));
+        throw InvalidInput(kMatchWhere,
+                           fmt::format("'{}' and '{}' are tied, expected states or inputs, "
+                                       "because Q and R are in different units",
+                                       first, name));
       if ((w(i) == 0) != (w(group.front()) == 0))
-        throw InvalidInput(kWhere, fmt::format("'{}' and '{}' are tied and one of them has the "
-                                               "weight 0, expected both or none",
-                                               first, name));
+        throw InvalidInput(kMatchWhere,
+                           fmt::format("'{}' and '{}' are tied and one of them has the "
+                                       "weight 0, expected both or none",
+                                       first, name));
       sum += std::log(w(i));
     }
     if (w(group.front()) == 0) continue;
@@ -239,9 +243,9 @@ GainMatch match_gains(const ContinuousLti& plant, const LqrDesign& start,
                       const GainMatchOptions& options) {
   const DiagonalLqr problem(plant, start);
   const auto ni = std::ssize(start.integrals);
-  require_shape(K, problem.inputs(), problem.states() - ni, kWhere, "K",
+  require_shape(K, problem.inputs(), problem.states() - ni, kMatchWhere, "K",
                 "one row per input, one column per state");
-  require_shape(K_int, problem.inputs(), ni, kWhere, "K_int",
+  require_shape(K_int, problem.inputs(), ni, kMatchWhere, "K_int",
                 "one row per input, one column per integral");
   MatrixXd both(K.rows(), K.cols() + K_int.cols());
   both << K, K_int;

@@ -25,7 +25,7 @@ using Eigen::VectorXd;
 using internal::HoverSlopes;
 using internal::SlopeBounds;
 
-constexpr const char* kWhere = "uncertain hover";
+constexpr const char* kHoverWhere = "uncertain hover";
 
 // Below this share of its nominal value a ratio means no vehicle any more.
 constexpr double kLeastRatio = 0.05;
@@ -39,7 +39,7 @@ constexpr Index kDownSpeed = 8;  // w
 constexpr int kWrench = 4;
 
 [[noreturn]] void refuse(const std::string& came, const std::string& expected) {
-  throw InvalidInput(kWhere, came + ", expected " + expected);
+  throw InvalidInput(kHoverWhere, came + ", expected " + expected);
 }
 
 void require_ratio(const char* name, const UncertainRange& range) {
@@ -138,7 +138,7 @@ HoverLaw law_of(const Vehicle& vehicle, const Gains& gains) {
   HoverLaw hover;
   hover.kind = gains.input_kind;
   hover.yaw = ned.x0(5);
-  const Convention& words = convention(gains.convention, kWhere);
+  const Convention& words = convention(gains.convention, kHoverWhere);
   for (Index i = 0; i < 12; ++i)
     for (std::size_t row = 0; row < words.states.size(); ++row) {
       if (words.from_ned(static_cast<Index>(row), i) == 0) continue;

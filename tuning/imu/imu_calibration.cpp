@@ -17,7 +17,7 @@ namespace {
 using Index = Eigen::Index;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-void check(const std::vector<ImuLog>& logs, const ImuCalibrationOptions& options) {
+void check_logs(const std::vector<ImuLog>& logs, const ImuCalibrationOptions& options) {
   if (logs.empty()) throw InvalidInput("calibrate_imu", "no log came, expected at least one");
   for (const auto& [name, value] : {std::pair{"gravity", options.gravity},
                                     {"field", options.field},
@@ -96,7 +96,7 @@ SensorCalibration::SensorCalibration() {
 
 ImuCalibration calibrate_imu(const std::vector<ImuLog>& logs,
                              const ImuCalibrationOptions& options) {
-  check(logs, options);
+  check_logs(logs, options);
   const bool gyroscope =
       every_log_has(logs, "gyroscope", [](const ImuLog& log) { return log.gyroscope.cols(); });
   const bool magnetometer = every_log_has(

@@ -28,7 +28,7 @@ enum Stream : std::uint32_t {
   kMagnetometer = 6
 };
 
-struct Turn {
+struct MadeUpTurn {
   Vector3d axis;  ///< of the body
   double angle;   ///< [rad]
 };
@@ -52,10 +52,10 @@ class Numbers {
 };
 
 /// Quarter turns that bring each axis up and down and turn each one while it is level.
-std::vector<Turn> turns_of(const MadeUpImuOptions& options, Numbers& numbers) {
+std::vector<MadeUpTurn> turns_of(const MadeUpImuOptions& options, Numbers& numbers) {
   constexpr double kQuarter = std::numbers::pi / 2;
   const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
-  std::vector<Turn> turns;
+  std::vector<MadeUpTurn> turns;
   const auto count = static_cast<std::size_t>(options.poses - 1);
   if (!options.upright) {
     for (int i = 0; i < 4; ++i) turns.push_back({x, kQuarter});
@@ -89,7 +89,7 @@ Vector3d raw(const MadeUpSensor& sensor, const Eigen::Matrix3d& inverse, const V
   return (inverse * truth + sensor.b - sensor.d * warmth + noise).array().round();
 }
 
-void check(const MadeUpImuOptions& o) {
+void check_made_up(const MadeUpImuOptions& o) {
   if (o.poses < 2 || !(o.rate > 0) || !(o.still > 0) || !(o.start > 0) || !(o.turn > 0) ||
       !(o.noise >= 0) || !(o.rate * (o.start + o.poses * (o.still + o.turn)) < 1e8))
     throw InvalidInput(
@@ -102,7 +102,7 @@ void check(const MadeUpImuOptions& o) {
 }  // namespace
 
 MadeUpImu make_up_imu(const MadeUpImuOptions& options) {
-  check(options);
+  check_made_up(options);
   Numbers numbers(options.seed);
   MadeUpImu result;
   result.accelerometer = sensor(0.0375, 25, 0.01, true, numbers);    // m/s² a count
@@ -111,7 +111,7 @@ MadeUpImu make_up_imu(const MadeUpImuOptions& options) {
   result.accelerometer.d = {0, 0, -0.6};                             // counts a degree
   result.gyroscope.d = {-0.36, 1.4, -0.9};
   if (options.warming == 0) result.accelerometer.d = result.gyroscope.d = Vector3d::Zero();
-  const std::vector<Turn> turns = turns_of(options, numbers);
+  const std::vector<MadeUpTurn> turns = turns_of(options, numbers);
 
   const double length = options.start + double(turns.size()) * (options.turn + options.still);
   const auto samples = static_cast<Eigen::Index>(length * options.rate);

@@ -25,7 +25,7 @@ using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
 constexpr std::size_t kLeastTurns = 6;
-constexpr double kOutlier = 5;  // robust standard deviations
+constexpr double kTurnOutlier = 5;  // robust standard deviations
 constexpr double kMedianOfRayleigh = 1.17741;
 constexpr double kMostMismatch = 0.3;  // [rad] rms, beyond which the turns are not understood
 
@@ -286,7 +286,7 @@ void Fitter::leave_out_outliers() {
   std::vector<double> sorted = sizes;
   const auto middle = sorted.begin() + std::ssize(sorted) / 2;
   std::nth_element(sorted.begin(), middle, sorted.end());
-  const double most = kOutlier * *middle / kMedianOfRayleigh;
+  const double most = kTurnOutlier * *middle / kMedianOfRayleigh;
   for (std::size_t i = samples_.size(); i-- > 0;)
     if (sizes[i] > most && samples_.size() > kLeastTurns) {
       const auto at = static_cast<std::ptrdiff_t>(i);

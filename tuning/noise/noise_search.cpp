@@ -32,7 +32,7 @@ constexpr double kLeastShare = 0.01;
 /// left to gain is as large.
 constexpr double kLeastGain = 1e-4;
 /// Of a sum, a part of its terms' size: 7e-13 were seen with eight million of them.
-constexpr double kRounding = 1e-11;
+constexpr double kSearchRounding = 1e-11;
 /// The same of a rough search.
 constexpr double kNearEnough = 1e-2;
 /// What a stride must gain in log-likelihood.
@@ -205,7 +205,7 @@ NoiseObjective::Value NoiseObjective::at(const VectorXd& theta, LikelihoodOrder 
   Value result{likelihood.computed(), likelihood.value, likelihood.gradient,
                likelihood.information};
   result.rounding =
-      kRounding * (std::abs(likelihood.value) + static_cast<double>(likelihood.innovations));
+      kSearchRounding * (std::abs(likelihood.value) + static_cast<double>(likelihood.innovations));
   const FilterModel& model = likelihood_.model();
   for (std::size_t i = 0; i < model.parameters.size(); ++i) {
     if (!model.parameters[i].prior) continue;

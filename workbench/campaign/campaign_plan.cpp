@@ -33,7 +33,7 @@ using internal::member;
 constexpr char kFormat[] = "quadtune campaign plan";
 constexpr int kFormatVersion = 3;
 constexpr char kPlanHashName[] = "plan.sha256";
-constexpr std::size_t kLimit = std::size_t{64} << 20;
+constexpr std::size_t kPlanLimit = std::size_t{64} << 20;
 /// Simulated time of a shard where the file does not say how many there are [s]: some minutes of
 /// one processor.
 constexpr double kShardTime = 3e6;
@@ -456,7 +456,7 @@ MadeCampaign make_campaign(const std::filesystem::path& file, std::uint32_t shar
 
 CampaignPlan load_plan(const std::filesystem::path& folder) {
   const std::string path = (folder / kPlanName).string();
-  const std::string text = internal::read_text_file(path, kLimit);
+  const std::string text = internal::read_text_file(path, kPlanLimit);
   const Json json = parse_plan(text, path);
   const std::string written =
       internal::read_text_file((folder / kPlanHashName).string(), std::size_t{1} << 10);

@@ -67,7 +67,7 @@ void drop_rounding(MatrixXd& K) {
 }
 
 /// @param estimator  that was asked for; empty: none
-std::vector<std::string> messages_of(const MatrixReport& report, const std::string& estimator) {
+std::vector<std::string> matrix_messages(const MatrixReport& report, const std::string& estimator) {
   std::vector<std::string> messages;
   if (!report.estimator && !estimator.empty())
     messages.push_back(fmt::format(
@@ -135,7 +135,7 @@ MatrixReport matrix_report(const Vehicle& vehicle, const LqiDesign& design,
       OpenLoop(open_loop(model_of(vehicle, report.gains).plant, report.gains)),
       names_or_numbers(report.gains.inputs, std::ssize(report.gains.inputs)), at.evidence);
   report.estimator = stored_estimator(vehicle, flown.estimator, design.dt);
-  report.messages = messages_of(report, flight.estimator);
+  report.messages = matrix_messages(report, flight.estimator);
   return report;
 }
 

@@ -28,7 +28,7 @@ const std::vector<std::string> kRules = {"amigo", "simc", "ziegler-nichols", "co
                                          "lambda"};
 
 /// As messages have it.
-std::string number(double value) { return fmt::format("{:.6g}", value); }
+std::string short_number(double value) { return fmt::format("{:.6g}", value); }
 
 Found by_crossover(const ContinuousTransferFunction& plant, const PidRequest& request,
                    const PidCrossover& asked) {
@@ -36,7 +36,7 @@ Found by_crossover(const ContinuousTransferFunction& plant, const PidRequest& re
   if (!(asked.phase_margin > 0 && asked.phase_margin < 180))
     throw OptionError("phase-margin", fmt::format("phase-margin is {} deg, expected more than 0 "
                                                   "and less than 180",
-                                                  number(asked.phase_margin)));
+                                                  short_number(asked.phase_margin)));
   LoopRequirement requirement;
   requirement.type = request.type;
   requirement.crossover = asked.crossover;
@@ -47,8 +47,8 @@ Found by_crossover(const ContinuousTransferFunction& plant, const PidRequest& re
     throw NoSolution(fmt::format("pid: {}: {}", to_string(design.status), design.culprit),
                      "--crossover");
   return {design.gains, fmt::format("{} for a crossover of {} rad/s and a phase margin of {} deg",
-                                    to_string(request.type), number(asked.crossover),
-                                    number(asked.phase_margin))};
+                                    to_string(request.type), short_number(asked.crossover),
+                                    short_number(asked.phase_margin))};
 }
 
 template <class Model>
@@ -60,8 +60,8 @@ Model require_fitted(const LagFit<Model>& fit) {
 }
 
 std::string model_text(const FopdtModel& model) {
-  return fmt::format("{} e^(-{} s)/({} s + 1)", number(model.gain), number(model.delay),
-                     number(model.time_constant));
+  return fmt::format("{} e^(-{} s)/({} s + 1)", short_number(model.gain), short_number(model.delay),
+                     short_number(model.time_constant));
 }
 
 /// SIMC keeps a second lag for its PID, as its half rule gives it.
@@ -72,8 +72,9 @@ Found by_simc(const ContinuousTransferFunction& plant, PidType type,
     const double used = tau_c.value_or(model.delay);
     return {simc(model, used),
             fmt::format("PID by SIMC for {} e^(-{} s)/(({} s + 1)({} s + 1)), tau_c {} s",
-                        number(model.gain), number(model.delay), number(model.time_constant),
-                        number(model.second), number(used))};
+                        short_number(model.gain), short_number(model.delay),
+                        short_number(model.time_constant), short_number(model.second),
+                        short_number(used))};
   }
   if (type != PidType::PI)
     throw OptionError("type", "rule simc has PI and PID, expected one of them as --type");
@@ -81,7 +82,7 @@ Found by_simc(const ContinuousTransferFunction& plant, PidType type,
   const FopdtModel model = half.fitted() ? half.model : require_fitted(fit_fopdt(plant));
   const double used = tau_c.value_or(model.delay);
   return {simc(model, used),
-          fmt::format("PI by SIMC for {}, tau_c {} s", model_text(model), number(used))};
+          fmt::format("PI by SIMC for {}, tau_c {} s", model_text(model), short_number(used))};
 }
 
 Found by_rule(const ContinuousTransferFunction& plant, PidType type, const PidRule& asked) {
@@ -100,8 +101,9 @@ Found by_rule(const ContinuousTransferFunction& plant, PidType type, const PidRu
                          : rule == "ziegler-nichols" ? ziegler_nichols_step(type, model)
                          : rule == "cohen-coon"      ? cohen_coon(type, model)
                                                      : lambda_tuning(type, model, lambda);
-  return {gains, fmt::format("{} by {} for {}{}", to_string(type), rule, model_text(model),
-                             rule == "lambda" ? fmt::format(", lambda {} s", number(lambda)) : "")};
+  return {gains,
+          fmt::format("{} by {} for {}{}", to_string(type), rule, model_text(model),
+                      rule == "lambda" ? fmt::format(", lambda {} s", short_number(lambda)) : "")};
 }
 
 Found by_bounds(const ContinuousTransferFunction& plant, const PidRequest& request,

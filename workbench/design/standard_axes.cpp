@@ -19,7 +19,7 @@ using Eigen::MatrixXd;
 
 constexpr double kIntegralTime = 3;  ///< [s] an integral of this time at a limit costs 1
 
-AxisWeights weights_of(const CascadeVehicle& hover, const Vehicle& vehicle, FlownAxis axis) {
+AxisWeights axis_weights(const CascadeVehicle& hover, const Vehicle& vehicle, FlownAxis axis) {
   const std::vector<Index>& states = states_of(axis);
   const Index input = wrench_of(axis);
   const LqrWeights all = standard_weights(hover);
@@ -38,7 +38,8 @@ AxisWeights weights_of(const CascadeVehicle& hover, const Vehicle& vehicle, Flow
 StandardAxes standard_axes(const Vehicle& vehicle) {
   const CascadeVehicle hover = cascade_vehicle(vehicle, vehicle.name);
   StandardAxes axes;
-  for (std::size_t i = 0; i < axes.size(); ++i) axes[i] = weights_of(hover, vehicle, kFlownAxes[i]);
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    axes[i] = axis_weights(hover, vehicle, kFlownAxes[i]);
   return axes;
 }
 

@@ -60,7 +60,7 @@ bool designs_on_flown_plant(const CascadeOptions& options, const Vehicle& vehicl
   return true;
 }
 
-FlownGains gains_on_flown_plant(const Vehicle& vehicle, double dt, bool asked_for_dt) {
+FlownGains cascade_on_flown_plant(const Vehicle& vehicle, double dt, bool asked_for_dt) {
   FlownGainsOptions options;
   options.dt = dt;
   try {
@@ -98,7 +98,7 @@ VehicleCascade vehicle_cascade(const Vehicle& vehicle, const CascadeOptions& opt
   result.ideal = !on_flown_plant && asks_for_ideal_plant(options);
   if (result.ideal) specification.lag = 0;
   if (on_flown_plant) {
-    result.flown = gains_on_flown_plant(vehicle, specification.dt, options.dt.has_value());
+    result.flown = cascade_on_flown_plant(vehicle, specification.dt, options.dt.has_value());
     result.report = assess_written_cascade(vehicle, as_cascade(*result.flown, specification.dt),
                                            specification.method, where);
   } else {

@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// @param name  of --vehicle; empty: that of the manifest
-Vehicle vehicle_of(const Manifest& manifest, const std::string& name) {
+Vehicle believed_vehicle(const Manifest& manifest, const std::string& name) {
   try {
     return load_vehicle(name.empty() ? manifest.vehicle : name);
   } catch (const std::exception& error) {
@@ -171,7 +171,7 @@ VerifyReport verify_directory(const std::string& directory, const std::string& v
                               const std::string& design) {
   require_export(directory);
   const Manifest manifest = read_manifest(directory);
-  const Vehicle vehicle = vehicle_of(manifest, vehicle_name);
+  const Vehicle vehicle = believed_vehicle(manifest, vehicle_name);
   return verify_with(directory, vehicle, inputs_at_hand(directory, manifest, vehicle, design));
 }
 

@@ -23,7 +23,7 @@ namespace quadtune::internal {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kBlockValues = 8192;                   // 64 KiB: stays in the cache
+constexpr std::size_t kTextBlockValues = 8192;               // 64 KiB: stays in the cache
 constexpr std::size_t kMostColumns = 10000;                  // more is no log
 constexpr std::size_t kLookedAhead = std::size_t{1} << 18U;  // [bytes] for the unit of the time
 constexpr std::size_t kTimesLookedAt = 64;
@@ -127,7 +127,7 @@ class TextReader final : public LogReader {
       first_row_.reset();
     }
     const std::size_t columns = layout_.channels.size();
-    while (block.values.size() < kBlockValues && block.time.size() < kBlockValues) {
+    while (block.values.size() < kTextBlockValues && block.time.size() < kTextBlockValues) {
       const std::optional<std::string_view> line = lines_.next(condition_);
       if (!line) break;
       read_row(*line, block);

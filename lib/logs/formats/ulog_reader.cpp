@@ -31,9 +31,9 @@ constexpr std::size_t kMessageHeader = 3;
 constexpr std::string_view kKnownTypes = "ABCDFILMOPQRS";
 constexpr std::string_view kSync = "\x2f\x73\x13\x20\x25\x0c\xbb\x12"sv;
 constexpr std::size_t kMostChannels = 200000;
-constexpr std::size_t kMostGroups = 10000;
-constexpr std::size_t kBlockValues = 4096;
-constexpr double kTicks = 1e6;           // microseconds
+constexpr std::size_t kMostUlogGroups = 10000;
+constexpr std::size_t kUlogBlockValues = 4096;
+constexpr double kUlogTicks = 1e6;       // microseconds
 constexpr std::size_t kTopicNumber = 2;  // [bytes] before a record
 constexpr std::uint64_t kLastTime = std::numeric_limits<std::int64_t>::max();  // [us]
 constexpr std::uint64_t kFarFromStart = 1'000'000;        // [us]: no logger is that quick
@@ -41,7 +41,7 @@ constexpr std::uint64_t kOtherClock = 1'000'000'000'000;  // [us] = 1e6 s
 constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
 
 template <typename Number>
-Number number_at(std::string_view bytes, std::size_t at) {
+Number read_number(std::string_view bytes, std::size_t at) {
   Number value;
   std::memcpy(&value, bytes.data() + at, sizeof value);
   return value;
@@ -56,7 +56,7 @@ class UlogReader final : public LogReader {
     const std::string_view header = stream_.peek(kHeaderSize);
     if (header.size() < kHeaderSize)
       throw InvalidInput(stream_.name(), "has no whole header, expected a ULog; is it cut short?");
-    latest_ = number_at<std::uint64_t>(header, kMagic.size() + 1);
+    latest_ = read_number<std::uint64_t>(header, kMagic.size() + 1);
     stream_.skip(kHeaderSize);
   }
 
@@ -65,7 +65,7 @@ class UlogReader final : public LogReader {
     block.time.clear();
     block.values.clear();
     std::optional<std::size_t> group;
-    while (block.values.size() < kBlockValues && block.rows() < kBlockValues) {
+    while (block.values.size() < kUlogBlockValues && block.rows() < kUlogBlockValues) {
       const std::optional<Message> message = next_message();
       if (!message) break;
       if (message->type == 'D') {
@@ -121,7 +121,7 @@ class UlogReader final : public LogReader {
         tear("the file ends within a message");
         return std::nullopt;
       }
-      const std::size_t size = number_at<std::uint16_t>(head, 0);
+      const std::size_t size = read_number<std::uint16_t>(head, 0);
       const char type = head[2];
       if (stream_.offset() + kMessageHeader + size > border()) {
         // The log was cut off, by a crash, where data were appended later.
@@ -188,12 +188,12 @@ class UlogReader final : public LogReader {
         subscribe(message.body);
         return;
       case 'R':
-        if (message.body.size() >= 2) topics_.erase(number_at<std::uint16_t>(message.body, 0));
+        if (message.body.size() >= 2) topics_.erase(read_number<std::uint16_t>(message.body, 0));
         return;
       case 'O':
         ++condition_.dropouts;
         if (message.body.size() >= 2)
-          condition_.dropout_s += 1e-3 * number_at<std::uint16_t>(message.body, 0);
+          condition_.dropout_s += 1e-3 * read_number<std::uint16_t>(message.body, 0);
         return;
       default:
         return;  // information, parameters, texts, marks
@@ -213,7 +213,7 @@ class UlogReader final : public LogReader {
                            "has flags that a reader must know and this one does not, expected no "
                            "more than appended data: it is of a later kind of ULog");
     for (std::size_t i = 0; i < 3; ++i) {
-      const auto offset = number_at<std::uint64_t>(body, 2 * kFlags + 8 * i);
+      const auto offset = read_number<std::uint64_t>(body, 2 * kFlags + 8 * i);
       if (offset == 0) break;
       const std::uint64_t before =
           borders_.empty() ? stream_.offset() + kMessageHeader + body.size() : borders_.back() + 1;
@@ -231,7 +231,7 @@ class UlogReader final : public LogReader {
       return;
     }
     const auto instance = static_cast<unsigned char>(body[0]);
-    const auto id = number_at<std::uint16_t>(body, 1);
+    const auto id = read_number<std::uint16_t>(body, 1);
     const std::string topic(body.substr(3));
     Topic entry{groups().size(), {}};
     if (const std::string problem = formats_.layout(topic, entry.layout); !problem.empty()) {
@@ -250,10 +250,10 @@ class UlogReader final : public LogReader {
     entry.group = place;
     if (same == groups().end()) {
       channels_ += entry.layout.channels.size() + 1;
-      if (channels_ > kMostChannels || groups().size() == kMostGroups)
+      if (channels_ > kMostChannels || groups().size() == kMostUlogGroups)
         throw InvalidInput(stream_.name(),
                            fmt::format("has more than {} channels or {} topics, expected fewer",
-                                       kMostChannels, kMostGroups));
+                                       kMostChannels, kMostUlogGroups));
       add_group({name, entry.layout.channels, entry.layout.timed});
     }
     topics_.insert_or_assign(id, std::move(entry));
@@ -265,7 +265,7 @@ class UlogReader final : public LogReader {
       skip("a record without a topic");
       return nullptr;
     }
-    const auto number = number_at<std::uint16_t>(body, 0);
+    const auto number = read_number<std::uint16_t>(body, 0);
     const auto found = topics_.find(number);
     if (found == topics_.end()) {
       skip(fmt::format("a record of topic {}, which is not subscribed", number));
@@ -304,10 +304,10 @@ class UlogReader final : public LogReader {
   std::uint64_t next_time() {
     const std::string_view ahead = stream_.peek(ByteStream::kWindow);
     for (std::size_t at = 0; at + kMessageHeader <= ahead.size();) {
-      const std::size_t size = number_at<std::uint16_t>(ahead, at);
+      const std::size_t size = read_number<std::uint16_t>(ahead, at);
       const std::string_view body = ahead.substr(at + kMessageHeader, size);
       if (ahead[at + 2] == 'D' && body.size() == size && size > kTopicNumber) {
-        const auto topic = topics_.find(number_at<std::uint16_t>(body, 0));
+        const auto topic = topics_.find(read_number<std::uint16_t>(body, 0));
         if (topic != topics_.end() && topic->second.layout.timed &&
             size - kTopicNumber >= topic->second.layout.least)
           if (const std::uint64_t time =
@@ -331,7 +331,7 @@ class UlogReader final : public LogReader {
   void add_row(const UlogLayout& layout, std::string_view record, LogBlock& block) {
     const auto time = [&] {
       const std::uint64_t ticks = ulog_whole(layout.timestamp, record);
-      return clock_.seconds({static_cast<std::int64_t>(ticks), 0}, kTicks);
+      return clock_.seconds({static_cast<std::int64_t>(ticks), 0}, kUlogTicks);
     };
     block.time.push_back(layout.timed ? time() : std::numeric_limits<double>::quiet_NaN());
     for (const UlogLeaf& leaf : layout.leaves) block.values.push_back(ulog_value(leaf, record));

@@ -19,7 +19,7 @@ constexpr std::size_t kMaxDimensions = 16;
 constexpr int kMaxDepth = 32;  // far more than a log has, far less than the stack holds
 
 template <typename Number>
-Number number_at(std::string_view bytes, std::size_t at) {
+Number element_number(std::string_view bytes, std::size_t at) {
   Number value;
   std::memcpy(&value, bytes.data() + at, sizeof value);
   return value;
@@ -63,8 +63,8 @@ class Parser {
   Element next(std::size_t& at, std::size_t end) const {
     const std::size_t start = at;
     if (end - at < kMatTagSize) refuse(start, "an element has no whole tag");
-    auto type = number_at<std::uint32_t>(bytes_, at);
-    std::size_t size = number_at<std::uint32_t>(bytes_, at + 4);
+    auto type = element_number<std::uint32_t>(bytes_, at);
+    std::size_t size = element_number<std::uint32_t>(bytes_, at + 4);
     const bool small = type > 0xffff;  // up to four bytes, in the tag itself
     if (small) {
       size = type >> 16U;
@@ -116,7 +116,7 @@ class Parser {
     if (flags.type != MatType::uint32 || flags.data.size() != 2 * sizeof(std::uint32_t))
       refuse(offset(flags.data), "an array does not begin with its flags");
     constexpr std::uint32_t kComplex = 0x800;
-    const auto word = number_at<std::uint32_t>(flags.data, 0);
+    const auto word = element_number<std::uint32_t>(flags.data, 0);
     array.kind = MatClass{static_cast<std::uint8_t>(word & 0xffU)};
     array.complex = (word & kComplex) != 0;
   }
@@ -132,7 +132,7 @@ class Parser {
     bool too_many = false;
     std::string extents;
     for (std::size_t i = 0; i < count; ++i) {
-      const auto extent = number_at<std::int32_t>(element.data, i * sizeof(std::int32_t));
+      const auto extent = element_number<std::int32_t>(element.data, i * sizeof(std::int32_t));
       extents += fmt::format("{}{}", i > 0 ? " x " : "", extent);
       array.dimensions.push_back(static_cast<std::size_t>(extent));
       too_many =
@@ -156,7 +156,7 @@ class Parser {
   [[nodiscard]] std::size_t name_length_of(const Element& element) const {
     const bool number =
         element.type == MatType::int32 && element.data.size() == sizeof(std::int32_t);
-    const std::int32_t length = number ? number_at<std::int32_t>(element.data, 0) : 0;
+    const std::int32_t length = number ? element_number<std::int32_t>(element.data, 0) : 0;
     if (length <= 0)
       refuse(offset(element.data), "a struct does not state the length of its names");
     return static_cast<std::size_t>(length);
@@ -197,8 +197,8 @@ void require_mat_header(std::string_view bytes, const std::string& origin) {
     throw InvalidInput(origin, fmt::format("has {} bytes, expected a MAT v5 file, which has a "
                                            "header of {}",
                                            bytes.size(), kMatHeaderSize));
-  const auto version = number_at<std::uint16_t>(bytes, 124);
-  const auto order = number_at<std::uint16_t>(bytes, 126);
+  const auto version = element_number<std::uint16_t>(bytes, 124);
+  const auto order = element_number<std::uint16_t>(bytes, 126);
   if (order == 0x494d)
     throw InvalidInput(origin,
                        "was written on a machine of the other byte order, expected this "

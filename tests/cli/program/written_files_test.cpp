@@ -22,8 +22,6 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
-const std::string kSource = testing::source_folder();
-
 // A vehicle of one's own: no built-in name, and no layout that the Mambo's model project takes.
 constexpr char kOwn[] = R"(
 name = "own"
@@ -108,9 +106,11 @@ class WrittenFiles : public ::testing::Test {
       (void)run_program(args);  // two designs need not be better
       ASSERT_TRUE(std::filesystem::exists(path(file))) << file;
     };
-    made({"design", kSource + "/designs/uquad-hover.toml", "-o", path("uquad"), "--quiet"});
+    made({"design", testing::source_folder() + "/designs/uquad-hover.toml", "-o", path("uquad"),
+          "--quiet"});
     files["design: uquad"] = {path("uquad"), "uquad", true, false};
-    made({"design", kSource + "/designs/mambo-hover.toml", "-o", path("mambo"), "--quiet"});
+    made({"design", testing::source_folder() + "/designs/mambo-hover.toml", "-o", path("mambo"),
+          "--quiet"});
     files["design: mambo"] = {path("mambo"), "mambo", true, true};
     made({"export", path("uquad"), "--to", "json", "-o", path("uquad-json")});
     files["export: gains"] = {path("uquad-json"), "uquad", true, false};
@@ -312,8 +312,9 @@ TEST_F(WrittenFiles, FilesInWrongPlacesAreNamed) {
   const std::string own = all().at("lqr").vehicle;
   const std::string text = write("a-file.txt", "no export\n");
   const std::string model = path("model.toml");
-  made({"tune", "kalman", "--model", "altitude", "--log", kSource + "/docs/examples/bobbing.csv",
-        "--force", "--quiet", "-o", model});
+  made({"tune", "kalman", "--model", "altitude", "--log",
+        testing::source_folder() + "/docs/examples/bobbing.csv", "--force", "--quiet", "-o",
+        model});
   const std::string flown = path("flown.csv");
   (void)run_program({"fly", "mambo", "--duration", "1", "--log", flown});
   const std::string schedule = path("schedule.toml");

@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 using testing::MatrixNear;
 using ::testing::ThrowsMessage;
 
-MatrixXd draw(std::mt19937_64& random, Eigen::Index rows, Eigen::Index cols) {
+MatrixXd draw_matrix(std::mt19937_64& random, Eigen::Index rows, Eigen::Index cols) {
   std::uniform_real_distribution<double> between(-1, 1);
   return MatrixXd::NullaryExpr(rows, cols, [&] { return between(random); });
 }
@@ -31,8 +31,8 @@ Gains wrench_gains(std::mt19937_64& random, const std::vector<std::string>& inte
   gains.states = ned_convention().states;
   gains.inputs = ned_convention().wrench;
   gains.integrals = integral_signals(gains.states, integrated);
-  gains.K = draw(random, 4, 12);
-  gains.K_int = draw(random, 4, std::ssize(gains.integrals));
+  gains.K = draw_matrix(random, 4, 12);
+  gains.K_int = draw_matrix(random, 4, std::ssize(gains.integrals));
   gains.x0 = VectorXd::Zero(12);
   gains.u0 = Vector4d(0.6, 0, 0, 0);
   gains.vehicle = "mambo";
@@ -46,9 +46,9 @@ CommandMemory random_memory(std::mt19937_64& random, int past) {
   CommandMemory memory;
   memory.lag = Vector4d(0.02, 0.03, 0.04, 0.05);
   // Small, so that commands that feed back themselves do not grow.
-  memory.K_lag = 0.1 * draw(random, 4, 4);
+  memory.K_lag = 0.1 * draw_matrix(random, 4, 4);
   memory.past = past;
-  memory.K_past = 0.1 * draw(random, 4, 4 * past);
+  memory.K_past = 0.1 * draw_matrix(random, 4, 4 * past);
   return memory;
 }
 
@@ -72,9 +72,9 @@ TEST(FeedbackMemory, IsItsFormula) {
     double integral = 0;
     for (int k = 0; k < 50; ++k) {
       Estimate<double> estimate;
-      estimate.x = draw(random, 12, 1);
+      estimate.x = draw_matrix(random, 12, 1);
       Reference<double> reference;
-      reference.position = draw(random, 3, 1);
+      reference.position = draw_matrix(random, 3, 1);
       reference.yaw = 0.3;
       const StateVector<double> error = set_point(law, estimate, reference) - estimate.x;
       integral += gains.dt * error(2);
@@ -110,10 +110,10 @@ TEST(FeedbackMemory, DoesNotKnowNorthInHeadingAxes) {
     StateFeedbackState<double> a, b;
     for (int k = 0; k < 20; ++k) {
       Estimate<double> here, there;
-      here.x = 0.5 * draw(random, 12, 1);
+      here.x = 0.5 * draw_matrix(random, 12, 1);
       Reference<double> to;
-      to.position = draw(random, 3, 1);
-      to.velocity = draw(random, 3, 1);
+      to.position = draw_matrix(random, 3, 1);
+      to.velocity = draw_matrix(random, 3, 1);
       to.yaw = 0.2;
       there.x = here.x;
       Reference<double> turned = to;

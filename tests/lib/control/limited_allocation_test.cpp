@@ -62,7 +62,7 @@ std::vector<Case> cases() {
   return all;
 }
 
-Vector4d draw(std::mt19937_64& random, const Case& of, double size) {
+Vector4d draw_case(std::mt19937_64& random, const Case& of, double size) {
   std::uniform_real_distribution<double> between(-1, 1);
   const double torque = of.weight * of.vehicle.rotors[0].position.norm();
   return {of.weight * (1 + size * between(random)), size * torque * between(random),
@@ -73,7 +73,7 @@ TEST(LimitedAllocation, LeavesAWrenchThatTheRotorsCanProduce) {
   std::mt19937_64 random(1);
   for (const Case& of : cases())
     for (int trial = 0; trial < 200; ++trial) {
-      const Vector4d asked = draw(random, of, 0.3);
+      const Vector4d asked = draw_case(random, of, 0.3);
       if (of.beyond(asked) > 0 || asked(0) < of.limits.floor) continue;
       for (const LimitedWrench<double>& made : {prioritized<double>(of.law, of.limits, asked),
                                                 clipped<double>(of.law, of.limits, asked)}) {
@@ -110,7 +110,7 @@ TEST(LimitedAllocation, GivesUpYawThenThrustThenRollAndPitch) {
   for (const Case& of : cases()) {
     if ((of.law.P.col(0).head(of.law.rotors).array() <= 0).any()) continue;
     for (int trial = 0; trial < 200; ++trial) {
-      const Vector4d asked = draw(random, of, trial < 100 ? 1.5 : 20);
+      const Vector4d asked = draw_case(random, of, trial < 100 ? 1.5 : 20);
       const LimitedWrench<double> result = prioritized<double>(of.law, of.limits, asked);
       const Vector4d& made = result.wrench;
       ASSERT_TRUE(made.allFinite());
@@ -188,7 +188,7 @@ TEST(LimitedAllocation, IsTheSameInEveryLane) {
   std::array<Vector4d, kPackLanes> asked;
   Eigen::Matrix<P, 4, 1> all;
   for (int l = 0; l < kPackLanes; ++l) {
-    asked[static_cast<std::size_t>(l)] = draw(random, of, l % 2 == 0 ? 0.05 : 3);
+    asked[static_cast<std::size_t>(l)] = draw_case(random, of, l % 2 == 0 ? 0.05 : 3);
     for (int i = 0; i < 4; ++i) set_lane(all(i), l, asked[static_cast<std::size_t>(l)](i));
   }
   const LimitedWrench<P> together = prioritized<P>(law, limits, all);

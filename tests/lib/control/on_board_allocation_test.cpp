@@ -20,7 +20,7 @@ using testing::random_vehicle;
 using ::testing::StrEq;
 using ::testing::ThrowsMessage;
 
-Vector4d draw(std::mt19937_64& random, const Vector4d& scale) {
+Vector4d draw_scaled(std::mt19937_64& random, const Vector4d& scale) {
   std::uniform_real_distribution<double> between(-1, 1);
   return scale.cwiseProduct(
       Vector4d(between(random), between(random), between(random), between(random)));
@@ -34,7 +34,7 @@ TEST(OnBoardAllocation, IsTheMambosMixer) {
   std::mt19937_64 random(1);
   for (int trial = 0; trial < 50; ++trial) {
     const Vector4d wrench =
-        Vector4d(0.618, 0, 0, 0) + draw(random, Vector4d(0.2, 2e-3, 2e-3, 3e-4));
+        Vector4d(0.618, 0, 0, 0) + draw_scaled(random, Vector4d(0.2, 2e-3, 2e-3, 3e-4));
     const Vector4d thrusts = -Q2Ts * Vector4d(-wrench(0), wrench(3), wrench(2), wrench(1));
     const RotorSpeeds<double> speeds = speeds_of_wrench<double>(law, wrench);
     for (int i = 0; i < 4; ++i)
@@ -54,7 +54,8 @@ TEST(OnBoardAllocation, MeetsTheWrench) {
     const double weight = vehicle.mass * vehicle.gravity;
     const double torque = 0.05 * weight * vehicle.rotors[0].position.norm();
     for (int trial = 0; trial < 20; ++trial) {
-      const Vector4d change = draw(random, Vector4d(0.2 * weight, torque, torque, 0.02 * torque));
+      const Vector4d change =
+          draw_scaled(random, Vector4d(0.2 * weight, torque, torque, 0.02 * torque));
       const auto missed = [&](double size) -> Vector4d {
         const Vector4d wrench = Vector4d(weight, 0, 0, 0) + size * change;
         return Vector4d(wrench_of_speeds(vehicle, speeds_of_wrench<double>(law, wrench))) - wrench;

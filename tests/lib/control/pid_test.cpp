@@ -5,12 +5,11 @@
 
 #include <complex>
 #include <cstring>
-#include <limits>
-#include <numbers>
 #include <random>
 #include <utility>
 #include <vector>
 
+#include "numbers.hpp"
 #include "quadtune/errors.hpp"
 
 namespace quadtune {
@@ -20,7 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::StrEq;
 using ::testing::ThrowsMessage;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using testing::kNaN;
 constexpr double kFrequencies[] = {0.1, 0.3, 1, 3, 10, 30, 100, 300};  // [rad/s]
 constexpr PidMethod kMethods[] = {PidMethod::forward_euler, PidMethod::backward_euler,
                                   PidMethod::tustin};

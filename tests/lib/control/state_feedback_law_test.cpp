@@ -22,7 +22,7 @@ using ::testing::ThrowsMessage;
 
 using State = StateVector<double>;
 
-VectorXd draw(std::mt19937_64& random, Eigen::Index size) {
+VectorXd draw_vector(std::mt19937_64& random, Eigen::Index size) {
   std::uniform_real_distribution<double> between(-1, 1);
   return VectorXd::NullaryExpr(size, [&] { return between(random); });
 }
@@ -36,12 +36,12 @@ Gains random_gains(std::mt19937_64& random, const std::string& name, InputKind k
   gains.sign_law = law;
   gains.states = words.states;
   gains.inputs = input_signals(words, kind, 4, "count");
-  gains.K = MatrixXd::NullaryExpr(4, 12, [&] { return draw(random, 1)(0); });
-  gains.K_int = MatrixXd::NullaryExpr(4, integrals, [&] { return draw(random, 1)(0); });
+  gains.K = MatrixXd::NullaryExpr(4, 12, [&] { return draw_vector(random, 1)(0); });
+  gains.K_int = MatrixXd::NullaryExpr(4, integrals, [&] { return draw_vector(random, 1)(0); });
   for (int j = 0; j < integrals; ++j)
     gains.integrals.push_back(words.states[static_cast<std::size_t>((5 * j + 2) % 12)]);
-  gains.x0 = draw(random, 12);
-  gains.u0 = draw(random, 4);
+  gains.x0 = draw_vector(random, 12);
+  gains.u0 = draw_vector(random, 4);
   gains.dt = 0.01;
   return gains;
 }
@@ -64,10 +64,10 @@ TEST(StateFeedbackLaw, IsTheFormulaInEveryConvention) {
         VectorXd integral = VectorXd::Zero(4);
         for (int k = 0; k < 5; ++k) {
           Estimate<double> estimate;
-          estimate.x = draw(random, 12);
+          estimate.x = draw_vector(random, 12);
           Reference<double> reference;
-          reference.position = draw(random, 3);
-          reference.yaw = draw(random, 1)(0);
+          reference.position = draw_vector(random, 3);
+          reference.yaw = draw_vector(random, 1)(0);
           const VectorXd u = step(law, state, estimate, reference).head<4>();
           // The set point: the reference's place and yaw, the trim's for the rest.
           State sp_ned = words.from_ned.transpose() * gains.x0;
@@ -108,7 +108,7 @@ TEST(StateFeedbackLaw, HoldsAnAttitudeWhereItIsAskedFor) {
   const StateFeedbackSettings<double> law =
       state_feedback_settings(plus_quadrotor(), gains, 0.01, {});
   Estimate<double> estimate;
-  estimate.x = draw(random, 12);
+  estimate.x = draw_vector(random, 12);
   Reference<double> reference;
   reference.track_position = false;
   reference.position = {50, 60, -4};

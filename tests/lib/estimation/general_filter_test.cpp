@@ -11,6 +11,7 @@
 #include <random>
 
 #include "matrix_near.hpp"
+#include "numbers.hpp"
 #include "pack_functions.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/model/vehicle.hpp"
@@ -31,7 +32,7 @@ using Frame = SensorFrame<double>;
 using Vector12 = StateVector<double>;
 using Matrix16 = Eigen::Matrix<double, kErrorStates, kErrorStates>;
 using Vector16 = Eigen::Matrix<double, kErrorStates, 1>;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using testing::kNaN;
 constexpr double kG = 9.81;
 const Vector3d kField(20, 3, 43);  // µT
 

@@ -7,12 +7,12 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <string>
 
 #include "matrix_near.hpp"
+#include "numbers.hpp"
 #include "pack_functions.hpp"
 #include "shared_data.hpp"
 
@@ -22,8 +22,8 @@ namespace {
 using testing::lane_of;
 using testing::MatrixNear;
 using Row2 = Eigen::Matrix<double, 1, 2>;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using testing::kInfinity;
+using testing::kNaN;
 
 template <class T>
 KalmanModel<T, 2, 1> altitude_model() {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "matrix_near.hpp"
+#include "numbers.hpp"
 #include "pack_functions.hpp"
 #include "quadtune/errors.hpp"
 
@@ -27,19 +28,19 @@ using Settings = MamboEstimatorSettings<double>;
 using State = MamboEstimatorState<double>;
 using Frame = SensorFrame<double>;
 using Vector12 = StateVector<double>;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kG = 9.81;
+using testing::kNaN;
+constexpr double kGravity = 9.81;
 constexpr double kA = 0.6;  // half fields of view, as tangents
 constexpr double kB = 0.4;
 
 /// What perfect sensors say in the state x with the acceleration a of the world; all are fresh.
-Frame perfect(const Vector12& x, const Vector3d& a = Vector3d::Zero()) {
+Frame perfect_frame(const Vector12& x, const Vector3d& a = Vector3d::Zero()) {
   const Eigen::Matrix3d R = rotation_of_euler(x(3), x(4), x(5));
   const Vector3d v = x.segment<3>(kVelocity);
   const Vector3d w = x.tail<3>();
   const double depth = -x(2) / R(2, 2);
   Frame frame;
-  frame.specific_force = {R.transpose() * (a - Vector3d(0, 0, kG)), true, 0};
+  frame.specific_force = {R.transpose() * (a - Vector3d(0, 0, kGravity)), true, 0};
   frame.rates = {w, true, 0};
   frame.sonar = {depth, true, 0};
   // Mean of the pinhole's motion field over the image.
@@ -71,7 +72,7 @@ TEST(MamboEstimator, HoversWhereItWasPut) {
   const Settings settings = exact_settings();
   State state = mambo_estimator_start(settings, x);
   for (int k = 0; k < 1000; ++k) {
-    const Estimate<double> estimate = step(settings, state, perfect(x));
+    const Estimate<double> estimate = step(settings, state, perfect_frame(x));
     ASSERT_THAT(estimate.x, MatrixNear(x, 1e-12));
     ASSERT_TRUE(estimate.finite && estimate.height_used && estimate.flow_used);
     ASSERT_FALSE(estimate.flow_disagrees);
@@ -83,7 +84,7 @@ TEST(MamboEstimator, RunsTheFiltersOfThePublishedTables) {
   const Settings settings;
   const Vector12 x = at_height(1);
   State state = mambo_estimator_start(settings, x);
-  for (int k = 0; k < 20000; ++k) step(settings, state, perfect(x));
+  for (int k = 0; k < 20000; ++k) step(settings, state, perfect_frame(x));
   // Published steady gains, P Cᵀ (C P Cᵀ + R)⁻¹ of the predicted covariances.
   const Vector2d gain = state.altitude.P.col(0) / (state.altitude.P(0, 0) + 0.1);
   EXPECT_THAT(gain, MatrixNear(Vector2d(0.0262414206418703, 0.0697767360714920), 1e-14));
@@ -99,7 +100,7 @@ TEST(MamboEstimator, FindsTheBiasesWhileItStands) {
   const Vector3d gyro_bias(-0.0095, -0.0075, 0.0015);
   const Vector3d force_bias(0.09, -0.06, 0.337);
   for (int k = 0; k < 100; ++k) {
-    Frame frame = perfect(x);
+    Frame frame = perfect_frame(x);
     const double flicker = k % 2 ? 1 : -1;
     frame.rates.value += gyro_bias + Vector3d::Constant(0.1 * flicker);
     frame.specific_force.value += force_bias + Vector3d::Constant(flicker);
@@ -107,7 +108,7 @@ TEST(MamboEstimator, FindsTheBiasesWhileItStands) {
   }
   EXPECT_THAT(state.attitude.gyro_bias, MatrixNear(gyro_bias, 1e-14));
   EXPECT_THAT(state.force_bias, MatrixNear(force_bias, 1e-13));
-  Frame frame = perfect(x);
+  Frame frame = perfect_frame(x);
   frame.rates.value += gyro_bias;
   frame.specific_force.value += force_bias;
   // The last sample of the time had flickered; half of it is in the first mean of two.
@@ -124,7 +125,7 @@ TEST(MamboEstimator, FollowsARamp) {
   Estimate<double> estimate;
   for (int k = 0; k < 2000; ++k) {
     x(2) = -0.5 - 0.2 * k * settings.dt;
-    estimate = step(settings, state, perfect(x));
+    estimate = step(settings, state, perfect_frame(x));
   }
   EXPECT_NEAR(estimate.x(2), x(2), 1e-9);
   const Eigen::Matrix3d R = rotation_of_euler(0.3, 0.0, 0.0);
@@ -137,7 +138,7 @@ TEST(MamboEstimator, PredictsHeightByTheAccelerationWithoutEcho) {
   State state = mambo_estimator_start(settings, x);
   Estimate<double> estimate;
   for (int k = 0; k < 200; ++k) {
-    Frame frame = perfect(x, Vector3d(0, 0, -0.5));
+    Frame frame = perfect_frame(x, Vector3d(0, 0, -0.5));
     frame.sonar.value = kNaN;
     estimate = step(settings, state, frame);
     ASSERT_FALSE(estimate.height_used);
@@ -153,7 +154,7 @@ TEST(MamboEstimator, RefusesEchoesThatJump) {
   State with = mambo_estimator_start(settings, x);
   State without = with;
   for (int k = 0; k < 400; ++k) {
-    Frame frame = perfect(x);
+    Frame frame = perfect_frame(x);
     const bool outlier = k % 3 == 1;
     if (outlier) frame.sonar.value = k % 2 ? 1.31 : 0.69;
     const Estimate<double> estimate = step(settings, with, frame);
@@ -163,7 +164,7 @@ TEST(MamboEstimator, RefusesEchoesThatJump) {
     ASSERT_EQ(estimate.x, step(settings, without, frame).x);
   }
   // Within the gate it is believed.
-  Frame frame = perfect(x);
+  Frame frame = perfect_frame(x);
   frame.sonar.value = 1.29;
   State near = mambo_estimator_start(settings, x);
   EXPECT_TRUE(step(settings, near, frame).height_used);
@@ -177,7 +178,7 @@ TEST(MamboEstimator, ComesBackFromAFloorThatIsAnother) {
   bool found = false;
   double z = 0;
   for (int k = 0; k < 400 && !found; ++k) {
-    Frame frame = perfect(x);
+    Frame frame = perfect_frame(x);
     frame.sonar.value = 1;  // a table of half a metre
     const Estimate<double> estimate = step(settings, state, frame);
     found = estimate.height_used;
@@ -193,13 +194,13 @@ TEST(MamboEstimator, BelievesTheSonarWithinItsRangeOnly) {
   Settings settings;
   for (const double range : {0.05, 0.2, 4.9, 5.1}) {
     State state = mambo_estimator_start(settings, at_height(range));
-    EXPECT_EQ(step(settings, state, perfect(at_height(range))).height_used,
+    EXPECT_EQ(step(settings, state, perfect_frame(at_height(range))).height_used,
               range > 0.1 && range < 5);
   }
   Vector12 tipped = at_height(1);
   tipped(3) = 1.2;
   State state = mambo_estimator_start(settings, tipped);
-  const Estimate<double> estimate = step(settings, state, perfect(tipped));
+  const Estimate<double> estimate = step(settings, state, perfect_frame(tipped));
   EXPECT_FALSE(estimate.height_used);
   EXPECT_FALSE(estimate.flow_used);
 }
@@ -213,7 +214,7 @@ TEST(MamboEstimator, ReadsTheVelocityOfFlowInEveryAttitude) {
     const Vector3d v_W(some(random), some(random), some(random));
     const Eigen::Matrix3d R = rotation_of_euler(x(3), x(4), x(5));
     x.segment<3>(6) = R.transpose() * v_W;
-    const Frame frame = perfect(x);
+    const Frame frame = perfect_frame(x);
     EXPECT_THAT(velocity_of_flow(frame.flow.value, 1.3, v_W.z(), R),
                 MatrixNear(Vector2d(v_W.head<2>()), 1e-14));
   }
@@ -225,13 +226,13 @@ TEST(MamboEstimator, TakesTheTurningOutOfTheFlow) {
   Settings settings = exact_settings();
   settings.position = MamboPosition::flow_velocity;
   State state = mambo_estimator_start(settings, x);
-  step(settings, state, perfect(x));
+  step(settings, state, perfect_frame(x));
   EXPECT_THAT(state.flow_position, MatrixNear(Vector2d(Vector2d::Zero()), 1e-18));
 
   // Left in, it is a velocity of height · rate · (1 + a²/3), times the correction factor.
   settings = Settings();
   state = mambo_estimator_start(settings, x);
-  step(settings, state, perfect(x));
+  step(settings, state, perfect_frame(x));
   const Vector2d wrong(1.15 * 1.2 * x(10) * (1 + kA * kA / 3),
                        -1.15 * 1.2 * x(9) * (1 + kB * kB / 3));
   EXPECT_THAT(state.flow_position, MatrixNear(Vector2d(0.005 * wrong), 1e-11));
@@ -249,7 +250,7 @@ double velocity_of_turning(Settings settings, double lag, double delay) {
     // Images are taken at their own instants, between the control periods.
     const double image = std::floor((t - delay) / 0.017) * 0.017;
     const bool fresh = image > (k - 1) * settings.dt - delay;
-    Frame frame = perfect(x0);
+    Frame frame = perfect_frame(x0);
     frame.rates.value.y() = rate(t - lag);
     frame.flow = {Vector2d(-rate(image) * (1 + kA * kA / 3), 0), fresh, t - image};
     step(settings, state, frame);
@@ -286,14 +287,14 @@ TEST(MamboEstimator, FollowsAFlightOverTheGround) {
   State state = mambo_estimator_start(settings, at_height(1));
   state.attitude.angles.z() = 2;
   Estimate<double> estimate;
-  for (int k = 0; k < 1000; ++k) estimate = step(settings, state, perfect(x));
+  for (int k = 0; k < 1000; ++k) estimate = step(settings, state, perfect_frame(x));
   EXPECT_THAT(estimate.x.segment<3>(6), MatrixNear(Vector3d(x.segment<3>(6)), 1e-12));
   // From a start at rest, the filter loses what it had not yet believed.
   EXPECT_NEAR(estimate.x(0), 999 * 0.005 * 0.5, 0.03);
   // The original's factor shows as it is where the sensor is exact.
   Settings original;
   state = mambo_estimator_start(original, x);
-  for (int k = 0; k < 1000; ++k) estimate = step(original, state, perfect(x));
+  for (int k = 0; k < 1000; ++k) estimate = step(original, state, perfect_frame(x));
   EXPECT_THAT(estimate.x.segment<3>(6), MatrixNear(Vector3d(1.15 * x.segment<3>(6)), 1e-12));
 }
 
@@ -306,7 +307,7 @@ TEST(MamboEstimator, HoldsTheFlowOrUsesItOnce) {
     int used = 0;
     int come = 0;
     for (int k = 0; k < 200; ++k) {
-      Frame frame = perfect(x);
+      Frame frame = perfect_frame(x);
       frame.flow.fresh = k * 60 / 200 != (k - 1) * 60 / 200;  // 60 Hz in 200 Hz
       come += frame.flow.fresh;
       used += step(settings, state, frame).flow_used;
@@ -321,13 +322,13 @@ TEST(MamboEstimator, LetsOldAndLowFlowGo) {
   const Settings settings;
   const Vector12 low = at_height(0.39);
   State state = mambo_estimator_start(settings, low);
-  EXPECT_FALSE(step(settings, state, perfect(low)).flow_used);
+  EXPECT_FALSE(step(settings, state, perfect_frame(low)).flow_used);
   const Vector12 high = at_height(0.41);
   state = mambo_estimator_start(settings, high);
-  EXPECT_TRUE(step(settings, state, perfect(high)).flow_used);
+  EXPECT_TRUE(step(settings, state, perfect_frame(high)).flow_used);
   int used = 0;
   for (int k = 0; k < 100; ++k) {
-    Frame frame = perfect(high);
+    Frame frame = perfect_frame(high);
     frame.flow.fresh = false;
     used += step(settings, state, frame).flow_used;
   }
@@ -345,7 +346,7 @@ TEST(MamboEstimator, IntegratesWhatItIsAskedTo) {
   Vector2d filtered_sum = Vector2d::Zero();
   Vector2d raw_sum = Vector2d::Zero();
   for (int k = 0; k < 500; ++k) {
-    Frame frame = perfect(at_height(1));
+    Frame frame = perfect_frame(at_height(1));
     frame.flow.value += Vector2d(noise(random), noise(random));
     const Estimate<double> filtered = step(settings, filtered_state, frame);
     const Estimate<double> unfiltered = step(raw, raw_state, frame);
@@ -375,7 +376,7 @@ TEST(MamboEstimator, BelievesImagesAsTheirVarianceSays) {
   Vector2d error = believed.head<2>();
   for (int k = 1; k <= 8000; ++k) {
     const Vector2d truth = x.head<2>() + (k - 1) * 0.005 * x.segment<2>(6);
-    Frame frame = perfect(x);
+    Frame frame = perfect_frame(x);
     frame.vision.age = 0.2;
     frame.vision.value << truth - 0.2 * x.segment<2>(6), 77;  // its height is not looked at
     frame.vision.fresh = k % kPeriods == 1 && k > 1;
@@ -393,10 +394,10 @@ TEST(MamboEstimator, BelievesImagesAsTheirVarianceSays) {
   // The flow's own sum is corrected too.
   Settings raw = settings;
   raw.position = MamboPosition::flow_velocity;
-  EXPECT_THAT(step(raw, state, perfect(x)).x.head<2>(),
+  EXPECT_THAT(step(raw, state, perfect_frame(x)).x.head<2>(),
               MatrixNear(Vector2d(8000 * 0.005 * x.segment<2>(6)), 1e-6));
   // What is not a number is not looked at.
-  Frame bad = perfect(x);
+  Frame bad = perfect_frame(x);
   bad.vision = {Vector3d(kNaN, 0, 0), true, 0};
   EXPECT_THAT(step(settings, state, bad).x.head<2>(),
               MatrixNear(Vector2d(8001 * 0.005 * x.segment<2>(6)), 1e-6));
@@ -429,7 +430,7 @@ TEST(MamboEstimator, DrawsALemniscate) {
     const double t = k * settings.dt;
     const Vector3d a = (place(t + h) - 2 * place(t) + place(t - h)) / (h * h);
     const Vector2d filtered = state.position;
-    const Estimate<double> estimate = step(settings, state, perfect(state_at(t), a));
+    const Estimate<double> estimate = step(settings, state, perfect_frame(state_at(t), a));
     raw_error += (estimate.x.head<2>() - place(t).head<2>()).cwiseAbs().mean() / kPeriods;
     filtered_error += (filtered - place(t).head<2>()).cwiseAbs().mean() / kPeriods;
   }
@@ -443,7 +444,7 @@ TEST(MamboEstimator, SaysWhenFlowDisagrees) {
   State state = mambo_estimator_start(settings, x);
   for (const double velocity : {0.99, 1.01}) {
     State now = state;
-    Frame frame = perfect(x);
+    Frame frame = perfect_frame(x);
     frame.flow.value.x() -= velocity;
     EXPECT_EQ(step(settings, now, frame).flow_disagrees, velocity > 1);
   }
@@ -455,7 +456,7 @@ TEST(MamboEstimator, IsNotPoisonedBySensors) {
   State state = mambo_estimator_start(settings, x);
   for (const double bad : {kNaN, std::numeric_limits<double>::infinity()})
     for (int which = 0; which < 4; ++which) {
-      Frame frame = perfect(x);
+      Frame frame = perfect_frame(x);
       if (which == 0) frame.rates.value.y() = bad;
       if (which == 1) frame.specific_force.value.z() = bad;
       if (which == 2) frame.flow.value.x() = bad;
@@ -465,7 +466,7 @@ TEST(MamboEstimator, IsNotPoisonedBySensors) {
       EXPECT_THAT(estimate.x, MatrixNear(x, 1e-12));
     }
   state.velocity.x(0) = kNaN;  // if it happens all the same, it is said
-  EXPECT_FALSE(step(settings, state, perfect(x)).finite);
+  EXPECT_FALSE(step(settings, state, perfect_frame(x)).finite);
 }
 
 // Lanes with noises, masks and echoes of their own, against each alone; the first also in float.
@@ -498,7 +499,7 @@ TEST(MamboEstimator, LanesDoNotDependOnEachOtherAndFloatFollows) {
     SensorFrame<Pack<4>> frames;
     std::array<Frame, 4> frame;
     for (int l = 0; l < 4; ++l) {
-      Frame& f = frame[l] = perfect(x);
+      Frame& f = frame[l] = perfect_frame(x);
       for (int i = 0; i < 3; ++i) f.rates.value(i) += noise(random);
       for (int i = 0; i < 3; ++i) f.specific_force.value(i) += noise(random);
       for (int i = 0; i < 2; ++i) f.flow.value(i) += noise(random);

@@ -25,12 +25,12 @@ DiscreteLti altitude_on_board(double dt = 0.005) {
   filter.C = (Matrix(1, 2) << 1, 0).finished();
   return filter;
 }
-const Matrix kG = (Matrix(2, 1) << 0, 1).finished();
+const Matrix kNoiseInput = (Matrix(2, 1) << 0, 1).finished();
 
 // Oliveira 2020, table 3.1: 0.0005 m²/s² each 5 ms, 0.1 m²; the built-in model starts with these.
 TEST(TunedNoise, OfTheAltitudeIsThatOfTheTable) {
   const NoisePerStep noise =
-      noise_per_step(load_filter_model("altitude"), altitude_on_board(), kG, "test");
+      noise_per_step(load_filter_model("altitude"), altitude_on_board(), kNoiseInput, "test");
   EXPECT_THAT(noise.Q, MatrixNear(Matrix::Constant(1, 1, 0.0005), 1e-15));
   EXPECT_THAT(noise.R, MatrixNear(Matrix::Constant(1, 1, 0.1), 1e-15));
 }
@@ -50,7 +50,7 @@ TEST(TunedNoise, OfTheVelocityIsThatOfTheTable) {
 
 TEST(TunedNoise, GrowsWithThePeriod) {
   const FilterModel model = load_filter_model("altitude");
-  EXPECT_THAT(noise_per_step(model, altitude_on_board(0.01), kG, "test").Q,
+  EXPECT_THAT(noise_per_step(model, altitude_on_board(0.01), kNoiseInput, "test").Q,
               MatrixNear(Matrix::Constant(1, 1, 0.001), 1e-15));
 }
 
@@ -63,13 +63,13 @@ TEST(TunedNoise, RefusesAnotherFilter) {
   };
   DiscreteLti filter = altitude_on_board();
   filter.states[1].name = "w";
-  refusal(filter, kG, "has the states z vz, expected z w as the filter");
+  refusal(filter, kNoiseInput, "has the states z vz, expected z w as the filter");
   refusal(altitude_on_board(), Matrix::Identity(2, 2), "has noise on other states");
   filter = altitude_on_board();
   filter.C << 0, 1;
-  refusal(filter, kG, "measures other than the filter with 'height'");
+  refusal(filter, kNoiseInput, "measures other than the filter with 'height'");
   filter.C = Matrix::Identity(2, 2);
-  refusal(filter, kG, "has 1 measurements, expected 2");
+  refusal(filter, kNoiseInput, "has 1 measurements, expected 2");
 }
 
 // What a tuning said of itself comes back with the file.

@@ -14,6 +14,7 @@
 
 #include "integrate.hpp"
 #include "matrix_near.hpp"
+#include "numbers.hpp"
 #include "pack_functions.hpp"
 #include "plants/sample_vehicles.hpp"
 #include "quadtune/errors.hpp"
@@ -38,15 +39,15 @@ using Speeds = RotorSpeeds<double>;
 using Vector12 = StateVector<double>;
 using Vector15 = UquadVector<double>;
 using Matrix15 = Eigen::Matrix<double, 15, 15>;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kG = 9.81;
+using testing::kNaN;
+constexpr double kFilterGravity = 9.81;
 constexpr double kHoverSpeed = 316.103650939028;
-const Vector3d kField(20, 0, 43);  // µT, north and down
+const Vector3d kEarthField(20, 0, 43);  // µT, north and down
 constexpr double kSeaLevel = 101325;
 
 Speeds hover() { return Speeds::Constant(4, kHoverSpeed); }
 
-Matrix15 random_covariance(std::mt19937_64& random) {
+Matrix15 random_covariance_15(std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   Matrix15 root;
   for (int i = 0; i < 225; ++i) root(i) = normal(random);
@@ -54,12 +55,12 @@ Matrix15 random_covariance(std::mt19937_64& random) {
 }
 
 /// What perfect sensors say in the state x of a body that feels the specific force f; all fresh.
-Frame perfect(const Vector12& x, const Vector3d& f) {
+Frame perfect_sensors(const Vector12& x, const Vector3d& f) {
   const Eigen::Matrix3d R = rotation_of_euler(x(3), x(4), x(5));
   Frame frame;
   frame.specific_force = {f, true, 0};
   frame.rates = {x.tail<3>(), true, 0};
-  frame.magnetic_field = {R.transpose() * kField, true, 0};
+  frame.magnetic_field = {R.transpose() * kEarthField, true, 0};
   frame.pressure = {barometric_pressure(-x(2), kSeaLevel), true, 0};
   frame.gps_position = {x.head<3>(), true, 0};
   frame.gps_velocity = {R * x.segment<3>(6), true, 0};
@@ -67,9 +68,9 @@ Frame perfect(const Vector12& x, const Vector3d& f) {
 }
 
 /// … at rest.
-Frame resting(const Vector12& x) {
+Frame resting_sensors(const Vector12& x) {
   const Eigen::Matrix3d R = rotation_of_euler(x(3), x(4), x(5));
-  return perfect(x, R.transpose() * Vector3d(0, 0, -kG));
+  return perfect_sensors(x, R.transpose() * Vector3d(0, 0, -kFilterGravity));
 }
 
 void forget_gps(Frame& frame) {
@@ -77,7 +78,7 @@ void forget_gps(Frame& frame) {
   frame.gps_velocity.fresh = false;
 }
 
-Eigen::Matrix<double, 12, 12> dense(const StateJacobian<double>& A) {
+Eigen::Matrix<double, 12, 12> dense_jacobian(const StateJacobian<double>& A) {
   Eigen::Matrix<double, 12, 12> M = Eigen::Matrix<double, 12, 12>::Zero();
   M.block<3, 3>(0, 3) = A.position_attitude;
   M.block<3, 3>(0, 6) = A.position_velocity;
@@ -109,7 +110,7 @@ TEST(StateJacobian, EqualsThatOfJets) {
     const StateVector<Jet> fj = state_derivative(body, xj, lj);
     Eigen::Matrix<double, 12, 12> expected;
     for (int i = 0; i < 12; ++i) expected.row(i) = fj(i).v.transpose();
-    EXPECT_THAT(dense(state_jacobian(body, x, loads)), MatrixNear(expected, 1e-12));
+    EXPECT_THAT(dense_jacobian(state_jacobian(body, x, loads)), MatrixNear(expected, 1e-12));
   }
 }
 
@@ -122,9 +123,9 @@ TEST(UquadFilter, PredictsByThePhysicsAndItsJacobian) {
     KalmanState<double, 15> kalman;
     const Vector12 x = random_state(random);
     kalman.x << x, 0.1, 0.2, 0.3;
-    const Matrix15 P = kalman.P = random_covariance(random);
+    const Matrix15 P = kalman.P = random_covariance_15(random);
     Matrix15 F = Matrix15::Identity();
-    F.topLeftCorner<12, 12>() += 0.01 * dense(state_jacobian(body, x, loads));
+    F.topLeftCorner<12, 12>() += 0.01 * dense_jacobian(state_jacobian(body, x, loads));
     predict(settings, kalman, body, loads, false);
     Vector15 expected;
     expected << x + 0.01 * state_derivative(body, x, loads), 0.1, 0.2, 0.3;
@@ -168,7 +169,7 @@ TEST(UquadFilter, CorrectsAsAllAtOnce) {
     KalmanState<double, 15> kalman;
     kalman.x << random_state(random), 0.1, -0.2, 0.3;
     const Vector15 x = kalman.x;
-    const Matrix15 P = kalman.P = random_covariance(random);
+    const Matrix15 P = kalman.P = random_covariance_15(random);
     UquadVector<Jet> xj;
     for (int i = 0; i < 15; ++i) xj(i) = Jet(x(i), i);
     RotorLoads<Jet> lj;
@@ -281,7 +282,8 @@ TEST(UquadFilter, HoversWhereItWasPut) {
   for (const Settings& settings : {Settings(), uquad_filter_in_si<double>()}) {
     State state = uquad_filter_start(settings, x);
     for (int k = 0; k < 500; ++k) {
-      const Estimate<double> estimate = step(settings, state, resting(x), body, hover(), false);
+      const Estimate<double> estimate =
+          step(settings, state, resting_sensors(x), body, hover(), false);
       ASSERT_THAT(estimate.x, MatrixNear(x, 1e-9));
       ASSERT_TRUE(estimate.finite && estimate.height_used);
       ASSERT_EQ(estimate.innovation_freedom, 16);
@@ -298,7 +300,7 @@ TEST(UquadFilter, FindsTheAccelerometersBias) {
     State state = uquad_filter_start(settings, x);
     Estimate<double> estimate;
     for (int k = 0; k < 6000; ++k) {
-      Frame frame = resting(x);
+      Frame frame = resting_sensors(x);
       frame.specific_force.value += bias;
       estimate = step(settings, state, frame, body, hover(), false);
     }
@@ -310,13 +312,13 @@ TEST(UquadFilter, FindsTheAccelerometersBias) {
     without.position = false;
     State plain = uquad_filter_start(without, x);
     for (int k = 0; k < 6000; ++k) {
-      Frame frame = resting(x);
+      Frame frame = resting_sensors(x);
       frame.specific_force.value += bias;
       estimate = step(without, plain, frame, body, hover(), false);
     }
     EXPECT_EQ(plain.kalman.x.tail<3>(), Vector3d::Zero());
     EXPECT_EQ(plain.kalman.P.bottomRows<3>().norm(), 0);
-    const Tilt<double> wrong = tilt_of_force<double>(Vector3d(0, 0, -kG) + bias);
+    const Tilt<double> wrong = tilt_of_force<double>(Vector3d(0, 0, -kFilterGravity) + bias);
     EXPECT_NEAR(estimate.x(3), wrong.roll, 1e-3);
     EXPECT_NEAR(estimate.x(4), wrong.pitch, 1e-3);
   }
@@ -349,7 +351,7 @@ FlightErrors fly_circles(const Settings& settings) {
     Eigen::Matrix3d R = rotation_of_euler(x(3), x(4), x(5));
     const Vector3d to_go = Vector3d(2 * std::sin(t), 2 - 2 * std::cos(t), -5) - x.head<3>();
     const Vector3d too_slow = Vector3d(2 * std::cos(t), 2 * std::sin(t), 0) - R * x.segment<3>(6);
-    const Vector3d thrust = 1.5 * to_go + 2.2 * too_slow - Vector3d(0, 0, kG);
+    const Vector3d thrust = 1.5 * to_go + 2.2 * too_slow - Vector3d(0, 0, kFilterGravity);
     const Vector3d level = Eigen::AngleAxisd(-x(5), Vector3d::UnitZ()) * thrust;
     const double pitch = std::atan2(-level.x(), -level.z());
     const double roll = std::atan2(level.y() * std::cos(pitch), -level.z());
@@ -362,7 +364,8 @@ FlightErrors fly_circles(const Settings& settings) {
     x = testing::integrate(
         [&](const Vector12& y) { return Vector12(state_derivative(body, y, loads)); }, x, 0.005, 2);
 
-    Frame frame = perfect(x, loads.force / body.mass + Vector3d(0.2, -0.1, 0.3) + noise(0.2));
+    Frame frame =
+        perfect_sensors(x, loads.force / body.mass + Vector3d(0.2, -0.1, 0.3) + noise(0.2));
     frame.rates.value += noise(0.01);
     frame.magnetic_field.value += noise(1);
     frame.pressure.value += 4 * normal(random);
@@ -398,11 +401,11 @@ TEST(UquadFilter, TurnsTheFieldLevelByTheTiltAskedFor) {
   Vector12 x = Vector12::Zero();
   x.segment<3>(3) << 0.3, -0.2, 1;
   State state = uquad_filter_start(settings, x);
-  const Frame flying = perfect(x, Vector3d(0, 0, -kG));  // as if it were level
-  EXPECT_GT(std::abs(uquad_measurement(settings, state, flying, kG).yaw - 1), 0.1);
-  EXPECT_NEAR(uquad_measurement(settings, state, resting(x), kG).yaw, 1, 1e-12);
+  const Frame flying = perfect_sensors(x, Vector3d(0, 0, -kFilterGravity));  // as if it were level
+  EXPECT_GT(std::abs(uquad_measurement(settings, state, flying, kFilterGravity).yaw - 1), 0.1);
+  EXPECT_NEAR(uquad_measurement(settings, state, resting_sensors(x), kFilterGravity).yaw, 1, 1e-12);
   settings.yaw_by_estimated_tilt = true;
-  EXPECT_NEAR(uquad_measurement(settings, state, flying, kG).yaw, 1, 1e-12);
+  EXPECT_NEAR(uquad_measurement(settings, state, flying, kFilterGravity).yaw, 1, 1e-12);
 }
 
 TEST(UquadFilter, CountsTurnsOfYaw) {
@@ -416,7 +419,7 @@ TEST(UquadFilter, CountsTurnsOfYaw) {
       Estimate<double> estimate;
       for (int k = 1; k <= 2000; ++k) {
         x(5) = rate * 0.01 * k;  // nearly five turns
-        estimate = step(settings, state, resting(x), body, hover(), false);
+        estimate = step(settings, state, resting_sensors(x), body, hover(), false);
       }
       EXPECT_NEAR(estimate.x(5), rate * 20, 1e-6);
     }
@@ -424,17 +427,17 @@ TEST(UquadFilter, CountsTurnsOfYaw) {
 
 TEST(UquadFilter, DoubtsForcesAndFieldsOfTheWrongLength) {
   Settings settings;
-  settings.field_norm = kField.norm();
+  settings.field_norm = kEarthField.norm();
   Vector12 x = Vector12::Zero();
   State state = uquad_filter_start(settings, x);
-  Frame frame = resting(x);
+  Frame frame = resting_sensors(x);
   frame.specific_force.value *= 1.2;
   frame.magnetic_field.value *= 0.7;
-  UquadMeasurement<double> m = uquad_measurement(settings, state, frame, kG);
+  UquadMeasurement<double> m = uquad_measurement(settings, state, frame, kFilterGravity);
   EXPECT_EQ(m.tilt_doubt, 1);
   EXPECT_EQ(m.yaw_doubt, 1);
   settings.dynamic_covariance = true;
-  m = uquad_measurement(settings, state, frame, kG);
+  m = uquad_measurement(settings, state, frame, kFilterGravity);
   EXPECT_NEAR(m.tilt_doubt, 5, 1e-12);  // 1 + (0.2/0.1)²
   EXPECT_NEAR(m.yaw_doubt, 14, 1e-12);  // + (0.3/0.1)²
   // And the filter hears it: a doubted tilt moves the state less.
@@ -467,7 +470,7 @@ TEST(UquadFilter, IsEightStatesWithoutPosition) {
   Estimate<double> estimate;
   Matrix15 early;
   for (int k = 0; k < 10000; ++k) {
-    Frame frame = resting(x);
+    Frame frame = resting_sensors(x);
     frame.gps_position.value.setConstant(100);  // fresh, but nobody asked
     estimate = step(settings, state, frame, body, hover(), false);
     if (k == 1000) early = state.kalman.P;
@@ -492,7 +495,7 @@ TEST(UquadFilter, OutlastsALossOfGps) {
     std::mt19937_64 random(8);
     std::normal_distribution<double> normal;
     for (int k = 0; k < 30000; ++k) {
-      Frame frame = resting(x);
+      Frame frame = resting_sensors(x);
       for (int i = 0; i < 3; ++i) frame.specific_force.value(i) += 0.2 * normal(random);
       forget_gps(frame);
       estimate = step(settings, state, frame, body, hover(), false);
@@ -506,7 +509,7 @@ TEST(UquadFilter, OutlastsALossOfGps) {
     // It comes back, and is believed at once.
     x.head<2>() << 7, -4;
     for (int k = 0; k < 300; ++k) {
-      Frame frame = resting(x);
+      Frame frame = resting_sensors(x);
       if (k % 100 != 0) forget_gps(frame);
       estimate = step(settings, state, frame, body, hover(), false);
     }
@@ -528,7 +531,7 @@ TEST(UquadFilter, BelievesImages) {
   Vector12 truth = x;
   for (int k = 0; k < 3000; ++k) {
     truth.head<3>() = x.head<3>() + k * 0.01 * velocity + Vector3d(4, -5, 0);
-    Frame frame = resting(truth);
+    Frame frame = resting_sensors(truth);
     forget_gps(frame);
     frame.vision = {truth.head<3>() - 0.2 * velocity, k % 20 == 0, 0.2};
     estimate = step(settings, state, frame, body, hover(), false);
@@ -536,7 +539,7 @@ TEST(UquadFilter, BelievesImages) {
   EXPECT_THAT(estimate.x.head<3>(), MatrixNear(Vector3d(truth.head<3>()), 0.02));
   EXPECT_THAT(estimate.x.segment<3>(6), MatrixNear(Vector3d(truth.segment<3>(6)), 0.02));
   EXPECT_LT(state.gps_age, 0.3);
-  Frame bad = resting(truth);
+  Frame bad = resting_sensors(truth);
   bad.vision = {Vector3d(0, kNaN, 0), true, 0};
   EXPECT_TRUE(step(settings, state, bad, body, hover(), false).finite);
 }
@@ -553,10 +556,10 @@ TEST(UquadFilter, FindsOffsetsWhileItStands) {
   truth.segment<3>(3) << 0.03, -0.02, 1.2;
   const Vector3d offset(0.02, -0.01, 0.005);
   const Eigen::Matrix3d R = rotation_of_euler(0.03, -0.02, 1.2);
-  Frame frame = resting(truth);
+  Frame frame = resting_sensors(truth);
   frame.rates.value += offset;
   frame.pressure.value = 99000;
-  frame.magnetic_field.value = R.transpose() * rotation_of_euler(0.0, 0.0, -0.15) * kField;
+  frame.magnetic_field.value = R.transpose() * rotation_of_euler(0.0, 0.0, -0.15) * kEarthField;
   for (int k = 0; k < 100; ++k) {
     Frame flickering = frame;
     const double flicker = k % 2 ? 1 : -1;
@@ -568,7 +571,7 @@ TEST(UquadFilter, FindsOffsetsWhileItStands) {
   }
   EXPECT_THAT(state.gyro_offset, MatrixNear(offset, 1e-14));
   EXPECT_NEAR(state.pressure_zero, 99000, 1e-9);
-  EXPECT_NEAR(state.field_norm, kField.norm(), 1e-12);
+  EXPECT_NEAR(state.field_norm, kEarthField.norm(), 1e-12);
   EXPECT_THAT(state.kalman.x.head<12>(), MatrixNear(truth, 1e-12));
   // Then it goes on standing, neither falling nor drifting, until it is told otherwise.
   Estimate<double> estimate;
@@ -598,7 +601,7 @@ TEST(UquadFilter, IsNotPoisonedBySensors) {
   State state = uquad_filter_start(settings, x);
   for (const double bad : {kNaN, std::numeric_limits<double>::infinity()})
     for (int which = 0; which < 6; ++which) {
-      Frame frame = resting(x);
+      Frame frame = resting_sensors(x);
       if (which == 0) frame.rates.value.y() = bad;
       if (which == 1) frame.specific_force.value.z() = bad;
       if (which == 2) frame.magnetic_field.value.x() = bad;
@@ -609,11 +612,11 @@ TEST(UquadFilter, IsNotPoisonedBySensors) {
       EXPECT_TRUE(estimate.finite);
       EXPECT_THAT(estimate.x, MatrixNear(x, 1e-9));
     }
-  Frame frame = resting(x);
+  Frame frame = resting_sensors(x);
   frame.pressure.value = 0;
   EXPECT_FALSE(step(settings, state, frame, body, hover(), false).height_used);
   state.kalman.x(7) = kNaN;
-  EXPECT_FALSE(step(settings, state, resting(x), body, hover(), false).finite);
+  EXPECT_FALSE(step(settings, state, resting_sensors(x), body, hover(), false).finite);
 }
 
 TEST(UquadFilter, ItsGateShutsOutliersOut) {
@@ -623,8 +626,8 @@ TEST(UquadFilter, ItsGateShutsOutliersOut) {
   Vector12 x = Vector12::Zero();
   x(2) = -3;
   State state = uquad_filter_start(settings, x);
-  for (int k = 0; k < 200; ++k) step(settings, state, resting(x), body, hover(), false);
-  Frame frame = resting(x);
+  for (int k = 0; k < 200; ++k) step(settings, state, resting_sensors(x), body, hover(), false);
+  Frame frame = resting_sensors(x);
   frame.gps_position.value.x() += 100;
   const Estimate<double> estimate = step(settings, state, frame, body, hover(), false);
   EXPECT_EQ(estimate.innovation_freedom, 15);
@@ -646,7 +649,7 @@ TEST(UquadFilter, StaysPositiveInSinglePrecision) {
     frame.specific_force = {Vector3<float>(0, 0, -9.81F), true, 0};
     for (int i = 0; i < 3; ++i) frame.specific_force.value(i) += 0.2F * normal(random);
     frame.rates = {Vector3<float>(Vector3<float>::Zero()), true, 0};
-    frame.magnetic_field = {kField.cast<float>(), true, 0};
+    frame.magnetic_field = {kEarthField.cast<float>(), true, 0};
     frame.pressure = {101289.0F, true, 0};
     frame.gps_position = {Vector3<float>(0, 0, -3), k % 100 == 0, 0};
     estimate = step(settings, state, frame, body,
@@ -689,7 +692,7 @@ TEST(UquadFilter, LanesDoNotDependOnEachOtherAndFloatFollows) {
     std::array<Speeds, 4> speed;
     Mask<4> standing;
     for (int l = 0; l < 4; ++l) {
-      Frame& f = frame[l] = resting(x);
+      Frame& f = frame[l] = resting_sensors(x);
       for (int i = 0; i < 3; ++i) f.rates.value(i) += 0.1 * noise(random);
       for (int i = 0; i < 3; ++i) f.specific_force.value(i) += noise(random);
       for (int i = 0; i < 3; ++i) f.magnetic_field.value(i) += 10 * noise(random);

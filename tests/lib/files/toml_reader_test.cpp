@@ -19,15 +19,15 @@ using ::testing::HasSubstr;
 using ::testing::StrEq;
 using ::testing::ThrowsMessage;
 
-TomlTable parse(const std::string& text) { return TomlTable::parse(text, "file.toml"); }
+TomlTable parse_toml(const std::string& text) { return TomlTable::parse(text, "file.toml"); }
 
-TomlTable body(const std::string& lines) { return parse("[body]\n" + lines).table("body"); }
+TomlTable body(const std::string& lines) { return parse_toml("[body]\n" + lines).table("body"); }
 
 const std::vector<TomlKey> kBodyKeys = {{"mass", "kg"}, {"inertia", "kg_m2"}, {"name"}};
 
 TEST(TomlReader, ReadsNumbersListsAndTables) {
   const TomlTable file =
-      parse("a = 1\nb = [1, 2.5, -3e-2]\nM = [[1, 2],\n [3, 4]]\n[t]\ns = 'x'\n");
+      parse_toml("a = 1\nb = [1, 2.5, -3e-2]\nM = [[1, 2],\n [3, 4]]\n[t]\ns = 'x'\n");
   EXPECT_EQ(file.number("a"), 1);
   EXPECT_THAT(file.vector("b"), MatrixNear(Eigen::Vector3d(1, 2.5, -0.03), 0));
   EXPECT_THAT(file.matrix("M"), MatrixNear((Eigen::Matrix2d() << 1, 2, 3, 4).finished(), 0));
@@ -38,13 +38,13 @@ TEST(TomlReader, ReadsNumbersListsAndTables) {
 }
 
 // Every refusal names the file and the line, what came and what was expected.
-struct Refusal {
+struct TomlRefusal {
   const char* name;
   std::function<void()> act;
   const char* message;
 };
 
-class TomlRefusals : public ::testing::TestWithParam<Refusal> {};
+class TomlRefusals : public ::testing::TestWithParam<TomlRefusal> {};
 
 TEST_P(TomlRefusals, AreOneLineWithPlaceAndReason) {
   EXPECT_THAT(GetParam().act, ThrowsMessage<InvalidInput>(StrEq(GetParam().message)));
@@ -53,78 +53,85 @@ TEST_P(TomlRefusals, AreOneLineWithPlaceAndReason) {
 INSTANTIATE_TEST_SUITE_P(
     All, TomlRefusals,
     ::testing::Values(
-        Refusal{"WrongUnit", [] { body("\nmass_g = 63").allow(kBodyKeys); },
-                "file.toml:3: key 'mass_g' in [body] is not known, expected 'mass_kg' (the unit is "
-                "part of the key)"},
-        Refusal{"NoUnit", [] { body("mass = 63").allow(kBodyKeys); },
-                "file.toml:2: key 'mass' in [body] is not known, expected 'mass_kg' (the unit is "
-                "part of the key)"},
-        Refusal{"Misspelt", [] { body("mas_kg = 63").allow(kBodyKeys); },
-                "file.toml:2: key 'mas_kg' in [body] is not known, expected one of mass_kg, "
-                "inertia_kg_m2, name; did you mean 'mass_kg'?"},
-        Refusal{"FirstUnknownInTheFile",
-                [] {
-                  body("zz = 1\naa = 2").allow({{"mass", "kg"}});
-                },
-                "file.toml:2: key 'zz' in [body] is not known, expected one of mass_kg"},
-        Refusal{"Missing", [] { (void)body("").number("mass_kg"); },
-                "file.toml:1: [body] has no key 'mass_kg', expected one"},
-        Refusal{"StringForNumber", [] { (void)body("mass_kg = '63 g'").number("mass_kg"); },
-                "file.toml:2: mass_kg in [body] is the string '63 g', expected a number"},
-        Refusal{"NumberForString", [] { (void)body("name = 4").text("name"); },
-                "file.toml:2: name in [body] is 4, expected a string"},
-        Refusal{"NumberForTable", [] { (void)parse("body = 4").table("body"); },
-                "file.toml:1: body is 4, expected a table"},
-        Refusal{"Date", [] { (void)body("mass_kg = 1979-05-27").number("mass_kg"); },
-                "file.toml:2: mass_kg in [body] is a date or time, expected a number"},
-        Refusal{"NotANumber", [] { (void)body("mass_kg = nan").number("mass_kg"); },
-                "file.toml:2: mass_kg in [body] is nan, expected a finite number"},
-        Refusal{"Infinity", [] { (void)body("mass_kg = -inf").number("mass_kg"); },
-                "file.toml:2: mass_kg in [body] is -inf, expected a finite number"},
-        Refusal{"OutOfRange",
-                [] { (void)body("mass_kg = -0.063").number("mass_kg", Range::positive()); },
-                "file.toml:2: mass_kg in [body] is -0.063, expected more than 0"},
-        Refusal{"LongList", [] { (void)body("x = [1,\n2, 3, 4]").vector3("x"); },
-                "file.toml:2: x in [body] has 4 entries, expected 3 (x, y, z)"},
-        Refusal{"WordInList", [] { (void)body("x = [1,\n2, 'a']").vector3("x"); },
-                "file.toml:3: entry 3 of x in [body] is the string 'a', expected a number"},
-        Refusal{"RaggedMatrix", [] { (void)body("x = [[1, 2],\n[3]]").matrix("x"); },
-                "file.toml:3: row 2 of x in [body] has 1 numbers, expected 2 as in row 1"},
-        Refusal{"Fraction", [] { (void)body("n = 2.5").integer("n", 1, 9); },
-                "file.toml:2: n in [body] is 2.5, expected a whole number from 1 to 9"},
-        Refusal{"TwoLines", [] { (void)body("name = 'a\\nb'\nb = \"a\\nb\"").text("b"); },
-                "file.toml:3: b in [body] has a line break or another control character, expected "
-                "one line of text"},
-        Refusal{"NameForAFile", [] { (void)body("name = '../x'").word("name"); },
-                "file.toml:2: name in [body] is '../x', expected 1 to 64 letters, digits, '.', '_' "
-                "or '-', as it names files"},
-        Refusal{"DuplicateKey", [] { parse("a = 1\nb = 2\na = 3"); },
-                "file.toml:3: key 'a' stands twice, expected once"},
-        Refusal{"DuplicateTable", [] { parse("[a]\n[a]"); },
-                "file.toml:2: key 'a' stands twice, expected once"},
-        Refusal{"DecimalComma", [] { parse("a = 0,5"); },
-                "file.toml:1: not TOML: key-value pair: expected a comment or whitespace, saw ','"},
-        Refusal{"TooLarge", [] { parse(std::string((1 << 20) + 1, '\n')); },
-                "file.toml: is larger than 1 MiB (1048576 bytes), expected at most 1 MiB"},
-        Refusal{"Binary", [] { parse(std::string("a = 1\n\0", 7)); },
-                "file.toml: has a zero byte at offset 6, expected text; is it a binary file?"},
-        Refusal{"LongLine", [] { parse("\n# " + std::string(9000, 'x')); },
-                "file.toml:2: line has 9002 bytes, expected at most 8192; lists may span lines"}),
+        TomlRefusal{
+            "WrongUnit", [] { body("\nmass_g = 63").allow(kBodyKeys); },
+            "file.toml:3: key 'mass_g' in [body] is not known, expected 'mass_kg' (the unit is "
+            "part of the key)"},
+        TomlRefusal{
+            "NoUnit", [] { body("mass = 63").allow(kBodyKeys); },
+            "file.toml:2: key 'mass' in [body] is not known, expected 'mass_kg' (the unit is "
+            "part of the key)"},
+        TomlRefusal{"Misspelt", [] { body("mas_kg = 63").allow(kBodyKeys); },
+                    "file.toml:2: key 'mas_kg' in [body] is not known, expected one of mass_kg, "
+                    "inertia_kg_m2, name; did you mean 'mass_kg'?"},
+        TomlRefusal{"FirstUnknownInTheFile",
+                    [] {
+                      body("zz = 1\naa = 2").allow({{"mass", "kg"}});
+                    },
+                    "file.toml:2: key 'zz' in [body] is not known, expected one of mass_kg"},
+        TomlRefusal{"Missing", [] { (void)body("").number("mass_kg"); },
+                    "file.toml:1: [body] has no key 'mass_kg', expected one"},
+        TomlRefusal{"StringForNumber", [] { (void)body("mass_kg = '63 g'").number("mass_kg"); },
+                    "file.toml:2: mass_kg in [body] is the string '63 g', expected a number"},
+        TomlRefusal{"NumberForString", [] { (void)body("name = 4").text("name"); },
+                    "file.toml:2: name in [body] is 4, expected a string"},
+        TomlRefusal{"NumberForTable", [] { (void)parse_toml("body = 4").table("body"); },
+                    "file.toml:1: body is 4, expected a table"},
+        TomlRefusal{"Date", [] { (void)body("mass_kg = 1979-05-27").number("mass_kg"); },
+                    "file.toml:2: mass_kg in [body] is a date or time, expected a number"},
+        TomlRefusal{"NotANumber", [] { (void)body("mass_kg = nan").number("mass_kg"); },
+                    "file.toml:2: mass_kg in [body] is nan, expected a finite number"},
+        TomlRefusal{"Infinity", [] { (void)body("mass_kg = -inf").number("mass_kg"); },
+                    "file.toml:2: mass_kg in [body] is -inf, expected a finite number"},
+        TomlRefusal{"OutOfRange",
+                    [] { (void)body("mass_kg = -0.063").number("mass_kg", Range::positive()); },
+                    "file.toml:2: mass_kg in [body] is -0.063, expected more than 0"},
+        TomlRefusal{"LongList", [] { (void)body("x = [1,\n2, 3, 4]").vector3("x"); },
+                    "file.toml:2: x in [body] has 4 entries, expected 3 (x, y, z)"},
+        TomlRefusal{"WordInList", [] { (void)body("x = [1,\n2, 'a']").vector3("x"); },
+                    "file.toml:3: entry 3 of x in [body] is the string 'a', expected a number"},
+        TomlRefusal{"RaggedMatrix", [] { (void)body("x = [[1, 2],\n[3]]").matrix("x"); },
+                    "file.toml:3: row 2 of x in [body] has 1 numbers, expected 2 as in row 1"},
+        TomlRefusal{"Fraction", [] { (void)body("n = 2.5").integer("n", 1, 9); },
+                    "file.toml:2: n in [body] is 2.5, expected a whole number from 1 to 9"},
+        TomlRefusal{
+            "TwoLines", [] { (void)body("name = 'a\\nb'\nb = \"a\\nb\"").text("b"); },
+            "file.toml:3: b in [body] has a line break or another control character, expected "
+            "one line of text"},
+        TomlRefusal{
+            "NameForAFile", [] { (void)body("name = '../x'").word("name"); },
+            "file.toml:2: name in [body] is '../x', expected 1 to 64 letters, digits, '.', '_' "
+            "or '-', as it names files"},
+        TomlRefusal{"DuplicateKey", [] { parse_toml("a = 1\nb = 2\na = 3"); },
+                    "file.toml:3: key 'a' stands twice, expected once"},
+        TomlRefusal{"DuplicateTable", [] { parse_toml("[a]\n[a]"); },
+                    "file.toml:2: key 'a' stands twice, expected once"},
+        TomlRefusal{
+            "DecimalComma", [] { parse_toml("a = 0,5"); },
+            "file.toml:1: not TOML: key-value pair: expected a comment or whitespace, saw ','"},
+        TomlRefusal{"TooLarge", [] { parse_toml(std::string((1 << 20) + 1, '\n')); },
+                    "file.toml: is larger than 1 MiB (1048576 bytes), expected at most 1 MiB"},
+        TomlRefusal{"Binary", [] { parse_toml(std::string("a = 1\n\0", 7)); },
+                    "file.toml: has a zero byte at offset 6, expected text; is it a binary file?"},
+        TomlRefusal{
+            "LongLine", [] { parse_toml("\n# " + std::string(9000, 'x')); },
+            "file.toml:2: line has 9002 bytes, expected at most 8192; lists may span lines"}),
     [](const auto& test) { return std::string(test.param.name); });
 
 // toml++ 3.3 frees dotted keys recursively, and so would our own tree.
 TEST(TomlReader, RefusesDeepNestingWithoutExhaustingTheStack) {
   std::string key;
   for (int i = 0; i < 4000; ++i) key += "a.";
-  EXPECT_THAT([&] { parse("[" + key + "a]\n" + key + "a = 1"); },
+  EXPECT_THAT([&] { parse_toml("[" + key + "a]\n" + key + "a = 1"); },
               ThrowsMessage<InvalidInput>(HasSubstr("nest more than 8 deep")));
-  EXPECT_THAT([] { parse("a = " + std::string(8000, '[')); }, ::testing::Throws<InvalidInput>());
+  EXPECT_THAT([] { parse_toml("a = " + std::string(8000, '[')); },
+              ::testing::Throws<InvalidInput>());
 }
 
 TEST(TomlReader, MakesOneLineOfWhateverTheParserSays) {
   for (const char* text : {"\x01 = 1", "a = \"\x7f\"", "\xff\xfe", "[", "a = \"\\q\"", "= 1"}) {
     try {
-      parse(text);
+      parse_toml(text);
       ADD_FAILURE() << "accepted " << text;
     } catch (const InvalidInput& error) {
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);

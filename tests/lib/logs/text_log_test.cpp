@@ -4,13 +4,13 @@
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "log_files/read_logs.hpp"
 #include "log_files/sample_logs.hpp"
+#include "numbers.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/logs/flight_log.hpp"
 #include "quadtune/logs/log_channels.hpp"
@@ -32,7 +32,7 @@ using testing::WholeGroup;
 using testing::WholeLog;
 using testing::with_columns;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using testing::kNaN;
 
 TEST(TextLog, TakesNamesUnitsAndTimeFromTheHeader) {
   const WholeLog log =

@@ -5,10 +5,10 @@
 
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <random>
 #include <vector>
 
+#include "numbers.hpp"
 #include "same_bits.hpp"
 
 namespace quadtune {
@@ -16,9 +16,9 @@ namespace {
 
 using testing::same_bits;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using testing::kInfinity;
+using testing::kNaN;
+using testing::kPi;
 
 // How far `got` is from `want`, in units in the last place of `want`.
 double ulps(double got, long double want) {

@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "numbers.hpp"
 #include "same_bits.hpp"
 
 namespace quadtune {
@@ -16,8 +17,8 @@ namespace {
 
 using testing::same_bits;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using testing::kInfinity;
+using testing::kNaN;
 
 std::vector<double> numbers() {
   std::vector<double> all = {0.0,        -0.0,

@@ -38,14 +38,15 @@ max_rad_s = 400
 direction = [1, 1]
 )";
 
-Vehicle with(const std::string& rest) { return parse_vehicle(kHead + rest, "v.toml"); }
+Vehicle with_sensors(const std::string& rest) { return parse_vehicle(kHead + rest, "v.toml"); }
 
 void expect_refusal(const std::string& rest, const std::string& message) {
-  EXPECT_THAT([&] { (void)with(rest); }, ThrowsMessage<InvalidInput>(StrEq(message))) << rest;
+  EXPECT_THAT([&] { (void)with_sensors(rest); }, ThrowsMessage<InvalidInput>(StrEq(message)))
+      << rest;
 }
 
 TEST(SensorFile, ReadsEveryKey) {
-  const Vehicle vehicle = with(R"(
+  const Vehicle vehicle = with_sensors(R"(
 [sensors.accelerometer]
 rate_Hz = 250
 delay_s = 0.004
@@ -130,15 +131,16 @@ noise_m = 0.03
 }
 
 TEST(SensorFile, HasTheSensorsThatItNamesAndNoOthers) {
-  const Vehicle none = with("[sensors]\n");
+  const Vehicle none = with_sensors("[sensors]\n");
   EXPECT_TRUE(none.sensors_known);
   EXPECT_FALSE(none.sensors.accelerometer || none.sensors.gyroscope || none.sensors.magnetometer ||
                none.sensors.barometer || none.sensors.sonar || none.sensors.flow ||
                none.sensors.gps || none.sensors.vision);
-  const Vehicle unsaid = with("");
+  const Vehicle unsaid = with_sensors("");
   EXPECT_FALSE(unsaid.sensors_known);
   EXPECT_EQ(unsaid.sensors.accelerometer->rate, typical_sensors().accelerometer->rate);
-  EXPECT_TRUE(std::isnan(with("[sensors.barometer]\nrate_Hz = 1\n").sensors.barometer->fall));
+  EXPECT_TRUE(
+      std::isnan(with_sensors("[sensors.barometer]\nrate_Hz = 1\n").sensors.barometer->fall));
 }
 
 TEST(SensorFile, IdealSensorsKeepTheirRatesAlone) {
@@ -259,12 +261,12 @@ TEST(SensorFile, RefusesKeysItDoesNotKnow) {
                    fmt::format("v.toml:21: key 'delay_ms' in [sensors.{}] is not known, expected "
                                "'delay_s' (the unit is part of the key)",
                                sensor));
-    EXPECT_THAT([&] { (void)with(table + "rate_Hz = 9\ncolour = 1\n"); },
+    EXPECT_THAT([&] { (void)with_sensors(table + "rate_Hz = 9\ncolour = 1\n"); },
                 ThrowsMessage<InvalidInput>(HasSubstr(fmt::format(
                     "v.toml:21: key 'colour' in [sensors.{}] is not known, expected one of rate_Hz",
                     sensor))));
   }
-  EXPECT_THAT([] { (void)with("[sensors.lidar]\nrate_Hz = 9\n"); },
+  EXPECT_THAT([] { (void)with_sensors("[sensors.lidar]\nrate_Hz = 9\n"); },
               ThrowsMessage<InvalidInput>(
                   HasSubstr("v.toml:19: key 'lidar' in [sensors] is not known, expected one of "
                             "accelerometer, gyroscope")));
@@ -294,7 +296,7 @@ empty_voltage_V = 9.6
 )";
 
 TEST(BatteryFile, ReadsEveryKey) {
-  const Battery b = with(kBattery + R"(cutoff_voltage_V = 9
+  const Battery b = with_sensors(kBattery + R"(cutoff_voltage_V = 9
 rated_voltage_V = 12
 resistance_ohm = 0.05
 efficiency = 0.6
@@ -311,12 +313,12 @@ regulated = false
   EXPECT_EQ(b.efficiency, 0.6);
   EXPECT_EQ(b.idle_power, 3);
   EXPECT_FALSE(b.regulated);
-  const Battery plain = with(kBattery).battery.value();
+  const Battery plain = with_sensors(kBattery).battery.value();
   EXPECT_EQ(plain.rated_voltage, 12.6);  // the full one
   EXPECT_EQ(plain.resistance, 0);
   EXPECT_EQ(plain.cutoff_voltage, 0);
   EXPECT_TRUE(plain.regulated);
-  EXPECT_FALSE(with("").battery.has_value());
+  EXPECT_FALSE(with_sensors("").battery.has_value());
 }
 
 TEST(BatteryFile, RefusesWhatIsNoBattery) {
@@ -366,8 +368,8 @@ TEST(BatteryFile, RefusesWhatIsNoBattery) {
 }
 
 TEST(MotorFile, ReadsTheQuantum) {
-  EXPECT_EQ(with("").motor.quantum, 0);
-  EXPECT_EQ(with("quantum_rad_s = 0.5\n").motor.quantum, 0.5);
+  EXPECT_EQ(with_sensors("").motor.quantum, 0);
+  EXPECT_EQ(with_sensors("quantum_rad_s = 0.5\n").motor.quantum, 0.5);
   expect_refusal("quantum_rad_s = -1\n",
                  "v.toml:19: quantum_rad_s in [motor] is -1, expected 0 or more");
   expect_refusal("quantum_rad_s = nan\n",

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 
+#include "numbers.hpp"
 #include "plants/designed_mambo.hpp"
 
 namespace quadtune {
@@ -16,7 +16,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::Pair;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using testing::kInfinity;
 
 // R: binom.test(k, n)$conf.int; at the ends (α/2)^(1/n).
 TEST(SuccessRate, HasTheIntervalOfClopperAndPearson) {

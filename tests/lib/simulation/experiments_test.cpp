@@ -20,8 +20,8 @@ namespace {
 using testing::designed_mambo_cascade;
 using testing::matches_document;
 
-constexpr double kPeriod = 0.005;  // of control [s]
-constexpr double kFactor = 1.15;   // of the thesis's estimator
+constexpr double kControlPeriod = 0.005;  // of control [s]
+constexpr double kFactor = 1.15;          // of the thesis's estimator
 
 // The Mambo's estimator as the thesis has it; calibrated; and its position by the unfiltered flow.
 enum class Estimator { original, calibrated, raw };
@@ -93,7 +93,7 @@ class TorqueResponse {
  public:
   explicit TorqueResponse(const FlightSetup& setup) {
     FlownPlantOptions options;
-    options.dt = kPeriod;
+    options.dt = kControlPeriod;
     loop_ = cut_at_inputs(flown_plant(setup, options).plant, flown_law(setup));
     x_ = Eigen::VectorXd::Zero(loop_.C.cols());
   }
@@ -138,18 +138,18 @@ Methods fly_by_both(FlightSetup setup, double from) {
     const std::array<double, 3> e = {
         phase == FlightPhase::flying ? reference.position.z() - estimate.x(2) : 0,
         state.roll_reference - estimate.x(3), state.pitch_reference - estimate.x(4)};
-    double force =
-        -altitude.Kp * z - altitude.Kd * w + altitude.Ki * kPeriod * (sum - z / 2 + e[0] / 2);
+    double force = -altitude.Kp * z - altitude.Kd * w +
+                   altitude.Ki * kControlPeriod * (sum - z / 2 + e[0] / 2);
     if (phase == FlightPhase::flying) sum -= z;
     for (const FlightResult* flight : {&result.euler, &result.tustin}) {
       const double T = column(*flight, "command.T")[k];
       if (T <= 0 || T >= settings.greatest_thrust || phase != FlightPhase::flying) force = 0;
     }
-    z += w * kPeriod + force / setup.vehicle.mass * kPeriod * kPeriod / 2;
-    w += force / setup.vehicle.mass * kPeriod;
+    z += w * kControlPeriod + force / setup.vehicle.mass * kControlPeriod * kControlPeriod / 2;
+    w += force / setup.vehicle.mass * kControlPeriod;
     std::array<double, 3> half{};
     for (std::size_t i = 0; i < 3; ++i)
-      half[i] = settings.loops[index_of(kAxes[i])].Ki * kPeriod * e[i] / 2;
+      half[i] = settings.loops[index_of(kAxes[i])].Ki * kControlPeriod * e[i] / 2;
     const Eigen::Vector2d torque = torques.step({half[1], half[2]});
     if (column(result.euler, "t")[k] < from) continue;
     ++rows;
@@ -258,9 +258,9 @@ struct PathMeans {
 PathMeans path_means(const FlightSetup& setup) {
   const CarriedMotion motion(std::get<Carried>(setup.mission.kind));
   PathMeans means;
-  const int rows = static_cast<int>(setup.mission.duration / kPeriod);
+  const int rows = static_cast<int>(setup.mission.duration / kControlPeriod);
   for (int k = 0; k < rows; ++k) {
-    const Motion now = motion.at(k * kPeriod);
+    const Motion now = motion.at(k * kControlPeriod);
     means.distance += (now.position - motion.at(0).position).norm() / rows;
     means.speed += now.velocity.norm() / rows;
   }
@@ -289,7 +289,7 @@ double late_by(double rate) {
   double wait = 0;
   for (int i = 0; i < kFlows; ++i) {
     const double taken = i / rate;
-    wait += (std::ceil(taken / kPeriod - 1e-9) * kPeriod - taken) / kFlows;
+    wait += (std::ceil(taken / kControlPeriod - 1e-9) * kControlPeriod - taken) / kFlows;
   }
   return 0.5 / rate + wait;
 }
@@ -312,7 +312,7 @@ TEST(Experiments, TheFilterIsLateByItsGain) {
   const double gain = before / (before + r);
   const double late = fly_flow(setup).mean / path_means(setup).speed;
   EXPECT_GT(late, late_by(200));
-  EXPECT_LT(late, late_by(200) + (1 - gain) / gain * kPeriod);
+  EXPECT_LT(late, late_by(200) + (1 - gain) / gain * kControlPeriod);
 }
 
 // The first local minimum of x after the path began, of a column [s, m].
@@ -335,7 +335,7 @@ TEST(Experiments, BothRatesKeepTheFirstMinimum) {
     const auto [true_t, true_x] = first_minimum(flight, "x.px");
     const auto [t, x] = first_minimum(flight, "estimate.px");
     EXPECT_GT(true_t, 0);
-    EXPECT_NEAR(t, true_t, 1 / rate + kPeriod);
+    EXPECT_NEAR(t, true_t, 1 / rate + kControlPeriod);
     EXPECT_NEAR(x, true_x, 0.001);
   }
 }
@@ -360,7 +360,8 @@ std::string methods_chapter() {
   constexpr std::array<double, 3> kThesis = {8.30e-11, 3.59e-18, 1.35e-18};
   const std::array<double, 3> Ki = {0.1, 0.01, 0.01};
   std::array<double, 3> implied{};
-  for (std::size_t i = 0; i < 3; ++i) implied[i] = std::sqrt(kThesis[i]) / (Ki[i] * kPeriod / 2);
+  for (std::size_t i = 0; i < 3; ++i)
+    implied[i] = std::sqrt(kThesis[i]) / (Ki[i] * kControlPeriod / 2);
   std::string text = R"(## Integrals by Euler or by the trapezoid
 
     quadtune compare integrators mambo --mission hover --estimator truth

@@ -37,7 +37,7 @@ FlightSetup flight(const std::string& events, double lag = 0) {
   return setup;
 }
 
-const std::vector<double>& column(const FlightResult& result, const char* name) {
+const std::vector<double>& log_column(const FlightResult& result, const char* name) {
   return result.log.find(name)->values;
 }
 
@@ -55,7 +55,7 @@ TEST(FlightEvent, LoadsChangeTheMassAtTheirTime) {
     const FlightResult result =
         fly(flight("[[event]]\nat_s = 1\nload_kg = " + std::to_string(load) + "\n"));
     ASSERT_EQ(result.end, FlightEnd::completed);
-    const std::vector<double>& w = column(result, "x.w");
+    const std::vector<double>& w = log_column(result, "x.w");
     EXPECT_NEAR(w[200], 0, 1e-9);
     EXPECT_NEAR((w[201] - w[200]) / 0.005, 9.81 * load / (0.063 + load), 1e-3);
     const std::vector<LogEvent> events = upsets(result);
@@ -72,8 +72,8 @@ TEST(FlightEvent, MotorsKeepAShareOfTheirThrust) {
   const FlightResult result = fly(flight("[[event]]\nat_s = 1\nmotor = 2\nthrust_share = 0.8\n"));
   const double lost = 0.2 * 0.063 * 9.81 / 4;  // of rotor 2, at (0.0441, 0.0441)
   const double arm = 0.04412346314604056;
-  const std::vector<double>&p = column(result, "x.p"), &q = column(result, "x.q"),
-        &w = column(result, "x.w");
+  const std::vector<double>&p = log_column(result, "x.p"), &q = log_column(result, "x.q"),
+        &w = log_column(result, "x.w");
   // T right of the centre rolls left: less of it rolls right; ahead pitches up: less pitches down.
   EXPECT_NEAR((p[201] - p[200]) / 0.005, arm * lost / 5.82857e-5, 0.02 * arm * lost / 5.82857e-5);
   EXPECT_NEAR((q[201] - q[200]) / 0.005, -arm * lost / 7.16914e-5, 0.02 * arm * lost / 7.16914e-5);
@@ -86,7 +86,8 @@ TEST(FlightEvent, MotorsStopForGood) {
   for (const double lag : {0.0, 0.03}) {
     const FlightResult result =
         fly(flight("[[event]]\nat_s = 1\nmotor = 3\nthrust_share = 0\n", lag));
-    const std::vector<double>&w = column(result, "x.w3"), &told = column(result, "command.w3");
+    const std::vector<double>&w = log_column(result, "x.w3"),
+          &told = log_column(result, "command.w3");
     ASSERT_GT(w[200], 100);
     EXPECT_NEAR(w[201], lag > 0 ? w[200] * std::exp(-0.005 / 0.03) : 0, 1e-3 * w[200]);
     for (std::size_t k = 200; k < told.size(); ++k) EXPECT_EQ(told[k], 0);

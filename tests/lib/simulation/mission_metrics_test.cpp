@@ -2,11 +2,10 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <random>
 #include <vector>
 
+#include "numbers.hpp"
 #include "quadtune/simulation/flight_metrics.hpp"
 #include "quadtune/simulation/mission.hpp"
 #include "quadtune/simulation/pack.hpp"
@@ -17,8 +16,8 @@ namespace {
 using Eigen::Vector3d;
 using ::testing::ElementsAre;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using testing::kInfinity;
+using testing::kPi;
 
 // first, first + step, … before last.
 std::vector<double> times(double first, double last, double step) {
@@ -521,7 +520,7 @@ TEST(Metrics, ASpoiltLaneSpoilsNoOther) {
 
 // --- the verdict ---
 
-MetricValues flown(double duration) {
+MetricValues flown_for(double duration) {
   MetricValues values;
   values[Metric::duration] = duration;
   return values;
@@ -531,7 +530,7 @@ TEST(Judge, HoldsEveryLimitAgainstItsFigure) {
   Mission mission;
   mission.duration = 10;
   mission.limits = {{Metric::settling_time, 3}, {Metric::tilt_max, 0.2}};
-  MetricValues values = flown(10);
+  MetricValues values = flown_for(10);
   values[Metric::settling_time] = 3;  // the limit itself passes
   values[Metric::tilt_max] = 0.21;
   Verdict verdict = judge(mission, values);
@@ -554,7 +553,7 @@ TEST(Judge, FiguresThatAreNotThereFail) {
   mission.duration = 10;
   for (const double value : {std::nan(""), kInfinity}) {
     mission.limits = {{Metric::settling_time, 1e12}};
-    MetricValues values = flown(10);
+    MetricValues values = flown_for(10);
     values[Metric::settling_time] = value;
     EXPECT_FALSE(judge(mission, values).ok);
   }
@@ -563,9 +562,9 @@ TEST(Judge, FiguresThatAreNotThereFail) {
 TEST(Judge, AFlightThatEndedEarlyFails) {
   Mission mission;
   mission.duration = 10;
-  EXPECT_TRUE(judge(mission, flown(9.9)).ok);
-  EXPECT_FALSE(judge(mission, flown(9.8)).ok);
-  EXPECT_FALSE(judge(mission, flown(std::nan(""))).ok);
+  EXPECT_TRUE(judge(mission, flown_for(9.9)).ok);
+  EXPECT_FALSE(judge(mission, flown_for(9.8)).ok);
+  EXPECT_FALSE(judge(mission, flown_for(std::nan(""))).ok);
   EXPECT_FALSE(judge(mission, MetricValues()).ok);
 }
 

@@ -2,11 +2,11 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <vector>
 
 #include "matrix_near.hpp"
+#include "numbers.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/simulation/carried_motion.hpp"
 #include "quadtune/simulation/smooth_path.hpp"
@@ -17,10 +17,10 @@ namespace {
 using Eigen::Vector3d;
 using testing::MatrixNear;
 
-constexpr double kPi = std::numbers::pi;
+using testing::kPi;
 
 // first, first + step, … before last.
-std::vector<double> times(double first, double last, double step) {
+std::vector<double> path_times(double first, double last, double step) {
   std::vector<double> all;
   while (first + static_cast<double>(all.size()) * step < last)
     all.push_back(first + static_cast<double>(all.size()) * step);
@@ -49,7 +49,7 @@ TEST(SmoothPath, DerivativesAreThoseOfDifferences) {
   constexpr double kStep = 2e-5;
   for (const SmoothPath& path : some_paths()) {
     const double end = path_end(path);
-    for (const double t : times(-0.5, end + 1, 0.0371)) {
+    for (const double t : path_times(-0.5, end + 1, 0.0371)) {
       const PathPoint before = path_point(path, t - kStep);
       const PathPoint now = path_point(path, t);
       const PathPoint after = path_point(path, t + kStep);
@@ -69,7 +69,7 @@ TEST(SmoothPath, AccelerationIsContinuous) {
   for (const SmoothPath& path : some_paths()) {
     const double end = path_end(path);
     Vector3d before = path_point(path, -0.1).acceleration;
-    for (const double t : times(-0.1, end + 0.1, 1e-4)) {
+    for (const double t : path_times(-0.1, end + 0.1, 1e-4)) {
       const Vector3d now = path_point(path, t).acceleration;
       ASSERT_LT((now - before).norm(), 5e-3) << t;
       before = now;
@@ -122,7 +122,7 @@ TEST(LemniscatePath, HasItsLengthAndWidth) {
   const LemniscatePath path{{1, 2, -0.6}, 0.6, 0.3, 0, 10, 1, passage(2, 1)};
   EXPECT_NEAR(path_end(path), 13, 1e-12);
   Vector3d least = path_point(path, 0).position, most = least;
-  for (const double t : times(0, 13, 1e-3)) {
+  for (const double t : path_times(0, 13, 1e-3)) {
     least = least.cwiseMin(path_point(path, t).position);
     most = most.cwiseMax(path_point(path, t).position);
   }
@@ -139,7 +139,7 @@ TEST(LemniscatePath, NoseFollowsTheVelocityWithoutJumps) {
   for (const double width : {0.01, 1.0, 20.0}) {
     path.width = width;
     double before = path_point(path, 0).yaw;
-    for (const double t : times(1e-3, path_end(path) - 1e-2, 1e-3)) {
+    for (const double t : path_times(1e-3, path_end(path) - 1e-2, 1e-3)) {
       const PathPoint point = path_point(path, t);
       ASSERT_LT(std::abs(point.yaw - before), kPi / 2) << t;
       before = point.yaw;
@@ -172,7 +172,7 @@ TEST(CarriedMotion, ObeysKinematics) {
   constexpr double kStep = 2e-5;
   for (const SmoothPath& path : some_paths()) {
     const CarriedMotion carried({path});
-    for (const double t : times(0, path_end(path), 0.0513)) {
+    for (const double t : path_times(0, path_end(path), 0.0513)) {
       const Motion before = carried.at(t - kStep), now = carried.at(t),
                    after = carried.at(t + kStep);
       const Eigen::Matrix3d R_WB =
@@ -196,7 +196,7 @@ TEST(CarriedMotion, ArmOfTheExperimentIs60CentimetresLongAndHigh) {
   const Mission arm = load_mission("lemniscate-carried");
   const CarriedMotion carried(std::get<Carried>(arm.kind));
   double least = 0, most = 0;
-  for (const double t : times(0, arm.duration, 1e-3)) {
+  for (const double t : path_times(0, arm.duration, 1e-3)) {
     const Motion motion = carried.at(t);
     least = std::min(least, motion.position.x());
     most = std::max(most, motion.position.x());

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numbers>
 #include <random>
 #include <vector>
 
 #include "matrix_near.hpp"
+#include "numbers.hpp"
 #include "quadtune/errors.hpp"
 
 namespace quadtune {
@@ -20,11 +20,11 @@ using Eigen::Vector3d;
 using ::testing::ElementsAre;
 using testing::MatrixNear;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using testing::kNaN;
+using testing::kPi;
 
 // first, first + step, … before last.
-std::vector<double> times(double first, double last, double step) {
+std::vector<double> runner_times(double first, double last, double step) {
   std::vector<double> all;
   while (first + static_cast<double>(all.size()) * step < last)
     all.push_back(first + static_cast<double>(all.size()) * step);
@@ -39,7 +39,7 @@ StateVector<double> at_place(const Vector3d& position) {
 
 const StateVector<double> kAnywhere = at_place(Vector3d::Constant(kNaN));
 
-Mission flown(const MissionKind& kind, double duration = 60) {
+Mission flown_mission(const MissionKind& kind, double duration = 60) {
   Mission mission;
   mission.name = "m";
   mission.duration = duration;
@@ -174,7 +174,7 @@ TEST(WaypointFollower, EndsAtTheLastWaypointWhateverTheWay) {
 // --- the runner: phases and every kind ---
 
 TEST(MissionRunner, TakesOffInPhases) {
-  Mission mission = flown(Hover{{1, 2, -1.1}, 0.4});
+  Mission mission = flown_mission(Hover{{1, 2, -1.1}, 0.4});
   mission.start = {};
   mission = with_thrust_take_off(mission);
   MissionRunner runner(mission);
@@ -198,20 +198,20 @@ TEST(MissionRunner, TakesOffInPhases) {
 }
 
 TEST(MissionRunner, FliesAtOnceInTheAir) {
-  MissionRunner runner(flown(Hover{{0, 0, -1}, 0}));
+  MissionRunner runner(flown_mission(Hover{{0, 0, -1}, 0}));
   EXPECT_EQ(runner.at(0, kAnywhere).phase, FlightPhase::flying);
   EXPECT_EQ(runner.event(), MissionEvent::flying);
 }
 
 TEST(MissionRunner, RefusesABadMission) {
-  EXPECT_THROW(MissionRunner(flown(Script{})), InvalidInput);
+  EXPECT_THROW(MissionRunner(flown_mission(Script{})), InvalidInput);
 }
 
 TEST(MissionRunner, RunsAScriptOfStepsAndRamps) {
-  const Mission mission = flown(Script{{{0, 0, {0, 0, -1}, 0},
-                                        {2, 2, {1, 0, -1}, 0},
-                                        {4, 6, {1, 3, -2}, 5},
-                                        {6, 6, {1, 3, -1}, 5}}});
+  const Mission mission = flown_mission(Script{{{0, 0, {0, 0, -1}, 0},
+                                                {2, 2, {1, 0, -1}, 0},
+                                                {4, 6, {1, 3, -2}, 5},
+                                                {6, 6, {1, 3, -1}, 5}}});
   const auto check = [&](MissionRunner& runner, double t, const Vector3d& position,
                          const Vector3d& velocity, double yaw) {
     const Reference<double> reference = runner.at(t, kAnywhere);
@@ -239,7 +239,7 @@ TEST(MissionRunner, RunsAScriptOfStepsAndRamps) {
 }
 
 TEST(MissionRunner, RampsFromTheFirstInstant) {
-  MissionRunner runner(flown(Script{{{0, 0, {0, 0, -1}, 0}, {0, 4, {4, 0, -1}, 0}}}));
+  MissionRunner runner(flown_mission(Script{{{0, 0, {0, 0, -1}, 0}, {0, 4, {4, 0, -1}, 0}}}));
   EXPECT_THAT(runner.at(0, kAnywhere).position, MatrixNear(Vector3d(0, 0, -1), 0));
   EXPECT_THAT(runner.at(0, kAnywhere).velocity, MatrixNear(Vector3d(1, 0, 0), 0));
   EXPECT_THAT(runner.at(3, kAnywhere).position, MatrixNear(Vector3d(3, 0, -1), 1e-15));
@@ -251,7 +251,7 @@ TEST(MissionRunner, SuppliesTheVelocityOfSmoothReferences) {
     const Mission mission = load_mission(name);
     MissionRunner runner(mission);
     constexpr double kStep = 1e-4;
-    for (const double t : times(kStep, mission.duration, 0.0317)) {
+    for (const double t : runner_times(kStep, mission.duration, 0.0317)) {
       const Vector3d before = runner.at(t - kStep, kAnywhere).position;
       const Vector3d velocity = runner.at(t, kAnywhere).velocity;
       const Vector3d after = runner.at(t + kStep, kAnywhere).position;
@@ -262,7 +262,7 @@ TEST(MissionRunner, SuppliesTheVelocityOfSmoothReferences) {
 
 TEST(MissionRunner, WindsTheNoseFromTheStartsYaw) {
   CirclePath circle{{-1, 0, -1}, 1, 0, 0.5, 2, {1, 1, Nose::ahead, 0}};
-  Mission mission = flown(circle);
+  Mission mission = flown_mission(circle);
   mission.start.yaw = kPi / 2 + 6 * kPi + 0.1;
   MissionRunner runner(mission);
   EXPECT_NEAR(runner.at(0, kAnywhere).yaw, kPi / 2 + 6 * kPi, 1e-12);
@@ -272,7 +272,7 @@ TEST(MissionRunner, WindsTheNoseFromTheStartsYaw) {
 TEST(MissionRunner, FollowsWaypointsOnlyOnceItFlies) {
   Waypoints way = corner();
   way.nose = Nose::ahead;
-  Mission mission = flown(way);
+  Mission mission = flown_mission(way);
   mission.start = {};
   mission = with_thrust_take_off(mission);
   mission.start.yaw = 3;
@@ -303,7 +303,7 @@ TEST(MissionRunner, UnwrapsTheNoseOfWaypoints) {
     way.points.push_back({i % 4 == 1 || i % 4 == 2 ? 1.0 : 0.0, i % 4 >= 2 ? -1.0 : 0.0, -1});
   way.look_ahead = way.transition_radius = 0.1;
   way.nose = Nose::ahead;
-  MissionRunner runner(flown(way));
+  MissionRunner runner(flown_mission(way));
   for (int i = 0; i < 8; ++i)
     EXPECT_NEAR(runner.at(i, at_place(way.points[static_cast<std::size_t>(i)])).yaw, -i * kPi / 2,
                 1e-12);
@@ -315,7 +315,7 @@ TEST(MissionRunner, DoesWhatTheKeysSay) {
   for (std::size_t i = 0; i < pressed.size(); ++i)
     keys.presses.push_back({static_cast<double>(i + 1), pressed[i]});
   keys.presses.insert(keys.presses.end() - 1, {10.5, 'r'});
-  MissionRunner runner(flown(keys));
+  MissionRunner runner(flown_mission(keys));
   EXPECT_FALSE(runner.depends_on_estimate());
   const auto height = [&](double t) { return -runner.at(t, kAnywhere).position.z(); };
   EXPECT_EQ(height(0.999), 1);
@@ -346,13 +346,13 @@ TEST(MissionRunner, DoesWhatTheKeysSay) {
 }
 
 TEST(MissionRunner, KeysDoNotGoBelowTheGround) {
-  MissionRunner runner(flown(Keys{{0, 0, -1}, 0, {{1, 'h'}, {2, 'h'}, {3, 'i'}}}));
+  MissionRunner runner(flown_mission(Keys{{0, 0, -1}, 0, {{1, 'h'}, {2, 'h'}, {3, 'i'}}}));
   EXPECT_EQ(runner.at(2, kAnywhere).position.z(), 0);
   EXPECT_EQ(runner.at(3, kAnywhere).position.z(), -0.2);
 }
 
 TEST(MissionRunner, AbortsOnTheGroundToo) {
-  Mission mission = flown(Keys{{0, 0, -1}, 0, {{0.2, 'e'}}});
+  Mission mission = flown_mission(Keys{{0, 0, -1}, 0, {{0.2, 'e'}}});
   mission.start = {};
   mission = with_thrust_take_off(mission);
   MissionRunner runner(mission);
@@ -394,7 +394,7 @@ StateVector<double> coming_down(double height, double speed) {
 }
 
 Mission landing_from_a_metre() {
-  Mission mission = flown(Hover{{1, 2, -1}, 0.3});
+  Mission mission = flown_mission(Hover{{1, 2, -1}, 0.3});
   mission.landing = Landing{10, 0.5, 0.05};
   return mission;
 }
@@ -446,7 +446,7 @@ TEST(MissionRunner, NeverLandsInTheAirAVehicleThatDoesNotSink) {
 }
 
 TEST(MissionRunner, NeverLandsOnAnEstimateThatIsNotFinite) {
-  Mission mission = flown(Hover{{1, 2, -1}, 0.3});
+  Mission mission = flown_mission(Hover{{1, 2, -1}, 0.3});
   mission.landing = Landing{10, 0.5, 0.05};
   MissionRunner runner(mission);
   EXPECT_EQ(runner.at(30, kAnywhere).phase, FlightPhase::flying);
@@ -454,7 +454,7 @@ TEST(MissionRunner, NeverLandsOnAnEstimateThatIsNotFinite) {
 
 // In flight by attitude the reference's place is stale: the way down is where the vehicle is.
 TEST(MissionRunner, LandsWhereThePilotTookIt) {
-  Mission mission = flown(Keys{{0, 0, -1}, 0, {{1, 'd'}, {12, 'e'}}});
+  Mission mission = flown_mission(Keys{{0, 0, -1}, 0, {{1, 'd'}, {12, 'e'}}});
   mission.landing = Landing{10, 0.5, 0.05};
   MissionRunner runner(mission);
   const Reference<double> reference = runner.at(10, at_place({3, 4, -1.2}));
@@ -485,7 +485,7 @@ TEST(MissionRunner, CopiesGoOnAlike) {
     const Mission mission = load_mission(name);
     MissionRunner runner(mission), same(mission);
     StateVector<double> x = at_place(mission.start.position);
-    for (const double t : times(0, mission.duration, 0.05)) {
+    for (const double t : runner_times(0, mission.duration, 0.05)) {
       if (t > mission.duration / 2) same = MissionRunner(runner);
       const Reference<double> a = runner.at(t, x);
       const Reference<double> b = same.at(t, x);
@@ -508,7 +508,7 @@ TEST(MissionRunner, BuiltInMissionsEndWhereTheyShould) {
     MissionRunner runner(mission);
     StateVector<double> x = at_place(mission.start.position);
     Reference<double> reference;
-    for (const double t : times(0, mission.duration, 0.005)) {
+    for (const double t : runner_times(0, mission.duration, 0.005)) {
       reference = runner.at(t, x);
       const Vector3d off = reference.position - x.head<3>();
       if (reference.phase != FlightPhase::flying) continue;

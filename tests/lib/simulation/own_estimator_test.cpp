@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
-#include <limits>
-
 #include "matrix_near.hpp"
+#include "numbers.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
 #include "quadtune/simulation/flight.hpp"
@@ -19,7 +18,7 @@ using ::testing::HasSubstr;
 using testing::MatrixNear;
 using ::testing::ThrowsMessage;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using testing::kNaN;
 
 using Update = std::function<Estimate<double>(const EstimatorInput&)>;
 
@@ -43,7 +42,7 @@ Estimate<double> truth(const EstimatorInput& input) {
   return estimate;
 }
 
-FlightSetup flight(EstimatorKind estimator) {
+FlightSetup estimated_flight(EstimatorKind estimator) {
   FlightSetup setup;
   setup.vehicle = load_vehicle("mambo");
   setup.mission = load_mission("take-off-and-land");
@@ -55,15 +54,15 @@ FlightSetup flight(EstimatorKind estimator) {
 }
 
 TEST(OwnEstimator, ThatReturnsTheTrueStateFliesAsTruthDoes) {
-  FlightSetup setup = flight(EstimatorKind::own);
+  FlightSetup setup = estimated_flight(EstimatorKind::own);
   setup.own_estimator = own(truth);
-  FlightResult expected = fly(flight(EstimatorKind::truth)), found = fly(setup);
+  FlightResult expected = fly(estimated_flight(EstimatorKind::truth)), found = fly(setup);
   ASSERT_EQ(expected.end, FlightEnd::completed);
   EXPECT_THAT(found.log.about,
               ::testing::Contains(std::pair<std::string, std::string>("estimator", "mine")));
   EXPECT_STREQ(first_difference(found, expected), "");
   // Beside others it flies alone, with the same result.
-  const std::vector<FlightSetup> many = {setup, flight(EstimatorKind::truth), setup};
+  const std::vector<FlightSetup> many = {setup, estimated_flight(EstimatorKind::truth), setup};
   const std::vector<FlightResult> all = fly_all(many, 1);
   EXPECT_EQ(all[0].final_state, all[1].final_state);
   EXPECT_EQ(all[2].final_state, all[1].final_state);
@@ -85,7 +84,7 @@ class OwnMambo : public FlightEstimator {
 
 // Up to rounding: fly() has sines of its own, for several flights at once.
 TEST(OwnEstimator, ThatIsTheMambosFliesTheSameFlight) {
-  FlightSetup setup = flight(EstimatorKind::own);
+  FlightSetup setup = estimated_flight(EstimatorKind::own);
   setup.own_estimator = {"mine", [&](const EstimatorStart& start) {
                            MamboEstimatorSettings<double> settings = setup.mambo_estimator;
                            settings.dt = start.dt;
@@ -93,7 +92,7 @@ TEST(OwnEstimator, ThatIsTheMambosFliesTheSameFlight) {
                            settings.calibration_time = setup.mission.start.start_up;
                            return std::make_unique<OwnMambo>(settings, start);
                          }};
-  const FlightResult expected = fly(flight(EstimatorKind::mambo)), found = fly(setup);
+  const FlightResult expected = fly(estimated_flight(EstimatorKind::mambo)), found = fly(setup);
   EXPECT_EQ(found.end, expected.end);
   EXPECT_EQ(found.end_time, expected.end_time);
   EXPECT_THAT(found.final_state, MatrixNear(expected.final_state, 1e-6));
@@ -101,7 +100,7 @@ TEST(OwnEstimator, ThatIsTheMambosFliesTheSameFlight) {
 }
 
 TEST(OwnEstimator, KnowsWhetherItStandsAndWhatTheMotorsWereTold) {
-  FlightSetup setup = flight(EstimatorKind::own);
+  FlightSetup setup = estimated_flight(EstimatorKind::own);
   const double start_up = setup.mission.start.start_up;
   double stood = 0, turned = -1;
   setup.own_estimator = own([&](const EstimatorInput& input) {
@@ -116,7 +115,7 @@ TEST(OwnEstimator, KnowsWhetherItStandsAndWhatTheMotorsWereTold) {
 
 TEST(OwnEstimator, EndsTheFlightWhenItsEstimateIsNotFinite) {
   const auto fails = [](const std::function<void(Estimate<double>&)>& spoil) {
-    FlightSetup setup = flight(EstimatorKind::own);
+    FlightSetup setup = estimated_flight(EstimatorKind::own);
     setup.own_estimator = own([spoil](const EstimatorInput& input) {
       Estimate<double> estimate = truth(input);
       if (input.time >= 3) spoil(estimate);
@@ -140,7 +139,7 @@ TEST(OwnEstimator, EndsTheFlightWhenItsEstimateIsNotFinite) {
 }
 
 TEST(OwnEstimator, RefusesAnEmptyOne) {
-  FlightSetup setup = flight(EstimatorKind::own);
+  FlightSetup setup = estimated_flight(EstimatorKind::own);
   EXPECT_THAT([&] { (void)fly(setup); },
               ThrowsMessage<InvalidInput>(HasSubstr("own_estimator.make is empty")));
   setup.own_estimator = {"mine",

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "numbers.hpp"
 #include "quadtune/control/cascade_law.hpp"
 #include "quadtune/control/state_feedback_law.hpp"
 #include "quadtune/errors.hpp"
@@ -19,10 +20,10 @@ using testing::first_difference;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using testing::kNaN;
 
 /// State feedback to the wrench with an integral of height.
-StateFeedbackController feedback() {
+StateFeedbackController hover_feedback() {
   CascadeGains cascade = load_vehicle("mambo").published_cascade->gains;
   for (PidLoop& loop : cascade.loops) loop.Ki = 0;
   StateFeedbackController law;
@@ -96,7 +97,7 @@ FlightSetup flight_of(Controller controller) {
   return setup;
 }
 
-OwnController own(const StateFeedbackController& law) {
+OwnController own_controller(const StateFeedbackController& law) {
   return {"mine", law.dt, law.gains.input_kind,
           [law](const Vehicle& vehicle) { return std::make_unique<OwnFeedback>(vehicle, law); }};
 }
@@ -113,11 +114,11 @@ FlightSetup failing_flight(const Eigen::VectorXd& then) {
 }
 
 TEST(OwnLaw, ThatIsTheBuiltInOneFliesTheSameFlight) {
-  StateFeedbackController law = feedback();
+  StateFeedbackController law = hover_feedback();
   for (const AllocationRule rule : {AllocationRule::clipped, AllocationRule::prioritized})
     for (const bool log : {true, false}) {
       law.gains.limits.conditional_integration = rule == AllocationRule::prioritized;
-      FlightSetup built_in = flight_of(law), mine = flight_of(own(law));
+      FlightSetup built_in = flight_of(law), mine = flight_of(own_controller(law));
       built_in.log = mine.log = log;
       built_in.allocation = mine.allocation = rule;
       FlightResult expected = fly(built_in), found = fly(mine);
@@ -134,7 +135,7 @@ TEST(OwnLaw, ThatIsTheBuiltInOneFliesTheSameFlight) {
 }
 
 TEST(OwnLaw, IsNamedInTheLog) {
-  const FlightResult result = fly(flight_of(own(feedback())));
+  const FlightResult result = fly(flight_of(own_controller(hover_feedback())));
   EXPECT_THAT(result.log.about,
               ::testing::Contains(std::pair<std::string, std::string>("controller", "mine")));
 }

@@ -132,7 +132,7 @@ TEST(SensorDrift, NoiseGrowsInQuadrature) {
   EXPECT_NEAR(sum / (2 * count), 0.0025, 5 * 0.0025 / std::sqrt(static_cast<double>(count)));
 }
 
-FlightSetup hover(double height) {
+FlightSetup hover_at(double height) {
   FlightSetup setup;
   setup.vehicle = load_vehicle("mambo");
   setup.controller = CascadeController{setup.vehicle.published_cascade->gains};
@@ -154,7 +154,7 @@ int flows(const FlightSetup& setup) {
 }
 
 TEST(SensorDrift, FlowIsLostAboveItsHeight) {
-  FlightSetup low = hover(1.5), high = hover(2.5);
+  FlightSetup low = hover_at(1.5), high = hover_at(2.5);
   low.vehicle.sensors.flow->greatest_height = high.vehicle.sensors.flow->greatest_height = 2;
   EXPECT_GT(flows(low), 100);
   EXPECT_EQ(flows(high), 0);
@@ -163,7 +163,7 @@ TEST(SensorDrift, FlowIsLostAboveItsHeight) {
 // What a flight reads at its first instant is off by the drawn bias, and the estimator that begins
 // in the air is told the file's bias alone.
 TEST(SensorDrift, IsNotToldToTheEstimator) {
-  FlightSetup setup = hover(1);
+  FlightSetup setup = hover_at(1);
   setup.estimator = EstimatorKind::mambo;
   SensorFaults& gyro = *setup.vehicle.sensors.gyroscope;
   gyro.noise.setZero();
@@ -185,7 +185,7 @@ TEST(SensorDrift, IsNotToldToTheEstimator) {
 TEST(SensorDrift, FliesAloneAsTogether) {
   std::vector<FlightSetup> all;
   for (std::uint32_t i = 0; i < 6; ++i) {
-    FlightSetup setup = hover(1.5);
+    FlightSetup setup = hover_at(1.5);
     setup.vehicle.sensors.gps = typical_sensors().gps;
     setup.flight = i;
     setup.flown = setup.vehicle;

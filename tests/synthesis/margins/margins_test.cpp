@@ -9,6 +9,7 @@
 
 #include "margins/disk.hpp"
 #include "matrix_near.hpp"
+#include "numbers.hpp"
 #include "quadtune/discretize/zoh.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/synthesis/lqr.hpp"
@@ -22,8 +23,8 @@ using Complex = std::complex<double>;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using ::testing::HasSubstr;
+using testing::kPi;
 using ::testing::ThrowsMessage;
-constexpr double kPi = std::numbers::pi;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 VectorXd coefficients(std::initializer_list<double> values) {

@@ -18,28 +18,29 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::MatrixXd;
 
-MatrixXd random_matrix(std::mt19937& random, Eigen::Index rows, Eigen::Index cols) {
+MatrixXd random_entries(std::mt19937& random, Eigen::Index rows, Eigen::Index cols) {
   std::normal_distribution<double> normal;
   return MatrixXd::NullaryExpr(rows, cols, [&] { return normal(random); });
 }
 
 /// Of spectral radius 0.8 at each step.
-PeriodicLti random_plant(std::mt19937& random, std::size_t N, Eigen::Index nx, Eigen::Index nu) {
+PeriodicLti random_periodic_plant(std::mt19937& random, std::size_t N, Eigen::Index nx,
+                                  Eigen::Index nu) {
   PeriodicLti plant;
   plant.dt = 0.01;
   for (std::size_t k = 0; k < N; ++k) {
-    MatrixXd A = random_matrix(random, nx, nx);
+    MatrixXd A = random_entries(random, nx, nx);
     A *= 0.8 / A.eigenvalues().cwiseAbs().maxCoeff();
     plant.A.push_back(A);
-    plant.B.push_back(random_matrix(random, nx, nu));
+    plant.B.push_back(random_entries(random, nx, nu));
   }
-  plant.C = random_matrix(random, nu, nx);
+  plant.C = random_entries(random, nu, nx);
   return plant;
 }
 
 TEST(PeriodicLti, RefusesWhatIsNotFiniteOrDoesNotFit) {
   std::mt19937 random(1);
-  PeriodicLti plant = random_plant(random, 3, 4, 2);
+  PeriodicLti plant = random_periodic_plant(random, 3, 4, 2);
   EXPECT_NO_THROW(validate(plant, "plant"));
   const auto refused = [&](const PeriodicLti& bad, const std::string& why) {
     try {
@@ -70,7 +71,7 @@ TEST(PeriodicLti, RefusesWhatIsNotFiniteOrDoesNotFit) {
 TEST(PeriodicPoles, OfAConstantSystemAreItsEigenvaluesWhateverThePeriod) {
   std::mt19937 random(2);
   for (int i = 0; i < 20; ++i) {
-    MatrixXd A = random_matrix(random, 5, 5);
+    MatrixXd A = random_entries(random, 5, 5);
     A *= 0.95 / A.eigenvalues().cwiseAbs().maxCoeff();
     const Eigen::VectorXcd once = periodic_poles({A});
     const Eigen::VectorXcd thrice = periodic_poles({A, A, A});
@@ -97,9 +98,9 @@ TEST(PeriodicPoles, AreTheSameWhereTheStatesComeApart) {
     // Even states know of even ones only, odd of odd ones.
     std::vector<MatrixXd> apart, mixed;
     const MatrixXd turn =
-        Eigen::HouseholderQR<MatrixXd>(random_matrix(random, 7, 7)).householderQ();
+        Eigen::HouseholderQR<MatrixXd>(random_entries(random, 7, 7)).householderQ();
     for (int k = 0; k < 3; ++k) {
-      MatrixXd A = 0.4 * random_matrix(random, 7, 7);
+      MatrixXd A = 0.4 * random_entries(random, 7, 7);
       for (Eigen::Index row = 0; row < 7; ++row)
         for (Eigen::Index column = 0; column < 7; ++column)
           if ((row + column) % 2 == 1) A(row, column) = 0;
@@ -147,7 +148,7 @@ TEST(LoopPart, KeepsWhatIsMovedAndSeen) {
 
 TEST(MeanResponse, IsTheFrequencyResponseOfAConstantSystem) {
   std::mt19937 random(3);
-  const PeriodicLti once = random_plant(random, 1, 6, 2);
+  const PeriodicLti once = random_periodic_plant(random, 1, 6, 2);
   PeriodicLti often = once;
   for (int i = 0; i < 6; ++i) {
     often.A.push_back(once.A[0]);
@@ -166,7 +167,7 @@ TEST(MeanResponse, IsWhatASimulationGives) {
   std::mt19937 random(4);
   for (int trial = 0; trial < 5; ++trial) {
     const std::size_t N = 5;
-    const PeriodicLti plant = random_plant(random, N, 4, 1);
+    const PeriodicLti plant = random_periodic_plant(random, N, 4, 1);
     const MeanResponse response(plant);
     const double w = 13;
     Eigen::VectorXcd x = Eigen::VectorXcd::Zero(4);
@@ -217,12 +218,12 @@ TEST(PeriodicMargins, OfALoopThatNothingGoesRoundHaveNoLimit) {
 
 TEST(PeriodicMargins, RefuseSeveralChannels) {
   std::mt19937 random(5);
-  EXPECT_THROW((void)loop_margins(random_plant(random, 2, 3, 2)), InvalidInput);
+  EXPECT_THROW((void)loop_margins(random_periodic_plant(random, 2, 3, 2)), InvalidInput);
 }
 
 TEST(Channel, ClosesTheOthers) {
   std::mt19937 random(6);
-  const PeriodicLti loop = random_plant(random, 3, 4, 2);
+  const PeriodicLti loop = random_periodic_plant(random, 3, 4, 2);
   const PeriodicLti one = channel(loop, 1);
   const std::vector<MatrixXd> all = closed(loop), last = closed(one);
   for (std::size_t k = 0; k < 3; ++k) EXPECT_LT((all[k] - last[k]).norm(), 1e-14);
@@ -231,8 +232,8 @@ TEST(Channel, ClosesTheOthers) {
 // Two loops side by side: each is as it is alone, also while the other is unstable.
 TEST(OwnChannels, LeaveOutWhatDoesNotKnowOfThem) {
   std::mt19937 random(8);
-  const PeriodicLti a = random_plant(random, 3, 4, 1);
-  PeriodicLti b = random_plant(random, 3, 3, 1);
+  const PeriodicLti a = random_periodic_plant(random, 3, 4, 1);
+  PeriodicLti b = random_periodic_plant(random, 3, 3, 1);
   for (MatrixXd& A : b.A) A *= 4;
   PeriodicLti both;
   both.dt = a.dt;

@@ -16,9 +16,9 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-const Eigen::VectorXd kOne = Eigen::VectorXd::Ones(1);
+const Eigen::VectorXd kUnit = Eigen::VectorXd::Ones(1);
 
-ContinuousTransferFunction three_lags() { return {kOne, Eigen::Vector4d(1, 3, 3, 1), 0}; }
+ContinuousTransferFunction three_equal_lags() { return {kUnit, Eigen::Vector4d(1, 3, 3, 1), 0}; }
 
 /// Greatest Ki of a PI by looking: Kp and Ki on a fine grid, Ms on another, stability by Routh.
 double looked_for_PI(double Ms_max) {
@@ -45,12 +45,13 @@ double looked_for_PI(double Ms_max) {
 // Åström, Panagopoulos, Hägglund 1998 print K = 0.633, Ti = 1.945 for Ms = 1.4 and K = 1.22,
 // Ti = 1.78 for Ms = 2.
 TEST(GreatestIntegralGain, OfPiForThreeLags) {
-  const PidOptimum careful = greatest_integral_gain(three_lags(), PidType::PI, {.Ms_max = 1.4});
+  const PidOptimum careful =
+      greatest_integral_gain(three_equal_lags(), PidType::PI, {.Ms_max = 1.4});
   ASSERT_TRUE(careful.solved()) << careful;
   EXPECT_NEAR(careful.gains.Kp, 0.633, 2e-3) << careful;
   EXPECT_NEAR(careful.gains.Kp / careful.gains.Ki, 1.945, 5e-3);
   EXPECT_THAT(careful.binding, ElementsAre("Ms"));
-  const PidOptimum bold = greatest_integral_gain(three_lags(), PidType::PI, {.Ms_max = 2});
+  const PidOptimum bold = greatest_integral_gain(three_equal_lags(), PidType::PI, {.Ms_max = 2});
   ASSERT_TRUE(bold.solved()) << bold;
   EXPECT_NEAR(bold.gains.Kp, 1.22, 5e-3) << bold;
   EXPECT_NEAR(bold.gains.Kp / bold.gains.Ki, 1.78, 5e-3);
@@ -60,12 +61,12 @@ TEST(GreatestIntegralGain, OfPiForThreeLags) {
 TEST(GreatestIntegralGain, NamesTheBoundThatBinds) {
   const double kNone = std::numeric_limits<double>::infinity();
   const PidOptimum Mt =
-      greatest_integral_gain(three_lags(), PidType::PI, {.Ms_max = 3, .Mt_max = 1.1});
+      greatest_integral_gain(three_equal_lags(), PidType::PI, {.Ms_max = 3, .Mt_max = 1.1});
   ASSERT_TRUE(Mt.solved()) << Mt;
   EXPECT_THAT(Mt.binding, ElementsAre("Mt"));
   EXPECT_LE(Mt.Mt, 1.1);
   const PidOptimum noise = greatest_integral_gain(
-      three_lags(), PidType::PID, {.Ms_max = 2, .Mt_max = kNone, .noise_gain_max = 3}, 0.1);
+      three_equal_lags(), PidType::PID, {.Ms_max = 2, .Mt_max = kNone, .noise_gain_max = 3}, 0.1);
   ASSERT_TRUE(noise.solved()) << noise;
   EXPECT_THAT(noise.binding, ::testing::Contains("noise gain"));
   EXPECT_LE(noise.noise_gain, 3 * (1 + 1e-6));
@@ -75,7 +76,7 @@ TEST(GreatestIntegralGain, NamesTheBoundThatBinds) {
 // A derivative helps, and its bounds hold in the loop of a plant with delay; the optimum cannot be
 // left upwards: near it, every point with more Ki breaks a bound.
 TEST(GreatestIntegralGain, CannotBeImprovedNearby) {
-  const ContinuousTransferFunction P = {kOne, Eigen::Vector2d(0.5, 1), 0.3};
+  const ContinuousTransferFunction P = {kUnit, Eigen::Vector2d(0.5, 1), 0.3};
   const PidBounds bounds = {.Ms_max = 1.6, .Mt_max = 1.4, .noise_gain_max = 12};
   const PidOptimum pi = greatest_integral_gain(P, PidType::PI, bounds);
   const PidOptimum pid = greatest_integral_gain(P, PidType::PID, bounds, 0.02);
@@ -96,7 +97,7 @@ TEST(GreatestIntegralGain, CannotBeImprovedNearby) {
 }
 
 TEST(GreatestIntegralGain, FollowsTheSignOfThePlant) {
-  ContinuousTransferFunction P = three_lags();
+  ContinuousTransferFunction P = three_equal_lags();
   const PidOptimum one = greatest_integral_gain(P, PidType::PI, {});
   P.num *= -2;
   const PidOptimum other = greatest_integral_gain(P, PidType::PI, {});
@@ -107,24 +108,27 @@ TEST(GreatestIntegralGain, FollowsTheSignOfThePlant) {
 TEST(GreatestIntegralGain, SaysWhenThereIsNone) {
   // 1/(s - 1) with a delay of 0.9 cannot be held within Ms = 1.4.
   const PidOptimum none =
-      greatest_integral_gain({kOne, Eigen::Vector2d(1, -1), 0.9}, PidType::PI, {.Ms_max = 1.4});
+      greatest_integral_gain({kUnit, Eigen::Vector2d(1, -1), 0.9}, PidType::PI, {.Ms_max = 1.4});
   EXPECT_EQ(none.status, PidOptimumStatus::not_found) << none;
   EXPECT_TRUE(std::isnan(none.gains.Ki));
   EXPECT_THAT(none.culprit, HasSubstr("no PI was found that is stable with Ms <= 1.4"));
   const PidOptimum endless =
-      greatest_integral_gain({kOne, Eigen::Vector2d(1, 1), 0}, PidType::PI, {.Ms_max = 1.4});
+      greatest_integral_gain({kUnit, Eigen::Vector2d(1, 1), 0}, PidType::PI, {.Ms_max = 1.4});
   EXPECT_EQ(endless.status, PidOptimumStatus::unbounded) << endless;
 }
 
 TEST(GreatestIntegralGain, RefusesBoundsThatAreNone) {
-  EXPECT_THROW((void)greatest_integral_gain(three_lags(), PidType::PD, {}), InvalidInput);
-  EXPECT_THROW((void)greatest_integral_gain(three_lags(), PidType::PI, {.Ms_max = 1}),
+  EXPECT_THROW((void)greatest_integral_gain(three_equal_lags(), PidType::PD, {}), InvalidInput);
+  EXPECT_THROW((void)greatest_integral_gain(three_equal_lags(), PidType::PI, {.Ms_max = 1}),
                InvalidInput);
-  EXPECT_THROW((void)greatest_integral_gain(three_lags(), PidType::PI, {.Mt_max = std::nan("")}),
+  EXPECT_THROW(
+      (void)greatest_integral_gain(three_equal_lags(), PidType::PI, {.Mt_max = std::nan("")}),
+      InvalidInput);
+  EXPECT_THROW(
+      (void)greatest_integral_gain(three_equal_lags(), PidType::PID, {.noise_gain_max = 3}),
+      InvalidInput);
+  EXPECT_THROW((void)greatest_integral_gain(three_equal_lags(), PidType::PID, {}, -1),
                InvalidInput);
-  EXPECT_THROW((void)greatest_integral_gain(three_lags(), PidType::PID, {.noise_gain_max = 3}),
-               InvalidInput);
-  EXPECT_THROW((void)greatest_integral_gain(three_lags(), PidType::PID, {}, -1), InvalidInput);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 
+#include "numbers.hpp"
 #include "quadtune/errors.hpp"
 
 namespace quadtune {
@@ -16,7 +17,7 @@ using ::testing::HasSubstr;
 using ::testing::StrEq;
 using ::testing::ThrowsMessage;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using testing::kNaN;
 const FopdtModel kModel = {1, 0.5, 0.3};
 
 void expect_standard(const PidGains& gains, double K, double Ti, double Td, double tolerance) {

@@ -11,11 +11,11 @@ namespace quadtune::internal {
 namespace {
 
 using std::numbers::pi;
-const Eigen::VectorXd kOne = Eigen::VectorXd::Ones(1);
+const Eigen::VectorXd kOneGain = Eigen::VectorXd::Ones(1);
 
 // 1/s e^(-L s) under K is stable for K L < π/2, by its characteristic equation s + K e^(-L s) = 0.
 TEST(LoopShape, KnowsTheLimitOfADelay) {
-  const LoopShape shape({kOne, Eigen::Vector2d(1, 0), 0.5}, {});
+  const LoopShape shape({kOneGain, Eigen::Vector2d(1, 0), 0.5}, {});
   EXPECT_TRUE(shape.stable({(pi - 1e-4), 0, 0, 0}));
   EXPECT_FALSE(shape.stable({(pi + 1e-4), 0, 0, 0}));
   EXPECT_FALSE(shape.stable({-1, 0, 0, 0}));
@@ -26,7 +26,7 @@ TEST(LoopShape, KnowsTheLimitOfADelay) {
 // atan ω = ω L.
 TEST(LoopShape, KnowsTheLimitsOfAnUnstablePlantWithDelay) {
   const double L = 0.3;
-  const LoopShape shape({kOne, Eigen::Vector2d(1, -1), L}, {});
+  const LoopShape shape({kOneGain, Eigen::Vector2d(1, -1), L}, {});
   double low = 1;
   double high = 10;
   for (int i = 0; i < 100; ++i) {
@@ -63,7 +63,7 @@ TEST(LoopShape, MikhailovAgreesWithTheRoots) {
 // T of 1/(s (s + 2 zeta)) under P 1: Mt = 1/(2 zeta √(1 - zeta²)) at √(1 - 2 zeta²).
 TEST(LoopShape, FindsTheResonanceOfASecondOrderLoop) {
   for (const double zeta : {0.001, 0.05, 0.3, 0.6}) {
-    const LoopShape shape({kOne, Eigen::Vector3d(1, 2 * zeta, 0), 0}, {1});
+    const LoopShape shape({kOneGain, Eigen::Vector3d(1, 2 * zeta, 0), 0}, {1});
     const SensitivityPeaks peaks = shape.peaks({1, 0, 0, 0});
     const double exact = 1 / (2 * zeta * std::sqrt(1 - zeta * zeta));
     EXPECT_NEAR(peaks.Mt, exact, 1e-9 * exact) << zeta;
@@ -81,7 +81,7 @@ TEST(LoopShape, FindsTheLeastPhaseMargin) {
 }
 
 TEST(LoopShape, RefusesLoopsThatDifferentiateOrHideAnIntegral) {
-  EXPECT_FALSE(LoopShape({kOne, kOne, 0}, {}).stable({1, 0, 1, 0}));
+  EXPECT_FALSE(LoopShape({kOneGain, kOneGain, 0}, {}).stable({1, 0, 1, 0}));
   EXPECT_FALSE(
       LoopShape({Eigen::Vector2d(1, 0), Eigen::Vector2d(1, 1), 0}, {}).stable({1, 1, 0, 0}));
   // 2 s/(s + 1) e^(-s) has |L| = 2 at the top: infinitely many poles right.

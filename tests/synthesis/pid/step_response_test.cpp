@@ -21,8 +21,8 @@ VectorXd coefficients(std::initializer_list<double> values) {
   return v;
 }
 
-ContinuousTransferFunction fraction(std::initializer_list<double> num,
-                                    std::initializer_list<double> den, double delay = 0) {
+ContinuousTransferFunction fraction_of(std::initializer_list<double> num,
+                                       std::initializer_list<double> den, double delay = 0) {
   return {coefficients(num), coefficients(den), delay};
 }
 
@@ -32,7 +32,7 @@ double greatest(const std::vector<double>& values) {
 
 // T = 1/(s + 1).
 TEST(StepResponse, OfAnIntegratorIsExact) {
-  const StepResponse response = step_response(OpenLoop(fraction({1}, {1, 0})));
+  const StepResponse response = step_response(OpenLoop(fraction_of({1}, {1, 0})));
   ASSERT_EQ(response.t.size(), response.y.size());
   EXPECT_EQ(response.t.front(), 0);
   EXPECT_GT(response.t.back(), 4);  // the time constant is 1 s: until 2 % and half as long again
@@ -44,7 +44,7 @@ TEST(StepResponse, OfAnIntegratorIsExact) {
 // By steps of the delay θ = 0.5 under L = e^(-θs)/s: 0, t - θ, then less (t - 2θ)²/2, ….
 TEST(StepResponse, OfADelayedIntegratorFollowsThePolynomials) {
   const double delay = 0.5;
-  const StepResponse response = step_response(OpenLoop(fraction({1}, {1, 0}, delay)), 0, 1.9);
+  const StepResponse response = step_response(OpenLoop(fraction_of({1}, {1, 0}, delay)), 0, 1.9);
   EXPECT_NEAR(response.t.back(), 1.9, 2e-3);
   for (std::size_t k = 0; k < response.t.size(); ++k) {
     const auto after = [&](int n) { return std::max(0.0, response.t[k] - n * delay); };
@@ -55,7 +55,7 @@ TEST(StepResponse, OfADelayedIntegratorFollowsThePolynomials) {
 
 // The feed-through of L = 0.5 (s + 2)/(s + 1) e^(-s) makes the answer jump at each whole second.
 TEST(StepResponse, KeepsJumpsSharp) {
-  const StepResponse response = step_response(OpenLoop(fraction({0.5, 1}, {1, 1}, 1)), 0, 1.5);
+  const StepResponse response = step_response(OpenLoop(fraction_of({0.5, 1}, {1, 1}, 1)), 0, 1.5);
   const auto at = std::find_if(response.t.begin(), response.t.end(),
                                [](double t) { return std::abs(t - 1) < 1e-9; });
   ASSERT_NE(at, response.t.end());
@@ -90,7 +90,7 @@ TEST(StepResponse, OfOneChannelOfTwo) {
 // The plant is 1/(s + 1), C = 2 + 3/s: s/(s² + 3 s + 3).
 TEST(StepResponse, OfALoadDiesWithTheIntegral) {
   const PidGains gains{2, 3, 0, 0};
-  const StepResponse response = load_step_response(fraction({1}, {1, 1}), gains, 4);
+  const StepResponse response = load_step_response(fraction_of({1}, {1, 1}), gains, 4);
   const double w = std::sqrt(3) / 2;
   for (std::size_t k = 0; k < response.t.size(); ++k) {
     const double t = response.t[k];
@@ -100,7 +100,7 @@ TEST(StepResponse, OfALoadDiesWithTheIntegral) {
 
 // Without noise the filter of a derivative does nothing as it becomes fast.
 TEST(StepResponse, OfALoadKnowsTheDerivativeWithAndWithoutFilter) {
-  const ContinuousTransferFunction plant = fraction({1}, {1, 0, 0});
+  const ContinuousTransferFunction plant = fraction_of({1}, {1, 0, 0});
   const StepResponse plain = load_step_response(plant, {4, 0, 3, 0}, 3);  // 1/(s² + 3 s + 4)
   const StepResponse filtered = load_step_response(plant, {4, 0, 3, 1e-6}, 3);
   const double w = std::sqrt(7) / 2;
@@ -117,14 +117,14 @@ TEST(StepResponse, OfALoadKnowsTheDerivativeWithAndWithoutFilter) {
 // in the loop so short that it is nothing.
 TEST(StepResponse, OfADelayGoesToThatWithout) {
   const PidGains gains{1, 1, 0.2, 0.1};
-  const StepResponse without = load_step_response(fraction({1}, {1, 2, 1}), gains, 10);
-  const StepResponse with = load_step_response(fraction({1}, {1, 2, 1}, 1e-3), gains, 10);
+  const StepResponse without = load_step_response(fraction_of({1}, {1, 2, 1}), gains, 10);
+  const StepResponse with = load_step_response(fraction_of({1}, {1, 2, 1}, 1e-3), gains, 10);
   EXPECT_NEAR(greatest(with.y), greatest(without.y), 1e-3);
   EXPECT_NEAR(with.y.back(), without.y.back(), 1e-3);
 }
 
 TEST(StepResponse, OfAnUnstableLoopStopsWhereItLeaves) {
-  const StepResponse response = step_response(OpenLoop(fraction({1}, {1, -2})));
+  const StepResponse response = step_response(OpenLoop(fraction_of({1}, {1, -2})));
   EXPECT_GT(greatest(response.y), 4);
   EXPECT_LT(greatest(response.y), 40);
   for (const double y : response.y) EXPECT_TRUE(std::isfinite(y));
@@ -132,17 +132,17 @@ TEST(StepResponse, OfAnUnstableLoopStopsWhereItLeaves) {
 
 TEST(StepResponse, ShowsFastMotionBesideASlowTail) {
   // 0.01 s and 100 s: the tail is below 2 %.
-  const StepResponse response = step_response(OpenLoop(fraction({100, 1.1}, {1, 0.0001, 0})));
+  const StepResponse response = step_response(OpenLoop(fraction_of({100, 1.1}, {1, 0.0001, 0})));
   EXPECT_LT(response.t.back(), 1);
 }
 
 TEST(StepResponse, RefusesWhatIsNotThere) {
-  const OpenLoop loop(fraction({1}, {1, 0}));
+  const OpenLoop loop(fraction_of({1}, {1, 0}));
   EXPECT_THROW((void)step_response(loop, 1), InvalidInput);
   EXPECT_THROW((void)step_response(loop, 0, -1), InvalidInput);
   EXPECT_THROW((void)step_response(loop, 0, std::nan("")), InvalidInput);
   // A derivative without filter of a plant with feed-through.
-  EXPECT_THROW((void)load_step_response(fraction({1, 1}, {1, 2}), {1, 0, 1, 0}), InvalidInput);
+  EXPECT_THROW((void)load_step_response(fraction_of({1, 1}, {1, 2}), {1, 0, 1, 0}), InvalidInput);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ MatrixXd matrix(std::initializer_list<std::initializer_list<double>> rows) {
   return MatrixXd(rows);
 }
 
-RiccatiResult solve(const RiccatiCase& c, bool discrete, const RiccatiOptions& options = {}) {
+RiccatiResult solve_case(const RiccatiCase& c, bool discrete, const RiccatiOptions& options = {}) {
   return discrete ? dare(c.A, c.B, c.Q, c.R, c.N, options) : care(c.A, c.B, c.Q, c.R, c.N, options);
 }
 
@@ -113,8 +113,8 @@ TEST(Riccati, CrossTermEqualsShiftedPlant) {
       const MatrixXd shift = c.R.llt().solve(c.N.transpose());
       RiccatiCase plain{c.A - c.B * shift, c.B, c.Q - c.N * shift, c.R};
       plain.Q = (0.5 * (plain.Q + plain.Q.transpose())).eval();
-      const RiccatiResult with = solve(c, discrete);
-      const RiccatiResult without = solve(plain, discrete);
+      const RiccatiResult with = solve_case(c, discrete);
+      const RiccatiResult without = solve_case(plain, discrete);
       ASSERT_TRUE(with.solved()) << with;
       ASSERT_TRUE(without.solved()) << without;
       EXPECT_THAT(with.X, MatrixRelativelyNear(without.X, 1e-11));
@@ -156,7 +156,7 @@ TEST(Riccati, NothingToDoIsSolvedByZero) {
 TEST(Care, NamesTheModeThatCannotBeSteered) {
   RiccatiCase c = testing::small_hover();
   c.B.row(9).setZero();  // no roll torque
-  const RiccatiResult r = solve(c, false, named(testing::small_hover_names()));
+  const RiccatiResult r = solve_case(c, false, named(testing::small_hover_names()));
   EXPECT_EQ(r.status, RiccatiStatus::not_stabilizable);
   EXPECT_EQ(r.culprit, "mode at 0: y, roll, vy and p cannot be steered");
   EXPECT_TRUE(r.X.array().isNaN().all());
@@ -184,7 +184,7 @@ TEST(Care, NamesAnIntegralThatCannotBeHeld) {
 TEST(Care, NamesTheModeThatQDoesNotSee) {
   RiccatiCase c = testing::small_hover();
   c.Q(5, 5) = 0;
-  const RiccatiResult r = solve(c, false, named(testing::small_hover_names()));
+  const RiccatiResult r = solve_case(c, false, named(testing::small_hover_names()));
   EXPECT_EQ(r.status, RiccatiStatus::not_detectable);
   EXPECT_EQ(r.culprit, "mode at 0: yaw is not seen by Q");
 }
@@ -193,10 +193,10 @@ TEST(Dare, NamesTheCulprits) {
   RiccatiCase unseen = testing::small_hover_sampled(0.01);
   unseen.Q(5, 5) = 0;
   const RiccatiOptions options = named(testing::small_hover_names());
-  EXPECT_EQ(solve(unseen, true, options).culprit, "mode at 1: yaw is not seen by Q");
+  EXPECT_EQ(solve_case(unseen, true, options).culprit, "mode at 1: yaw is not seen by Q");
   RiccatiCase unsteered = testing::small_hover_sampled(0.01);
   unsteered.B.col(3).setZero();
-  EXPECT_EQ(solve(unsteered, true, options).culprit, "mode at 1: yaw and r cannot be steered");
+  EXPECT_EQ(solve_case(unsteered, true, options).culprit, "mode at 1: yaw and r cannot be steered");
 }
 
 TEST(Care, NamesOscillatingModes) {
@@ -228,7 +228,7 @@ TEST(Care, FindsTheCulpritInAnyBasis) {
     c.B = T.partialPivLu().solve(c.B).eval();
     c.Q = T.transpose() * c.Q * T;
     c.Q = (0.5 * (c.Q + c.Q.transpose())).eval();
-    const RiccatiResult r = solve(c, false);
+    const RiccatiResult r = solve_case(c, false);
     EXPECT_EQ(r.status, RiccatiStatus::not_stabilizable) << r;
     EXPECT_THAT(r.culprit, HasSubstr("mode at 0: "));
   }
@@ -300,7 +300,7 @@ TEST(Riccati, RefusesWrongInput) {
       {{A, A, Q, R2}, true, "dare: R has eigenvalue -1, expected R >= 0"},
   };
   for (const Refusal& refusal : refusals) {
-    EXPECT_THAT([&] { (void)solve(refusal.problem, refusal.discrete); },
+    EXPECT_THAT([&] { (void)solve_case(refusal.problem, refusal.discrete); },
                 ThrowsMessage<InvalidInput>(HasSubstr(refusal.message)));
   }
 }

@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
 
+#include "numbers.hpp"
 #include "plants/designed_mambo.hpp"
 #include "quadtune/errors.hpp"
 
@@ -17,7 +17,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using testing::kInfinity;
 
 FlightSetup short_step(double duration = 4) {
   FlightSetup setup;

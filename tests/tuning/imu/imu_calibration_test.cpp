@@ -170,7 +170,7 @@ void add_all(Count& count, const SensorCalibration& found, const MadeUpSensor& t
 
 /// The share of 95 % intervals that hold. The numbers of one log are not independent, so the spread
 /// is taken of the logs: at worst all of a log's hold or none, here half of that.
-void expect_coverage(const Count& count, int logs, const char* what) {
+void expect_imu_coverage(const Count& count, int logs, const char* what) {
   const double share = double(count.inside) / count.all;
   const double spread = std::sqrt(0.95 * 0.05 / logs);
   EXPECT_NEAR(share, 0.95, 1.5 * spread) << what;
@@ -191,9 +191,9 @@ TEST(CalibrateImu, IntervalsHoldTheTruthInNineteenOfTwentyNumbers) {
     add_all(gyroscope, c.gyroscope, made.gyroscope, made.t0);
     add_all(magnetometer, c.magnetometer, made.magnetometer, made.t0);
   }
-  expect_coverage(accelerometer, kLogs, "accelerometer");
-  expect_coverage(gyroscope, kLogs, "gyroscope");
-  expect_coverage(magnetometer, kLogs, "magnetometer");
+  expect_imu_coverage(accelerometer, kLogs, "accelerometer");
+  expect_imu_coverage(gyroscope, kLogs, "gyroscope");
+  expect_imu_coverage(magnetometer, kLogs, "magnetometer");
 }
 
 // A pose in which it leaned on something that shook, and a turn in which samples are missing.

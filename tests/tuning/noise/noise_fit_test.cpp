@@ -24,7 +24,7 @@ using testing::MatrixNear;
 using ::testing::StrEq;
 using ::testing::ThrowsMessage;
 
-const FittedParameter& named(const NoiseFit& fit, const std::string& name) {
+const FittedParameter& parameter_named(const NoiseFit& fit, const std::string& name) {
   for (const FittedParameter& p : fit.parameters)
     if (p.name == name) return p;
   throw std::runtime_error("no parameter " + name);
@@ -42,8 +42,8 @@ TEST(NoiseFit, FindsTheNilesVariancesFromAnywhere) {
     const NoiseFit fit = fit_noise(InnovationLikelihood(model, {testing::nile()}), options);
     ASSERT_TRUE(fit.converged()) << to_string(fit.status) << model.parameters[0].start << " "
                                  << model.parameters[1].start;
-    EXPECT_NEAR(named(fit, "R.y").value, 15098.518459155015, 1e-3);
-    EXPECT_NEAR(named(fit, "Q.level").value, 1469.1767190775608, 1e-3);
+    EXPECT_NEAR(parameter_named(fit, "R.y").value, 15098.518459155015, 1e-3);
+    EXPECT_NEAR(parameter_named(fit, "Q.level").value, 1469.1767190775608, 1e-3);
     EXPECT_NEAR(fit.after.value, -632.5456251030405, 1e-9);
     EXPECT_LT(fit.evaluations, 200);
   }
@@ -80,7 +80,7 @@ TEST(NoiseFit, ProfilesTheLikelihood) {
     }
     return best;
   };
-  const FittedParameter& Q = named(fit, "Q.level");
+  const FittedParameter& Q = parameter_named(fit, "Q.level");
   for (const double edge : {Q.low, Q.high})
     EXPECT_NEAR(profile(edge), fit.after.value - 0.5 * 1.959964 * 1.959964, 1e-4);
   EXPECT_LT(Q.low, Q.value);
@@ -139,14 +139,14 @@ TEST(NoiseFit, SaysWhenAVarianceIsZero) {
     for (Index k = 0; k < record.samples(); ++k) record.y(0, k) = 100 + normal(random);
     const NoiseFit fit = fit_noise(InnovationLikelihood(testing::local_level(), {record}), {});
     ASSERT_TRUE(fit.converged()) << to_string(fit.status);
-    const FittedParameter& Q = named(fit, "Q.level");
+    const FittedParameter& Q = parameter_named(fit, "Q.level");
     if (Q.verdict != ParameterVerdict::at_zero) continue;
     ++zeros;
     EXPECT_EQ(Q.value, 0);
     EXPECT_EQ(Q.low, 0);
     EXPECT_GT(Q.high, 1e-4);
     EXPECT_LT(Q.high, 9);
-    EXPECT_NEAR(named(fit, "R.y").value, 9, 4);
+    EXPECT_NEAR(parameter_named(fit, "R.y").value, 9, 4);
   }
   // A maximum at zero has the probability 0.66 (Shephard and Harvey 1990).
   EXPECT_GE(zeros, 3);
@@ -170,11 +170,11 @@ TEST(NoiseFit, NamesWhatTheLogsDoNotSee) {
   record.y.row(1).setConstant(std::nan(""));
   const NoiseFit silent = fit_noise(InnovationLikelihood(model, {record}), {});
   ASSERT_TRUE(silent.converged());
-  EXPECT_EQ(named(silent, "R.gps").verdict, ParameterVerdict::not_seen);
-  EXPECT_NEAR(named(silent, "R.gps").value, 5, 1e-12);
-  EXPECT_TRUE(std::isnan(named(silent, "R.gps").standard_error));
+  EXPECT_EQ(parameter_named(silent, "R.gps").verdict, ParameterVerdict::not_seen);
+  EXPECT_NEAR(parameter_named(silent, "R.gps").value, 5, 1e-12);
+  EXPECT_TRUE(std::isnan(parameter_named(silent, "R.gps").standard_error));
   EXPECT_THAT(silent.unseen, ElementsAre("R.gps: no measurement depends on it"));
-  EXPECT_EQ(named(silent, "R.y").verdict, ParameterVerdict::seen);
+  EXPECT_EQ(parameter_named(silent, "R.y").verdict, ParameterVerdict::seen);
 }
 
 // Prior and log agree as two measurements of one number do.
@@ -184,11 +184,11 @@ TEST(NoiseFit, WeighsPriors) {
   model.parameters[0].prior = NoisePrior{100, 0.01};
   const NoiseFit told = fit_noise(InnovationLikelihood(model, {testing::nile()}), {});
   ASSERT_TRUE(told.converged());
-  EXPECT_NEAR(named(told, "Q.level").value, 100, 1);
-  EXPECT_NEAR(named(told, "Q.level").standard_error, 0.01, 1e-4);
+  EXPECT_NEAR(parameter_named(told, "Q.level").value, 100, 1);
+  EXPECT_NEAR(parameter_named(told, "Q.level").standard_error, 0.01, 1e-4);
   model.parameters[0].prior = NoisePrior{100, 100};
   const NoiseFit vague = fit_noise(InnovationLikelihood(model, {testing::nile()}), {});
-  EXPECT_NEAR(named(vague, "Q.level").value, named(alone, "Q.level").value, 1);
+  EXPECT_NEAR(parameter_named(vague, "Q.level").value, parameter_named(alone, "Q.level").value, 1);
 }
 
 TEST(NoiseFit, LeavesWhatIsFixed) {
@@ -198,8 +198,8 @@ TEST(NoiseFit, LeavesWhatIsFixed) {
   const InnovationLikelihood likelihood(model, {testing::nile()});
   const NoiseFit fit = fit_noise(likelihood, {});
   ASSERT_TRUE(fit.converged());
-  EXPECT_EQ(named(fit, "R.y").verdict, ParameterVerdict::fixed);
-  EXPECT_NEAR(named(fit, "R.y").value, 12345, 1e-9);
+  EXPECT_EQ(parameter_named(fit, "R.y").verdict, ParameterVerdict::fixed);
+  EXPECT_NEAR(parameter_named(fit, "R.y").value, 12345, 1e-9);
   EXPECT_NEAR(fit.after.gradient(0), 0, 1e-5);
 }
 

@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-constexpr double kStep = 0.01;
+constexpr double kBodyStep = 0.01;
 
 /// The built-in model with noise that a short hover without control survives.
 FilterModel quiet() {
@@ -56,7 +56,7 @@ FilterRecord hover(const FilterModel& model, double seconds, std::uint64_t seed)
     const double middle = 0.5 * (low + high);
     (rotor_thrust(body.rotors[0], middle, 1.0) < per_rotor ? low : high) = middle;
   }
-  const auto N = static_cast<Index>(seconds / kStep);
+  const auto N = static_cast<Index>(seconds / kBodyStep);
   FilterRecord record{"made up",
                       {},
                       MatrixXd::Constant(model.outputs(), N, std::nan("")),
@@ -64,7 +64,7 @@ FilterRecord hover(const FilterModel& model, double seconds, std::uint64_t seed)
   VectorXd x = VectorXd::Zero(kUquadStates);
   x(kAttitude + 2) = 3.1;  // so that the yaw wraps
   for (Index k = 0; k < N; ++k) {
-    record.time.push_back(static_cast<double>(k) * kStep);
+    record.time.push_back(static_cast<double>(k) * kBodyStep);
     for (Index i = 0; i < 4; ++i)
       record.u(i, k) += 3 * std::sin(0.03 * static_cast<double>(k + 40 * i));
     const VectorXd speeds = record.u.col(std::max<Index>(k - 1, 0));
@@ -86,8 +86,8 @@ FilterRecord hover(const FilterModel& model, double seconds, std::uint64_t seed)
       }
     }
     x.head<12>() +=
-        kStep * state_derivative(body, state, rotor_loads(body, VectorXd(record.u.col(k))));
-    for (Index i = 0; i < x.size(); ++i) x(i) += std::sqrt(kStep * q(i)) * normal(random);
+        kBodyStep * state_derivative(body, state, rotor_loads(body, VectorXd(record.u.col(k))));
+    for (Index i = 0; i < x.size(); ++i) x(i) += std::sqrt(kBodyStep * q(i)) * normal(random);
   }
   return record;
 }

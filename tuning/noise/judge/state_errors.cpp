@@ -49,7 +49,7 @@ double independent_terms(const Samples& terms, double center,
   return n / (sum + last_weight);
 }
 
-double mean_of(const Samples& terms) {
+double mean_of_terms(const Samples& terms) {
   double sum = 0;
   for (const double value : terms) sum += value;
   return sum / static_cast<double>(terms.size());
@@ -79,7 +79,8 @@ StateAccuracy compare(const std::string& state, const std::string& unit, const E
       variance += value * value;
     }
     if (changes.size() > 2)
-      independent += independent_terms(changes, mean_of(changes), [](double rho) { return rho; });
+      independent +=
+          independent_terms(changes, mean_of_terms(changes), [](double rho) { return rho; });
   }
   if (result.samples == 0) return result;
   const auto n = static_cast<double>(result.samples);
