@@ -120,6 +120,7 @@ function(quadtune_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;LABELS" ${ARGN})
   set(target test_${name})
   add_executable(${target})
+  set(QUADTUNE_BATCH_SIZE 4) # a changed test is compiled again within half a minute
   quadtune_batches(sources ${target} ${ARG_SOURCES})
   target_sources(${target} PRIVATE ${sources})
   target_link_libraries(${target} PRIVATE ${ARG_LINK} quadtune_test_support quadtune_test_flags)

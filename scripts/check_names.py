@@ -18,8 +18,12 @@ DEFINITION = [
 ]
 
 
+# The same alias may be declared twice.
+ALIAS = re.compile(r'^(?:using|namespace) (\w+) = (.*);')
+
+
 def names_of(path):
-    """The names that a source defines in its unnamed namespaces, with their lines."""
+    """The names that a source defines in its unnamed namespaces: their lines, and what aliases name."""
     names = {}
     inside = 0
     for number, line in enumerate(path.read_text().splitlines(), 1):
@@ -27,11 +31,13 @@ def names_of(path):
             inside = number
         elif line == '}  // namespace':
             inside = 0
+        elif inside and (match := ALIAS.match(line)):
+            names.setdefault(match.group(1), (number, match.group(2)))
         elif inside and re.match(r'(?!using |namespace )[A-Za-z_\[]', line):
             for pattern in DEFINITION:
                 match = pattern.match(line)
                 if match:
-                    names.setdefault(match.group(1), number)
+                    names.setdefault(match.group(1), (number, None))
                     break
     return names
 
@@ -45,13 +51,12 @@ def main():
     for folder, paths in sorted(folders.items()):
         first = {}
         for path in sorted(paths):
-            for name, line in names_of(path).items():
-                if name in first:
+            for name, (line, alias) in names_of(path).items():
+                where, other = first.setdefault(name, (f'{path.name}:{line}', alias))
+                if where != f'{path.name}:{line}' and (alias is None or alias != other):
                     clashes += 1
-                    print(f'{path}:{line}: {name} is also a name of {first[name]}; sources of one '
-                          'folder are compiled together, so its name must differ')
-                else:
-                    first[name] = f'{path.name}:{line}'
+                    print(f'{path}:{line}: {name} is also a name of {where}; sources of one folder '
+                          'are compiled together, so its name must differ')
     return 1 if clashes else 0
 
 

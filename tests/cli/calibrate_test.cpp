@@ -23,7 +23,7 @@
 namespace quadtune {
 namespace {
 
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 using ::testing::HasSubstr;
 using testing::MatrixRelativelyNear;
 using ::testing::Not;
@@ -31,11 +31,11 @@ using testing::ProgramResult;
 using testing::run_program;
 using testing::TemporaryDirectory;
 
-Json json_of(std::vector<std::string> args) {
+SortedJson json_of(std::vector<std::string> args) {
   args.push_back("--json");
   const ProgramResult result = run_program(args);
   EXPECT_EQ(result.status, 0) << result.err;
-  return Json::parse(result.out);
+  return SortedJson::parse(result.out);
 }
 
 /// The log as CSV with a header.
@@ -52,7 +52,7 @@ std::string csv(const ImuLog& log, bool magnetometer = true) {
   return text;
 }
 
-Eigen::Matrix3d matrix(const Json& json) {
+Eigen::Matrix3d matrix(const SortedJson& json) {
   Eigen::Matrix3d M;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) M(i, j) = json[std::size_t(i)][std::size_t(j)];
@@ -83,7 +83,7 @@ TEST(CalibrateVerb, WritesTheFileThatTheFlightProgramReads) {
   const MadeUpImu made = make_up_imu({.seed = 3, .warming = 8});
   const std::string log = folder.write("log.csv", csv(made.log)).string();
   const std::string file = (folder.path() / "imu_calib.txt").string();
-  const Json json = json_of({"calibrate", "imu", "--log", log, "-o", file});
+  const SortedJson json = json_of({"calibrate", "imu", "--log", log, "-o", file});
   for (const char* sensor : {"accelerometer", "gyroscope", "magnetometer"}) {
     for (const char* key : {"T", "K", "b", "M", "M_error", "b_error"})
       EXPECT_TRUE(json[sensor].contains(key)) << sensor << key;
@@ -115,7 +115,7 @@ TEST(CalibrateVerb, TakesSensorsOfAnotherFile) {
                         made.log.magnetometer(1, i), made.log.magnetometer(2, i));
   const std::string magnetometer = folder.write("mag.csv", text).string();
   const std::string list = "mx@" + magnetometer + ",my@" + magnetometer + ",mz@" + magnetometer;
-  const Json json = json_of({"calibrate", "imu", "--log", imu, "--magnetometer", list});
+  const SortedJson json = json_of({"calibrate", "imu", "--log", imu, "--magnetometer", list});
   EXPECT_THAT(matrix(json["magnetometer"]["M"]), MatrixRelativelyNear(made.magnetometer.M, 5e-3));
   EXPECT_THAT(matrix(json["accelerometer"]["M"]), MatrixRelativelyNear(made.accelerometer.M, 2e-3));
   EXPECT_TRUE(json["warnings"].empty());
@@ -154,12 +154,13 @@ TEST(CalibrateVerb, TakesRawFrames) {
     for (int k = 0; k < 3; ++k) text += fmt::format(" {}", log.magnetometer(k, i));
     text += " 250 100000 Z\n";
   }
-  const Json frames =
+  const SortedJson frames =
       json_of({"calibrate", "imu", "--log", folder.write("frames.txt", text).string(),
                "--accelerometer", "acc_x,acc_y,acc_z", "--gyroscope", "gyro_x,gyro_y,gyro_z",
                "--magnetometer", "magn_x,magn_y,magn_z"});
-  const Json table = json_of({"calibrate", "imu", "--log",
-                              folder.write("log.csv", csv(log)).string(), "--temperature", "none"});
+  const SortedJson table =
+      json_of({"calibrate", "imu", "--log", folder.write("log.csv", csv(log)).string(),
+               "--temperature", "none"});
   EXPECT_THAT(matrix(frames["accelerometer"]["M"]),
               MatrixRelativelyNear(matrix(table["accelerometer"]["M"]), 1e-6));
   EXPECT_THAT(matrix(frames["magnetometer"]["M"]),
@@ -245,11 +246,11 @@ std::string record(int samples, const std::string& header = "") {
 }
 
 TEST(AllanVerb, GivesTheKeysOfTheContract) {
-  const Json json = json_of({"allan", "--simulate"});
+  const SortedJson json = json_of({"allan", "--simulate"});
   for (const char* key : {"tau", "adev", "low", "high", "edf"})
     EXPECT_EQ(json[key].size(), json["tau"].size()) << key;
   EXPECT_EQ(json["tau"][0], 0.01);
-  const Json& density = json["noise_density"];
+  const SortedJson& density = json["noise_density"];
   EXPECT_TRUE(density["seen"]);
   EXPECT_LT(double(density["low"]), 1e-4);
   EXPECT_GT(double(density["high"]), 1e-4 * 0.98);
@@ -280,7 +281,8 @@ TEST(AllanVerb, ReadsNamedColumns) {
   for (const char* header : {"#timestamp [ns],wx [rad/s]\n", "timestamp[ns],wx[rad/s]\n",
                              "# a comment\n# of two lines\n\ntimestamp [ns], wx [rad/s]\n"}) {
     const std::string log = folder.write("l.csv", record(2000, header)).string();
-    const Json json = json_of({"allan", "--log", log, "--column", "wx", "--time", "timestamp"});
+    const SortedJson json =
+        json_of({"allan", "--log", log, "--column", "wx", "--time", "timestamp"});
     EXPECT_EQ(json["samples"], 2000);
     EXPECT_EQ(json["unit"], "rad/s");
     EXPECT_NEAR(double(json["dt"]), 0.01, 1e-15);
@@ -307,9 +309,9 @@ TEST(AllanVerb, UnwrapsAPhase) {
     return json_of(
         {"allan", "--log", folder.write(name, text).string(), "--column", "angle", "--phase"});
   };
-  const Json right = analysed("free.csv", free);
+  const SortedJson right = analysed("free.csv", free);
   EXPECT_EQ(right["warnings"].size(), 0);
-  for (const Json& found : {analysed("w.csv", within), analysed("d.csv", degrees)}) {
+  for (const SortedJson& found : {analysed("w.csv", within), analysed("d.csv", degrees)}) {
     const double scale = found["unit"] == "deg/s" ? 180 / std::numbers::pi : 1;
     for (std::size_t i = 0; i < right["adev"].size(); ++i)
       EXPECT_NEAR(double(found["adev"][i]) / scale / double(right["adev"][i]), 1, 1e-6);
@@ -331,10 +333,10 @@ TEST(AllanVerb, TakesAPhase) {
     angle += 0.01 * made.rate(i);
   }
   angles += fmt::format("{:.2f},{}\n", 30.0, angle);
-  const Json rate =
+  const SortedJson rate =
       json_of({"allan", "--log", folder.write("r.csv", rates).string(), "--column", "w"});
   const std::string file = folder.write("a.csv", angles).string();
-  const Json phase = json_of({"allan", "--log", file, "--column", "angle", "--phase"});
+  const SortedJson phase = json_of({"allan", "--log", file, "--column", "angle", "--phase"});
   EXPECT_EQ(phase["samples"], 3000);
   EXPECT_EQ(phase["unit"], "rad/s");
   EXPECT_EQ(phase["column"], "angle");
@@ -365,7 +367,7 @@ TEST(AllanVerb, SaysWhatTheReaderWarnsOf) {
     args.insert(args.end(), clock.begin(), clock.end());
     const ProgramResult result = run_program(args);
     ASSERT_EQ(result.status, 0) << result.err;
-    const Json json = Json::parse(result.out);
+    const SortedJson json = SortedJson::parse(result.out);
     EXPECT_NEAR(double(json["dt"]), 0.005, 1e-9);
     EXPECT_EQ(json["samples"], 1000);
     ASSERT_EQ(json["warnings"].size(), 2U);
@@ -421,7 +423,7 @@ TEST(AllanVerb, ReadsOtherLogs) {
     text += fmt::format("{},{}\n", t, made.rate(i));
   }
   const std::string file = folder.write("l.ulg", log.bytes()).string();
-  const Json ulog = json_of({"allan", "--log", file, "--column", "imu.w"});
+  const SortedJson ulog = json_of({"allan", "--log", file, "--column", "imu.w"});
   EXPECT_EQ(ulog["samples"], 2000);
   EXPECT_EQ(ulog["column"], "imu.w");
   const std::string csv = folder.write("l.csv", text).string();
@@ -439,7 +441,7 @@ TEST(AllanVerb, TakesTheRowsThatHoldAValue) {
   const MadeUpGyroscope made = make_up_gyroscope(2);
   for (int i = 0; i < 1000; ++i)
     text += fmt::format("{},{}\n{},\n", 20 * i, made.rate(i), 20 * i + 10);
-  const Json json = json_of(
+  const SortedJson json = json_of(
       {"allan", "--log", folder.write("l.csv", text).string(), "--column", "w", "--time", "Zeit"});
   EXPECT_EQ(json["samples"], 1000);
   EXPECT_NEAR(double(json["dt"]), 0.02, 1e-12);
@@ -483,8 +485,9 @@ TEST(AllanVerb, DrawsTheCurve) {
 
 TEST(AllanVerb, OfRealLogs) {
   QUADTUNE_REQUIRE_DATA(data);
-  const Json baro = json_of({"allan", "--log", (data / "uquad2" / "log_test_IMU_3.txt").string(),
-                             "--column", "19", "--rate", "20", "--unit", "m"});
+  const SortedJson baro =
+      json_of({"allan", "--log", (data / "uquad2" / "log_test_IMU_3.txt").string(), "--column",
+               "19", "--rate", "20", "--unit", "m"});
   EXPECT_NEAR(double(baro["noise_density"]["value"]), 0.114, 0.005);  // 0.51 m a sample
   const ProgramResult moving =
       run_program({"allan", "--log", (data / "euroc" / "V1_01_easy_imu0.csv").string(), "--column",

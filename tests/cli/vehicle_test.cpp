@@ -13,7 +13,7 @@ namespace quadtune::testing {
 namespace {
 
 using ::testing::HasSubstr;
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 
 std::string with_line(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
@@ -36,10 +36,10 @@ TEST(VehicleCheck, WarnsInTextAndJson) {
   EXPECT_THAT(text.out, HasSubstr("v.toml: warning: largest principal moment over mass times arm2 "
                                   "is 5.21e+06, plausible is 0.03 to 3: inertia_kg_m2 may be in g "
                                   "cm2"));
-  const Json json = Json::parse(run_program({"vehicle", "check", file, "--json"}).out);
+  const SortedJson json = SortedJson::parse(run_program({"vehicle", "check", file, "--json"}).out);
   ASSERT_EQ(json["warnings"].size(), 1);
   EXPECT_EQ(json["warnings"][0]["cause"], "inertia_kg_m2 may be in g cm2");
-  EXPECT_EQ(json["warnings"][0]["plausible"], Json({0.03, 3.0}));
+  EXPECT_EQ(json["warnings"][0]["plausible"], SortedJson({0.03, 3.0}));
   EXPECT_THAT(run_program({"vehicle", "show", file}).out, HasSubstr("warnings    largest"));
 }
 
@@ -90,10 +90,10 @@ noise_per_height_rad_per_s_per_m = 0.02
                                .string();
   const ProgramResult shown = run_program({"vehicle", "show", file, "--json"});
   ASSERT_EQ(shown.status, 0) << shown.err;
-  const Json sensors = Json::parse(shown.out)["sensors"];
-  EXPECT_EQ(sensors["vision"]["bias_turn_on_m"], Json({0.01, 0.01, 0.01}));
-  EXPECT_EQ(sensors["vision"]["bias_walk_m_per_sqrt_s"], Json({0.001, 0.002, 0.003}));
-  EXPECT_EQ(sensors["vision"]["correlated_noise_m"], Json({0.05, 0.05, 0.05}));
+  const SortedJson sensors = SortedJson::parse(shown.out)["sensors"];
+  EXPECT_EQ(sensors["vision"]["bias_turn_on_m"], SortedJson({0.01, 0.01, 0.01}));
+  EXPECT_EQ(sensors["vision"]["bias_walk_m_per_sqrt_s"], SortedJson({0.001, 0.002, 0.003}));
+  EXPECT_EQ(sensors["vision"]["correlated_noise_m"], SortedJson({0.05, 0.05, 0.05}));
   EXPECT_EQ(sensors["vision"]["correlation_s"], 60);
   EXPECT_EQ(sensors["flow"]["greatest_height_m"], 4);
   EXPECT_EQ(sensors["flow"]["noise_per_height_rad_per_s_per_m"], 0.02);
@@ -102,7 +102,8 @@ noise_per_height_rad_per_s_per_m = 0.02
 
 TEST(VehicleCheck, FindsNothingOddInTheBuiltInVehicles) {
   for (const std::string& name : built_in_vehicles()) {
-    const Json json = Json::parse(run_program({"vehicle", "check", name, "--json"}).out);
+    const SortedJson json =
+        SortedJson::parse(run_program({"vehicle", "check", name, "--json"}).out);
     EXPECT_TRUE(json["warnings"].empty()) << name << json["warnings"];
     EXPECT_THAT(run_program({"vehicle", "check", name}).out, ::testing::Not(HasSubstr("warning")));
   }
@@ -135,11 +136,11 @@ TEST(VehicleShow, JsonHasSensorsBatteryAndWhatIsAssumed) {
                                "\n[battery]\ncapacity_A_h = 0.6\nfull_voltage_V = 4.2\n"
                                "empty_voltage_V = 3.2\nresistance_ohm = 0.1\n")
           .string();
-  const Json json = Json::parse(run_program({"vehicle", "show", file, "--json"}).out);
+  const SortedJson json = SortedJson::parse(run_program({"vehicle", "show", file, "--json"}).out);
   EXPECT_EQ(json["battery"]["capacity_A_h"], 0.6);
   EXPECT_EQ(json["battery"]["efficiency"], 0.7);
   EXPECT_EQ(json["sensors"]["sonar"]["noise_m"], 0.01);
-  EXPECT_EQ(json["sensors"]["accelerometer"]["bias_m_per_s2"], Json({0.09, -0.06, 0.337}));
+  EXPECT_EQ(json["sensors"]["accelerometer"]["bias_m_per_s2"], SortedJson({0.09, -0.06, 0.337}));
   EXPECT_FALSE(json["sensors"].contains("gps"));
   EXPECT_THAT(json["assumed"]["rotor.lag_s"].get<std::string>(), HasSubstr("0 s"));
   EXPECT_FALSE(json["assumed"].contains("battery"));

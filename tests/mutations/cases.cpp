@@ -16,7 +16,7 @@
 namespace quadtune::mutations {
 namespace {
 
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 
 bool has(const Command& command, const std::string& word) {
   return std::find(command.begin(), command.end(), word) != command.end();
@@ -30,12 +30,12 @@ std::string name_of(const Command& command) {
 }
 
 /// A number that is none within what must hold numbers only.
-bool lacks_number(const Json& json) {
+bool lacks_number(const SortedJson& json) {
   if (json.is_null()) return true;
   return json.is_structured() && std::any_of(json.begin(), json.end(), lacks_number);
 }
 
-std::string matrix_without_number(const Json& json) {
+std::string matrix_without_number(const SortedJson& json) {
   static const std::set<std::string> matrices = {"A", "B", "C", "D",  "K",  "K_int", "S",   "P",
                                                  "L", "M", "Z", "x0", "u0", "poles", "num", "den"};
   if (!json.is_structured()) return "";
@@ -49,7 +49,7 @@ std::string matrix_without_number(const Json& json) {
 std::string json_complaint(const Command& command, const testing::ProgramResult& result) {
   // Where the answer goes into a file nothing is printed but an error.
   if (result.out.empty() && has(command, "-o") && result.status <= 1) return "";
-  const Json json = Json::parse(result.out, nullptr, false);
+  const SortedJson json = SortedJson::parse(result.out, nullptr, false);
   if (json.is_discarded()) return "prints what is no JSON";
   if (!json.is_object()) return "prints another JSON than an object";
   const bool error = json.contains("error") && json["error"].is_object();

@@ -20,7 +20,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 
 // A vehicle of one's own: no built-in name, and no layout that the Mambo's model project takes.
 constexpr char kOwn[] = R"(

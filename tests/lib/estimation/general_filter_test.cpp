@@ -26,8 +26,8 @@ using testing::lane_of;
 using testing::MatrixNear;
 using ::testing::StrEq;
 using ::testing::ThrowsMessage;
-namespace internal = general_filter_internal;
-using State = GeneralFilterState<double>;
+namespace filter_internal = general_filter_internal;
+using FilterState = GeneralFilterState<double>;
 using Frame = SensorFrame<double>;
 using Vector12 = StateVector<double>;
 using Matrix16 = Eigen::Matrix<double, kErrorStates, kErrorStates>;
@@ -112,18 +112,18 @@ Vector12 hovering() {
 }
 
 /// A state with errors in every part.
-State moved(const State& from, const Vector16& dx) {
-  State state = from;
-  internal::Correction<double> correction;
+FilterState moved(const FilterState& from, const Vector16& dx) {
+  FilterState state = from;
+  filter_internal::Correction<double> correction;
   for (int i = 0; i < kErrorStates; ++i) correction.errors[static_cast<std::size_t>(i)] = dx(i);
   correction.any_used = true;
-  internal::apply(correction, state);
+  filter_internal::apply(correction, state);
   return state;
 }
 
 /// The error of b relative to a, in the filter's coordinates.
-Vector16 difference(const State& a, const State& b) {
-  const auto q = [](const State& s) {
+Vector16 difference(const FilterState& a, const FilterState& b) {
+  const auto q = [](const FilterState& s) {
     const auto& v = s.motion.attitude;
     return Eigen::Quaterniond(v(0), v(1), v(2), v(3));
   };
@@ -135,11 +135,11 @@ Vector16 difference(const State& a, const State& b) {
 }
 
 /// A state that moves in all directions, and readings in its history.
-State lively(const GeneralFilterSettings& settings, std::mt19937_64& random) {
+FilterState lively(const GeneralFilterSettings& settings, std::mt19937_64& random) {
   Vector12 x;
   x << random_vector(random, 1), 0.3, -0.2, 2.5, random_vector(random, 1), random_vector(random, 1);
   x(2) = -2;
-  State state = general_filter_start(settings, x);
+  FilterState state = general_filter_start(settings, x);
   state.gyro_bias = random_vector(random, 0.02);
   state.force_bias = random_vector(random, 0.2);
   for (auto& reading : state.readings.values) {
@@ -153,12 +153,12 @@ State lively(const GeneralFilterSettings& settings, std::mt19937_64& random) {
 TEST(GeneralFilter, SpreadsTheCovarianceByTheMotionsOwnDerivative) {
   std::mt19937_64 random(3);
   GeneralFilterSettings settings = settings_of(all_sensors());
-  const State start = lively(settings, random);
-  const internal::ReadingPlace place;
+  const FilterState start = lively(settings, random);
+  const filter_internal::ReadingPlace place;
   const auto after = [&](const Vector16& dx) {
-    State state = moved(start, dx);
-    const internal::Inputs<double> in = internal::inputs_at(state, place, place, 0);
-    internal::move<double>(state.motion, in.rates * settings.dt, in.force, kG, settings.dt);
+    FilterState state = moved(start, dx);
+    const filter_internal::Inputs<double> in = filter_internal::inputs_at(state, place, place, 0);
+    filter_internal::move<double>(state.motion, in.rates * settings.dt, in.force, kG, settings.dt);
     return state;
   };
   Matrix16 F;
@@ -166,14 +166,14 @@ TEST(GeneralFilter, SpreadsTheCovarianceByTheMotionsOwnDerivative) {
   for (int i = 0; i < kErrorStates; ++i)
     F.col(i) =
         difference(after(-step * Vector16::Unit(i)), after(step * Vector16::Unit(i))) / (2 * step);
-  State state = start;
+  FilterState state = start;
   state.P = random_covariance(random);
   const Matrix16 expected = F * dense(state.P) * F.transpose();
-  const internal::Inputs<double> in = internal::inputs_at(state, place, place, 0);
-  const Eigen::Vector4d middle = internal::product<double>(
-      state.motion.attitude, internal::small_rotation<double>(in.rates * settings.dt / 2));
-  const Matrix3d R = internal::rotation(middle);
-  internal::spread<double>(state.P, R, R * in.force * settings.dt, settings.dt);
+  const filter_internal::Inputs<double> in = filter_internal::inputs_at(state, place, place, 0);
+  const Eigen::Vector4d middle = filter_internal::product<double>(
+      state.motion.attitude, filter_internal::small_rotation<double>(in.rates * settings.dt / 2));
+  const Matrix3d R = filter_internal::rotation(middle);
+  filter_internal::spread<double>(state.P, R, R * in.force * settings.dt, settings.dt);
   // The filter's F leaves out terms of dt²/2, 1e-4 of force times its turn.
   EXPECT_THAT(dense(state.P), MatrixNear(expected, 3e-3));
   Matrix16 blocks = Matrix16::Identity();
@@ -185,7 +185,7 @@ TEST(GeneralFilter, SpreadsTheCovarianceByTheMotionsOwnDerivative) {
   EXPECT_THAT(blocks, MatrixNear(F, 3e-4));
   state.P = random_covariance(random);
   const Matrix16 exact = blocks * dense(state.P) * blocks.transpose();
-  internal::spread<double>(state.P, R, a, settings.dt);
+  filter_internal::spread<double>(state.P, R, a, settings.dt);
   EXPECT_THAT(dense(state.P), MatrixNear(exact, 1e-12));
 }
 
@@ -195,11 +195,12 @@ TEST(GeneralFilter, RunsBackwardToWhereItWas) {
   GeneralFilterSettings settings = settings_of(all_sensors());
   settings.gyroscope.lag = 0.007;
   settings.accelerometer.lag = 0.0135;  // each with its own place among the readings
-  State state = lively(settings, random);
+  FilterState state = lively(settings, random);
   const int horizon = horizon_periods(settings);
   EXPECT_EQ(horizon, 3);
-  const internal::ReadingPlace gyro = internal::reading_place(0.007, 0.005, horizon),
-                               force = internal::reading_place(0.0135, 0.005, horizon);
+  const filter_internal::ReadingPlace gyro = filter_internal::reading_place(0.007, 0.005, horizon),
+                                      force =
+                                          filter_internal::reading_place(0.0135, 0.005, horizon);
   EXPECT_EQ(gyro.whole, 1);
   EXPECT_NEAR(gyro.part, 0.6, 1e-12);
   EXPECT_EQ(force.whole, 0);
@@ -215,14 +216,15 @@ TEST(GeneralFilter, RunsBackwardToWhereItWas) {
   }
   for (const int periods : {1, 7, 40}) {
     const auto past =
-        internal::past_motion<double>(settings, state, gyro, force, periods * settings.dt);
+        filter_internal::past_motion<double>(settings, state, gyro, force, periods * settings.dt);
     const auto& was = motions[static_cast<std::size_t>(periods)];
     EXPECT_THAT(past.motion.position, MatrixNear(was.position, 1e-12)) << periods;
     EXPECT_THAT(past.motion.velocity, MatrixNear(was.velocity, 1e-12)) << periods;
     EXPECT_THAT(past.motion.attitude, MatrixNear(was.attitude, 1e-9)) << periods;
   }
   // A fraction lies between.
-  const auto half = internal::past_motion<double>(settings, state, gyro, force, 2.5 * settings.dt);
+  const auto half =
+      filter_internal::past_motion<double>(settings, state, gyro, force, 2.5 * settings.dt);
   EXPECT_THAT(half.motion.position,
               MatrixNear(Vector3d((motions[2].position + motions[3].position) / 2), 1e-3));
 }
@@ -230,13 +232,13 @@ TEST(GeneralFilter, RunsBackwardToWhereItWas) {
 TEST(GeneralFilter, CarriesRowsBackAsDifferencesDo) {
   std::mt19937_64 random(5);
   const GeneralFilterSettings settings = settings_of(all_sensors());
-  const State state = lively(settings, random);
-  const internal::ReadingPlace place;
+  const FilterState state = lively(settings, random);
+  const filter_internal::ReadingPlace place;
   for (const double ago : {0.0013, 0.02, 0.1372}) {
     const auto values = [&](const Vector16& dx) {
-      const State other = moved(state, dx);
-      const auto past = internal::past_motion<double>(settings, other, place, place, ago);
-      State then = other;
+      const FilterState other = moved(state, dx);
+      const auto past = filter_internal::past_motion<double>(settings, other, place, place, ago);
+      FilterState then = other;
       then.motion = past.motion;
       return then;
     };
@@ -246,11 +248,11 @@ TEST(GeneralFilter, CarriesRowsBackAsDifferencesDo) {
       slopes.col(i) =
           difference(values(-step * Vector16::Unit(i)), values(step * Vector16::Unit(i))) /
           (2 * step);
-    const auto past = internal::past_motion<double>(settings, state, place, place, ago);
+    const auto past = filter_internal::past_motion<double>(settings, state, place, place, ago);
     for (int part = 0; part < 9; ++part) {
-      internal::Row<double> row;
+      filter_internal::Row<double> row;
       (part < 3 ? row.position : part < 6 ? row.velocity : row.turn)(part % 3) = 1;
-      internal::carry(past, row);
+      filter_internal::carry(past, row);
       Vector16 c;
       c << row.position, row.velocity, row.turn, row.gyro, row.force, row.pressure;
       EXPECT_THAT(c, MatrixNear(Vector16(slopes.row(part)), 3e-2 * ago + 1e-6))
@@ -263,9 +265,9 @@ TEST(GeneralFilter, CorrectsAsTheTextbook) {
   std::mt19937_64 random(6);
   const GeneralFilterSettings settings = settings_of(all_sensors());
   for (int round = 0; round < 20; ++round) {
-    State state = lively(settings, random);
+    FilterState state = lively(settings, random);
     state.P = random_covariance(random);
-    internal::Row<double> row;
+    filter_internal::Row<double> row;
     row.velocity = random_vector(random, 1);
     row.turn = random_vector(random, 1);
     Vector16 c = Vector16::Zero();
@@ -277,11 +279,11 @@ TEST(GeneralFilter, CorrectsAsTheTextbook) {
     const Matrix16 I = Matrix16::Identity();
     const Matrix16 expected =
         (I - K * c.transpose()) * P * (I - K * c.transpose()).transpose() + K * R * K.transpose();
-    internal::Correction<double> correction;
+    filter_internal::Correction<double> correction;
     Estimate<double> seen;
     bool used = false;
-    internal::correct<internal::kV | internal::kTurn>(settings, state, row, e, R, true, 0, 3,
-                                                      correction, seen, used);
+    filter_internal::correct<filter_internal::kV | filter_internal::kTurn>(
+        settings, state, row, e, R, true, 0, 3, correction, seen, used);
     EXPECT_TRUE(used);
     EXPECT_NEAR(seen.innovation_square, e * e / S, 1e-14);
     EXPECT_EQ(seen.innovation_freedom, 1);
@@ -319,18 +321,19 @@ TEST(GeneralFilter, LinearizesEverySensor) {
         if (aid) aid->variance = 1e-12;
       if (settings.flow) settings.flow->variance = 1e-12;
       settings.gyroscope.variance.setConstant(1e-14);
-      State believed = general_filter_start(settings, hovering());
+      FilterState believed = general_filter_start(settings, hovering());
       believed = lively(settings, random);
       believed.P = random_covariance(random);
       // A true state within a tiny error that a perfect measurement must take out of its row.
       std::normal_distribution<double> normal;
       Vector16 dx;
       for (int i = 0; i < kErrorStates; ++i) dx(i) = 1e-4 * normal(random);
-      const State true_state = moved(believed, dx);
-      const internal::ReadingPlace place;
-      const auto past = internal::past_motion<double>(settings, true_state, place, place, ago);
+      const FilterState true_state = moved(believed, dx);
+      const filter_internal::ReadingPlace place;
+      const auto past =
+          filter_internal::past_motion<double>(settings, true_state, place, place, ago);
       Vector12 x;
-      const Matrix3d R = internal::rotation(past.motion.attitude);
+      const Matrix3d R = filter_internal::rotation(past.motion.attitude);
       x << past.motion.position, euler_of_rotation<double>(R), R.transpose() * past.motion.velocity,
           past.rates;
       Frame frame = perfect(x, Vector3d::Zero());
@@ -341,49 +344,51 @@ TEST(GeneralFilter, LinearizesEverySensor) {
             &frame.gps_position.age, &frame.gps_velocity.age, &frame.vision.age})
         *age = ago;
       // The innovation after the correction is of second order.
-      const auto innovation = [&](State state) {
+      const auto innovation = [&](FilterState state) {
         Estimate<double> seen;
         state.P.entries.fill(0);
-        const internal::Period<double> period = {settings, state, place, place, 0, seen};
-        if (settings.flow) internal::use_flow<double>(period, {frame.flow.value, ago, true});
-        if (settings.range) internal::use_range<double>(period, {frame.sonar.value, ago, true});
+        const filter_internal::Period<double> period = {settings, state, place, place, 0, seen};
+        if (settings.flow) filter_internal::use_flow<double>(period, {frame.flow.value, ago, true});
+        if (settings.range)
+          filter_internal::use_range<double>(period, {frame.sonar.value, ago, true});
         if (settings.pressure)
-          internal::use_pressure<double>(period, {frame.pressure.value, ago, true});
+          filter_internal::use_pressure<double>(period, {frame.pressure.value, ago, true});
         if (settings.heading)
-          internal::use_heading<double>(period, {frame.magnetic_field.value, ago, true});
+          filter_internal::use_heading<double>(period, {frame.magnetic_field.value, ago, true});
         if (settings.gps_position)
-          internal::use_vector<internal::kP, double>(period, *settings.gps_position,
-                                                     {frame.gps_position.value, ago, true},
-                                                     Scalar::gps_position);
+          filter_internal::use_vector<filter_internal::kP, double>(
+              period, *settings.gps_position, {frame.gps_position.value, ago, true},
+              Scalar::gps_position);
         if (settings.gps_velocity)
-          internal::use_vector<internal::kV, double>(period, *settings.gps_velocity,
-                                                     {frame.gps_velocity.value, ago, true},
-                                                     Scalar::gps_velocity);
+          filter_internal::use_vector<filter_internal::kV, double>(
+              period, *settings.gps_velocity, {frame.gps_velocity.value, ago, true},
+              Scalar::gps_velocity);
         if (settings.vision)
-          internal::use_vector<internal::kP, double>(
+          filter_internal::use_vector<filter_internal::kP, double>(
               period, *settings.vision, {frame.vision.value, ago, true}, Scalar::vision);
         return std::sqrt(seen.innovation_square * 1e-12);  // of P = 0: |e|
       };
-      State corrected = believed;
+      FilterState corrected = believed;
       Estimate<double> seen;
-      const internal::Period<double> period = {settings, corrected, place, place, 0, seen};
-      if (settings.flow) internal::use_flow<double>(period, {frame.flow.value, ago, true});
-      if (settings.range) internal::use_range<double>(period, {frame.sonar.value, ago, true});
+      const filter_internal::Period<double> period = {settings, corrected, place, place, 0, seen};
+      if (settings.flow) filter_internal::use_flow<double>(period, {frame.flow.value, ago, true});
+      if (settings.range)
+        filter_internal::use_range<double>(period, {frame.sonar.value, ago, true});
       if (settings.pressure)
-        internal::use_pressure<double>(period, {frame.pressure.value, ago, true});
+        filter_internal::use_pressure<double>(period, {frame.pressure.value, ago, true});
       if (settings.heading)
-        internal::use_heading<double>(period, {frame.magnetic_field.value, ago, true});
+        filter_internal::use_heading<double>(period, {frame.magnetic_field.value, ago, true});
       if (settings.gps_position)
-        internal::use_vector<internal::kP, double>(period, *settings.gps_position,
-                                                   {frame.gps_position.value, ago, true},
-                                                   Scalar::gps_position);
+        filter_internal::use_vector<filter_internal::kP, double>(
+            period, *settings.gps_position, {frame.gps_position.value, ago, true},
+            Scalar::gps_position);
       if (settings.gps_velocity)
-        internal::use_vector<internal::kV, double>(period, *settings.gps_velocity,
-                                                   {frame.gps_velocity.value, ago, true},
-                                                   Scalar::gps_velocity);
+        filter_internal::use_vector<filter_internal::kV, double>(
+            period, *settings.gps_velocity, {frame.gps_velocity.value, ago, true},
+            Scalar::gps_velocity);
       if (settings.vision)
-        internal::use_vector<internal::kP, double>(period, *settings.vision,
-                                                   {frame.vision.value, ago, true}, Scalar::vision);
+        filter_internal::use_vector<filter_internal::kP, double>(
+            period, *settings.vision, {frame.vision.value, ago, true}, Scalar::vision);
       const double before = innovation(believed), after = innovation(corrected);
       EXPECT_GT(before, 1e-5) << which;
       EXPECT_LT(after, 2e-3 * before) << "sensor " << which << ", " << ago << " s ago";
@@ -407,7 +412,7 @@ TEST(GeneralFilter, SettlesAtTheRiccatiEquationsSolution) {
   settings.accelerometer.density.setZero();
   settings.gyroscope.walk = settings.accelerometer.walk = 0;
   settings.pressure->walk = 0.05;
-  State state = general_filter_start(settings, hovering());
+  FilterState state = general_filter_start(settings, hovering());
   Frame frame = resting(hovering());
   frame.pressure.fresh = true;
   for (int k = 0; k < 20000; ++k) (void)step(settings, state, frame, false);
@@ -434,7 +439,7 @@ TEST(GeneralFilter, IsTheFilterOfADoubleIntegratorAlongAnAxis) {
   settings.start.force_bias = 0;
   settings.gyroscope.density.setZero();
   settings.gyroscope.walk = settings.accelerometer.walk = 0;
-  State state = general_filter_start(settings, hovering());
+  FilterState state = general_filter_start(settings, hovering());
   Frame frame = resting(hovering());
   frame.vision.fresh = true;
   Eigen::Matrix2d P = Eigen::Vector2d(1e-4, 1e-4).asDiagonal(), F;
@@ -469,7 +474,7 @@ TEST(GeneralFilter, UsesALateFixAsIfItHadComeInTime) {
   settings.start.position = 0.5;
   const auto end = [&](int late, double offset) {
     std::mt19937_64 random(8);
-    State state = general_filter_start(settings, hovering());
+    FilterState state = general_filter_start(settings, hovering());
     for (int k = 0; k <= 120; ++k) {
       Frame frame = resting(hovering());
       frame.rates.value = random_vector(random, 0.3);
@@ -482,11 +487,11 @@ TEST(GeneralFilter, UsesALateFixAsIfItHadComeInTime) {
     }
     return state;
   };
-  const State prompt = end(0, 0.01), base = end(0, 0);
+  const FilterState prompt = end(0, 0.01), base = end(0, 0);
   const Vector16 effect = difference(base, prompt);
   EXPECT_GT(effect.norm(), 1e-3);
   for (const int late : {1, 13, 40}) {
-    const State tardy = end(late, 0.01);
+    const FilterState tardy = end(late, 0.01);
     // Equal up to the curvature over the attitude's correction.
     EXPECT_LT(difference(prompt, tardy).norm(), 2e-3) << late;
     const Matrix16 P = dense(prompt.P);
@@ -503,7 +508,7 @@ TEST(GeneralFilter, WaitsForTheInertialSensors) {
   GeneralFilterSettings late = prompt;
   late.gyroscope.lag = late.accelerometer.lag = 3 * late.dt;
   Vector12 x = hovering();
-  State now = general_filter_start(prompt, x), horizon = general_filter_start(late, x);
+  FilterState now = general_filter_start(prompt, x), horizon = general_filter_start(late, x);
   std::mt19937_64 random(9);
   std::vector<Frame> frames;
   for (int k = 0; k < 400; ++k) {
@@ -548,7 +553,7 @@ TEST(GeneralFilter, GatesAndRecovers) {
   sensors.barometer.reset();
   sensors.magnetometer.reset();
   GeneralFilterSettings settings = settings_of(sensors);
-  State state = general_filter_start(settings, hovering());
+  FilterState state = general_filter_start(settings, hovering());
   Frame frame = resting(hovering());
   int rejected = 0, time = 0;
   for (int k = 0; k < 2000; ++k) {
@@ -567,12 +572,12 @@ TEST(GeneralFilter, GatesAndRecovers) {
   EXPECT_NEAR(state.motion.position.z(), -1.5, 0.05);
   EXPECT_LT(state.motion.velocity.norm(), 0.05);
   // One wild echo changes nothing, not even a bit of the covariance.
-  const State before = state;
+  const FilterState before = state;
   frame.gps_position.fresh = frame.gps_velocity.fresh = false;
   frame.sonar.fresh = true;
   frame.sonar.value = 4;
   (void)step(settings, state, frame, false);
-  State without = before;
+  FilterState without = before;
   frame.sonar.fresh = false;
   (void)step(settings, without, frame, false);
   EXPECT_EQ(state.P.entries, without.P.entries);
@@ -584,7 +589,7 @@ TEST(GeneralFilter, FindsItsBiasesWhileItStands) {
   const GeneralFilterSettings settings = settings_of(sensors);
   Vector12 x = Vector12::Zero();
   x(2) = -0.03;
-  State state = general_filter_start(settings, x);
+  FilterState state = general_filter_start(settings, x);
   std::mt19937_64 random(10);
   const Vector3d gyro(-0.0095, -0.0075, 0.0015), force(0.09, -0.06, 0.337);
   for (int k = 0; k < 100; ++k) {
@@ -613,7 +618,7 @@ TEST(GeneralFilter, FindsItsBiasesWhileItStands) {
 TEST(GeneralFilter, FindsALargeBiasWhileItStands) {
   const GeneralFilterSettings settings = settings_of(load_vehicle("mambo").sensors);
   const Vector12 x = Vector12::Zero();
-  State state = general_filter_start(settings, x);
+  FilterState state = general_filter_start(settings, x);
   const Vector3d gyro(0.35, -0.2, 0.3), force(0, 0, 3);
   for (int k = 0; k < 400; ++k) {
     Frame frame = resting(x);
@@ -659,26 +664,26 @@ TEST(GeneralFilter, ExpectsAPushAtLiftOff) {
   GeneralFilterSettings settings = settings_of(load_vehicle("mambo").sensors);
   const Vector12 x = Vector12::Zero();
   const auto stood = [&] {
-    State state = general_filter_start(settings, x);
+    FilterState state = general_filter_start(settings, x);
     for (int k = 0; k < 200; ++k) (void)step(settings, state, resting(x), true);
     return state;
   };
-  const State pushed = stood();
-  const auto deviation = [](const State& state, int axis) {
+  const FilterState pushed = stood();
+  const auto deviation = [](const FilterState& state, int axis) {
     return std::sqrt(state.P(kErrorVelocity + axis, kErrorVelocity + axis));
   };
   EXPECT_EQ(deviation(pushed, 2), settings.lift_off_velocity);
   EXPECT_LT(deviation(pushed, 0), 0.005);
   settings.lift_off_velocity = 0;
-  const State soft = stood();
+  const FilterState soft = stood();
   EXPECT_LT(deviation(soft, 2), 0.005);
   EXPECT_EQ(deviation(soft, 0), deviation(pushed, 0));
 }
 
 TEST(GeneralFilter, IsNotPoisonedBySensors) {
   const GeneralFilterSettings settings = settings_of(all_sensors());
-  State state = general_filter_start(settings, hovering());
-  State without = state;
+  FilterState state = general_filter_start(settings, hovering());
+  FilterState without = state;
   Frame bad;
   const Vector3d nothing = Vector3d::Constant(kNaN);
   const double infinity = std::numeric_limits<double>::infinity();
@@ -713,7 +718,7 @@ TEST(GeneralFilter, LearnsNoHeadingFromNoise) {
   settings.gyroscope.walk = 0;
   const double density = 1e-4;  // the same about every axis: it has no direction
   settings.gyroscope.density.setConstant(density);
-  State state = general_filter_start(settings, hovering());
+  FilterState state = general_filter_start(settings, hovering());
   const Frame rest = resting(hovering());
   std::mt19937_64 random(21);
   std::normal_distribution<double> normal;
@@ -800,7 +805,7 @@ TEST(GeneralFilter, LanesDoNotDependOnEachOtherAndFloatFollows) {
   auto together = general_filter_start<P4>(settings, x.cast<P4>());
   std::array<GeneralFilterState<P1>, 4> alone;
   alone.fill(general_filter_start<P1>(settings, x.cast<P1>()));
-  State exact = general_filter_start<double>(settings, x);
+  FilterState exact = general_filter_start<double>(settings, x);
   auto rough = general_filter_start<float>(settings, x.cast<float>());
   std::mt19937_64 random(12);
   const auto put = [](auto& sample, int l, const auto& from) {

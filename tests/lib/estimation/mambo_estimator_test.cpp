@@ -24,8 +24,8 @@ using testing::lane_of;
 using testing::MatrixNear;
 using ::testing::StrEq;
 using ::testing::ThrowsMessage;
-using Settings = MamboEstimatorSettings<double>;
-using State = MamboEstimatorState<double>;
+using MamboSettings = MamboEstimatorSettings<double>;
+using MamboState = MamboEstimatorState<double>;
 using Frame = SensorFrame<double>;
 using Vector12 = StateVector<double>;
 using testing::kNaN;
@@ -57,8 +57,8 @@ Vector12 at_height(double height) {
 }
 
 /// Exact sensors need neither the original's correction factor nor its neglect of turning.
-Settings exact_settings() {
-  Settings settings;
+MamboSettings exact_settings() {
+  MamboSettings settings;
   settings.flow_scale = 1;
   settings.flow_compensation_x = 1 + kA * kA / 3;
   settings.flow_compensation_y = 1 + kB * kB / 3;
@@ -69,8 +69,8 @@ TEST(MamboEstimator, HoversWhereItWasPut) {
   Vector12 x = at_height(1.1);
   x.head<2>() << 3, -2;
   x(5) = 8;  // more than a turn of yaw
-  const Settings settings = exact_settings();
-  State state = mambo_estimator_start(settings, x);
+  const MamboSettings settings = exact_settings();
+  MamboState state = mambo_estimator_start(settings, x);
   for (int k = 0; k < 1000; ++k) {
     const Estimate<double> estimate = step(settings, state, perfect_frame(x));
     ASSERT_THAT(estimate.x, MatrixNear(x, 1e-12));
@@ -81,9 +81,9 @@ TEST(MamboEstimator, HoversWhereItWasPut) {
 }
 
 TEST(MamboEstimator, RunsTheFiltersOfThePublishedTables) {
-  const Settings settings;
+  const MamboSettings settings;
   const Vector12 x = at_height(1);
-  State state = mambo_estimator_start(settings, x);
+  MamboState state = mambo_estimator_start(settings, x);
   for (int k = 0; k < 20000; ++k) step(settings, state, perfect_frame(x));
   // Published steady gains, P Cᵀ (C P Cᵀ + R)⁻¹ of the predicted covariances.
   const Vector2d gain = state.altitude.P.col(0) / (state.altitude.P(0, 0) + 0.1);
@@ -92,11 +92,11 @@ TEST(MamboEstimator, RunsTheFiltersOfThePublishedTables) {
 }
 
 TEST(MamboEstimator, FindsTheBiasesWhileItStands) {
-  Settings settings = exact_settings();
+  MamboSettings settings = exact_settings();
   settings.calibration_time = 0.5;
   Vector12 x = Vector12::Zero();
   x.segment<3>(3) << 0.05, -0.1, 1;  // on a slope that is known
-  State state = mambo_estimator_start(settings, x);
+  MamboState state = mambo_estimator_start(settings, x);
   const Vector3d gyro_bias(-0.0095, -0.0075, 0.0015);
   const Vector3d force_bias(0.09, -0.06, 0.337);
   for (int k = 0; k < 100; ++k) {
@@ -117,9 +117,9 @@ TEST(MamboEstimator, FindsTheBiasesWhileItStands) {
 }
 
 TEST(MamboEstimator, FollowsARamp) {
-  const Settings settings;
+  const MamboSettings settings;
   Vector12 x = at_height(0.5);
-  State state = mambo_estimator_start(settings, x);
+  MamboState state = mambo_estimator_start(settings, x);
   x(3) = 0.3;  // the sonar looks aside, and the estimator has to know
   state.attitude.angles.x() = 0.3;
   Estimate<double> estimate;
@@ -133,9 +133,9 @@ TEST(MamboEstimator, FollowsARamp) {
 }
 
 TEST(MamboEstimator, PredictsHeightByTheAccelerationWithoutEcho) {
-  const Settings settings;
+  const MamboSettings settings;
   Vector12 x = at_height(1);
-  State state = mambo_estimator_start(settings, x);
+  MamboState state = mambo_estimator_start(settings, x);
   Estimate<double> estimate;
   for (int k = 0; k < 200; ++k) {
     Frame frame = perfect_frame(x, Vector3d(0, 0, -0.5));
@@ -149,10 +149,10 @@ TEST(MamboEstimator, PredictsHeightByTheAccelerationWithoutEcho) {
 }
 
 TEST(MamboEstimator, RefusesEchoesThatJump) {
-  const Settings settings;
+  const MamboSettings settings;
   const Vector12 x = at_height(1);
-  State with = mambo_estimator_start(settings, x);
-  State without = with;
+  MamboState with = mambo_estimator_start(settings, x);
+  MamboState without = with;
   for (int k = 0; k < 400; ++k) {
     Frame frame = perfect_frame(x);
     const bool outlier = k % 3 == 1;
@@ -166,14 +166,14 @@ TEST(MamboEstimator, RefusesEchoesThatJump) {
   // Within the gate it is believed.
   Frame frame = perfect_frame(x);
   frame.sonar.value = 1.29;
-  State near = mambo_estimator_start(settings, x);
+  MamboState near = mambo_estimator_start(settings, x);
   EXPECT_TRUE(step(settings, near, frame).height_used);
 }
 
 TEST(MamboEstimator, ComesBackFromAFloorThatIsAnother) {
-  const Settings settings;
+  const MamboSettings settings;
   const Vector12 x = at_height(1.5);
-  State state = mambo_estimator_start(settings, x);
+  MamboState state = mambo_estimator_start(settings, x);
   int refused = 0;
   bool found = false;
   double z = 0;
@@ -191,15 +191,15 @@ TEST(MamboEstimator, ComesBackFromAFloorThatIsAnother) {
 }
 
 TEST(MamboEstimator, BelievesTheSonarWithinItsRangeOnly) {
-  Settings settings;
+  MamboSettings settings;
   for (const double range : {0.05, 0.2, 4.9, 5.1}) {
-    State state = mambo_estimator_start(settings, at_height(range));
+    MamboState state = mambo_estimator_start(settings, at_height(range));
     EXPECT_EQ(step(settings, state, perfect_frame(at_height(range))).height_used,
               range > 0.1 && range < 5);
   }
   Vector12 tipped = at_height(1);
   tipped(3) = 1.2;
-  State state = mambo_estimator_start(settings, tipped);
+  MamboState state = mambo_estimator_start(settings, tipped);
   const Estimate<double> estimate = step(settings, state, perfect_frame(tipped));
   EXPECT_FALSE(estimate.height_used);
   EXPECT_FALSE(estimate.flow_used);
@@ -223,14 +223,14 @@ TEST(MamboEstimator, ReadsTheVelocityOfFlowInEveryAttitude) {
 TEST(MamboEstimator, TakesTheTurningOutOfTheFlow) {
   Vector12 x = at_height(1.2);
   x.tail<3>() << 3e-4, -5e-4, 2e-4;  // small, so that the attitude stays level in one period
-  Settings settings = exact_settings();
+  MamboSettings settings = exact_settings();
   settings.position = MamboPosition::flow_velocity;
-  State state = mambo_estimator_start(settings, x);
+  MamboState state = mambo_estimator_start(settings, x);
   step(settings, state, perfect_frame(x));
   EXPECT_THAT(state.flow_position, MatrixNear(Vector2d(Vector2d::Zero()), 1e-18));
 
   // Left in, it is a velocity of height · rate · (1 + a²/3), times the correction factor.
-  settings = Settings();
+  settings = MamboSettings();
   state = mambo_estimator_start(settings, x);
   step(settings, state, perfect_frame(x));
   const Vector2d wrong(1.15 * 1.2 * x(10) * (1 + kA * kA / 3),
@@ -240,9 +240,9 @@ TEST(MamboEstimator, TakesTheTurningOutOfTheFlow) {
 
 /// Turning to and fro on the spot at 1 m: the largest velocity that the flow is taken for. The
 /// gyroscope's reading is `lag` late, the flow comes every third period, `delay` after its image.
-double velocity_of_turning(Settings settings, double lag, double delay) {
+double velocity_of_turning(MamboSettings settings, double lag, double delay) {
   const Vector12 x0 = at_height(1);
-  State state = mambo_estimator_start(settings, x0);
+  MamboState state = mambo_estimator_start(settings, x0);
   const auto rate = [](double t) { return 0.5 * std::sin(20 * t); };
   double worst = 0;
   for (int k = 0; k < 400; ++k) {
@@ -261,7 +261,7 @@ double velocity_of_turning(Settings settings, double lag, double delay) {
 }
 
 TEST(MamboEstimator, TakesOutTheTurningOfTheImagesOwnInstant) {
-  Settings settings = exact_settings();
+  MamboSettings settings = exact_settings();
   for (const auto& [lag, delay] : {std::pair(0.0124, 0.0), std::pair(0.0, 0.03),
                                    std::pair(0.02, 0.013), std::pair(0.013, 0.0131)}) {
     settings.gyro_lag = 0;
@@ -279,12 +279,12 @@ TEST(MamboEstimator, TakesOutTheTurningOfTheImagesOwnInstant) {
 }
 
 TEST(MamboEstimator, FollowsAFlightOverTheGround) {
-  const Settings settings = exact_settings();
+  const MamboSettings settings = exact_settings();
   Vector12 x = at_height(1);
   x(5) = 2;
   const Vector3d v_W(0.5, -0.3, 0);
   x.segment<3>(6) = rotation_of_euler(0.0, 0.0, 2.0).transpose() * v_W;
-  State state = mambo_estimator_start(settings, at_height(1));
+  MamboState state = mambo_estimator_start(settings, at_height(1));
   state.attitude.angles.z() = 2;
   Estimate<double> estimate;
   for (int k = 0; k < 1000; ++k) estimate = step(settings, state, perfect_frame(x));
@@ -292,7 +292,7 @@ TEST(MamboEstimator, FollowsAFlightOverTheGround) {
   // From a start at rest, the filter loses what it had not yet believed.
   EXPECT_NEAR(estimate.x(0), 999 * 0.005 * 0.5, 0.03);
   // The original's factor shows as it is where the sensor is exact.
-  Settings original;
+  MamboSettings original;
   state = mambo_estimator_start(original, x);
   for (int k = 0; k < 1000; ++k) estimate = step(original, state, perfect_frame(x));
   EXPECT_THAT(estimate.x.segment<3>(6), MatrixNear(Vector3d(1.15 * x.segment<3>(6)), 1e-12));
@@ -301,9 +301,9 @@ TEST(MamboEstimator, FollowsAFlightOverTheGround) {
 TEST(MamboEstimator, HoldsTheFlowOrUsesItOnce) {
   const Vector12 x = at_height(1);
   for (const bool hold : {true, false}) {
-    Settings settings;
+    MamboSettings settings;
     settings.hold_flow = hold;
-    State state = mambo_estimator_start(settings, x);
+    MamboState state = mambo_estimator_start(settings, x);
     int used = 0;
     int come = 0;
     for (int k = 0; k < 200; ++k) {
@@ -319,9 +319,9 @@ TEST(MamboEstimator, HoldsTheFlowOrUsesItOnce) {
 }
 
 TEST(MamboEstimator, LetsOldAndLowFlowGo) {
-  const Settings settings;
+  const MamboSettings settings;
   const Vector12 low = at_height(0.39);
-  State state = mambo_estimator_start(settings, low);
+  MamboState state = mambo_estimator_start(settings, low);
   EXPECT_FALSE(step(settings, state, perfect_frame(low)).flow_used);
   const Vector12 high = at_height(0.41);
   state = mambo_estimator_start(settings, high);
@@ -336,13 +336,13 @@ TEST(MamboEstimator, LetsOldAndLowFlowGo) {
 }
 
 TEST(MamboEstimator, IntegratesWhatItIsAskedTo) {
-  Settings settings = exact_settings();
-  Settings raw = settings;
+  MamboSettings settings = exact_settings();
+  MamboSettings raw = settings;
   raw.position = MamboPosition::flow_velocity;
   std::mt19937_64 random(4);
   std::normal_distribution<double> noise(0, 0.2);
-  State filtered_state = mambo_estimator_start(settings, at_height(1));
-  State raw_state = filtered_state;
+  MamboState filtered_state = mambo_estimator_start(settings, at_height(1));
+  MamboState raw_state = filtered_state;
   Vector2d filtered_sum = Vector2d::Zero();
   Vector2d raw_sum = Vector2d::Zero();
   for (int k = 0; k < 500; ++k) {
@@ -363,12 +363,12 @@ TEST(MamboEstimator, IntegratesWhatItIsAskedTo) {
 // random walk and noise make has the steady variance P (P + q)/(P + q + R) = P before, q a
 // period's.
 TEST(MamboEstimator, BelievesImagesAsTheirVarianceSays) {
-  const Settings settings = exact_settings();
+  const MamboSettings settings = exact_settings();
   Vector12 x = at_height(1);
   x.segment<3>(6) << 0.5, -0.2, 0;
   Vector12 believed = x;
   believed.head<2>() << 2, -3;
-  State state = mambo_estimator_start(settings, believed);
+  MamboState state = mambo_estimator_start(settings, believed);
   constexpr int kPeriods = 40;
   const double walk = kPeriods * settings.position_Q;
   double P = 0;
@@ -392,7 +392,7 @@ TEST(MamboEstimator, BelievesImagesAsTheirVarianceSays) {
   EXPECT_LT(error.norm(), 1e-6);
   EXPECT_NEAR(P * P + walk * P, walk * settings.vision_R, 1e-15);
   // The flow's own sum is corrected too.
-  Settings raw = settings;
+  MamboSettings raw = settings;
   raw.position = MamboPosition::flow_velocity;
   EXPECT_THAT(step(raw, state, perfect_frame(x)).x.head<2>(),
               MatrixNear(Vector2d(8000 * 0.005 * x.segment<2>(6)), 1e-6));
@@ -406,7 +406,7 @@ TEST(MamboEstimator, BelievesImagesAsTheirVarianceSays) {
 // Oliveira 2020, section 6.3: carried along a lemniscate of 60 cm at 60 cm height. There the mean
 // absolute error is 0.7 mm with the full flow; here the raw integral of perfect flow at 200 Hz.
 TEST(MamboEstimator, DrawsALemniscate) {
-  Settings settings = exact_settings();
+  MamboSettings settings = exact_settings();
   settings.position = MamboPosition::flow_velocity;
   // The arm accelerates it without tilting it, which the accelerometer would take for a tilt.
   settings.attitude_time_constant = std::numeric_limits<double>::infinity();
@@ -422,7 +422,7 @@ TEST(MamboEstimator, DrawsALemniscate) {
     x.segment<3>(6) = (place(t + h) - place(t - h)) / (2 * h);
     return x;
   };
-  State state = mambo_estimator_start(settings, state_at(0));
+  MamboState state = mambo_estimator_start(settings, state_at(0));
   double raw_error = 0;
   double filtered_error = 0;
   constexpr int kPeriods = 2000;
@@ -439,11 +439,11 @@ TEST(MamboEstimator, DrawsALemniscate) {
 }
 
 TEST(MamboEstimator, SaysWhenFlowDisagrees) {
-  const Settings settings = exact_settings();
+  const MamboSettings settings = exact_settings();
   const Vector12 x = at_height(1);
-  State state = mambo_estimator_start(settings, x);
+  MamboState state = mambo_estimator_start(settings, x);
   for (const double velocity : {0.99, 1.01}) {
-    State now = state;
+    MamboState now = state;
     Frame frame = perfect_frame(x);
     frame.flow.value.x() -= velocity;
     EXPECT_EQ(step(settings, now, frame).flow_disagrees, velocity > 1);
@@ -451,9 +451,9 @@ TEST(MamboEstimator, SaysWhenFlowDisagrees) {
 }
 
 TEST(MamboEstimator, IsNotPoisonedBySensors) {
-  const Settings settings;
+  const MamboSettings settings;
   const Vector12 x = at_height(1);
-  State state = mambo_estimator_start(settings, x);
+  MamboState state = mambo_estimator_start(settings, x);
   for (const double bad : {kNaN, std::numeric_limits<double>::infinity()})
     for (int which = 0; which < 4; ++which) {
       Frame frame = perfect_frame(x);
@@ -471,7 +471,7 @@ TEST(MamboEstimator, IsNotPoisonedBySensors) {
 
 // Lanes with noises, masks and echoes of their own, against each alone; the first also in float.
 TEST(MamboEstimator, LanesDoNotDependOnEachOtherAndFloatFollows) {
-  Settings settings;
+  MamboSettings settings;
   settings.calibration_time = 0.1;
   settings.bias_time_constant = 20;
   settings.gyro_lag = 0.012;
@@ -482,7 +482,7 @@ TEST(MamboEstimator, LanesDoNotDependOnEachOtherAndFloatFollows) {
   const Vector12 x = at_height(1);
   auto together = mambo_estimator_start<Pack<4>>(packed, x.cast<Pack<4>>());
   auto rough = mambo_estimator_start<float>(single, x.cast<float>());
-  State exact = mambo_estimator_start(settings, x);
+  MamboState exact = mambo_estimator_start(settings, x);
   std::array<MamboEstimatorState<Pack<1>>, 4> alone;
   for (auto& state : alone) state = mambo_estimator_start<Pack<1>>(one, x.cast<Pack<1>>());
   std::mt19937_64 random(7);
@@ -538,41 +538,45 @@ TEST(MamboEstimator, LanesDoNotDependOnEachOtherAndFloatFollows) {
 
 // Every setting another than its default, so that one that is forgotten or swapped shows.
 TEST(MamboEstimator, CastKeepsEverySetting) {
-  const Settings settings = {0.01, 1.5, 2,     3,     4,
-                             5,    6,   7,     8,     9,
-                             10,   11,  12,    13,    14,
-                             15,   16,  17,    0.175, 3,
-                             18,   19,  false, 20,    MamboPosition::flow_velocity};
+  const MamboSettings settings = {0.01, 1.5, 2,     3,     4,
+                                  5,    6,   7,     8,     9,
+                                  10,   11,  12,    13,    14,
+                                  15,   16,  17,    0.175, 3,
+                                  18,   19,  false, 20,    MamboPosition::flow_velocity};
   EXPECT_EQ(mambo_estimator_cast<double>(settings), settings);
 }
 
 TEST(MamboEstimator, RefusesWhatCannotRun) {
-  EXPECT_NO_THROW(validate(Settings(), "estimator"));
+  EXPECT_NO_THROW(validate(MamboSettings(), "estimator"));
   EXPECT_NO_THROW(validate(MamboEstimatorSettings<float>(), "estimator"));
   const auto refused = [](auto change, const std::string& message) {
-    Settings settings;
+    MamboSettings settings;
     change(settings);
     EXPECT_THAT([&] { validate(settings, "estimator"); },
                 ThrowsMessage<InvalidInput>(StrEq("estimator: " + message)));
   };
-  refused([](Settings& s) { s.dt = -1; }, "dt is -1 s, expected a positive number");
-  refused([](Settings& s) { s.force_band = 0; },
+  refused([](MamboSettings& s) { s.dt = -1; }, "dt is -1 s, expected a positive number");
+  refused([](MamboSettings& s) { s.force_band = 0; },
           "force_band is 0, expected more than 0 because it divides");
-  refused([](Settings& s) { s.calibration_time = kNaN; },
+  refused([](MamboSettings& s) { s.calibration_time = kNaN; },
           "calibration_time is nan s, expected 0 or more and finite");
-  refused([](Settings& s) { s.vision_R = 0; }, "vision_R is 0 m2, expected a positive number");
-  refused([](Settings& s) { s.altitude_R = 0; }, "altitude_R is 0 m2, expected a positive number");
-  refused([](Settings& s) { s.velocity_Q = -1; },
+  refused([](MamboSettings& s) { s.vision_R = 0; }, "vision_R is 0 m2, expected a positive number");
+  refused([](MamboSettings& s) { s.altitude_R = 0; },
+          "altitude_R is 0 m2, expected a positive number");
+  refused([](MamboSettings& s) { s.velocity_Q = -1; },
           "velocity_Q is -1 m2/s2, expected 0 or more and finite because it is a variance");
-  refused([](Settings& s) { s.sonar_least = 6; },
+  refused([](MamboSettings& s) { s.sonar_least = 6; },
           "sonar_least is 6 m and sonar_greatest 5 m, expected the first to be smaller because "
           "echoes lie between them");
-  refused([](Settings& s) { s.gyro_lag = kNaN; }, "gyro_lag is nan s, expected 0 or more");
-  refused([](Settings& s) { s.aligned_periods = 33; }, "aligned_periods is 33, expected 0 to 32");
-  refused([](Settings& s) { s.flow_scale = 0; }, "flow_scale is 0, expected a positive number");
-  refused([](Settings& s) { s.flow_compensation_y = kNaN; },
+  refused([](MamboSettings& s) { s.gyro_lag = kNaN; }, "gyro_lag is nan s, expected 0 or more");
+  refused([](MamboSettings& s) { s.aligned_periods = 33; },
+          "aligned_periods is 33, expected 0 to 32");
+  refused([](MamboSettings& s) { s.flow_scale = 0; },
+          "flow_scale is 0, expected a positive number");
+  refused([](MamboSettings& s) { s.flow_compensation_y = kNaN; },
           "flow_compensation is 0 and nan, expected finite numbers");
-  refused([](Settings& s) { s.flow_timeout = -0.1; }, "flow_timeout is -0.1 s, expected 0 or more");
+  refused([](MamboSettings& s) { s.flow_timeout = -0.1; },
+          "flow_timeout is -0.1 s, expected 0 or more");
 }
 
 }  // namespace

@@ -32,8 +32,8 @@ using testing::random_state;
 using testing::random_vehicle;
 using ::testing::StrEq;
 using ::testing::ThrowsMessage;
-using Settings = UquadFilterSettings<double>;
-using State = UquadFilterState<double>;
+using UquadSettings = UquadFilterSettings<double>;
+using UquadState = UquadFilterState<double>;
 using Frame = SensorFrame<double>;
 using Speeds = RotorSpeeds<double>;
 using Vector12 = StateVector<double>;
@@ -117,7 +117,7 @@ TEST(StateJacobian, EqualsThatOfJets) {
 TEST(UquadFilter, PredictsByThePhysicsAndItsJacobian) {
   std::mt19937_64 random(2);
   const RigidBody body(random_vehicle(random, 4));
-  const Settings settings = uquad_filter_in_si<double>();
+  const UquadSettings settings = uquad_filter_in_si<double>();
   for (int trial = 0; trial < 20; ++trial) {
     const RotorLoads<double> loads = rotor_loads<double>(body, Speeds::Constant(4, 400));
     KalmanState<double, 15> kalman;
@@ -162,7 +162,7 @@ TEST(UquadFilter, CorrectsAsAllAtOnce) {
   std::mt19937_64 random(3);
   const RigidBody body(random_vehicle(random, 4));
   const RotorLoads<double> loads = rotor_loads<double>(body, Speeds::Constant(4, 400));
-  Settings settings = uquad_filter_in_si<double>();
+  UquadSettings settings = uquad_filter_in_si<double>();
   const double R_of[] = {0.25, 0.25, 0.05, 0.1, 0.1, 0.1, 4e-4, 4e-4,
                          4e-4, 0.25, 1,    1,   1,   0.1, 0.1,  0.1};
   for (int group = 0; group < 3; ++group) {
@@ -220,7 +220,7 @@ TEST(UquadFilter, CorrectsAsAllAtOnce) {
 // four standard deviations of what chi-square promises.
 TEST(UquadFilter, KnowsHowWrongItIs) {
   const RigidBody body(plus_quadrotor());
-  Settings settings = uquad_filter_in_si<double>();
+  UquadSettings settings = uquad_filter_in_si<double>();
   settings.Q = uquad_variances<double>(1e-6, 1e-8, 1e-4, 1e-4, 1e-5);
   settings.R_tilt = 0.01;
   settings.dynamic_covariance = false;
@@ -238,7 +238,7 @@ TEST(UquadFilter, KnowsHowWrongItIs) {
     Vector12 start = Vector12::Zero();
     start(2) = -10;
     start(5) = 0.1 * flight;
-    State state = uquad_filter_start(settings, start);
+    UquadState state = uquad_filter_start(settings, start);
     Vector15 truth = state.kalman.x;
     for (int i = 0; i < 15; ++i) truth(i) += noise(settings.P0(i));
     for (int k = 1; k <= 150; ++k) {
@@ -279,8 +279,8 @@ TEST(UquadFilter, HoversWhereItWasPut) {
   x(0) = 5;
   x(2) = -20;
   x(5) = 7;
-  for (const Settings& settings : {Settings(), uquad_filter_in_si<double>()}) {
-    State state = uquad_filter_start(settings, x);
+  for (const UquadSettings& settings : {UquadSettings(), uquad_filter_in_si<double>()}) {
+    UquadState state = uquad_filter_start(settings, x);
     for (int k = 0; k < 500; ++k) {
       const Estimate<double> estimate =
           step(settings, state, resting_sensors(x), body, hover(), false);
@@ -296,8 +296,8 @@ TEST(UquadFilter, FindsTheAccelerometersBias) {
   Vector12 x = Vector12::Zero();
   x(2) = -3;
   const Vector3d bias(0.2, -0.1, 0.3);
-  for (const Settings& settings : {Settings(), uquad_filter_in_si<double>()}) {
-    State state = uquad_filter_start(settings, x);
+  for (const UquadSettings& settings : {UquadSettings(), uquad_filter_in_si<double>()}) {
+    UquadState state = uquad_filter_start(settings, x);
     Estimate<double> estimate;
     for (int k = 0; k < 6000; ++k) {
       Frame frame = resting_sensors(x);
@@ -307,10 +307,10 @@ TEST(UquadFilter, FindsTheAccelerometersBias) {
     EXPECT_THAT(state.kalman.x.tail<3>(), MatrixNear(bias, 1e-3));
     EXPECT_THAT(estimate.x, MatrixNear(x, 1e-3));
     // Without them, and without GPS to say that it does not slide, the tilt is wrong by bias/g.
-    Settings without = settings;
+    UquadSettings without = settings;
     without.biases = false;
     without.position = false;
-    State plain = uquad_filter_start(without, x);
+    UquadState plain = uquad_filter_start(without, x);
     for (int k = 0; k < 6000; ++k) {
       Frame frame = resting_sensors(x);
       frame.specific_force.value += bias;
@@ -332,7 +332,7 @@ struct FlightErrors {
   double position = 0;  ///< horizontal [m]
 };
 
-FlightErrors fly_circles(const Settings& settings) {
+FlightErrors fly_circles(const UquadSettings& settings) {
   const Vehicle vehicle = plus_quadrotor();
   const RigidBody body(vehicle);
   std::mt19937_64 random(5);
@@ -342,7 +342,7 @@ FlightErrors fly_circles(const Settings& settings) {
   };
   Vector12 x = Vector12::Zero();
   x(2) = -5;
-  State state = uquad_filter_start(settings, x);
+  UquadState state = uquad_filter_start(settings, x);
   FlightErrors sum;
   constexpr int kPeriods = 4000;
   constexpr int kSkipped = 1000;
@@ -393,14 +393,14 @@ TEST(UquadFilter, FollowsAFlightInCircles) {
 // The published variances take for the tilt what the accelerometer says, and a body that is carried
 // by its thrust alone feels none: the error is the tilt.
 TEST(UquadFilter, PublishedVariancesAreBlindToTheTiltOfAFlight) {
-  EXPECT_NEAR(fly_circles(Settings()).tilt, 0.26, 0.05);
+  EXPECT_NEAR(fly_circles(UquadSettings()).tilt, 0.26, 0.05);
 }
 
 TEST(UquadFilter, TurnsTheFieldLevelByTheTiltAskedFor) {
-  Settings settings;
+  UquadSettings settings;
   Vector12 x = Vector12::Zero();
   x.segment<3>(3) << 0.3, -0.2, 1;
-  State state = uquad_filter_start(settings, x);
+  UquadState state = uquad_filter_start(settings, x);
   const Frame flying = perfect_sensors(x, Vector3d(0, 0, -kFilterGravity));  // as if it were level
   EXPECT_GT(std::abs(uquad_measurement(settings, state, flying, kFilterGravity).yaw - 1), 0.1);
   EXPECT_NEAR(uquad_measurement(settings, state, resting_sensors(x), kFilterGravity).yaw, 1, 1e-12);
@@ -410,12 +410,12 @@ TEST(UquadFilter, TurnsTheFieldLevelByTheTiltAskedFor) {
 
 TEST(UquadFilter, CountsTurnsOfYaw) {
   const RigidBody body(plus_quadrotor());
-  for (const Settings& settings : {Settings(), uquad_filter_in_si<double>()})
+  for (const UquadSettings& settings : {UquadSettings(), uquad_filter_in_si<double>()})
     for (const double rate : {1.5, -1.5}) {
       Vector12 x = Vector12::Zero();
       x(2) = -3;
       x(11) = rate;
-      State state = uquad_filter_start(settings, x);
+      UquadState state = uquad_filter_start(settings, x);
       Estimate<double> estimate;
       for (int k = 1; k <= 2000; ++k) {
         x(5) = rate * 0.01 * k;  // nearly five turns
@@ -426,10 +426,10 @@ TEST(UquadFilter, CountsTurnsOfYaw) {
 }
 
 TEST(UquadFilter, DoubtsForcesAndFieldsOfTheWrongLength) {
-  Settings settings;
+  UquadSettings settings;
   settings.field_norm = kEarthField.norm();
   Vector12 x = Vector12::Zero();
-  State state = uquad_filter_start(settings, x);
+  UquadState state = uquad_filter_start(settings, x);
   Frame frame = resting_sensors(x);
   frame.specific_force.value *= 1.2;
   frame.magnetic_field.value *= 0.7;
@@ -445,7 +445,7 @@ TEST(UquadFilter, DoubtsForcesAndFieldsOfTheWrongLength) {
   m.tilt = {0.1, 0};
   double moved[2];
   for (const bool doubted : {false, true}) {
-    State s = uquad_filter_start(settings, x);
+    UquadState s = uquad_filter_start(settings, x);
     m.tilt_doubt = doubted ? 5 : 1;
     m.force_fresh = m.rates_fresh = m.height_fresh = m.yaw_fresh = m.gps_position_fresh =
         m.gps_velocity_fresh = false;
@@ -459,14 +459,14 @@ TEST(UquadFilter, DoubtsForcesAndFieldsOfTheWrongLength) {
 
 TEST(UquadFilter, IsEightStatesWithoutPosition) {
   const RigidBody body(plus_quadrotor());
-  Settings settings;
+  UquadSettings settings;
   settings.position = false;
   settings.biases = false;  // a tilt that stands still would be taken for one
   Vector12 x = Vector12::Zero();
   x(0) = 4;
   x(2) = -3;
   x(3) = 0.05;
-  State state = uquad_filter_start(settings, x);
+  UquadState state = uquad_filter_start(settings, x);
   Estimate<double> estimate;
   Matrix15 early;
   for (int k = 0; k < 10000; ++k) {
@@ -487,10 +487,10 @@ TEST(UquadFilter, IsEightStatesWithoutPosition) {
 
 TEST(UquadFilter, OutlastsALossOfGps) {
   const RigidBody body(plus_quadrotor());
-  for (const Settings& settings : {Settings(), uquad_filter_in_si<double>()}) {
+  for (const UquadSettings& settings : {UquadSettings(), uquad_filter_in_si<double>()}) {
     Vector12 x = Vector12::Zero();
     x(2) = -3;
-    State state = uquad_filter_start(settings, x);
+    UquadState state = uquad_filter_start(settings, x);
     Estimate<double> estimate;
     std::mt19937_64 random(8);
     std::normal_distribution<double> normal;
@@ -520,13 +520,13 @@ TEST(UquadFilter, OutlastsALossOfGps) {
 // Images at 5 Hz that take 0.2 s to be read, of a vehicle that flies on at half a metre a second.
 TEST(UquadFilter, BelievesImages) {
   const RigidBody body(plus_quadrotor());
-  const Settings settings = uquad_filter_in_si<double>();
+  const UquadSettings settings = uquad_filter_in_si<double>();
   Vector12 x = Vector12::Zero();
   x(2) = -3;
   x(5) = 2;  // the heading: body and world differ
   const Vector3d velocity(0.5, -0.3, 0);
   x.segment<3>(6) = rotation_of_euler(0.0, 0.0, 2.0).transpose() * velocity;
-  State state = uquad_filter_start(settings, x);
+  UquadState state = uquad_filter_start(settings, x);
   Estimate<double> estimate;
   Vector12 truth = x;
   for (int k = 0; k < 3000; ++k) {
@@ -546,12 +546,12 @@ TEST(UquadFilter, BelievesImages) {
 
 TEST(UquadFilter, FindsOffsetsWhileItStands) {
   const RigidBody body(plus_quadrotor());
-  Settings settings;
+  UquadSettings settings;
   settings.calibration_time = 1;
   settings.declination = -0.15;
   Vector12 x = Vector12::Zero();
   x(2) = -2;
-  State state = uquad_filter_start(settings, x);
+  UquadState state = uquad_filter_start(settings, x);
   Vector12 truth = x;
   truth.segment<3>(3) << 0.03, -0.02, 1.2;
   const Vector3d offset(0.02, -0.01, 0.005);
@@ -595,10 +595,10 @@ TEST(UquadFilter, TellsHeightFromPressure) {
 
 TEST(UquadFilter, IsNotPoisonedBySensors) {
   const RigidBody body(plus_quadrotor());
-  const Settings settings = uquad_filter_in_si<double>();
+  const UquadSettings settings = uquad_filter_in_si<double>();
   Vector12 x = Vector12::Zero();
   x(2) = -3;
-  State state = uquad_filter_start(settings, x);
+  UquadState state = uquad_filter_start(settings, x);
   for (const double bad : {kNaN, std::numeric_limits<double>::infinity()})
     for (int which = 0; which < 6; ++which) {
       Frame frame = resting_sensors(x);
@@ -621,11 +621,11 @@ TEST(UquadFilter, IsNotPoisonedBySensors) {
 
 TEST(UquadFilter, ItsGateShutsOutliersOut) {
   const RigidBody body(plus_quadrotor());
-  Settings settings = uquad_filter_in_si<double>();
+  UquadSettings settings = uquad_filter_in_si<double>();
   settings.gate = 16;
   Vector12 x = Vector12::Zero();
   x(2) = -3;
-  State state = uquad_filter_start(settings, x);
+  UquadState state = uquad_filter_start(settings, x);
   for (int k = 0; k < 200; ++k) step(settings, state, resting_sensors(x), body, hover(), false);
   Frame frame = resting_sensors(x);
   frame.gps_position.value.x() += 100;
@@ -673,7 +673,7 @@ TEST(UquadFilter, LanesDoNotDependOnEachOtherAndFloatFollows) {
   auto together = uquad_filter_start<Pack<4>>(packed, x.cast<Pack<4>>());
   std::array<UquadFilterState<Pack<1>>, 4> alone;
   for (auto& state : alone) state = uquad_filter_start<Pack<1>>(one, x.cast<Pack<1>>());
-  State exact = uquad_filter_start(plain, x);
+  UquadState exact = uquad_filter_start(plain, x);
   auto rough = uquad_filter_start<float>(single, x.cast<float>());
   std::mt19937_64 random(7);
   std::normal_distribution<double> noise(0, 0.1);
@@ -747,7 +747,7 @@ TEST(UquadFilter, LanesDoNotDependOnEachOtherAndFloatFollows) {
 
 // Every setting another than its default, so that one that is forgotten shows.
 TEST(UquadFilter, CastKeepsEverySetting) {
-  Settings settings;
+  UquadSettings settings;
   settings.dt = 0.02;
   settings.calibration_time = 2;
   settings.Q *= 2;
@@ -778,27 +778,28 @@ TEST(UquadFilter, CastKeepsEverySetting) {
 }
 
 TEST(UquadFilter, RefusesWhatCannotRun) {
-  EXPECT_NO_THROW(validate(Settings(), "filter"));
+  EXPECT_NO_THROW(validate(UquadSettings(), "filter"));
   EXPECT_NO_THROW(validate(uquad_filter_in_si<double>(), "filter"));
   EXPECT_NO_THROW(validate(UquadFilterSettings<float>(), "filter"));
   const auto refused = [](auto change, const std::string& message) {
-    Settings settings;
+    UquadSettings settings;
     change(settings);
     EXPECT_THAT([&] { validate(settings, "filter"); },
                 ThrowsMessage<InvalidInput>(StrEq("filter: " + message)));
   };
-  refused([](Settings& s) { s.dt = 0; }, "dt is 0 s, expected a positive number");
-  refused([](Settings& s) { s.Q(4) = -1; },
+  refused([](UquadSettings& s) { s.dt = 0; }, "dt is 0 s, expected a positive number");
+  refused([](UquadSettings& s) { s.Q(4) = -1; },
           "Q(5) is -1, expected 0 or more and finite because it is a variance");
-  refused([](Settings& s) { s.P0(0) = kNaN; },
+  refused([](UquadSettings& s) { s.P0(0) = kNaN; },
           "P0(1) is nan, expected 0 or more and finite because it is a variance");
-  refused([](Settings& s) { s.R_tilt = 0; }, "R_tilt is 0 rad2, expected a positive number");
-  refused([](Settings& s) { s.gate = 0; },
+  refused([](UquadSettings& s) { s.R_tilt = 0; }, "R_tilt is 0 rad2, expected a positive number");
+  refused([](UquadSettings& s) { s.gate = 0; },
           "gate is 0, expected more than 0 because no measurement passes it otherwise");
-  refused([](Settings& s) { s.field_band = 0; }, "field_band is 0, expected a positive number");
-  refused([](Settings& s) { s.reference_pressure = 0; },
+  refused([](UquadSettings& s) { s.field_band = 0; },
+          "field_band is 0, expected a positive number");
+  refused([](UquadSettings& s) { s.reference_pressure = 0; },
           "reference_pressure is 0 Pa, expected a positive number");
-  refused([](Settings& s) { s.declination = kNaN; },
+  refused([](UquadSettings& s) { s.declination = kNaN; },
           "declination is nan rad, expected a finite number");
 }
 
