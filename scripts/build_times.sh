@@ -9,6 +9,8 @@ awk -F '\t' '
     name = $4
     sub(/CMakeFiles\/[^\/]*\.dir\//, "", name)
     sub(/\.(o|gch)$/, "", name)
+    # Sources that are compiled together: lib/quadtune_lib_batches/in_logs_0.cpp is lib/logs/0.cpp.
+    if (sub(/[a-z_]*_batches\/in_/, "", name)) sub(/_[0-9]+\.cpp$/, "/&", name)
     folder = name
     if (!sub(/\/[^\/]*$/, "", folder)) folder = "."
     seconds = ($2 - $1) / 1000
@@ -24,7 +26,7 @@ awk -F '\t' '
     for (folder in time) printf "%-28s %6d %10.1f\n", folder, count[folder], time[folder] | order
     close(order)
     printf "%-28s %6d %10.1f\n\n", "sum", files, total
-    printf "%-62s %8s\n", "the 20 source files that take longest", "s"
+    printf "%-62s %8s\n", "the 20 files that take longest", "s"
     order = "sort -k2,2nr | head -n 20"
     for (name in of) printf "%-62s %8.1f\n", name, of[name] | order
     close(order)

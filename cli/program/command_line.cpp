@@ -17,7 +17,6 @@
 #include "quadtune/internal/words.hpp"
 
 namespace quadtune::cli {
-namespace {
 
 class ParsedOption final : public Option {
  public:
@@ -41,6 +40,8 @@ class ParsedOption final : public Option {
  private:
   CLI::Option* option_;
 };
+
+namespace {
 
 std::string without_type(const std::string& name) { return name.substr(0, name.find(' ')); }
 

@@ -10,6 +10,15 @@
 #include "simulation/mission/climb.hpp"
 
 namespace quadtune {
+
+// The set point from a key press on.
+struct KeySetPoint {
+  double time;
+  Eigen::Vector3d position;
+  double yaw, roll, pitch;
+  bool track_position;
+};
+
 namespace {
 
 using Eigen::Vector3d;
@@ -41,16 +50,8 @@ double sinking(const StateVector<double>& x) {
          std::cos(roll) * std::cos(pitch) * x(kVelocity + 2);
 }
 
-// The set point from a key press on.
-struct SetPoint {
-  double time;
-  Vector3d position;
-  double yaw, roll, pitch;
-  bool track_position;
-};
-
 // What a key does to the set point. In the Mambo's table height is -z, so its "minus" is up.
-SetPoint pressed(SetPoint now, const KeyPress& press, const Keys& keys) {
+KeySetPoint pressed(KeySetPoint now, const KeyPress& press, const Keys& keys) {
   constexpr double kAngle = 0.05, kYaw = 0.2, kHeight = 0.2, kFar = 0.6;
   now.time = press.time;
   const auto tilt = [&](double& angle, double by) {
@@ -98,8 +99,8 @@ SetPoint pressed(SetPoint now, const KeyPress& press, const Keys& keys) {
   return now;
 }
 
-std::vector<SetPoint> set_points(const Keys& keys) {
-  std::vector<SetPoint> all = {{0, keys.position, keys.yaw, 0, 0, true}};
+std::vector<KeySetPoint> set_points(const Keys& keys) {
+  std::vector<KeySetPoint> all = {{0, keys.position, keys.yaw, 0, 0, true}};
   all.reserve(keys.presses.size() + 1);
   for (const KeyPress& press : keys.presses) all.push_back(pressed(all.back(), press, keys));
   return all;
@@ -168,7 +169,7 @@ struct MissionRunner::Plan {
   Mission mission;
   double end_of_take_off = 0;                              ///< [s]
   double first_height = 0;                                 ///< [m]
-  std::vector<SetPoint> set_points;                        ///< of a mission by keys
+  std::vector<KeySetPoint> set_points;                     ///< of a mission by keys
   double abort = std::numeric_limits<double>::infinity();  ///< when [s]
   double turns = 0;  ///< added to the yaw of a path with the nose ahead [rad]
 };
@@ -237,8 +238,8 @@ void MissionRunner::ask(const SmoothPath& path, double t, Reference<double>& ref
 }
 
 void MissionRunner::ask(const Keys& /*keys*/, double t, Reference<double>& reference) {
-  const SetPoint& now = entry_at(plan_->set_points, t, cursor_,
-                                 [](const SetPoint& set_point) { return set_point.time; });
+  const KeySetPoint& now = entry_at(plan_->set_points, t, cursor_,
+                                    [](const KeySetPoint& set_point) { return set_point.time; });
   reference.position = now.position;
   reference.yaw = now.yaw;
   reference.roll = now.roll;
