@@ -15,6 +15,8 @@
 namespace quadtune {
 namespace {
 
+using Method = DiscretizationMethod;
+
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -136,7 +138,6 @@ TEST(Delays, WholeSamplesGoWithEveryMethod) {
   const double dt = 0.1;
   const ContinuousLti p = testing::random_plant(3, 2, 2, false, generator);
   const MatrixXd u = testing::uniform_matrix(2, 20, generator);
-  using Method = DiscretizationMethod;
   for (const Method method : {Method::zoh, Method::foh, Method::impulse, Method::euler,
                               Method::backward_euler, Method::tustin}) {
     const DiscreteLti prompt = discretize(p, dt, method);

@@ -14,6 +14,8 @@
 namespace quadtune {
 namespace {
 
+using Method = DiscretizationMethod;
+
 using Eigen::MatrixXd;
 using ::testing::HasSubstr;
 using testing::MatrixNear;
@@ -52,7 +54,6 @@ TEST(Discretize, GoesThroughTheNamedMethod) {
     EXPECT_THAT(got.B, MatrixNear(want.B, 0));
     EXPECT_THAT(got.D, MatrixNear(want.D, 0));
   };
-  using Method = DiscretizationMethod;
   expect_same(sampled(Method::zoh), discretize_zoh(p, 0.01));
   expect_same(sampled(Method::foh), discretize_foh(p, 0.01));
   expect_same(sampled(Method::impulse), discretize_impulse(p, 0.01));

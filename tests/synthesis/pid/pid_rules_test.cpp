@@ -138,9 +138,9 @@ TEST(PidRules, LambdaTuningInvertsTheModel) {
     return Q / (1.0 - right / left / (T * s + 1.0) * Q);
   };
   const double kNone = std::numeric_limits<double>::infinity();
-  const std::complex<double> pi = controller(1.0 - L * s, 1);
+  const std::complex<double> expected = controller(1.0 - L * s, 1);
   const std::complex<double> pid = controller(1.0 - L / 2 * s, 1.0 + L / 2 * s);
-  EXPECT_LT(std::abs(lambda_tuning(PidType::PI, kModel, lambda)(s) - pi), 1e-13);
+  EXPECT_LT(std::abs(lambda_tuning(PidType::PI, kModel, lambda)(s) - expected), 1e-13);
   EXPECT_LT(std::abs(lambda_tuning(PidType::PID, kModel, lambda, kNone)(s) - pid), 1e-13);
 }
 
