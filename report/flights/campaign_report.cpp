@@ -159,11 +159,16 @@ Json to_json(const CampaignPlan& plan, const CampaignStatistics& statistics,
     json["quantities"].push_back(number.quantity);
   for (std::size_t i = 0; i < statistics.cases.size(); ++i) {
     const CaseStatistics& of = statistics.cases[i];
-    Json entry = {
-        {"design", of.design},    {"mission", of.mission},    {"law", plan.words[i].law},
-        {"flights", of.flights},  {"passed", of.passed},      {"success", estimated_json(of.success)},
-        {"ends", Json::object()}, {"metrics", Json::array()}, {"sensitivities", Json::array()},
-        {"worst", Json::array()}};
+    Json entry = {{"design", of.design},
+                  {"mission", of.mission},
+                  {"law", plan.words[i].law},
+                  {"flights", of.flights},
+                  {"passed", of.passed},
+                  {"success", estimated_json(of.success)},
+                  {"ends", Json::object()},
+                  {"metrics", Json::array()},
+                  {"sensitivities", Json::array()},
+                  {"worst", Json::array()}};
     for (const auto& [end, count] : of.ends) entry["ends"][end] = count;
     for (const MetricSpread& m : of.metrics) entry["metrics"].push_back(spread_json(m));
     for (const Sensitivity& s : of.sensitivities)

@@ -179,7 +179,8 @@ Json to_json(const FlownFlight& flight, const std::optional<Diagnosis>& diagnosi
   if (flight.plan.bound) json["sensor_bound"] = bound_json(flight.plan);
   if (flight.loop) json["flown_loop"] = to_json(*flight.loop);
   json["reasons"] = reasons(flight);
-  if (diagnosis && diagnosis->cause != FlightCause::none) json["diagnosis"] = diagnosis_json(*diagnosis);
+  if (diagnosis && diagnosis->cause != FlightCause::none)
+    json["diagnosis"] = diagnosis_json(*diagnosis);
   if (!flight.variant.empty()) json["disturbance"] = flight.variant;
   if (!flight.seeds.empty()) json["seeds"] = seeds_json(flight.seeds);
   json["events"] = Json::array();

@@ -310,7 +310,8 @@ Json to_json(const TunedNoise& tuned) {
   Json json;
   json["model"] = tuned.model.name;
   json["method"] = tuning.autocovariances ? "als" : "ml";
-  if (tuning.autocovariances) json["autocovariances"] = autocovariance_json(*tuning.autocovariances);
+  if (tuning.autocovariances)
+    json["autocovariances"] = autocovariance_json(*tuning.autocovariances);
   json["status"] = to_string(fit.status);
   for (const TunedLog& log : tuned.logs)
     json["logs"].push_back({{"files", files_to_json(log)},

@@ -84,8 +84,10 @@ std::string html(const CampaignPage& page) {
                {"seed", page.seed}};
   for (const auto& [key, value] : page.about) data["about"].push_back({key, value});
   for (const PageCase& c : page.cases) data["cases"].push_back(case_json(c));
-  for (const PageDistribution& d : page.distributions) data["distributions"].push_back(distribution_json(d));
-  for (const PageComparison& c : page.comparisons) data["comparisons"].push_back(comparison_json(c));
+  for (const PageDistribution& d : page.distributions)
+    data["distributions"].push_back(distribution_json(d));
+  for (const PageComparison& c : page.comparisons)
+    data["comparisons"].push_back(comparison_json(c));
   return page_html({.title = page.title,
                     .libraries = {{"vendor/uplot.min.js", "vendor/uplot.LICENSE"}},
                     .scripts = {"page.js", "plots.js", "frame.js", "cells.js", "campaign.js"},
