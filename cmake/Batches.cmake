@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-# Source files of one folder are compiled several at once: most of a file's compile time goes into
-# the headers that it shares with its neighbours. docs/decisions/0005-short-build.md has the figures.
+# Several source files of one folder are compiled as one, because most of the time goes into headers
+# that they share. docs/decisions/0005-short-build.md has the figures.
 #
-# CMake's own UNITY_BUILD names the files by absolute paths (until 3.29), so that ccache would not
-# find them from another checkout.
+# CMake's own UNITY_BUILD writes absolute paths (until 3.29), so ccache could not reuse the results in
+# another checkout.
 option(QUADTUNE_BATCHES "Compile the source files of a folder together" ON)
 set(QUADTUNE_BATCH_SIZE 8)
 
-# quadtune_batches(result target a.cpp b/c.cpp …) sets `result` to the files to compile in their
-# place. Files with options of their own and files that are not in the source tree stay as they are.
+# quadtune_batches(result target a.cpp b/c.cpp …) sets `result` to the files that the target compiles
+# in place of these: generated files that include up to QUADTUNE_BATCH_SIZE of them each. Files that
+# quadtune_separate() or quadtune_own_options() names, and files with absolute paths, are kept. Call
+# those functions before this one.
 function(quadtune_batches result target)
   if(NOT QUADTUNE_BATCHES)
     set(${result} ${ARGN} PARENT_SCOPE)
@@ -45,7 +47,7 @@ function(quadtune_batches result target)
   set(${result} ${compiled} PARENT_SCOPE)
 endfunction()
 
-# quadtune_separate(a.cpp …): these are compiled by themselves.
+# quadtune_separate(a.cpp …) makes the files be compiled by themselves.
 function(quadtune_separate)
   set_source_files_properties(${ARGN} PROPERTIES QUADTUNE_SEPARATE ON)
 endfunction()

@@ -9,7 +9,7 @@ awk -F '\t' '
     name = $4
     sub(/CMakeFiles\/[^\/]*\.dir\//, "", name)
     sub(/\.(o|gch)$/, "", name)
-    # Sources that are compiled together: lib/quadtune_lib_batches/in_logs_0.cpp is lib/logs/0.cpp.
+    # lib/quadtune_lib_batches/in_logs_0.cpp, which includes sources of lib/logs, counts as lib/logs/_0.cpp.
     if (sub(/[a-z_]*_batches\/in_/, "", name)) sub(/_[0-9]+\.cpp$/, "/&", name)
     folder = name
     if (!sub(/\/[^\/]*$/, "", folder)) folder = "."

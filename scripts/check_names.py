@@ -1,29 +1,34 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Names of unnamed namespaces that two sources of one folder define.
+"""Finds names that two sources of one folder define in their unnamed namespaces: check_names.py ROOT
 
-Sources of a folder are compiled together (cmake/Batches.cmake), where such names share a scope: two
-constants clash, and of two functions with different parameters a call could choose the neighbour's.
+Sources of a folder are compiled together (cmake/Batches.cmake), and their unnamed namespaces are then
+one scope: a constant that is defined twice does not compile, and of two functions with different
+parameters a call may select the one of the other source. Exit status 1 if there is such a name.
 """
 import collections
 import pathlib
 import re
 import sys
 
+FOLDERS = ['lib', 'linearize', 'discretize', 'synthesis', 'tuning', 'exports', 'workbench', 'report',
+           'cli', 'tests']
+# Folders whose sources are compiled one by one: the verbs, and the fuzz targets.
+ONE_BY_ONE = ['cli', 'tests/fuzz']
+
+# Definitions as clang-format writes them, at the start of a line.
 DEFINITION = [
     re.compile(r'^(?:constexpr|const|static|inline) [^(=]*?\b(\w+)(?:\[[^\]]*\])?(?: =|\{|\()'),
     re.compile(r'^(?:struct|class|enum class|enum) (?:\[\[\w+\]\] )?(\w+)'),
     re.compile(r'^(?!(?:template|requires|extern)\b)(?:\[\[[^\]]*\]\] )?[A-Za-z_][\w:<>,&*\s\[\]]*[\s&*](\w+)\('),
     re.compile(r'^[A-Za-z_][\w:<>,]* (\w+)(?: =|;|\{)'),
 ]
-
-
 # The same alias may be declared twice.
 ALIAS = re.compile(r'^(?:using|namespace) (\w+) = (.*);')
 
 
 def names_of(path):
-    """The names that a source defines in its unnamed namespaces: their lines, and what aliases name."""
+    """Returns {name: (line, what it names if it is an alias)} for the unnamed namespaces of a source."""
     names = {}
     inside = 0
     for number, line in enumerate(path.read_text().splitlines(), 1):
@@ -44,19 +49,23 @@ def names_of(path):
 
 def main():
     clashes = 0
+    root = pathlib.Path(sys.argv[1])
     folders = collections.defaultdict(list)
-    for name in sys.argv[1:]:
-        path = pathlib.Path(name)
-        folders[path.parent].append(path)
+    for top in FOLDERS:
+        for path in (root / top).rglob('*.cpp'):
+            folders[path.parent].append(path)
     for folder, paths in sorted(folders.items()):
+        if str(folder.relative_to(root)) in ONE_BY_ONE:
+            continue
         first = {}
         for path in sorted(paths):
             for name, (line, alias) in names_of(path).items():
                 where, other = first.setdefault(name, (f'{path.name}:{line}', alias))
                 if where != f'{path.name}:{line}' and (alias is None or alias != other):
                     clashes += 1
-                    print(f'{path}:{line}: {name} is also a name of {where}; sources of one folder '
-                          'are compiled together, so its name must differ')
+                    print(f"{path.relative_to(root)}:{line}: '{name}' is also defined at {where}; "
+                          'the sources of a folder are compiled together, so the names in their '
+                          'unnamed namespaces must differ')
     return 1 if clashes else 0
 
 

@@ -18,6 +18,7 @@
 
 namespace quadtune::cli {
 
+// Parser has such a member, so it is not in the unnamed namespace.
 class ParsedOption final : public Option {
  public:
   explicit ParsedOption(CLI::Option* option) : option_(option) {}

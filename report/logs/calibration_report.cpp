@@ -21,7 +21,7 @@ using internal::Json;
 using internal::matrix_to_json;
 using internal::vector_to_json;
 
-constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
 /// One sensor with what a person wants to know of its units.
 struct Sensor {
@@ -40,8 +40,9 @@ std::vector<Sensor> sensors_of(const CalibratedImu& imu) {
                                   c.accelerometer,
                                   imu.truth ? &imu.truth->accelerometer : nullptr}};
   if (c.gyroscope.solved())
-    sensors.push_back({"gyroscope", "rad/s", "gravity turned, less gravity seen", "deg", kDegrees,
-                       c.gyroscope, imu.truth ? &imu.truth->gyroscope : nullptr});
+    sensors.push_back({"gyroscope", "rad/s", "gravity turned, less gravity seen", "deg",
+                       kDegreesPerRadian, c.gyroscope,
+                       imu.truth ? &imu.truth->gyroscope : nullptr});
   if (c.magnetometer.solved())
     sensors.push_back({"magnetometer", "field", "norm less the field", "field", 1, c.magnetometer,
                        imu.truth ? &imu.truth->magnetometer : nullptr});

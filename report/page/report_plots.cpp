@@ -21,7 +21,7 @@ constexpr std::size_t kPlotRows = 4000;
 constexpr std::size_t kLeastPlotRows = 200;
 constexpr std::size_t kPlotCells = 80 * kPlotRows;  // 1.7 MB in base64
 
-constexpr const char* kPlotsWhere = "report";
+constexpr const char* kReport = "report";
 
 std::string style_text(SeriesStyle style) {
   switch (style) {
@@ -42,16 +42,15 @@ std::string style_text(SeriesStyle style) {
 void check_log(const LogTable& log) {
   for (const LogColumn& c : log.columns)
     if (c.values.size() != log.rows())
-      throw InvalidInput(kPlotsWhere,
-                         fmt::format("column '{}' has {} rows, expected {} as the time", c.name,
-                                     c.values.size(), log.rows()));
+      throw InvalidInput(kReport, fmt::format("column '{}' has {} rows, expected {} as the time",
+                                              c.name, c.values.size(), log.rows()));
   if (log.columns.empty()) return;
   const std::vector<double>& time = log.columns.front().values;
   for (std::size_t i = 0; i < time.size(); ++i)
     if (!std::isfinite(time[i]) || (i > 0 && time[i] <= time[i - 1]))
-      throw InvalidInput(kPlotsWhere, fmt::format("time {} in row {}, expected finite numbers that "
-                                                  "increase, because plots are over it",
-                                                  time[i], i));
+      throw InvalidInput(kReport, fmt::format("time {} in row {}, expected finite numbers that "
+                                              "increase, because plots are over it",
+                                              time[i], i));
 }
 
 /// The columns that are shown, each once.
@@ -88,8 +87,8 @@ json series_json(const ReportSeries& series, ShownColumns& columns) {
 const LogColumn& report_column(const LogTable& log, const std::string& name) {
   const LogColumn* found = log.find(name);
   if (!found)
-    throw InvalidInput(kPlotsWhere, fmt::format("column '{}', expected one of the log's {} columns",
-                                                name, log.columns.size()));
+    throw InvalidInput(kReport, fmt::format("column '{}', expected one of the log's {} columns",
+                                            name, log.columns.size()));
   return *found;
 }
 

@@ -26,7 +26,8 @@ using std::numbers::pi;
 using Complex = std::complex<double>;
 
 constexpr double kDegree = pi / 180;
-constexpr double kNever = std::numeric_limits<double>::infinity();
+// Every crossover that was tried is possible.
+constexpr double kNoHighestCrossover = std::numeric_limits<double>::infinity();
 
 void validate(const LoopRequirement& requirement) {
   const char* where = "pid_for_crossover";
@@ -264,7 +265,8 @@ void search_crossovers(const Problem& problem, PidLoopDesign& design) {
         .holds;
   };
   design.lowest_crossover = lowest == 0 ? 0 : last_between(lowest, lowest - 1);
-  design.highest_crossover = highest == steps ? kNever : last_between(highest, highest + 1);
+  design.highest_crossover =
+      highest == steps ? kNoHighestCrossover : last_between(highest, highest + 1);
 }
 
 /// "-90 to 0 deg": what gains of one sign can do to the phase at w.

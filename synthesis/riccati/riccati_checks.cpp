@@ -12,7 +12,7 @@
 namespace quadtune::internal {
 namespace {
 
-constexpr double kUnitRoundoff = std::numeric_limits<double>::epsilon();
+constexpr double kMachineEpsilon = std::numeric_limits<double>::epsilon();
 /// Negative eigenvalues of Q or R up to this part of its largest one are taken for rounding.
 constexpr double kIndefiniteByRounding = 1e-12;
 
@@ -78,7 +78,7 @@ std::string indefiniteness(const ConstRef& M, const Look& look, const char* name
 WeightR check_R(const RiccatiEquation& problem, const Look& look, const std::string& where,
                 CheckBuffers& buffers) {
   // What the rounding of R's own entries leaves open.
-  const double singular_pivot = kUnitRoundoff * static_cast<double>(problem.R.rows());
+  const double singular_pivot = kMachineEpsilon * static_cast<double>(problem.R.rows());
   const double pivot = cholesky(problem.R, 0, buffers.factor_R);
   if (pivot > 1e-10) return WeightR::well_conditioned;
   if (pivot > singular_pivot) return WeightR::ill_conditioned;

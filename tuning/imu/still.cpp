@@ -17,7 +17,7 @@ constexpr Index kLeastWindow = 5;    // samples
 constexpr Index kLeastWindows = 10;  // of a log
 constexpr double kQuietPart = 0.1;   // of the windows, which are taken for still
 constexpr double kMostOfMean = 6;    // scatters of the gyroscope's means, beyond which it turns
-constexpr double kNormalDeviation = 1.4826;
+constexpr double kDeviationPerMad = 1.4826;
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + std::ssize(values) / 2;
@@ -63,7 +63,7 @@ void leave_out_turns(const Windows& gyroscope, std::vector<char>& still) {
     if (means.empty()) return;
     const double middle = median(means);
     for (const double mean : means) distances.push_back(std::abs(mean - middle));
-    const double most = kMostOfMean * kNormalDeviation * median(distances);
+    const double most = kMostOfMean * kDeviationPerMad * median(distances);
     for (Index i = 0; i < gyroscope.mean.cols(); ++i)
       if (most > 0 && std::abs(gyroscope.mean(axis, i) - middle) > most)
         still[static_cast<std::size_t>(i)] = 0;

@@ -75,19 +75,19 @@ struct FinishStatement {
 using Database = std::unique_ptr<sqlite3, CloseDatabase>;
 using Statement = std::unique_ptr<sqlite3_stmt, FinishStatement>;
 
-[[noreturn]] void fail_beside(const Beside& file, sqlite3* database) {
+[[noreturn]] void throw_sqlite_error(const Beside& file, sqlite3* database) {
   throw FileError(file.target().string(), sqlite3_errmsg(database));
 }
 
 void run(const Beside& file, sqlite3* database, const std::string& sql) {
   if (sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK)
-    fail_beside(file, database);
+    throw_sqlite_error(file, database);
 }
 
 Statement prepare(const Beside& file, sqlite3* database, const std::string& sql) {
   sqlite3_stmt* statement = nullptr;
   if (sqlite3_prepare_v2(database, sql.c_str(), -1, &statement, nullptr) != SQLITE_OK)
-    fail_beside(file, database);
+    throw_sqlite_error(file, database);
   return Statement(statement);
 }
 
@@ -107,14 +107,14 @@ class Row {
                             SQLITE_TRANSIENT));
   }
   void insert() {
-    if (sqlite3_step(statement_) != SQLITE_DONE) fail_beside(file_, database_);
+    if (sqlite3_step(statement_) != SQLITE_DONE) throw_sqlite_error(file_, database_);
     sqlite3_reset(statement_);
     column_ = 0;
   }
 
  private:
   void check(int result) {
-    if (result != SQLITE_OK) fail_beside(file_, database_);
+    if (result != SQLITE_OK) throw_sqlite_error(file_, database_);
   }
   const Beside& file_;
   sqlite3* database_;
@@ -219,7 +219,7 @@ void write_campaign_database(const fs::path& target, const Campaign& campaign,
       sqlite3_open_v2(beside.path().c_str(), &opened,
                       SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
   const Database database(opened);
-  if (status != SQLITE_OK) fail_beside(beside, opened);
+  if (status != SQLITE_OK) throw_sqlite_error(beside, opened);
   // A file that is thrown away where anything fails needs no journal.
   run(beside, opened, "PRAGMA journal_mode = OFF");
   run(beside, opened, "PRAGMA synchronous = NORMAL");  // once, before it takes its place

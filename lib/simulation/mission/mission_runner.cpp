@@ -11,7 +11,8 @@
 
 namespace quadtune {
 
-// The set point from a key press on.
+// The set point from a key press on. MissionRunner::Plan has such members, so it is not in the
+// unnamed namespace.
 struct KeySetPoint {
   double time;
   Eigen::Vector3d position;
