@@ -4,7 +4,9 @@
 
 Sources of a folder are compiled together (cmake/Batches.cmake), and their unnamed namespaces are then
 one scope: a constant that is defined twice does not compile, and of two functions with different
-parameters a call may select the one of the other source. Exit status 1 if there is such a name.
+parameters a call may select the one of the other source. A local variable must not hide a name that
+another source of its folder declares by `using`: the compiler warns of it. Exit status 1 if there is
+such a name.
 """
 import collections
 import pathlib
@@ -47,6 +49,24 @@ def names_of(path):
     return names
 
 
+def hidden_names(paths):
+    """Yields (path, line, name, where) for local variables that hide a using-declaration of a neighbour."""
+    declared = {}
+    for path in sorted(paths):
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            if match := re.match(r'using (?:::)?(?:\w+::)+([a-z]\w*);', line):
+                declared.setdefault(match.group(1), (path, f'{path.name}:{number}'))
+    if not declared:
+        return
+    variable = re.compile(r'^\s+(?:const |auto |constexpr )*[\w:<>, ]+[ &*]+(' + '|'.join(declared) +
+                          r')(?: = |;|\{)')
+    for path in sorted(paths):
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            match = variable.match(line)
+            if match and not line.lstrip().startswith(('return ', 'using ')):
+                yield path, number, match.group(1), declared[match.group(1)][1]
+
+
 def main():
     clashes = 0
     root = pathlib.Path(sys.argv[1])
@@ -66,6 +86,10 @@ def main():
                     print(f"{path.relative_to(root)}:{line}: '{name}' is also defined at {where}; "
                           'the sources of a folder are compiled together, so the names in their '
                           'unnamed namespaces must differ')
+        for path, line, name, where in hidden_names(paths):
+            clashes += 1
+            print(f"{path.relative_to(root)}:{line}: the variable '{name}' hides the name that {where} "
+                  'declares by using; the sources of a folder are compiled together')
     return 1 if clashes else 0
 
 

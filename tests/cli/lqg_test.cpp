@@ -16,7 +16,7 @@
 namespace quadtune {
 namespace {
 
-using nlohmann::json;
+using SortedJson = nlohmann::json;
 using ::testing::HasSubstr;
 using testing::ProgramResult;
 using testing::run_json;
@@ -24,10 +24,10 @@ using testing::run_program;
 using testing::TemporaryDirectory;
 
 TEST(Lqg, IsTheLawOfLqrWithWhatTheSensorsMakeOfIt) {
-  const json lqr = run_json({"lqr", "crazyflie"}), lqg = run_json({"lqg", "crazyflie"});
+  const SortedJson lqr = run_json({"lqr", "crazyflie"}), lqg = run_json({"lqg", "crazyflie"});
   for (const char* key : {"K", "K_int", "memory", "margins", "estimator", "gains"})
     EXPECT_EQ(lqg[key], lqr[key]) << key;
-  const json& rms = lqg["predicted_rms"];
+  const SortedJson& rms = lqg["predicted_rms"];
   EXPECT_EQ(rms["time_s"], 60);
   for (const char* state :
        {"px", "py", "pz", "roll", "pitch", "yaw", "u", "v", "w", "p", "q", "r"}) {
@@ -37,14 +37,14 @@ TEST(Lqg, IsTheLawOfLqrWithWhatTheSensorsMakeOfIt) {
   // Optical flow does not see the position, and the height is seen.
   EXPECT_GT(rms["state"]["px"], 3 * rms["state"]["pz"].get<double>());
   EXPECT_FALSE(lqg["margins_at_estimates"]["loops"].empty());
-  for (const json& loop : lqg["margins_at_estimates"]["loops"]) EXPECT_TRUE(loop["stable"]);
+  for (const SortedJson& loop : lqg["margins_at_estimates"]["loops"]) EXPECT_TRUE(loop["stable"]);
   EXPECT_EQ(lqg["recovery"]["factor"], 1);
 }
 
 TEST(Lqg, DriftsGrowWithTheTimeAndTheOthersDoNot) {
   if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
-  const json first = run_json({"lqg", "mambo", "--time", "60"})["predicted_rms"]["state"];
-  const json later = run_json({"lqg", "mambo", "--time", "240"})["predicted_rms"]["state"];
+  const SortedJson first = run_json({"lqg", "mambo", "--time", "60"})["predicted_rms"]["state"];
+  const SortedJson later = run_json({"lqg", "mambo", "--time", "240"})["predicted_rms"]["state"];
   EXPECT_GT(later["px"], 1.2 * first["px"].get<double>());
   EXPECT_GT(later["yaw"], 1.5 * first["yaw"].get<double>());
   EXPECT_NEAR(later["roll"].get<double>() / first["roll"].get<double>(), 1, 0.02);
@@ -54,16 +54,16 @@ TEST(Lqg, DriftsGrowWithTheTimeAndTheOthersDoNot) {
 TEST(Lqg, RecoveryStaysWithinItsBudget) {
   if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
   const TemporaryDirectory folder;
-  const json found = run_json({"lqg", "mambo", "--recover", "--noise-budget", "1.2"});
-  const json& tried = found["recovery"]["tried"];
+  const SortedJson found = run_json({"lqg", "mambo", "--recover", "--noise-budget", "1.2"});
+  const SortedJson& tried = found["recovery"]["tried"];
   ASSERT_EQ(tried.size(), 7u);
   const double factor = found["recovery"]["factor"];
   double chosen = 0, usual = tried[0]["share_of_margins"];
-  for (const json& one : tried) {
+  for (const SortedJson& one : tried) {
     EXPECT_EQ(one["affordable"], one["command_noise"] <= 1.2);
     if (one["factor"] == factor) chosen = one["share_of_margins"];
   }
-  for (const json& one : tried) {
+  for (const SortedJson& one : tried) {
     if (!one["affordable"]) continue;
     EXPECT_LE(one["share_of_margins"], 1.001 * chosen);
   }
@@ -79,10 +79,10 @@ TEST(Lqg, TheFileFliesWithTheRecoveredFilter) {
       {"lqg", "mambo", "--recover", "--noise-budget", "100", "--json", "--quiet", "-o", file});
   ASSERT_EQ(made.status, 0) << made.err;
   std::ifstream in(file);
-  const json found = json::parse(in);
-  const json usual = run_json({"lqr", "mambo"});
+  const SortedJson found = SortedJson::parse(in);
+  const SortedJson usual = run_json({"lqr", "mambo"});
   const double factor = found["recovery"]["factor"];
-  const auto density = [](const json& of) {
+  const auto density = [](const SortedJson& of) {
     return of["estimator"]["accelerometer"]["density_m_per_s2_per_sqrt_Hz"][0].get<double>();
   };
   EXPECT_NEAR(density(found), factor * density(usual), 1e-12 * density(found));
@@ -90,9 +90,9 @@ TEST(Lqg, TheFileFliesWithTheRecoveredFilter) {
   const std::string out = (folder.path() / "out").string();
   ASSERT_EQ(run_program({"export", file, "--to", "json", "-o", out}).status, 0);
   std::ifstream exported(out + "/gains.json");
-  EXPECT_EQ(json::parse(exported)["estimator"], found["estimator"]);
+  EXPECT_EQ(SortedJson::parse(exported)["estimator"], found["estimator"]);
   EXPECT_EQ(run_program({"verify", out}).status, 0);
-  const json margins = run_json({"margins", "mambo", "--gains", file});
+  const SortedJson margins = run_json({"margins", "mambo", "--gains", file});
   for (std::size_t i = 0; i < 4; ++i)
     EXPECT_NEAR(margins["loops"][i]["phase_margin_deg"].get<double>(),
                 found["margins"]["loops"][i]["phase_margin_deg"].get<double>(), 1e-6);
@@ -110,7 +110,7 @@ TEST(Lqg, RefusesWhatItCannotDo) {
   // Weights that leave a state unseen are the mistake of --Q, as of lqr.
   const ProgramResult unseen = run_program({"lqg", "crazyflie", "--Q", "0", "--json"});
   EXPECT_EQ(unseen.status, 4);
-  EXPECT_EQ(json::parse(unseen.out)["error"]["where"], "--Q");
+  EXPECT_EQ(SortedJson::parse(unseen.out)["error"]["where"], "--Q");
   refused({"mambo", "--time", "0"}, "--time is 0, expected a positive number of seconds");
   refused({"mambo", "--noise-budget", "2"}, "--noise-budget came without --recover");
   refused({"mambo", "--recover", "--noise-budget", "0.5"},

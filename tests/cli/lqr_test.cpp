@@ -20,7 +20,7 @@
 namespace quadtune {
 namespace {
 
-using nlohmann::json;
+using SortedJson = nlohmann::json;
 using ::testing::HasSubstr;
 using testing::MatrixNear;
 using ::testing::Not;
@@ -29,18 +29,18 @@ using testing::run_json;
 using testing::run_program;
 using testing::TemporaryDirectory;
 
-Eigen::MatrixXd matrix_of(const json& value) {
+Eigen::MatrixXd matrix_of(const SortedJson& value) {
   return internal::matrix_from_json(internal::Json::parse(value.dump()), "test");
 }
 
 TEST(LqrOfVehicle, HasItsMarginsInTheFlownLoop) {
   for (const char* vehicle : {"mambo", "crazyflie"}) {
-    const json found = run_json({"lqr", vehicle});
+    const SortedJson found = run_json({"lqr", vehicle});
     EXPECT_EQ(found["plant"], "flown");
     EXPECT_TRUE(found["flown"]["stable"]);
     EXPECT_TRUE(found["weights"]["margins_met"]);
     ASSERT_EQ(found["margins"]["loops"].size(), 4u);
-    for (const json& loop : found["margins"]["loops"]) {
+    for (const SortedJson& loop : found["margins"]["loops"]) {
       EXPECT_GE(loop["phase_margin_deg"], 45) << vehicle << loop["name"];
       EXPECT_GE(loop["gain_margin_db"], 6.02);
       EXPECT_GE(loop["disk_alpha"], 0.5);
@@ -59,15 +59,15 @@ TEST(LqrOfVehicle, IsTheLawThatFliesByDefault) {
   std::vector<std::string> read = fly, designed = fly;
   read.insert(read.end(), {"--gains", file});
   designed.insert(designed.end(), {"--controller", "state-feedback"});
-  const json one = json::parse(run_program(read).out);
-  const json other = json::parse(run_program(designed).out);
+  const SortedJson one = SortedJson::parse(run_program(read).out);
+  const SortedJson other = SortedJson::parse(run_program(designed).out);
   EXPECT_EQ(one["metrics"], other["metrics"]);
   EXPECT_EQ(one["verdict"], "pass");
 }
 
 /// Weights that are given stay: the gains are those of the library for the same problem.
 TEST(LqrOfVehicle, KeepsGivenWeights) {
-  const json found =
+  const SortedJson found =
       run_json({"lqr", "crazyflie", "--Q", "4,4,4,9,9,9,1,1,1,0.1,0.1,0.1,1,1,1,1", "--R",
                 "1e3,1e6,1e6,1e7", "--past", "2", "--change", "1,2,3,4", "--dt", "0.01"});
   const Vehicle vehicle = load_vehicle("crazyflie");
@@ -89,15 +89,16 @@ TEST(LqrOfVehicle, KeepsGivenWeights) {
               MatrixNear(lqi.gains.K_int, 1e-8 * lqi.gains.K_int.norm()));
   EXPECT_THAT(matrix_of(found["memory"]["K_past"]),
               MatrixNear(lqi.gains.memory->K_past, 1e-8 * lqi.gains.memory->K_past.norm()));
-  EXPECT_EQ(found["weights"]["softened"], json({1, 1, 1, 1}));
+  EXPECT_EQ(found["weights"]["softened"], SortedJson({1, 1, 1, 1}));
 }
 
 /// A heavier weight on changes of the command makes a law that moves its commands less.
 TEST(LqrOfVehicle, WeightsOnChangesSlowTheCommands) {
   if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
-  const json without = run_json({"lqr", "mambo", "--past", "2", "--R", "141,113273,113273,3.8e7"});
-  const json with = run_json({"lqr", "mambo", "--past", "2", "--R", "141,113273,113273,3.8e7",
-                              "--change", "1e3,1e6,1e6,1e9"});
+  const SortedJson without =
+      run_json({"lqr", "mambo", "--past", "2", "--R", "141,113273,113273,3.8e7"});
+  const SortedJson with = run_json({"lqr", "mambo", "--past", "2", "--R", "141,113273,113273,3.8e7",
+                                    "--change", "1e3,1e6,1e6,1e9"});
   for (int i = 1; i < 4; ++i)
     EXPECT_LT(with["margins"]["loops"][i]["crossover"],
               without["margins"]["loops"][i]["crossover"]);
@@ -111,9 +112,9 @@ TEST(LqrOfVehicle, AFileNamesAnEstimatorOrNone) {
 
 TEST(LqrOfVehicle, IntegratesWhatIsAsked) {
   if (testing::kSanitized) GTEST_SKIP() << "minutes of what other tests run too";
-  EXPECT_EQ(run_json({"lqr", "mambo"})["integrals"], json({"px", "py", "pz", "yaw"}));
-  EXPECT_EQ(run_json({"lqr", "mambo", "--integral", "pz"})["integrals"], json({"pz"}));
-  EXPECT_EQ(run_json({"lqr", "mambo", "--integral", "none"})["integrals"], json::array());
+  EXPECT_EQ(run_json({"lqr", "mambo"})["integrals"], SortedJson({"px", "py", "pz", "yaw"}));
+  EXPECT_EQ(run_json({"lqr", "mambo", "--integral", "pz"})["integrals"], SortedJson({"pz"}));
+  EXPECT_EQ(run_json({"lqr", "mambo", "--integral", "none"})["integrals"], SortedJson::array());
 }
 
 TEST(LqrOfVehicle, TellsOfTheFlownLoopOfTheIdealPlantsGains) {
@@ -122,9 +123,9 @@ TEST(LqrOfVehicle, TellsOfTheFlownLoopOfTheIdealPlantsGains) {
       "lqr",      "crazyflie",      "--plant", "ideal",
       "--inputs", "wrench",         "--Q",     "16,16,16,25,25,8,4,4,4,0.25,0.25,0.25",
       "--R",      "400,7e5,7e5,2e7"};
-  const json found = run_json(fast);
+  const SortedJson found = run_json(fast);
   EXPECT_EQ(found["plant"], "ideal");
-  for (const json& loop : found["margins"]["loops"]) EXPECT_TRUE(loop["stable"]);
+  for (const SortedJson& loop : found["margins"]["loops"]) EXPECT_TRUE(loop["stable"]);
   EXPECT_FALSE(found["flown"]["stable"]);
   const ProgramResult text = run_program(fast);
   EXPECT_EQ(text.status, 0);
@@ -205,7 +206,7 @@ TEST(LqrMatrix, IsExportedVerifiedAndFlown) {
     const std::string out = (folder.path() / program).string();
     const ProgramResult made = run_program({"design", file, "-o", out, "--json"});
     ASSERT_EQ(made.status, 0) << made.err;
-    const json report = json::parse(made.out);
+    const SortedJson report = SortedJson::parse(made.out);
     EXPECT_EQ(report["verdict"], "pass");
     EXPECT_EQ(report["lqr"]["structure"], "matrix");
     EXPECT_EQ(report["lqr"]["flown"]["estimator"], program);
@@ -218,9 +219,9 @@ TEST(LqrMatrix, IsExportedVerifiedAndFlown) {
     EXPECT_EQ(flown.status, 0) << flown.out << flown.err;
     EXPECT_THAT(run_program({"design", file}).out, HasSubstr("plants of the design\n"));
     if (!uquad) continue;
-    const json published =
+    const SortedJson published =
         run_json({"design", testing::source_folder() + "/designs/uquad-hover.toml"});
-    const json &K = report["lqr"]["K"], &there = published["lqr"]["K"];
+    const SortedJson &K = report["lqr"]["K"], &there = published["lqr"]["K"];
     for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = 0; j < 12; ++j) {
         EXPECT_GE(double(K[i][j]) * double(there[i][j]), 0) << i << " " << j;

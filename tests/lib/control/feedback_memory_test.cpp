@@ -8,6 +8,7 @@
 #include <random>
 
 #include "matrix_near.hpp"
+#include "numbers.hpp"
 #include "quadtune/control/state_feedback_law.hpp"
 #include "quadtune/errors.hpp"
 
@@ -18,6 +19,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector4d;
 using Eigen::VectorXd;
 using ::testing::HasSubstr;
+using testing::kNaN;
 using testing::MatrixNear;
 using ::testing::ThrowsMessage;
 
@@ -216,7 +218,6 @@ TEST(FeedbackMemory, RefusesWhatItCannotRemember) {
     change(gains);
     EXPECT_THAT([&] { validate(gains, "gains"); }, ThrowsMessage<InvalidInput>(HasSubstr(message)));
   };
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   refusal([](Gains& g) { g.memory->lag(1) = -0.01; }, "lag is -0.01 s, expected more than 0");
   refusal([](Gains& g) { g.memory->lag(1) = kNaN; }, "lag is nan s, expected more than 0");
   refusal([](Gains& g) { g.memory->lag(2) = 1.5; },

@@ -3,10 +3,10 @@
 
 #include <gmock/gmock.h>
 
-#include <limits>
 #include <random>
 
 #include "matrix_near.hpp"
+#include "numbers.hpp"
 #include "plants/sample_vehicles.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/model/mixer.hpp"
@@ -17,6 +17,8 @@ namespace {
 
 using Eigen::Vector4d;
 using ::testing::HasSubstr;
+using testing::kInfinity;
+using testing::kNaN;
 using testing::MatrixNear;
 using testing::random_vehicle;
 using ::testing::ThrowsMessage;
@@ -87,7 +89,7 @@ TEST(LimitedAllocation, LeavesAWrenchThatTheRotorsCanProduce) {
 // bisection.
 double greatest_share(const Case& of, const Vector4d& asked) {
   const auto feasible = [&](double share) {
-    double low = -std::numeric_limits<double>::infinity(), high = -low;
+    double low = -kInfinity, high = -low;
     for (int i = 0; i < of.law.rotors; ++i) {
       const auto k = static_cast<std::size_t>(i);
       const double at_zero =
@@ -155,8 +157,6 @@ TEST(LimitedAllocation, KeepsTheTorqueOfALawThatAsksForNoThrust) {
 }
 
 TEST(LimitedAllocation, MakesANumberOfWhatIsNone) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Case of(load_vehicle("mambo"));
   for (const double bad : {kNaN, kInfinity, -kInfinity})
     for (int i = 0; i < 4; ++i) {
