@@ -20,7 +20,7 @@ namespace quadtune::cli {
 namespace {
 
 struct Options {
-  std::string source, to, directory, vehicle;
+  std::string source, to, directory, vehicle, name, precision, law;
 
   [[nodiscard]] bool of_design() const { return source.ends_with(".toml"); }
 };
@@ -54,10 +54,23 @@ ExportContent content_of(const Options& options, const Context& context) {
   return export_content(std::move(given.laws), vehicle, options.source);
 }
 
+FlightCodeOptions flight_code_options(const Options& options) {
+  const std::pair<const char*, const std::string*> given[] = {
+      {"--name", &options.name}, {"--precision", &options.precision}, {"--law", &options.law}};
+  for (const auto& [option, value] : given)
+    if (options.to != "c" && !value->empty())
+      refuse("export", option, "{} is for --to c, expected none with --to {}", option, options.to);
+  return {options.name,
+          !options.precision.empty() && is_double_precision(options.precision, "--precision"),
+          options.law};
+}
+
 void run_export(const Options& options, Context& context) {
   require_complete(options);
   const ExportKind kind = export_kind(options.to, "--to");
+  const FlightCodeOptions flight_code = flight_code_options(options);
   ExportContent content = content_of(options, context);
+  content.flight_code = flight_code;
   context.notes("export: note: ", adapt_to_program(content, kind));
   // Gains that do not hold the vehicle are not written.
   if (const std::string problem = unstable_loop(content); !problem.empty())
@@ -82,9 +95,14 @@ void run_export(const Options& options, Context& context) {
 void add_options(CommandLine& line, Options& options) {
   line.add_option("SOURCE", options.source,
                   "an export's directory, a gain file or a design file (.toml)");
-  line.add_option("--to NAME", options.to, "uquad, mambo or json");
+  line.add_option("--to NAME", options.to, "uquad, mambo, json or c");
   line.add_option("-o DIR", options.directory, "directory to write");
   line.add_option("--vehicle V", options.vehicle, "the vehicle, where the gains do not say");
+  line.add_option("--name NAME", options.name,
+                  "prefix of the C program's names; the vehicle's name unless given");
+  line.add_option("--precision WORD", options.precision, "of the C program: float or double");
+  line.add_option("--law LAW", options.law,
+                  "of the C program, where the design has two: cascaded-pid or state-feedback");
 }
 
 }  // namespace

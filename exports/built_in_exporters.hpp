@@ -11,6 +11,7 @@ namespace quadtune::exports {
 [[nodiscard]] Exporter uquad_exporter();
 [[nodiscard]] Exporter mambo_exporter();
 [[nodiscard]] Exporter json_exporter();
+[[nodiscard]] Exporter flight_code_exporter();
 
 /// The file of the Mambo's gains.
 inline constexpr char kControllerVars[] = "controllerVars.m";

@@ -16,7 +16,8 @@ namespace {
 
 std::vector<Exporter>& all() {
   static std::vector<Exporter> exporters = {exports::uquad_exporter(), exports::mambo_exporter(),
-                                            exports::json_exporter()};
+                                            exports::json_exporter(),
+                                            exports::flight_code_exporter()};
   return exporters;
 }
 

@@ -414,8 +414,8 @@ FlightCondition read_trim(const TomlTable& table) {
 std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& design) {
   std::vector<ExportRequest> exports;
   for (const TomlTable& table : file.tables("export")) {
-    table.allow({{"to"}});
-    const ExportRequest request{table.text("to")};
+    table.allow({{"to"}, {"name"}, {"precision"}, {"law"}});
+    ExportRequest request{table.text("to")};
     const std::string where = table.where("to");
     const ExportTarget& target = export_target(request.to, where);
     for (const ExportRequest& earlier : exports)
@@ -431,6 +431,15 @@ std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& des
       throw InvalidInput(where, fmt::format("export to '{}' has no gains to write, expected an "
                                             "[lqr] table",
                                             request.to));
+    for (const char* key : {"name", "precision", "law"})
+      if (request.to != "c" && !table.text_or(key, "").empty())
+        throw InvalidInput(table.where(key), fmt::format("export.{} is for an export to 'c', "
+                                                         "expected none for '{}'",
+                                                         key, request.to));
+    request.flight_code.name = table.text_or("name", "");
+    request.flight_code.double_precision =
+        is_double_precision(table.text_or("precision", "float"), table.where("precision"));
+    request.flight_code.law = table.text_or("law", "");
     exports.push_back(request);
   }
   return exports;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/flight_code_options.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -15,8 +16,10 @@ namespace quadtune {
 namespace {
 
 std::vector<ExportTarget>& targets() {
-  static std::vector<ExportTarget> all = {
-      {"uquad", false, true, "uquad"}, {"mambo", false, false, "mambo"}, {"json", true, false}};
+  static std::vector<ExportTarget> all = {{"uquad", false, true, "uquad"},
+                                          {"mambo", false, false, "mambo"},
+                                          {"json", true, false},
+                                          {"c", true, false}};
   return all;
 }
 
@@ -46,6 +49,12 @@ const ExportTarget& export_target(const std::string& name, const std::string& wh
   throw InvalidInput(
       where, fmt::format("no export to '{}', expected {}{}", internal::printable(name),
                          internal::joined(known, ", "), internal::did_you_mean(name, known)));
+}
+
+bool is_double_precision(const std::string& name, const std::string& where) {
+  if (name == "float" || name == "double") return name == "double";
+  throw InvalidInput(
+      where, fmt::format("no precision '{}', expected float or double", internal::printable(name)));
 }
 
 }  // namespace quadtune

@@ -193,17 +193,6 @@ CascadeSpecification usual_specification(const Vehicle& vehicle) {
   return specification;
 }
 
-CascadeController cascade_controller(const CascadeDesign& design, const CascadeGains& gains) {
-  CascadeController controller{gains};
-  controller.method = design.method;
-  controller.attitude_limit = design.attitude_limit;
-  controller.integrator_limit = design.integrator_limit;
-  controller.back_calculation = design.back_calculation;
-  controller.velocity_feed_forward = design.velocity_feed_forward;
-  controller.conditional_integration = design.conditional_integration;
-  return controller;
-}
-
 double position_bandwidth(const CascadeReport& report) {
   double slower = 0;
   for (const CascadeAxisDesign& loop : report.cascade.loops) {
@@ -212,18 +201,6 @@ double position_bandwidth(const CascadeReport& report) {
     slower = slower > 0 ? std::min(slower, bandwidth) : bandwidth;
   }
   return slower;
-}
-
-StateFeedbackController feedback_controller(const Gains& gains, double dt) {
-  StateFeedbackController controller{gains, gains.dt > 0 ? gains.dt : dt, {}};
-  if (gains.convention == "uquad") controller.guards = uquad_integral_guards();
-  // Far from the set point the proportional part does the work, and the integral grows as if near.
-  // It does not stand: a vehicle that is heavier than believed may hang that far below.
-  constexpr double kNear = 0.3, kInfinity = std::numeric_limits<double>::infinity();  // [m, rad]
-  if (gains.convention == "ned")
-    for (const Signal& integral : gains.integrals)
-      controller.guards.push_back({integral.name, kInfinity, kNear * controller.dt, kInfinity});
-  return controller;
 }
 
 StateFeedbackController scheduled_controller(const Vehicle& vehicle, GainSchedule schedule,

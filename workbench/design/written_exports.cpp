@@ -16,14 +16,17 @@ std::vector<WrittenExport> write_exports(const DesignOutcome& outcome, const std
   const std::string file = design.file.string();
   if (design.exports.empty())
     throw InvalidInput(file, "has no [[export]], expected one because of -o");
-  const ExportContent content = export_content(outcome);
+  ExportContent content = export_content(outcome);
   std::vector<InputAtHand> inputs;
   for (const FileContent& input : content.inputs) inputs.push_back({input.name, "", input.bytes});
-  for (const ExportRequest& request : design.exports)
+  for (const ExportRequest& request : design.exports) {
+    content.flight_code = request.flight_code;
     (void)export_files(export_kind(request.to, file), content);
+  }
   std::vector<WrittenExport> written;
   for (const ExportRequest& request : design.exports) {
     WrittenExport one;
+    content.flight_code = request.flight_code;
     one.kind = export_kind(request.to, file);
     one.directory = design.exports.size() == 1
                         ? directory

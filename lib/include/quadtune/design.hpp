@@ -12,6 +12,7 @@
 #include "quadtune/cascade.hpp"
 #include "quadtune/convention.hpp"
 #include "quadtune/estimation/filter_model.hpp"
+#include "quadtune/flight_code_options.hpp"
 #include "quadtune/flight_condition.hpp"
 #include "quadtune/lti.hpp"
 #include "quadtune/model/vehicle.hpp"
@@ -105,7 +106,8 @@ struct CascadeDesign {
 
 /// Files that the design writes.
 struct ExportRequest {
-  std::string to;  ///< "uquad", "mambo" or "json"
+  std::string to;                   ///< "uquad", "mambo", "json" or "c"
+  FlightCodeOptions flight_code{};  ///< of an export to "c"
 };
 
 /// A mission that the gains must fly before they are exported.

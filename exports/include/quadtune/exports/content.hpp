@@ -11,6 +11,7 @@
 
 #include "quadtune/design.hpp"
 #include "quadtune/exports/file_set.hpp"
+#include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/stored_estimator.hpp"
 #include "quadtune/exports/uquad.hpp"
 #include "quadtune/filter.hpp"
@@ -46,6 +47,7 @@ struct ExportContent {
   std::optional<UquadDiagonals> uquad_filter;
   std::optional<CascadeDesign> cascade;
   std::optional<StoredEstimator> estimator;  ///< that the laws were judged with
+  FlightCodeOptions flight_code;             ///< of exports that are flight code
   ExportEvidence evidence;
   std::vector<FileContent> inputs;  ///< design and vehicle files: name without path, and bytes
   std::vector<std::pair<std::string, std::string>>

@@ -31,7 +31,7 @@ inline const ExportKind ExportKind::uquad("uquad");
 inline const ExportKind ExportKind::mambo("mambo");
 inline const ExportKind ExportKind::json("json");
 
-/// "uquad", "mambo", "json", or the name of an exporter that was added; and back.
+/// "uquad", "mambo", "json", "c", or the name of an exporter that was added; and back.
 [[nodiscard]] std::string to_string(const ExportKind& kind);
 /// @throws InvalidInput  naming the word, the kinds that exist, and the nearest.
 [[nodiscard]] ExportKind export_kind(const std::string& name, const std::string& where);

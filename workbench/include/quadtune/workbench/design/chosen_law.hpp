@@ -10,6 +10,7 @@
 #include "quadtune/gain_schedule.hpp"
 #include "quadtune/gains.hpp"
 #include "quadtune/model/vehicle.hpp"
+#include "quadtune/simulation/designed_controller.hpp"
 #include "quadtune/simulation/flight.hpp"
 #include "quadtune/workbench/design/cascade_report.hpp"
 #include "quadtune/workbench/design/margins_report.hpp"
@@ -58,17 +59,8 @@ struct ChosenLaw {
 /// bounds, at the published period or kUsualPeriod.
 [[nodiscard]] CascadeSpecification usual_specification(const Vehicle& vehicle);
 
-/// A cascade of a design file as it is flown.
-/// @param gains  designed where the file asks for them
-[[nodiscard]] CascadeController cascade_controller(const CascadeDesign& design,
-                                                   const CascadeGains& gains);
-
 /// Of the slower loop of x and y [rad/s]; 0 where there is none.
 [[nodiscard]] double position_bandwidth(const CascadeReport& report);
-
-/// A state feedback as it is flown: with the guards of the uquad's program in its convention.
-/// @param dt  control period [s]; that of the gains where they have one
-[[nodiscard]] StateFeedbackController feedback_controller(const Gains& gains, double dt);
 
 /// A gain schedule as it is flown: ScheduledFeedback, with the bounds of keep_near_hover() for its
 /// gains at hover.

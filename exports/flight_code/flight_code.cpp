@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/exports/flight_code.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "flight_code/flight_recording.hpp"
+#include "flight_code/parameters.hpp"
+#include "flight_code/program_settings.hpp"
+#include "flight_code/source_text.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/export.hpp"
+#include "quadtune/internal/joined.hpp"
+
+namespace quadtune {
+namespace exports {
+namespace {
+
+// Words that are no names in C99 and C++, and what the C library has under such a prefix.
+constexpr std::array kTakenNames = {
+    "auto",     "break", "case",     "char",   "const",  "double", "else",   "enum",    "extern",
+    "float",    "for",   "goto",     "if",     "inline", "int",    "long",   "main",    "register",
+    "return",   "short", "signed",   "sizeof", "static", "struct", "switch", "typedef", "union",
+    "unsigned", "void",  "volatile", "while",  "bool",   "true",   "false",  "replay",  "string",
+    "math",     "stdio", "stdlib",   "stdint", "stdbool"};
+constexpr std::size_t kLongestName = 24;
+
+std::string name_of(const ExportContent& content) {
+  const std::string& asked = content.flight_code.name;
+  const std::string name = asked.empty() ? flight_code_name(content.vehicle.name) : asked;
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  };
+  const bool good = !name.empty() && name.size() <= kLongestName && name[0] >= 'a' &&
+                    name[0] <= 'z' && std::all_of(name.begin(), name.end(), allowed) &&
+                    std::find(kTakenNames.begin(), kTakenNames.end(), name) == kTakenNames.end();
+  if (!good)
+    throw InvalidInput("--name",
+                       fmt::format("'{}' is no prefix of a C program, expected 1 to {} lower-case "
+                                   "letters, digits and _, a letter first, and no word of C",
+                                   name, kLongestName));
+  return name;
+}
+
+std::string sensors_in_words(const GeneralFilterSettings& s) {
+  std::vector<std::string> words = {"specific_force", "rates"};
+  const auto add = [&](bool present, const char* word) {
+    if (present) words.emplace_back(word);
+  };
+  add(s.heading.has_value(), "magnetic_field");
+  add(s.pressure.has_value(), "pressure");
+  add(s.range.has_value(), "range");
+  add(s.flow.has_value(), "flow");
+  add(s.gps_position.has_value(), "gps_position");
+  add(s.gps_velocity.has_value(), "gps_velocity");
+  add(s.vision.has_value(), "vision");
+  return internal::joined(words, ", ");
+}
+
+std::string command_in_words(const MotorCommand& motor) {
+  const bool squared = motor.law == CommandLaw::speed_squared;
+  const std::string step =
+      motor.quantum > 0 ? fmt::format(", steps of {}", motor.quantum) : std::string();
+  return fmt::format("{} {}, {} to {}{}",
+                     squared ? "proportional to the square of the speed" : "the speed",
+                     motor.unit == "count" ? "in counts" : "in rad/s", motor.min, motor.max, step);
+}
+
+std::string input_in_words(InputKind kind) {
+  switch (kind) {
+    case InputKind::wrench:
+      return "thrust along body -z [N], torques about body x, y, z [N m]";
+    case InputKind::rotor_speed:
+      return "speeds of the rotors [rad/s]";
+    case InputKind::rotor_thrust:
+      return "thrusts of the rotors [N]";
+    case InputKind::command:
+      break;
+  }
+  return "commands of the motors, without their signs";
+}
+
+const char* input_feature(InputKind kind) {
+  switch (kind) {
+    case InputKind::wrench:
+      return "WRENCH_INPUTS";
+    case InputKind::rotor_speed:
+      return "SPEED_INPUTS";
+    case InputKind::rotor_thrust:
+      return "THRUST_INPUTS";
+    case InputKind::command:
+      break;
+  }
+  return "COMMAND_INPUTS";
+}
+
+SourceChoices choices_of(const ProgramSettings& s, const ExportContent& content,
+                         const std::string& name) {
+  SourceChoices c;
+  c.name = name;
+  c.double_precision = content.flight_code.double_precision;
+  const auto feature = [&](bool has, const char* word) {
+    if (has) c.features.insert(word);
+  };
+  feature(c.double_precision, "DOUBLE");
+  feature(s.estimator.has_value(), "ESTIMATOR");
+  feature(s.cascade(), "CASCADE");
+  feature(s.motor.law == CommandLaw::speed_squared, "SQUARED_COMMANDS");
+  feature(s.motor.quantum > 0, "QUANTUM");
+  c.sizes["ROTORS"] = s.allocation.rotors;
+  const bool squared = s.motor.law == CommandLaw::speed_squared;
+  c.words["DESCRIPTION"] = fmt::format(
+      "{}{} for the vehicle '{}'", s.cascade() ? "a cascade of PID loops" : "a state feedback",
+      s.estimator ? " with the general filter" : "", content.vehicle.name);
+  c.words["DT"] = fmt::format("{}", s.dt);
+  c.words["DT_LITERAL"] = c_number(s.dt, c.double_precision, "dt");
+  c.words["COMMAND"] = command_in_words(s.motor);
+  c.words["GAIN"] = squared ? "square of the speed over the command [rad^2/s^2]"
+                            : "speed over the command [rad/s]";
+  c.words["TAKE_OFF"] = s.cascade() ? "constant thrust, attitude and heading held"
+                                    : "as QT_FLYING, the law is the same";
+  if (s.estimator) c.words["SENSORS"] = sensors_in_words(*s.estimator);
+  if (s.cascade()) return c;
+  const StateFeedbackSettings<double>& law = s.feedback();
+  feature(true, input_feature(law.input_kind));
+  feature(law.input_kind != InputKind::wrench, "ROTOR_INPUTS");
+  feature(law.integrals > 0, "INTEGRALS");
+  feature(law.remembers, "MEMORY");
+  feature(law.past > 0, "PAST");
+  c.sizes["INPUTS"] = law.inputs;
+  c.sizes["INTEGRALS"] = law.integrals;
+  c.sizes["PAST"] = law.past;
+  c.words["INPUT"] = input_in_words(law.input_kind);
+  c.words["INPUT_UNIT"] = "inputs at hover: " + input_in_words(law.input_kind);
+  return c;
+}
+
+struct ProgramFile {
+  std::string from;    ///< in source/
+  std::string suffix;  ///< of the exported file, after the name
+};
+
+std::vector<ProgramFile> sources_of(const ProgramSettings& s, bool double_precision) {
+  std::vector<ProgramFile> files = {
+      {"program.h", ".h"},
+      {"state.h", "_state.h"},
+      {"internal.h", "_internal.h"},
+      {"maths.h", "_maths.h"},
+      {"program.c", ".c"},
+      {"motors.c", "_motors.c"},
+      {s.cascade() ? "cascade.c" : "feedback.c", "_law.c"},
+      {"rotations.c", "_rotations.c"},
+      {double_precision ? "functions_double.c" : "functions_float.c", "_functions.c"}};
+  if (s.estimator) files.push_back({"estimator.c", "_estimator.c"});
+  return files;
+}
+
+std::string recorded_header(const ProgramSettings& s) {
+  return fmt::format(
+      "# A recorded flight: one line a control period of {} s. Numbers of a line:\n"
+      "# {}\n"
+      "# phase (0 idle, 1 take-off, 2 flying), whether position is tracked, position, velocity, "
+      "roll,\n"
+      "# pitch and yaw of the reference, {} idle commands;\n"
+      "# then what the program gives: {} commands, position, roll, pitch, yaw, body velocity, "
+      "rates,\n"
+      "# whether the wrench was limited, whether the estimate is finite.\n"
+      "# start: position, body velocity, rates, roll, pitch, yaw, biases of gyroscope and\n"
+      "# accelerometer, offset of the barometer's height.\n",
+      s.dt,
+      s.estimator
+          ? "whether it stands; 0, or 1, age and values of: specific force, rates, magnetic "
+            "field,\n# pressure, range, flow, GPS position, GPS velocity, vision;"
+          : "position, roll, pitch, yaw, body velocity, rates of the estimate;",
+      s.allocation.rotors, s.allocation.rotors);
+}
+
+std::string readme(const ProgramSettings& s, const ExportContent& content, const std::string& name,
+                   const std::vector<std::string>& sources);
+
+}  // namespace
+}  // namespace exports
+
+std::string flight_code_name(const std::string& name) {
+  std::string result;
+  for (const char c : name) {
+    const auto u = static_cast<unsigned char>(c);
+    result += std::isalnum(u) != 0 && u < 128 ? static_cast<char>(std::tolower(u)) : '_';
+  }
+  if (result.empty() || std::isalpha(static_cast<unsigned char>(result[0])) == 0)
+    result = "vehicle_" + result;
+  if (result.size() > exports::kLongestName) result.resize(exports::kLongestName);
+  return result;
+}
+
+std::vector<FileContent> flight_code_files(const ExportContent& content) {
+  using namespace exports;
+  const std::string name = name_of(content);
+  const FlightSetup setup = recorded_setup(content);
+  const ProgramSettings settings = program_settings(setup);
+  const bool double_precision = content.flight_code.double_precision;
+  SourceChoices choices = choices_of(settings, content, name);
+  std::vector<FileContent> files;
+  std::vector<std::string> sources, headers, objects;
+  const auto add = [&](const std::string& file, const std::string& text) {
+    if (file.ends_with(".c") && file != "replay.c") {
+      sources.push_back(file);
+      objects.push_back(file.substr(0, file.size() - 2) + ".o");
+    }
+    if (file.ends_with(".h")) headers.push_back(file);
+    files.push_back({file, program_source(text, choices)});
+  };
+  for (const ProgramFile& file : sources_of(settings, double_precision))
+    add(name + file.suffix, source_text(file.from));
+  add(name + "_parameters.c", parameters_text(settings, double_precision));
+  choices.words["OBJECTS"] = internal::joined(objects, " ");
+  choices.words["HEADERS"] = internal::joined(headers, " ");
+  add("replay.c", source_text("replay.c"));
+  add("Makefile", source_text("Makefile"));
+  const RecordedFlight recorded =
+      record_flight(setup, template_program(settings, double_precision), double_precision);
+  files.push_back({"flight.txt", recorded_header(settings) + recorded.text});
+  files.push_back({"README.md", readme(settings, content, name, sources)});
+  files.push_back({kGainsJsonName, gains_json_text(content)});
+  return files;
+}
+
+namespace exports {
+namespace {
+
+std::string readme(const ProgramSettings& s, const ExportContent& content, const std::string& name,
+                   const std::vector<std::string>& sources) {
+  const std::string law =
+      s.cascade() ? "a cascade of PID loops: position to attitude, attitude to torques, height to "
+                    "thrust"
+                  : fmt::format("a state feedback u = u0 + K (sp - x){}{}{}, u: {}",
+                                s.feedback().integrals > 0 ? " + K_int x_int" : "",
+                                s.feedback().remembers ? " - K_lag (a - u0)" : "",
+                                s.feedback().past > 0 ? " - K_past (past commands - u0)" : "",
+                                input_in_words(s.feedback().input_kind));
+  return fmt::format(
+      "# Flight program {0} for the vehicle '{1}'\n\n"
+      "C99, `{2}`, one call in each control period of {3} s; no heap, no input or output, no "
+      "recursion.\n\n"
+      "- Estimator: {4}.\n"
+      "- Law: {5}.\n"
+      "- Allocation: the nearest wrench that the rotors can produce; yaw torque gives way first, "
+      "then thrust,\n  roll and pitch torque last.\n"
+      "- Commands: {6}.\n\n"
+      "[{0}.h]({0}.h) has the entry points, with units and axes:\n\n"
+      "```c\n"
+      "static {0}_state_t state;\n"
+      "{0}_initialize(&state, &start);\n"
+      "for (;;) {{                      /* every {3} s */\n"
+      "  {7}\n"
+      "  send(output.command);\n"
+      "}}\n"
+      "```\n\n"
+      "`make test` needs a C compiler alone. It replays [flight.txt](flight.txt), a simulated "
+      "flight, and compares\nevery command and every estimate bit by bit with what quadtune's own "
+      "law and filter compute. For a board compile\n\n"
+      "    {8}\n\n"
+      "with `-std=c99 -ffp-contract=off`. With contraction the last bits differ; nothing else "
+      "does.\n\n"
+      "The program does not arm, watch the battery or give up: a supervisor must stop the motors "
+      "where the vehicle\ntilts too far, or where `estimate.finite` is false.\n",
+      name, content.vehicle.name, content.flight_code.double_precision ? "double" : "float", s.dt,
+      s.estimator
+          ? "the general filter, an error-state Kalman filter of " + sensors_in_words(*s.estimator)
+          : std::string("none; the caller brings the estimate"),
+      law, command_in_words(s.motor),
+      s.estimator ? name + "_step(&state, &sensors, &reference, &output);"
+                  : name + "_control(&state, &estimate, &reference, &output);",
+      internal::joined(sources, " "));
+}
+
+}  // namespace
+}  // namespace exports
+}  // namespace quadtune

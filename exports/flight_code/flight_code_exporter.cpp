@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "built_in_exporters.hpp"
+#include "quadtune/exports/flight_code.hpp"
+
+namespace quadtune::exports {
+
+Exporter flight_code_exporter() {
+  // gains.json stands beside the C and is read in its place.
+  Exporter exporter = json_exporter();
+  exporter.target = export_target("c", "exporter");
+  exporter.files = flight_code_files;
+  exporter.read_plain = {};
+  exporter.weights_difference = {};
+  return exporter;
+}
+
+}  // namespace quadtune::exports

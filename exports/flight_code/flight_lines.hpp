@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What goes into a flight program and comes out of it, as lines of text: recorded flights have
+/// them, and `replay -` reads and writes them. docs/formats.md, "Recorded flights of flight code".
+#pragma once
+
+#include <string>
+
+#include "flight_code/flight_program.hpp"
+#include "quadtune/simulation/flight_estimator.hpp"
+
+namespace quadtune::exports {
+
+/// Writes numbers in the shortest form that reads back as the same float or double.
+class FlightLines {
+ public:
+  /// @param with_sensors  whether the program has an estimator; else it is given the estimate
+  FlightLines(bool with_sensors, bool double_precision)
+      : sensors_(with_sensors), double_(double_precision) {}
+
+  /// "start …" for a program that begins at these 12 states and knows of no bias.
+  [[nodiscard]] std::string start(const StateVector<double>& x) const;
+  /// What the sensors say, or the true state.
+  [[nodiscard]] std::string input(const EstimatorInput& input) const;
+  [[nodiscard]] std::string reference(const Reference<double>& reference,
+                                      const Eigen::VectorXd& idle) const;
+  /// Commands, the 12 states, whether the wrench was limited, whether the estimate is finite.
+  [[nodiscard]] std::string output(const ProgramOutput& output) const;
+
+ private:
+  class Line;
+  [[nodiscard]] Line line() const;
+
+  bool sensors_, double_;
+};
+
+}  // namespace quadtune::exports

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight_code/flight_recording.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace quadtune::exports {
+namespace {
+
+/// A program in a simulated flight, as its estimator and its law.
+class Flown {
+ public:
+  Flown(ProgramSettings settings, std::shared_ptr<RunningProgram> program, bool double_precision)
+      : settings_(std::move(settings)),
+        program_(std::move(program)),
+        lines_(settings_.estimator.has_value(), double_precision) {}
+
+  void start(const StateVector<double>& x) {
+    yaw_ = x(5);
+    program_->start(x);
+    text_ += lines_.start(x) + "\n";
+  }
+
+  [[nodiscard]] Estimate<double> estimate(EstimatorInput input) {
+    // The law holds the unwrapped yaw.
+    constexpr double kTurn = 2 * std::numbers::pi;
+    input.true_state(5) += kTurn * std::nearbyint((yaw_ - input.true_state(5)) / kTurn);
+    yaw_ = input.true_state(5);
+    input_ = lines_.input(input);
+    return program_->estimate(input);
+  }
+
+  [[nodiscard]] Eigen::VectorXd command(const Reference<double>& reference) {
+    commanded_ = true;
+    const Eigen::VectorXd signs = direction();
+    return keep(reference, Eigen::VectorXd::Zero(signs.size())).cwiseProduct(signs);
+  }
+
+  /// Where the law does not have the motors, the program learns what they get.
+  void carried_out(const Eigen::VectorXd& made) {
+    if (std::exchange(commanded_, false)) return;
+    Reference<double> reference;
+    reference.phase = FlightPhase::off;
+    (void)keep(reference, made.cwiseProduct(direction()));
+  }
+
+  [[nodiscard]] std::string text() const { return text_; }
+
+ private:
+  [[nodiscard]] Eigen::VectorXd direction() const {
+    return Eigen::Map<const Eigen::VectorXd>(settings_.direction.data(),
+                                             settings_.allocation.rotors);
+  }
+  Eigen::VectorXd keep(const Reference<double>& reference, const Eigen::VectorXd& idle) {
+    const ProgramOutput output = program_->control(reference, idle);
+    text_ += input_ + " " + lines_.reference(reference, idle) + " " + lines_.output(output) + "\n";
+    return output.commands;
+  }
+
+  ProgramSettings settings_;
+  std::shared_ptr<RunningProgram> program_;
+  FlightLines lines_;
+  double yaw_ = 0;
+  bool commanded_ = false;  ///< whether command() was called in this period
+  std::string input_, text_;
+};
+
+class FlownEstimator final : public FlightEstimator {
+ public:
+  explicit FlownEstimator(std::shared_ptr<Flown> flown) : flown_(std::move(flown)) {}
+  Estimate<double> update(const EstimatorInput& input) override { return flown_->estimate(input); }
+
+ private:
+  std::shared_ptr<Flown> flown_;
+};
+
+class FlownLaw final : public FlightLaw {
+ public:
+  explicit FlownLaw(std::shared_ptr<Flown> flown) : flown_(std::move(flown)) {}
+  Eigen::VectorXd command(const Estimate<double>& /*estimate*/,
+                          const Reference<double>& reference) override {
+    return flown_->command(reference);
+  }
+  void carried_out(const Eigen::VectorXd& /*asked*/, const Eigen::VectorXd& made) override {
+    flown_->carried_out(made);
+  }
+
+ private:
+  std::shared_ptr<Flown> flown_;
+};
+
+}  // namespace
+
+RecordedFlight record_flight(const FlightSetup& setup,
+                             const std::shared_ptr<RunningProgram>& program,
+                             bool double_precision) {
+  const ProgramSettings settings = program_settings(setup);
+  const auto flown = std::make_shared<Flown>(settings, program, double_precision);
+  FlightSetup with = setup;
+  with.estimator = EstimatorKind::own;
+  with.own_estimator = {"flight code", [flown](const EstimatorStart& start) {
+                          flown->start(start.state);
+                          return std::make_unique<FlownEstimator>(flown);
+                        }};
+  with.controller =
+      OwnController{"flight code", settings.dt, InputKind::command,
+                    [flown](const Vehicle&) { return std::make_unique<FlownLaw>(flown); }};
+  // The program limits its own commands.
+  with.allocation = AllocationRule::clipped;
+  RecordedFlight result;
+  result.flight = fly(with);
+  result.text = flown->text();
+  return result;
+}
+
+}  // namespace quadtune::exports

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A flight with a flight program in the place of the library's law and estimator.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "flight_code/flight_lines.hpp"
+#include "flight_code/program_settings.hpp"
+
+namespace quadtune::exports {
+
+/// A flight program as it runs: the library's templates, or a process.
+class RunningProgram {
+ public:
+  RunningProgram() = default;
+  RunningProgram(const RunningProgram&) = delete;
+  RunningProgram& operator=(const RunningProgram&) = delete;
+  virtual ~RunningProgram() = default;
+
+  virtual void start(const StateVector<double>& x) = 0;
+  /// The first half of a control period.
+  [[nodiscard]] virtual Estimate<double> estimate(const EstimatorInput& input) = 0;
+  /// The second half, by the estimate of the first.
+  /// @param idle  commands of the motors where the phase is FlightPhase::off
+  [[nodiscard]] virtual ProgramOutput control(const Reference<double>& reference,
+                                              const Eigen::VectorXd& idle) = 0;
+};
+
+/// The library's templates in `float` or in `double`.
+[[nodiscard]] std::shared_ptr<RunningProgram> template_program(const ProgramSettings& settings,
+                                                               bool double_precision);
+
+struct RecordedFlight {
+  FlightResult flight;
+  std::string text;  ///< docs/formats.md, "Recorded flights of flight code"
+};
+
+/// Flies a setup by a program, its allocation and the limits of its commands included, and writes
+/// down what went in and came out.
+/// @param setup  with the law and the estimator that the program has
+[[nodiscard]] RecordedFlight record_flight(const FlightSetup& setup,
+                                           const std::shared_ptr<RunningProgram>& program,
+                                           bool double_precision);
+
+}  // namespace quadtune::exports

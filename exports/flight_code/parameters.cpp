@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight_code/parameters.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "quadtune/control/pid.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/estimation/general_filter.hpp"
+
+namespace quadtune::exports {
+namespace {
+
+using Numbers = std::vector<double>;
+
+/// Writes the initializer of a structure, member by member.
+class Structure {
+ public:
+  explicit Structure(bool double_precision) : double_(double_precision) {}
+
+  void open(const std::string& name) {
+    line(name.empty() ? "{" : fmt::format(".{} = {{", name));
+    path_.push_back(name);
+  }
+  void close() {
+    path_.pop_back();
+    line(path_.empty() ? "};" : "},");
+  }
+  void number(const std::string& name, double x) { member(name, text(x, name)); }
+  void integer(const std::string& name, int x) { member(name, fmt::format("{}", x)); }
+  void boolean(const std::string& name, bool x) { member(name, x ? "true" : "false"); }
+  void numbers(const std::string& name, const Numbers& x) {
+    member(name, list(x, name, (path_.size() + 1) * 2));
+  }
+  void integers(const std::string& name, const std::vector<int>& x) {
+    member(name, fmt::format("{{{}}}", fmt::join(x, ", ")));
+  }
+  /// Row by row.
+  void matrix(const std::string& name, const Eigen::MatrixXd& M) {
+    std::string rows;
+    for (Eigen::Index i = 0; i < M.rows(); ++i) {
+      const std::string indent((path_.size() + 1) * 2, ' ');
+      rows += (i > 0 ? ",\n" : "\n") + indent +
+              list(Numbers(M.row(i).begin(), M.row(i).end()), name, indent.size() + 1);
+    }
+    member(name, "{" + rows + "}");
+  }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  [[nodiscard]] std::string text(double x, const std::string& name) const {
+    std::string where;
+    for (const std::string& part : path_)
+      if (!part.empty()) where += part + ".";
+    return c_number(x, double_, where + name);
+  }
+  /// Numbers in braces, folded at 100 columns.
+  [[nodiscard]] std::string list(const Numbers& x, const std::string& name,
+                                 std::size_t indent) const {
+    constexpr std::size_t kWidth = 98;
+    std::string all = "{";
+    std::size_t column = indent + name.size() + 6;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const std::string one = text(x[i], name) + (i + 1 < x.size() ? ", " : "");
+      if (column + one.size() > kWidth) {
+        while (all.ends_with(' ')) all.pop_back();
+        all += "\n" + std::string(indent + 2, ' ');
+        column = indent + 2;
+      }
+      all += one;
+      column += one.size();
+    }
+    return all + "}";
+  }
+  void member(const std::string& name, const std::string& value) {
+    line(fmt::format(".{} = {},", name, value));
+  }
+  void line(const std::string& text) { text_ += std::string(path_.size() * 2, ' ') + text + "\n"; }
+
+  bool double_;
+  std::vector<std::string> path_;
+  std::string text_;
+};
+
+Numbers of(const auto& entries) { return Numbers(entries.begin(), entries.end()); }
+
+template <class Vector>
+Numbers inverses(const Vector& scale) {
+  Numbers result;
+  for (const double x : scale) result.push_back(1 / x);
+  return result;
+}
+
+/// Where the readings that a late sensor gave stand, and how they are weighed.
+void write_inertial(Structure& c, const std::string& name, const InertialAid& sensor, double dt,
+                    int horizon) {
+  const auto place = general_filter_internal::reading_place(sensor.lag, dt, horizon);
+  c.integer(name + "_whole", place.whole);
+  c.numbers(name + "_mean", {0.5 * (1 - place.part), 0.5 * place.part});
+  if (name == "gyro") c.numbers(name + "_point", {1 - place.part, place.part});
+  const double time = horizon * dt;
+  Numbers later, earlier;
+  for (double left = time - sensor.lag; horizon > 0 && left > 1e-12;) {
+    const double h = std::min(left, dt), part = h / dt;
+    later.push_back((h - 0.5 * h * part) / time);
+    earlier.push_back(0.5 * h * part / time);
+    left -= h;
+  }
+  c.open(name + "_now");
+  c.number("held", horizon > 0 ? std::min(sensor.lag, time) / time : 0);
+  c.integer("count", static_cast<int>(later.size()));
+  if (later.empty()) later = earlier = {0};
+  c.numbers("later", later);
+  c.numbers("earlier", earlier);
+  c.close();
+  c.numbers(name + "_inverse_scale", inverses(sensor.scale));
+  c.numbers(name + "_variance", of(sensor.variance));
+  Numbers noise;
+  for (const double density : sensor.density) noise.push_back(density * density * dt);
+  c.numbers(name + "_noise", noise);
+  c.number(name + "_walk", sensor.walk * sensor.walk * dt);
+}
+
+void write_aid(Structure& c, const std::string& name, const std::optional<Aid>& aid) {
+  c.open(name);
+  c.boolean("present", aid.has_value());
+  if (aid) {
+    c.number("lag", aid->lag);
+    c.number("variance", aid->variance);
+    c.number("inverse_scale", 1 / aid->scale);
+  }
+  c.close();
+}
+
+void write_start(Structure& c, const GeneralFilterSettings& s) {
+  const StartDeviations& d = s.start;
+  Numbers variances;
+  for (const double x : {d.position, d.velocity, d.tilt, d.gyro_bias, d.force_bias})
+    variances.insert(variances.end(), 3, x * x);
+  variances[8] = d.yaw * d.yaw;
+  variances.push_back(s.pressure ? d.pressure_height * d.pressure_height : 0);
+  c.numbers("start_variance", variances);
+}
+
+void write_sensors(Structure& c, const GeneralFilterSettings& s) {
+  write_aid(c, "gps_position", s.gps_position);
+  write_aid(c, "gps_velocity", s.gps_velocity);
+  write_aid(c, "vision", s.vision);
+  c.open("flow");
+  c.boolean("present", s.flow.has_value());
+  if (s.flow) {
+    c.number("lag", s.flow->lag);
+    c.number("variance", s.flow->variance);
+    c.numbers("inverse_scale", inverses(s.flow->scale));
+    c.numbers("mean_square", of(s.flow->mean_square));
+    c.number("least_height", s.flow->least_height);
+  }
+  c.close();
+  c.open("range");
+  c.boolean("present", s.range.has_value());
+  if (s.range) {
+    c.number("lag", s.range->aid.lag);
+    c.number("variance", s.range->aid.variance);
+    c.number("inverse_scale", 1 / s.range->aid.scale);
+    c.number("least", s.range->least);
+    c.number("greatest", s.range->greatest);
+    c.number("least_cosine", s.range->least_cosine);
+  }
+  c.close();
+  c.open("pressure");
+  c.boolean("present", s.pressure.has_value());
+  if (s.pressure) {
+    const bool linear = std::isfinite(s.pressure->fall);
+    c.boolean("linear", linear);
+    c.number("lag", s.pressure->aid.lag);
+    c.number("variance", s.pressure->aid.variance);
+    c.number("inverse_scale", 1 / s.pressure->aid.scale);
+    c.number("zero", s.pressure->zero);
+    c.number("inverse_fall", linear ? 1 / s.pressure->fall : 0);
+  }
+  c.close();
+  c.open("heading");
+  c.boolean("present", s.heading.has_value());
+  if (s.heading) {
+    const HeadingAid& heading = *s.heading;
+    c.number("lag", heading.aid.lag);
+    c.number("variance", heading.aid.variance);
+    c.number("declination", heading.declination);
+    c.numbers("row", {-heading.dip * std::cos(heading.declination),
+                      -heading.dip * std::sin(heading.declination), 1});
+  }
+  c.close();
+}
+
+void write_estimator(Structure& c, const GeneralFilterSettings& s) {
+  constexpr double kInstant = 1e-9;  // QT_INSTANT
+  const int horizon = horizon_periods(s);
+  c.open("estimator");
+  c.number("dt", s.dt);
+  c.number("gravity", s.gravity);
+  c.integer("horizon", horizon);
+  c.number("horizon_time", horizon * s.dt);
+  write_inertial(c, "gyro", s.gyroscope, s.dt, horizon);
+  write_inertial(c, "force", s.accelerometer, s.dt, horizon);
+  c.number("pressure_walk", s.pressure ? s.pressure->walk * s.pressure->walk * s.dt : 0);
+  c.number("gate", s.gate);
+  c.number("recovery_time", s.recovery_time);
+  c.number("standing_variance", s.standing_velocity * s.standing_velocity);
+  c.number("lift_off_variance", s.lift_off_velocity * s.lift_off_velocity);
+  write_start(c, s);
+  Numbers due, behind;
+  for (int k = 0; k < kMostHorizonPeriods + 2; ++k) due.push_back(k * s.dt - kInstant);
+  for (int k = 0; k < kMostHorizonPeriods + 1; ++k) behind.push_back(k * s.dt);
+  c.numbers("due", due);
+  c.numbers("behind", behind);
+  write_sensors(c, s);
+  c.close();
+}
+
+void write_loop(Structure& c, const std::string& name, const PidSettings<double>& loop) {
+  const PidQuadrature<double> weight = pid_quadrature<double>(loop.method);
+  c.open(name);
+  c.number("dt", loop.dt);
+  c.number("Kp", loop.Kp);
+  c.number("Ki", loop.Ki);
+  c.number("Kd", loop.Kd);
+  c.number("set_point_weight", loop.b);
+  c.number("error_now", weight.now);
+  c.number("error_before", weight.before);
+  c.number("output_min", loop.output_min);
+  c.number("output_max", loop.output_max);
+  c.number("integral_min", loop.integral_min);
+  c.number("integral_max", loop.integral_max);
+  c.number("back_calculation", loop.back_calculation);
+  c.close();
+}
+
+void write_law(Structure& c, const CascadedPidSettings<double>& law) {
+  c.open("law");
+  for (const CascadeAxis axis : {CascadeAxis::x, CascadeAxis::y, CascadeAxis::roll,
+                                 CascadeAxis::pitch, CascadeAxis::yaw, CascadeAxis::altitude})
+    write_loop(c, to_string(axis), law.loops[index_of(axis)]);
+  c.number("attitude_limit", law.attitude_limit);
+  c.number("weight", law.weight);
+  c.number("take_off_thrust", law.take_off_thrust);
+  c.number("greatest_thrust", law.greatest_thrust);
+  c.boolean("velocity_feed_forward", law.velocity_feed_forward);
+  c.boolean("conditional_integration", law.conditional_integration);
+  c.close();
+}
+
+void write_integrals(Structure& c, const StateFeedbackSettings<double>& law) {
+  const int n = law.integrals;
+  c.matrix("K_int", law.K_int.topLeftCorner(law.inputs, n));
+  const std::vector<int> integrated(law.integrated.begin(), law.integrated.begin() + n);
+  c.integers("integrated", integrated);
+  c.open("guard");
+  for (std::size_t j = 0; j < static_cast<std::size_t>(n); ++j) {
+    c.open("");
+    c.number("error_limit", law.guards[j].error_limit);
+    c.number("increment_limit", law.guards[j].increment_limit);
+    c.number("integral_limit", law.guards[j].integral_limit);
+    c.close();
+  }
+  c.close();
+  std::vector<int> of_position = {-1, -1};
+  for (int j = 0; j < n; ++j)
+    if (integrated[static_cast<std::size_t>(j)] < 2)
+      of_position[static_cast<std::size_t>(integrated[static_cast<std::size_t>(j)])] = j;
+  c.integers("of_position", of_position);
+}
+
+void write_law(Structure& c, const StateFeedbackSettings<double>& law, double dt) {
+  const int inputs = law.inputs;
+  c.open("law");
+  c.number("dt", dt);
+  c.numbers("x0", of(law.x0));
+  c.numbers("u0", of(law.u0.head(inputs)));
+  c.matrix("K", law.K.topRows(inputs));
+  if (law.integrals > 0) write_integrals(c, law);
+  c.boolean("heading_axes", law.axes == PositionAxes::heading);
+  c.number("position_error_limit", law.position_error_limit);
+  c.boolean("conditional_integration", law.conditional_integration);
+  if (law.remembers) {
+    c.numbers("lag_share", of(law.lag_share.head(inputs)));
+    c.matrix("K_lag", law.K_lag.topLeftCorner(inputs, inputs));
+  }
+  if (law.past > 0) c.matrix("K_past", law.K_past.topRows(inputs));
+  c.close();
+}
+
+void write_motors(Structure& c, const ProgramSettings& s) {
+  const int n = s.allocation.rotors;
+  const auto first = [n](const auto& values) {
+    return Numbers(values.begin(), values.begin() + n);
+  };
+  c.open("motors");
+  c.matrix("P", s.allocation.P.topRows(n));
+  if (!s.cascade()) c.matrix("M", s.allocation.M.leftCols(n));
+  c.numbers("wrench0", of(s.allocation.wrench0));
+  c.numbers("thrust0", of(s.allocation.thrust0));
+  c.numbers("a2", first(s.allocation.a2));
+  c.numbers("a1", first(s.allocation.a1));
+  c.numbers("least", first(s.limits.least));
+  c.numbers("greatest", first(s.limits.greatest));
+  c.number("floor", s.limits.floor);
+  c.number("gain", s.motor.gain);
+  c.number("least_command", s.motor.min);
+  c.number("greatest_command", s.motor.max);
+  if (s.motor.quantum > 0) c.number("quantum", s.motor.quantum);
+  c.numbers("direction", first(s.direction));
+  c.close();
+}
+
+}  // namespace
+
+std::string c_number(double x, bool double_precision, const std::string& where) {
+  if (std::isnan(x)) throw InvalidInput(where, "is NaN, expected a number");
+  if (std::isinf(x)) return x > 0 ? "QT_INFINITY" : "-QT_INFINITY";
+  if (!double_precision && std::abs(x) > static_cast<double>(std::numeric_limits<float>::max()))
+    throw InvalidInput(where, fmt::format("is {}, expected at most 3.4e38 because the program "
+                                          "computes in float; double precision holds it",
+                                          x));
+  std::string text =
+      double_precision ? fmt::format("{}", x) : fmt::format("{}", static_cast<float>(x));
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return double_precision ? text : text + "f";
+}
+
+std::string parameters_text(const ProgramSettings& settings, bool double_precision) {
+  Structure c(double_precision);
+  c.open("");
+  if (settings.estimator) write_estimator(c, *settings.estimator);
+  if (settings.cascade())
+    write_law(c, std::get<0>(settings.law));
+  else
+    write_law(c, settings.feedback(), settings.dt);
+  write_motors(c, settings);
+  c.close();
+  return "/* SPDX-License-Identifier: Apache-2.0 */\n"
+         "/* The numbers of the design; \"internal.h\" says what each is, and its unit. */\n"
+         "#include \"internal.h\"\n\nconst qt_parameters_t qt_parameters = " +
+         c.text();
+}
+
+}  // namespace quadtune::exports

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight_code/program_settings.hpp"
+
+#include <fmt/format.h>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/simulation/designed_controller.hpp"
+#include "quadtune/simulation/mission.hpp"
+
+namespace quadtune::exports {
+namespace {
+
+// From the ground to 1 m, then a step aside and a turn at once, so that errors are large.
+constexpr char kRecordedMission[] = R"(name = "recorded"
+description = "Up to 1 m, then a step aside and a turn at once"
+duration_s = 5
+[start]
+at = "ground"
+start_up_s = 0.2
+[[references]]
+at_s = 0
+height_m = 1
+[[references]]
+at_s = 2.5
+north_m = 1.5
+east_m = -1
+height_m = 2.5
+yaw_rad = 2
+)";
+
+Controller controller_of(const ExportContent& content) {
+  const std::string& law = content.flight_code.law;
+  if (!law.empty() && law != "cascaded-pid" && law != "state-feedback")
+    throw InvalidInput("law",
+                       fmt::format("no law '{}', expected cascaded-pid or state-feedback", law));
+  if (law.empty() && content.gains && content.cascade)
+    throw InvalidInput("flight code",
+                       "the design has a cascaded PID and a state feedback, expected --law "
+                       "cascaded-pid or --law state-feedback because one of them flies");
+  const bool by_cascade = law.empty() ? !content.gains : law == "cascaded-pid";
+  if (by_cascade ? !content.cascade || content.cascade->gains.loops.empty() : !content.gains)
+    throw InvalidInput("flight code",
+                       law.empty()
+                           ? std::string("the design has no law, expected a cascaded PID or "
+                                         "a state feedback")
+                           : fmt::format("the design has no law '{}'", law));
+  if (by_cascade) return cascade_controller(*content.cascade, content.cascade->gains);
+  if (!(content.gains->dt > 0))
+    throw InvalidInput("flight code",
+                       "the gains are continuous, expected those of a sample period because a "
+                       "program runs once a period");
+  return feedback_controller(*content.gains, content.gains->dt);
+}
+
+}  // namespace
+
+FlightSetup recorded_setup(const ExportContent& content) {
+  FlightSetup setup;
+  setup.vehicle = content.vehicle;
+  setup.mission = parse_mission(kRecordedMission, "recorded mission");
+  setup.controller = controller_of(content);
+  setup.allocation = AllocationRule::prioritized;
+  const bool general = content.estimator && content.estimator->general;
+  setup.estimator = general ? EstimatorKind::general : EstimatorKind::truth;
+  if (general) setup.general_filter = content.estimator->general;
+  validate(setup);
+  return setup;
+}
+
+ProgramSettings program_settings(const FlightSetup& setup) {
+  ProgramSettings settings;
+  const Vehicle& vehicle = setup.vehicle;
+  settings.dt = control_period(setup);
+  if (setup.estimator == EstimatorKind::general)
+    settings.estimator = general_filter_settings(setup);
+  if (const auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
+    CascadedPidSettings<double> law =
+        cascaded_pid_settings(vehicle, cascade->gains, cascade->method, cascade->attitude_limit,
+                              cascade->integrator_limit, cascade->back_calculation);
+    law.velocity_feed_forward = cascade->velocity_feed_forward;
+    law.conditional_integration = cascade->conditional_integration;
+    settings.law = law;
+  } else {
+    const auto& feedback = std::get<StateFeedbackController>(setup.controller);
+    settings.law = state_feedback_settings(vehicle, feedback.gains, feedback.dt, feedback.guards);
+  }
+  settings.allocation = allocation(vehicle);
+  settings.limits = thrust_limits(vehicle);
+  settings.motor = vehicle.motor;
+  settings.direction.fill(1);
+  for (std::size_t i = 0; i < vehicle.motor.direction.size(); ++i)
+    settings.direction[i] = vehicle.motor.direction[i];
+  return settings;
+}
+
+}  // namespace quadtune::exports

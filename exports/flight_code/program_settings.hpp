@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The numbers of a flight program, from which its C is written and with which the library flies
+/// it.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <variant>
+
+#include "quadtune/control/allocation.hpp"
+#include "quadtune/control/cascaded_pid.hpp"
+#include "quadtune/control/limited_allocation.hpp"
+#include "quadtune/control/state_feedback_law.hpp"
+#include "quadtune/estimation/general_filter_settings.hpp"
+#include "quadtune/exports/content.hpp"
+#include "quadtune/simulation/flight.hpp"
+
+namespace quadtune::exports {
+
+/// Estimator, control law, allocation and motors of one flight program.
+struct ProgramSettings {
+  double dt = 0;  ///< control period [s]
+  std::optional<GeneralFilterSettings> estimator;
+  std::variant<CascadedPidSettings<double>, StateFeedbackSettings<double>> law;
+  Allocation<double> allocation;
+  ThrustLimits<double> limits;
+  MotorCommand motor;
+  std::array<double, kMaxRotors> direction{};  ///< ±1, sign of each motor's command
+
+  [[nodiscard]] bool cascade() const {
+    return std::holds_alternative<CascadedPidSettings<double>>(law);
+  }
+  [[nodiscard]] const StateFeedbackSettings<double>& feedback() const {
+    return std::get<StateFeedbackSettings<double>>(law);
+  }
+};
+
+/// The flight that is recorded for an exported program: from the ground up, a step aside, a turn.
+/// The program's own law and estimator are those of the library.
+/// @throws InvalidInput  as flight_code_files()
+[[nodiscard]] FlightSetup recorded_setup(const ExportContent& content);
+
+/// @throws InvalidInput  as flight_code_files()
+[[nodiscard]] ProgramSettings program_settings(const FlightSetup& setup);
+
+}  // namespace quadtune::exports

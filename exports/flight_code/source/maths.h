@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Arithmetic of the flight program: small vectors and matrices (row by row), and sine, cosine, arc
+ * tangent, logarithm and exponential function from sums, products and quotients alone, so that
+ * every processor and every C library gives the same bits. Coefficients: Cephes (S. L. Moshier).
+ */
+#ifndef QT_MATHS_H
+#define QT_MATHS_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "program.h"
+
+#if QT_WITH_DOUBLE
+#define QT_REAL_MAX 1.7976931348623157e+308
+#define QT_ROUNDING 6755399441055744.0 /* 1.5 2^52: a sum with it is an integer */
+#else
+#define QT_REAL_MAX 3.402823466e+38f
+#define QT_ROUNDING 12582912.0f /* 1.5 2^23: a sum with it is an integer */
+#endif
+#define QT_INFINITY ((qt_real)INFINITY)
+#define QT_PI 3.14159265358979323846f
+#define QT_TWO_PI 6.28318530717958647693f
+#define QT_HALF_PI 1.57079632679489661923f
+#define QT_TURNS_PER_RADIAN 0.159154943091895335769f
+
+static inline qt_real qt_min(qt_real a, qt_real b) { return (a < b) ? a : b; }
+static inline qt_real qt_max(qt_real a, qt_real b) { return (a > b) ? a : b; }
+/* x within low <= high; low where x is NaN. */
+static inline qt_real qt_clamp(qt_real x, qt_real low, qt_real high) {
+  return qt_min(qt_max(x, low), high);
+}
+static inline qt_real qt_abs(qt_real x) { return (x < 0.0f) ? -x : x; }
+static inline bool qt_is_finite(qt_real x) { return qt_abs(x) <= QT_REAL_MAX; }
+static inline qt_real qt_sqrt(qt_real x) { return sqrtf(x); }
+/* The nearest integer, ties to even, of |x| < 2^21. */
+static inline qt_real qt_nearest(qt_real x) { return (x + QT_ROUNDING) - QT_ROUNDING; }
+
+/* Of |x| <= 8192 rad. */
+qt_real qt_sin(qt_real x);
+qt_real qt_cos(qt_real x);
+/* In [-pi, pi]; 0 for x = y = 0. */
+qt_real qt_atan2(qt_real y, qt_real x);
+#if QT_WITH_ESTIMATOR
+/* Of normal numbers > 0. */
+qt_real qt_natural_logarithm(qt_real x);
+/* Of |x| <= 80. */
+qt_real qt_exponential(qt_real x);
+/* The height at which the standard atmosphere has this pressure, above that at which it has
+ * `zero` [m]. */
+qt_real qt_barometric_height(qt_real pressure, qt_real zero);
+
+/* The angle less whole turns, in [-pi, pi] [rad]. */
+static inline qt_real qt_wrapped(qt_real angle) {
+  return angle - (QT_TWO_PI * qt_nearest(angle * QT_TURNS_PER_RADIAN));
+}
+#endif
+
+static inline bool qt_all_finite(const qt_real *x, int count) {
+  bool finite = true;
+  for (int i = 0; i < count; ++i) {
+    finite = finite && qt_is_finite(x[i]);
+  }
+  return finite;
+}
+
+/* y = M x */
+static inline void qt_times3(const qt_real M[9], const qt_real x[3], qt_real y[3]) {
+  for (int i = 0; i < 3; ++i) {
+    y[i] = (M[3 * i] * x[0]) + ((M[(3 * i) + 1] * x[1]) + (M[(3 * i) + 2] * x[2]));
+  }
+}
+/* Entry i of M' x. */
+static inline qt_real qt_column_times3(const qt_real M[9], int i, const qt_real x[3]) {
+  return (M[i] * x[0]) + ((M[3 + i] * x[1]) + (M[6 + i] * x[2]));
+}
+/* y = M' x */
+static inline void qt_transposed_times3(const qt_real M[9], const qt_real x[3], qt_real y[3]) {
+  for (int i = 0; i < 3; ++i) {
+    y[i] = qt_column_times3(M, i, x);
+  }
+}
+#if QT_WITH_ESTIMATOR
+static inline qt_real qt_square3(const qt_real x[3]) {
+  return (x[0] * x[0]) + ((x[1] * x[1]) + (x[2] * x[2]));
+}
+static inline qt_real qt_square4(const qt_real x[4]) {
+  return ((x[0] * x[0]) + (x[1] * x[1])) + ((x[2] * x[2]) + (x[3] * x[3]));
+}
+/* c = a x b */
+static inline void qt_cross(const qt_real a[3], const qt_real b[3], qt_real c[3]) {
+  c[0] = (a[1] * b[2]) - (a[2] * b[1]);
+  c[1] = (a[2] * b[0]) - (a[0] * b[2]);
+  c[2] = (a[0] * b[1]) - (a[1] * b[0]);
+}
+
+/* Quaternions are (w, x, y, z). c = a b; c may not be a or b. */
+void qt_quaternion_product(const qt_real a[4], const qt_real b[4], qt_real c[4]);
+void qt_quaternion_of_euler(qt_real roll, qt_real pitch, qt_real yaw, qt_real q[4]);
+void qt_rotation_of_quaternion(const qt_real q[4], qt_real R[9]);
+#endif
+/* R = Rz(yaw) Ry(pitch) Rx(roll) takes components in body axes to components in world axes. */
+void qt_rotation_of_euler(qt_real roll, qt_real pitch, qt_real yaw, qt_real R[9]);
+
+#endif /* QT_MATHS_H */

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * What the flight program keeps from one control period to the next. It is here so that a structure
+ * qt_state_t can be declared anywhere; no other program needs to look into it.
+ */
+#ifndef QT_STATE_H
+#define QT_STATE_H
+
+#if QT_WITH_ESTIMATOR
+#define QT_ERRORS 16   /* errors of the filter */
+#define QT_PACKED 136  /* entries of its covariance: the lower triangle */
+#define QT_HISTORY 40  /* control periods over which a measurement is carried back, at most */
+#define QT_HORIZON 16  /* control periods by which the inertial readings may be late, at most */
+#define QT_READINGS 60 /* stored inertial readings */
+#define QT_QUEUE 18    /* stored samples of a sensor */
+#define QT_SCALARS 14  /* scalar measurements of all sensors but the inertial ones */
+
+typedef struct {
+  qt_real position[3]; /* world [m] */
+  qt_real velocity[3]; /* world [m/s] */
+  qt_real attitude[4]; /* quaternion (w, x, y, z), from body axes to world axes */
+} qt_motion_t;
+
+typedef struct {
+  qt_real rates[3]; /* [rad/s] */
+  qt_real force[3]; /* [m/s^2] */
+} qt_reading_t;
+
+/* The samples of a sensor in the last control periods, `newest` first in a ring. */
+typedef struct {
+  qt_real values[QT_QUEUE][3];
+  qt_real age[QT_QUEUE]; /* when it came [s] */
+  bool came[QT_QUEUE];
+  int newest;
+} qt_queue_t;
+
+typedef struct {
+  qt_real time;  /* since the measurement was believed last [s] */
+  qt_real count; /* rejections in a row */
+} qt_rejections_t;
+
+typedef struct {
+  qt_motion_t motion;      /* at the horizon */
+  qt_real gyro_bias[3];    /* [rad/s] */
+  qt_real force_bias[3];   /* [m/s^2] */
+  qt_real pressure_height; /* offset of the barometer's height [m] */
+  qt_real P[QT_PACKED];    /* covariance of the errors */
+  qt_real yaw;             /* of the last estimate, unwrapped [rad] */
+  qt_reading_t readings[QT_READINGS];
+  int newest_reading;
+  qt_queue_t flow;
+  qt_queue_t range;
+  qt_queue_t pressure;
+  qt_queue_t field;
+  qt_queue_t gps_position;
+  qt_queue_t gps_velocity;
+  qt_queue_t vision;
+  qt_rejections_t rejections[QT_SCALARS];
+} qt_estimator_state_t;
+
+#endif
+#if QT_WITH_CASCADE
+typedef struct {
+  qt_real integral; /* Ki times the integral of the error [unit of the output] */
+  qt_real error;    /* of the last period */
+  qt_real output;   /* likewise */
+} qt_loop_state_t;
+
+typedef struct {
+  qt_loop_state_t x, y, roll, pitch, yaw, altitude;
+  qt_real wrench_excess[4];   /* asked for less made in the last period [N, N m] */
+  qt_real attitude_excess[2]; /* likewise of pitch and roll references [rad] */
+} qt_law_state_t;
+
+#else
+#define QT_INPUTS 4 /* the law's inputs: @INPUT@ */
+#if QT_WITH_INTEGRALS
+#define QT_INTEGRALS 12 /* integrated states */
+#endif
+#if QT_WITH_PAST
+#define QT_PAST 8 /* control periods of past commands that the law feeds back */
+#endif
+
+typedef struct {
+#if QT_WITH_INTEGRALS
+  qt_real integral[QT_INTEGRALS]; /* of the errors, in world axes [unit of the state, times s] */
+#endif
+  qt_real excess[QT_INPUTS];      /* asked for less made in the last period */
+#if QT_WITH_MEMORY
+  qt_real actuators[QT_INPUTS];   /* state of the actuators, less u0 */
+#endif
+#if QT_WITH_PAST
+  qt_real commands[QT_PAST * QT_INPUTS]; /* past inputs less u0, newest first */
+#endif
+} qt_law_state_t;
+
+#endif
+typedef struct {
+#if QT_WITH_ESTIMATOR
+  qt_estimator_state_t estimator;
+#endif
+  qt_law_state_t law;
+} qt_state_t;
+
+#endif /* QT_STATE_H */

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flight_code/source_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <regex>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+#include "quadtune/internal/built_in.hpp"
+
+namespace quadtune::internal {
+/// The files of exports/flight_code/source, embedded by lib/embed_files.cmake.
+[[nodiscard]] const std::vector<BuiltInFile>& built_in_flight_code_files();
+}  // namespace quadtune::internal
+
+namespace quadtune::exports {
+namespace {
+
+constexpr char kFeature[] = "QT_WITH_";
+
+std::string upper_case(std::string name) {
+  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return name;
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size())
+    text.replace(at, what.size(), with);
+  return text;
+}
+
+/// A condition that is open while lines are read.
+struct Open {
+  bool resolved = false;  ///< of a feature: its own lines are not written
+  bool taken = true;      ///< whether the lines within are
+};
+
+std::string without_doubled_blank_lines(const std::string& text) {
+  return std::regex_replace(text, std::regex("\n{3,}"), "\n\n");
+}
+
+/// `float` is the default: numbers carry an f.
+std::string in_double(const std::string& text) {
+  static const std::regex number(R"(\b(\d+\.\d*(?:[eE][+-]?\d+)?|\d+[eE][+-]?\d+)f\b)");
+  std::string result = std::regex_replace(text, number, "$1");
+  result = replaced(result, "sqrtf(", "sqrt(");
+  return replaced(result, "typedef float ", "typedef double ");
+}
+
+}  // namespace
+
+std::string with_features(const std::string& text, const std::set<std::string>& features) {
+  std::istringstream lines(text);
+  std::string result;
+  std::vector<Open> open;
+  const auto taken = [&] {
+    return std::all_of(open.begin(), open.end(), [](const Open& o) { return o.taken; });
+  };
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("#if")) {
+      const bool negated = line.starts_with(std::string("#if !") + kFeature);
+      const std::string start = std::string(negated ? "#if !" : "#if ") + kFeature;
+      const bool resolved = line.starts_with(start);
+      const bool has = resolved && features.contains(line.substr(start.size()));
+      open.push_back({resolved, !resolved || has != negated});
+      if (resolved) continue;
+    } else if (line == "#else" && open.back().resolved) {
+      open.back().taken = !open.back().taken;
+      continue;
+    } else if (line.starts_with("#endif")) {
+      const bool resolved = open.back().resolved;
+      open.pop_back();
+      if (resolved) continue;
+    }
+    if (taken()) result += line + "\n";
+  }
+  return without_doubled_blank_lines(result);
+}
+
+std::string program_source(const std::string& text, const SourceChoices& choices) {
+  std::string result = with_features(text, choices.features);
+  for (const auto& [word, with] : choices.words) result = replaced(result, "@" + word + "@", with);
+  for (const auto& [size, value] : choices.sizes)
+    result = std::regex_replace(result, std::regex("(#define QT_" + size + " )\\d+"),
+                                fmt::format("$01{}", value));
+  if (choices.double_precision) result = in_double(result);
+  const std::string& name = choices.name;
+  result = std::regex_replace(result, std::regex("\"(state|internal|maths)\\.h\""),
+                              "\"" + name + "_$1.h\"");
+  result = replaced(result, "\"program.h\"", "\"" + name + ".h\"");
+  result = std::regex_replace(result, std::regex("\\bqt(_|`)"), name + "$1");
+  return std::regex_replace(result, std::regex("\\bQT_"), upper_case(name) + "_");
+}
+
+const std::string& source_text(const std::string& name) {
+  for (const internal::BuiltInFile& file : internal::built_in_flight_code_files())
+    if (file.name == name) return file.text;
+  throw std::logic_error("no source " + name);
+}
+
+}  // namespace quadtune::exports
