@@ -14,6 +14,7 @@
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
+#include "quadtune/exports/flight_code.hpp"
 #include "quadtune/internal/json.hpp"
 #include "report/flights/flights.hpp"
 
@@ -24,6 +25,11 @@ struct Options {
   FlightOptions flight;
   FlightOutputs outputs;
   std::uint64_t seeds = 1;
+  bool compiled = false, arm = false;
+
+  [[nodiscard]] FlightCodeTarget target() const {
+    return arm ? FlightCodeTarget::arm : FlightCodeTarget::host;
+  }
 };
 
 /// Two outputs into one file would leave the second.
@@ -47,6 +53,17 @@ void require_sane(const Options& options, const Context& context) {
   if (options.seeds > kMostSeeds)
     refuse("fly", "--seeds", "--seeds is {}, expected at most {}; quadtune campaign flies more",
            options.seeds, kMostSeeds);
+  if (options.arm && !options.compiled)
+    refuse("fly", "--arm", "--arm is for --compiled, expected both");
+  if (options.compiled && options.flight.gains.empty())
+    refuse("fly", "--compiled", "expected --gains DIR, an export of flight code, with --compiled");
+  std::error_code ignored;
+  const std::filesystem::path code = options.flight.gains;
+  if (options.compiled && !std::filesystem::exists(code / kFlightCodeName, ignored))
+    refuse("fly", "--gains",
+           "--gains {} has no {}, expected an export of flight code, as `quadtune export SOURCE "
+           "--to c -o DIR` writes it, with --compiled",
+           options.flight.gains, kFlightCodeName);
   if (options.seeds == 1 || (log.empty() && report.empty())) return;
   const std::string name = log.empty() ? "--report" : "--log";
   refuse("fly", name,
@@ -54,8 +71,20 @@ void require_sane(const Options& options, const Context& context) {
          options.seeds);
 }
 
-void fly_many(const PlannedFlight& plan, std::uint32_t seeds, Context& context) {
-  const std::vector<FlownFlight> flights = fly_seeds(plan, seeds, interrupted);
+/// The flights of all seeds, by the library's law or by the program of an export.
+std::vector<FlownFlight> flown(const Options& options, const PlannedFlight& plan) {
+  const auto seeds = static_cast<std::uint32_t>(options.seeds);
+  if (options.compiled)
+    return option_of_command("fly", [&] {
+      return fly_compiled(plan, options.flight.gains, options.target(), seeds, interrupted);
+    });
+  if (seeds > 1) return fly_seeds(plan, seeds, interrupted);
+  std::vector<FlownFlight> one;
+  one.push_back(fly_planned(plan, interrupted));
+  return one;
+}
+
+void tell_many(const std::vector<FlownFlight>& flights, Context& context) {
   const auto failed = std::find_if(flights.begin(), flights.end(),
                                    [](const FlownFlight& flight) { return !flight.passed; });
   std::optional<Diagnosis> diagnosis;
@@ -74,10 +103,10 @@ void run_fly(Options& options, Context& context) {
   keep_log_for(options.outputs, plan, "fly");
   context.notes("fly: note: ", plan.notes);
   if (options.seeds > 1) {
-    fly_many(plan, static_cast<std::uint32_t>(options.seeds), context);
+    tell_many(flown(options, plan), context);
     return;
   }
-  const FlownFlight flight = fly_planned(plan, interrupted);
+  const FlownFlight flight = std::move(flown(options, plan).front());
   std::optional<Diagnosis> diagnosis;
   if (!flight.passed) diagnosis = diagnose(plan, flight);
   tell_flight(flight, diagnosis, options.outputs, "fly", context);
@@ -88,6 +117,9 @@ void add_options(CommandLine& line, Options& options) {
   add_flight_options(line, options.flight);
   line.add_count("--seeds N", options.seeds, 1,
                  "flights with the seeds --seed, --seed + 1, ...; pass if all pass; 1");
+  line.add_flag("--compiled", options.compiled,
+                "compile the flight code of --gains DIR and fly its program");
+  line.add_flag("--arm", options.arm, "with --compiled: for ARM, under qemu-arm");
   add_flight_outputs(line, options.outputs);
 }
 

@@ -15,6 +15,7 @@ namespace {
 
 struct Options {
   std::string directory, vehicle, design;
+  bool arm = false;
 };
 
 void add_options(CommandLine& line, Options& options) {
@@ -23,12 +24,14 @@ void add_options(CommandLine& line, Options& options) {
                   "the vehicle, where the manifest's is not built in");
   line.add_option("--design FILE", options.design,
                   "the design file that the export was made from, to compare its hash");
+  line.add_flag("--arm", options.arm,
+                "compile flight code for ARM as well and run it under qemu-arm");
 }
 
 void run_verify(Options& options, Context& context) {
   if (options.directory.empty()) refuse("verify", "DIR", "expected an export's directory");
   const VerifyReport report = option_of_command("verify", [&] {
-    return verify_directory(options.directory, options.vehicle, options.design);
+    return verify_directory(options.directory, options.vehicle, options.design, options.arm);
   });
   context.print([&] { return to_json(report); },
                 [&] {
@@ -41,7 +44,7 @@ void run_verify(Options& options, Context& context) {
 }  // namespace
 
 Verb verify_verb() {
-  return {"verify", "DIR [--vehicle V] [--design FILE]",
+  return {"verify", "DIR [--vehicle V] [--design FILE] [--arm]",
           "re-read an export as the flight program would and check everything",
           "quadtune verify out/uquad-hover", with_options(add_options, run_verify)};
 }

@@ -7,13 +7,16 @@
 #include <array>
 #include <cctype>
 
+#include "export_text.hpp"
 #include "flight_code/flight_recording.hpp"
 #include "flight_code/parameters.hpp"
 #include "flight_code/program_settings.hpp"
 #include "flight_code/source_text.hpp"
+#include "json/to_json.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/internal/joined.hpp"
+#include "quadtune/internal/json.hpp"
 
 namespace quadtune {
 namespace exports {
@@ -27,6 +30,8 @@ constexpr std::array kTakenNames = {
     "unsigned", "void",  "volatile", "while",  "bool",   "true",   "false",  "replay",  "string",
     "math",     "stdio", "stdlib",   "stdint", "stdbool"};
 constexpr std::size_t kLongestName = 24;
+constexpr char kFlightCodeFormat[] = "quadtune-flight-code";
+constexpr int kFlightCodeVersion = 1;
 
 std::string name_of(const ExportContent& content) {
   const std::string& asked = content.flight_code.name;
@@ -116,7 +121,7 @@ SourceChoices choices_of(const ProgramSettings& s, const ExportContent& content,
       "{}{} for the vehicle '{}'", s.cascade() ? "a cascade of PID loops" : "a state feedback",
       s.estimator ? " with the general filter" : "", content.vehicle.name);
   c.words["DT"] = fmt::format("{}", s.dt);
-  c.words["DT_LITERAL"] = c_number(s.dt, c.double_precision, "dt");
+  c.period = c_number(s.dt, c.double_precision, "dt");
   c.words["COMMAND"] = command_in_words(s.motor);
   c.words["GAIN"] = squared ? "square of the speed over the command [rad^2/s^2]"
                             : "speed over the command [rad/s]";
@@ -130,6 +135,7 @@ SourceChoices choices_of(const ProgramSettings& s, const ExportContent& content,
   feature(law.integrals > 0, "INTEGRALS");
   feature(law.remembers, "MEMORY");
   feature(law.past > 0, "PAST");
+  feature(law.integrals == 0 && !law.remembers, "STATELESS_LAW");
   c.sizes["INPUTS"] = law.inputs;
   c.sizes["INTEGRALS"] = law.integrals;
   c.sizes["PAST"] = law.past;
@@ -178,6 +184,16 @@ std::string recorded_header(const ProgramSettings& s) {
       s.allocation.rotors, s.allocation.rotors);
 }
 
+std::string options_text(const ExportContent& content, const std::string& name) {
+  internal::Json json;
+  json["format"] = kFlightCodeFormat;
+  json["format_version"] = kFlightCodeVersion;
+  json["name"] = name;
+  json["precision"] = content.flight_code.double_precision ? "double" : "float";
+  json["law"] = content.flight_code.law;
+  return internal::readable(json) + "\n";
+}
+
 std::string readme(const ProgramSettings& s, const ExportContent& content, const std::string& name,
                    const std::vector<std::string>& sources);
 
@@ -220,12 +236,26 @@ std::vector<FileContent> flight_code_files(const ExportContent& content) {
   choices.words["HEADERS"] = internal::joined(headers, " ");
   add("replay.c", source_text("replay.c"));
   add("Makefile", source_text("Makefile"));
-  const RecordedFlight recorded =
-      record_flight(setup, template_program(settings, double_precision), double_precision);
+  const RecordedFlight recorded = record_flight(
+      setup, settings, template_program(settings, double_precision), double_precision);
   files.push_back({"flight.txt", recorded_header(settings) + recorded.text});
   files.push_back({"README.md", readme(settings, content, name, sources)});
+  files.push_back({kFlightCodeName, options_text(content, name)});
   files.push_back({kGainsJsonName, gains_json_text(content)});
   return files;
+}
+
+FlightCodeOptions read_flight_code_options(const std::filesystem::path& directory) {
+  using internal::Json;
+  const std::filesystem::path path = directory / kFlightCodeName;
+  const std::string origin = path.string();
+  const Json json = exports::parse_json(exports::export_text(path), origin,
+                                        exports::kFlightCodeFormat, exports::kFlightCodeVersion);
+  const auto word = [&](const char* key) {
+    return internal::string_from_json(internal::member(json, key, origin), origin + ": " + key);
+  };
+  return {word("name"), is_double_precision(word("precision"), origin + ": precision"),
+          word("law")};
 }
 
 namespace exports {

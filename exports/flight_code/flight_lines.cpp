@@ -44,14 +44,16 @@ class FlightLines::Line {
 
 FlightLines::Line FlightLines::line() const { return Line(double_); }
 
-std::string FlightLines::start(const StateVector<double>& x) const {
-  constexpr int kBiases = 7;
+std::string FlightLines::start(const ProgramStart& start) const {
+  const StateVector<double>& x = start.x;
   Line to = line();
   to.numbers(x.segment<3>(kPosition));
   to.numbers(x.segment<3>(kVelocity));
   to.numbers(x.segment<3>(kRates));
   to.numbers(x.segment<3>(kAttitude));
-  for (int i = 0; i < kBiases; ++i) to.number(0);
+  to.numbers(start.gyro_bias);
+  to.numbers(start.force_bias);
+  to.number(start.pressure_height);
   return "start " + to.text;
 }
 

@@ -17,8 +17,7 @@ class FlightLines {
   FlightLines(bool with_sensors, bool double_precision)
       : sensors_(with_sensors), double_(double_precision) {}
 
-  /// "start …" for a program that begins at these 12 states and knows of no bias.
-  [[nodiscard]] std::string start(const StateVector<double>& x) const;
+  [[nodiscard]] std::string start(const ProgramStart& start) const;
   /// What the sensors say, or the true state.
   [[nodiscard]] std::string input(const EstimatorInput& input) const;
   [[nodiscard]] std::string reference(const Reference<double>& reference,

@@ -128,6 +128,14 @@ template <class T>
   return to;
 }
 
+/// What is known when a program starts.
+struct ProgramStart {
+  StateVector<double> x = StateVector<double>::Zero();
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();   ///< [rad/s]
+  Eigen::Vector3d force_bias = Eigen::Vector3d::Zero();  ///< [m/s²]
+  double pressure_height = 0;                            ///< offset of the barometer's height [m]
+};
+
 /// What a program gives in one control period.
 struct ProgramOutput {
   Eigen::VectorXd commands;  ///< (rotors) with the signs of the motors
@@ -145,7 +153,7 @@ struct ProgramOutput {
 template <class T>
 class FlightProgram {
  public:
-  FlightProgram(const ProgramSettings& settings, const StateVector<double>& start)
+  FlightProgram(const ProgramSettings& settings, const ProgramStart& start)
       : settings_(settings),
         allocation_(program_cast<T>(settings.allocation)),
         limits_(program_cast<T>(settings.limits)) {
@@ -155,8 +163,13 @@ class FlightProgram {
       feedback_settings_ = program_cast<T>(settings.feedback());
     if (!settings.estimator) return;
     StateVector<T> x;
-    convert_field(x, start);
+    convert_field(x, start.x);
     filter_ = general_filter_start(*settings.estimator, x);
+    Vector3<T> rates, force;
+    convert_field(rates, start.gyro_bias);
+    convert_field(force, start.force_bias);
+    set_biases(filter_, rates, force);
+    filter_.pressure_height = T(start.pressure_height);
   }
 
   /// One period of the estimator.

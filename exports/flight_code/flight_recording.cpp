@@ -16,10 +16,10 @@ class Flown {
         program_(std::move(program)),
         lines_(settings_.estimator.has_value(), double_precision) {}
 
-  void start(const StateVector<double>& x) {
-    yaw_ = x(5);
-    program_->start(x);
-    text_ += lines_.start(x) + "\n";
+  void start(const ProgramStart& start) {
+    yaw_ = start.x(5);
+    program_->start(start);
+    text_ += lines_.start(start) + "\n";
   }
 
   [[nodiscard]] Estimate<double> estimate(EstimatorInput input) {
@@ -90,26 +90,43 @@ class FlownLaw final : public FlightLaw {
   std::shared_ptr<Flown> flown_;
 };
 
+/// Of a flight that begins in the air the offsets were found before, as in the library's filters.
+ProgramStart start_of(const FlightSetup& setup, const ProgramSettings& settings,
+                      const StateVector<double>& x) {
+  ProgramStart start;
+  start.x = x;
+  const bool moving =
+      setup.mission.start.in_air || std::holds_alternative<Carried>(setup.mission.kind);
+  const Sensors sensors = sensors_of(setup);
+  if (!moving || !settings.estimator || !sensors.gyroscope || !sensors.accelerometer) return start;
+  const GeneralFilterSettings& filter = *settings.estimator;
+  start.gyro_bias = sensors.gyroscope->bias.cwiseQuotient(filter.gyroscope.scale);
+  start.force_bias = sensors.accelerometer->bias.cwiseQuotient(filter.accelerometer.scale);
+  if (filter.pressure && sensors.barometer)
+    start.pressure_height =
+        sensors.barometer->faults.bias(0) / (filter.pressure->slope() * filter.pressure->aid.scale);
+  return start;
+}
+
 }  // namespace
 
-RecordedFlight record_flight(const FlightSetup& setup,
-                             const std::shared_ptr<RunningProgram>& program,
-                             bool double_precision) {
-  const ProgramSettings settings = program_settings(setup);
+RecordedFlight record_flight(const FlightSetup& setup, const ProgramSettings& settings,
+                             const std::shared_ptr<RunningProgram>& program, bool double_precision,
+                             const std::function<bool()>& interrupted) {
   const auto flown = std::make_shared<Flown>(settings, program, double_precision);
   FlightSetup with = setup;
   with.estimator = EstimatorKind::own;
-  with.own_estimator = {"flight code", [flown](const EstimatorStart& start) {
-                          flown->start(start.state);
+  with.own_estimator = {"flight code", [&](const EstimatorStart& start) {
+                          flown->start(start_of(setup, settings, start.state));
                           return std::make_unique<FlownEstimator>(flown);
                         }};
   with.controller =
       OwnController{"flight code", settings.dt, InputKind::command,
-                    [flown](const Vehicle&) { return std::make_unique<FlownLaw>(flown); }};
+                    [&](const Vehicle&) { return std::make_unique<FlownLaw>(flown); }};
   // The program limits its own commands.
   with.allocation = AllocationRule::clipped;
   RecordedFlight result;
-  result.flight = fly(with);
+  result.flight = fly(with, interrupted);
   result.text = flown->text();
   return result;
 }

@@ -18,7 +18,7 @@ class RunningProgram {
   RunningProgram& operator=(const RunningProgram&) = delete;
   virtual ~RunningProgram() = default;
 
-  virtual void start(const StateVector<double>& x) = 0;
+  virtual void start(const ProgramStart& start) = 0;
   /// The first half of a control period.
   [[nodiscard]] virtual Estimate<double> estimate(const EstimatorInput& input) = 0;
   /// The second half, by the estimate of the first.
@@ -31,6 +31,12 @@ class RunningProgram {
 [[nodiscard]] std::shared_ptr<RunningProgram> template_program(const ProgramSettings& settings,
                                                                bool double_precision);
 
+/// A process that answers as `replay -` of an exported program does.
+/// @throws FileError  if it cannot be started
+[[nodiscard]] std::shared_ptr<RunningProgram> process_program(
+    const ProgramSettings& settings, const std::vector<std::string>& command,
+    bool double_precision);
+
 struct RecordedFlight {
   FlightResult flight;
   std::string text;  ///< docs/formats.md, "Recorded flights of flight code"
@@ -38,9 +44,14 @@ struct RecordedFlight {
 
 /// Flies a setup by a program, its allocation and the limits of its commands included, and writes
 /// down what went in and came out.
-/// @param setup  with the law and the estimator that the program has
+/// @param setup        where, by which vehicle and in which weather; its law, its estimator and its
+///                     allocation are not used
+/// @param settings     of the program
+/// @param interrupted  as fly()
 [[nodiscard]] RecordedFlight record_flight(const FlightSetup& setup,
+                                           const ProgramSettings& settings,
                                            const std::shared_ptr<RunningProgram>& program,
-                                           bool double_precision);
+                                           bool double_precision,
+                                           const std::function<bool()>& interrupted = {});
 
 }  // namespace quadtune::exports

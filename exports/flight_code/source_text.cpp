@@ -87,6 +87,7 @@ std::string program_source(const std::string& text, const SourceChoices& choices
   for (const auto& [size, value] : choices.sizes)
     result = std::regex_replace(result, std::regex("(#define QT_" + size + " )\\d+"),
                                 fmt::format("$01{}", value));
+  result = replaced(result, "#define QT_DT 0.005f", "#define QT_DT " + choices.period);
   if (choices.double_precision) result = in_double(result);
   const std::string& name = choices.name;
   result = std::regex_replace(result, std::regex("\"(state|internal|maths)\\.h\""),

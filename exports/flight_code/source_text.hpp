@@ -15,6 +15,7 @@ struct SourceChoices {
   std::set<std::string> features;            ///< X of QT_WITH_X that are there
   std::map<std::string, std::string> words;  ///< for @WORD@
   std::map<std::string, int> sizes;          ///< of `#define QT_SIZE 4`
+  std::string period;                        ///< of `#define QT_DT 0.005f`
 };
 
 /// The lines that the features leave: `#if QT_WITH_X`, `#if !QT_WITH_X`, #else and #endif are

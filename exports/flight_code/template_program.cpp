@@ -12,8 +12,8 @@ class TemplateProgram final : public RunningProgram {
  public:
   explicit TemplateProgram(const ProgramSettings& settings) : settings_(settings) {}
 
-  void start(const StateVector<double>& x) override {
-    program_ = std::make_unique<FlightProgram<T>>(settings_, x);
+  void start(const ProgramStart& start) override {
+    program_ = std::make_unique<FlightProgram<T>>(settings_, start);
   }
 
   Estimate<double> estimate(const EstimatorInput& input) override {

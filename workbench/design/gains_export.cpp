@@ -41,13 +41,21 @@ std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kin
   const std::string& words = exporter_of(kind, "--to").convention;
   if (content.gains && !words.empty())
     content.gains = in_convention(*content.gains, convention(words, "--to"));
-  if (!content.gains || !(content.gains->dt > 0)) return {};
+  std::vector<std::string> notes;
+  if (kind.name() == "c" && !(content.estimator && content.estimator->general))
+    notes.push_back(fmt::format("{}: the program takes the estimate from its caller",
+                                content.estimator ? fmt::format("flight code has no estimator '{}'",
+                                                                content.estimator->name)
+                                                  : "the gains name no estimator"));
+  if (!content.gains || !(content.gains->dt > 0)) return notes;
   const VerifyModel model = model_of(content.vehicle, *content.gains);
   content.plant = model.plant;
   // The flight program's K*.txt have no trim.
-  if (!content.gains->u0.isZero(0)) return {};
+  if (!content.gains->u0.isZero(0)) return notes;
   content.gains->u0 = model.u0;
-  return {fmt::format("the gains come without a trim; that of {} is taken", content.vehicle.name)};
+  notes.push_back(
+      fmt::format("the gains come without a trim; that of {} is taken", content.vehicle.name));
+  return notes;
 }
 
 std::string unstable_loop(const ExportContent& content) {

@@ -60,6 +60,28 @@ std::vector<FlownFlight> fly_seeds(const PlannedFlight& plan, std::uint32_t coun
   return flights;
 }
 
+std::vector<FlownFlight> fly_compiled(const PlannedFlight& plan, const std::string& directory,
+                                      FlightCodeTarget target, std::uint32_t count,
+                                      const std::function<bool()>& stop) {
+  if (plan.setup.allocation != AllocationRule::prioritized)
+    throw OptionError("compiled",
+                      "compiled is for commands by priorities, expected no other --allocation "
+                      "because flight code allocates by priorities");
+  const CompiledProgram program(directory, plan.setup.vehicle, target);
+  std::vector<FlownFlight> flights;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    PlannedFlight one = plan;
+    one.setup.seed = plan.setup.seed + i;
+    one.law += target == FlightCodeTarget::arm ? ", flight code compiled for ARM"
+                                               : ", compiled flight code";
+    const auto begin = std::chrono::steady_clock::now();
+    FlightResult result = program.fly(one.setup, stop).flight;
+    const double wall = seconds_since(begin);
+    flights.push_back(judged(std::move(one), std::move(result), wall));
+  }
+  return flights;
+}
+
 FlownFlight worst_of(std::vector<FlownFlight> flights) {
   std::vector<SeedVerdict> seeds;
   std::size_t worst = flights.size();

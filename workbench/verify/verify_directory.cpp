@@ -141,8 +141,8 @@ std::optional<StoredEstimator> estimator_of(const std::string& directory) {
 }  // namespace
 
 VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
-                         const std::vector<InputAtHand>& inputs,
-                         const std::vector<FlownLaw>* flown) {
+                         const std::vector<InputAtHand>& inputs, const std::vector<FlownLaw>* flown,
+                         const std::vector<FlightCodeTarget>& targets) {
   const Manifest manifest = read_manifest(directory);
   std::optional<VerifyModel> model;
   VerifyFacts facts{{}, inputs};
@@ -158,6 +158,9 @@ VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
                                     : flown_laws(vehicle, report.gains, report.cascade,
                                                  estimator_of(directory))))
       report.checks.push_back(std::move(check));
+    if (manifest.kind.name() == "c")
+      for (VerifyCheck& check : flight_code_checks(directory, vehicle, targets))
+        report.checks.push_back(std::move(check));
     return report;
   } catch (const NoSolution& error) {
     // A trim that the vehicle cannot fly is an answer too.
@@ -168,11 +171,18 @@ VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
 }
 
 VerifyReport verify_directory(const std::string& directory, const std::string& vehicle_name,
-                              const std::string& design) {
+                              const std::string& design, bool arm) {
   require_export(directory);
   const Manifest manifest = read_manifest(directory);
+  if (arm && manifest.kind.name() != "c")
+    throw OptionError("arm", fmt::format("arm is for flight code, expected an export to 'c', this "
+                                         "is one to '{}'",
+                                         to_string(manifest.kind)));
+  std::vector<FlightCodeTarget> targets = {FlightCodeTarget::host};
+  if (arm) targets.push_back(FlightCodeTarget::arm);
   const Vehicle vehicle = believed_vehicle(manifest, vehicle_name);
-  return verify_with(directory, vehicle, inputs_at_hand(directory, manifest, vehicle, design));
+  return verify_with(directory, vehicle, inputs_at_hand(directory, manifest, vehicle, design),
+                     nullptr, targets);
 }
 
 }  // namespace quadtune

@@ -108,6 +108,9 @@ void qt_law_step(const qt_law_parameters_t *p, qt_law_state_t *s, const qt_estim
   qt_real distance;
   qt_real c;
   qt_real sine;
+#if QT_WITH_STATELESS_LAW
+  (void)s; /* this law has no state */
+#endif
   states_of(estimate, x);
   set_point(p, x, reference, sp);
   for (int i = 0; i < 12; ++i) {

@@ -19,7 +19,7 @@
 typedef float qt_real;
 
 #define QT_ROTORS 4
-#define QT_DT @DT_LITERAL @ /* control period [s] */
+#define QT_DT 0.005f /* control period [s] */
 
 #include "state.h"
 

@@ -230,7 +230,7 @@ int main(int argc, char **argv) {
       (void)fprintf(stderr, "replay: the file holds no control period\n");
       status = 2;
     } else {
-      (void)printf("%ld control periods, every command and estimate equal bit by bit\n", periods);
+      (void)printf("%ld control periods, all equal bit by bit\n", periods);
     }
   }
   return status;

@@ -2,6 +2,7 @@
 /// Flight code: a design as a self-contained C99 program for a board.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -24,5 +25,12 @@ struct ExportContent;
 ///                       period, for a name that is no identifier, and for a number that the
 ///                       precision cannot hold; the message names the parameter
 [[nodiscard]] std::vector<FileContent> flight_code_files(const ExportContent& content);
+
+/// The choices with which an export of flight code was made.
+/// @throws FileError, InvalidInput
+[[nodiscard]] FlightCodeOptions read_flight_code_options(const std::filesystem::path& directory);
+
+/// Which file has them.
+inline constexpr char kFlightCodeName[] = "flight_code.json";
 
 }  // namespace quadtune

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "quadtune/exports/flight_code_check.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/simulation/flight.hpp"
 #include "quadtune/simulation/mission.hpp"
@@ -75,6 +76,16 @@ void judge_loop(FlownFlight& flight);
 /// @throws       as fly()
 [[nodiscard]] std::vector<FlownFlight> fly_seeds(const PlannedFlight& plan, std::uint32_t count,
                                                  const std::function<bool()>& stop = {});
+
+/// Flies a planned flight as fly_seeds() by an export of flight code: its program is compiled, and
+/// has the place of the law, the estimator and the allocation.
+/// @param directory  of the export, of which the law of the plan was read
+/// @throws OptionError              for a plan whose commands are clipped
+/// @throws FileError, InvalidInput  as CompiledProgram
+[[nodiscard]] std::vector<FlownFlight> fly_compiled(const PlannedFlight& plan,
+                                                    const std::string& directory,
+                                                    FlightCodeTarget target, std::uint32_t count,
+                                                    const std::function<bool()>& stop = {});
 
 /// The first flight that failed, or the first one if none did, with the verdicts of all in `seeds`.
 /// @param flights  at least one

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "quadtune/exports/flight_code_check.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/model/vehicle.hpp"
 #include "quadtune/workbench/flown/flown_check.hpp"
@@ -16,15 +17,20 @@ namespace quadtune {
 /// @param design   the design file that it was made from; empty: one of that name where it is
 ///                 likely to lie
 /// @throws FileError, InvalidInput  for what is no export, or a vehicle that is not built in
-/// @throws OptionError              for a design that is none of the manifest's inputs
+/// @param arm      runs flight code under an emulator of ARM as well
+/// @throws OptionError              for a design that is none of the manifest's inputs, and for
+///                                  `arm` with what is no flight code
 [[nodiscard]] VerifyReport verify_directory(const std::string& directory,
                                             const std::string& vehicle,
-                                            const std::string& design = "");
+                                            const std::string& design = "", bool arm = false);
 
 /// The same with a vehicle and inputs in memory.
-/// @param flown  flown loops of these laws that are known; none: they are computed
+/// @param flown    flown loops of these laws that are known; none: they are computed
+/// @param targets  for which flight code is compiled
 [[nodiscard]] VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
                                        const std::vector<InputAtHand>& inputs,
-                                       const std::vector<FlownLaw>* flown = nullptr);
+                                       const std::vector<FlownLaw>* flown = nullptr,
+                                       const std::vector<FlightCodeTarget>& targets = {
+                                           FlightCodeTarget::host});
 
 }  // namespace quadtune

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/exports/flight_code_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <optional>
+#include <system_error>
+
+#include "export_text.hpp"
+#include "flight_code/flight_recording.hpp"
+#include "flight_code/process.hpp"
+#include "flight_code/program_settings.hpp"
+#include "flight_code/scratch_folder.hpp"
+#include "json/to_json.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/content.hpp"
+#include "quadtune/exports/export.hpp"
+#include "quadtune/exports/flight_code.hpp"
+#include "quadtune/exports/read_gains.hpp"
+#include "quadtune/internal/text_file.hpp"
+
+namespace quadtune {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string last_line(std::string text) {
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text.substr(text.rfind('\n') + 1);
+}
+
+/// Which line is the first that differs; 0 where none does.
+std::size_t first_other_line(const std::string& a, const std::string& b) {
+  std::size_t line = 1;
+  const std::size_t common = std::min(a.size(), b.size());
+  for (std::size_t i = 0; i < common; ++i) {
+    if (a[i] != b[i]) return line;
+    if (a[i] == '\n') ++line;
+  }
+  return a.size() == b.size() ? 0 : line;
+}
+
+/// What the gains of an export and a vehicle give. gains.json itself, which also has what the
+/// design knew beside the law, is compared with the manifest by verify_export().
+struct MadeAnew {
+  ExportContent content;
+  std::vector<FileContent> files;
+
+  MadeAnew(const fs::path& directory, const Vehicle& vehicle) {
+    StoredLaws laws = read_laws(directory);
+    content.vehicle = vehicle;
+    content.gains = std::move(laws.gains);
+    content.cascade = std::move(laws.cascade);
+    content.estimator = std::move(laws.estimator);
+    content.flight_code = read_flight_code_options(directory);
+    files = flight_code_files(content);
+    std::erase_if(files, [](const FileContent& file) { return file.name == kGainsJsonName; });
+  }
+};
+
+/// What is other than it should be in the files of a directory; empty: nothing.
+std::string text_difference(const fs::path& directory, const std::vector<FileContent>& expected) {
+  for (const FileContent& file : expected) {
+    const std::string found = exports::export_text(directory / file.name);
+    if (const std::size_t line = first_other_line(found, file.bytes); line > 0)
+      return fmt::format("{}: line {} is another than the gains and the vehicle give", file.name,
+                         line);
+  }
+  return "";
+}
+
+/// Which program a target needs and does not have; empty: none.
+std::string missing_program(FlightCodeTarget target) {
+  std::vector<std::string> needed = {"cc"};
+  if (target == FlightCodeTarget::arm) needed = {"arm-linux-gnueabihf-gcc", "qemu-arm"};
+  for (const std::string& program : needed)
+    if (!exports::has_program(program)) return program;
+  return "";
+}
+
+/// The words that start a program.
+std::vector<std::string> command_of(const fs::path& folder, FlightCodeTarget target,
+                                    const std::string& argument) {
+  std::vector<std::string> words = {(folder / "replay").string(), argument};
+  if (target == FlightCodeTarget::arm) words.insert(words.begin(), "qemu-arm");
+  return words;
+}
+
+/// Compiles files, which are known to be ours, into `replay` beside them.
+/// @return  what the compiler refuses; empty: nothing
+std::string compile(const std::vector<FileContent>& files, const fs::path& folder,
+                    FlightCodeTarget target) {
+  const bool arm = target == FlightCodeTarget::arm;
+  std::vector<std::string> words = {arm ? "arm-linux-gnueabihf-gcc" : "cc",
+                                    "-std=c99",
+                                    "-ffp-contract=off",
+                                    "-O1",
+                                    "-o",
+                                    (folder / "replay").string()};
+  if (arm) words.emplace_back("-static");
+  for (const FileContent& file : files)
+    if (file.name.ends_with(".c")) words.push_back((folder / file.name).string());
+  words.emplace_back("-lm");
+  write_files(folder, files);
+  std::string said;
+  if (exports::Process(words).finish(said) == 0) return "";
+  return fmt::format("{} refuses it: {}", words.front(), internal::printable(last_line(said)));
+}
+
+/// Replays the recorded flight.
+VerifyCheck check_replay(const std::vector<FileContent>& files, FlightCodeTarget target) {
+  const bool arm = target == FlightCodeTarget::arm;
+  VerifyCheck check{
+      arm ? "the program for ARM repeats its flight" : "the compiled program repeats its flight",
+      false, ""};
+  if (const std::string missing = missing_program(target); !missing.empty()) {
+    check.ok = !arm;
+    check.detail = fmt::format("not compiled: {} is not installed here", missing);
+    return check;
+  }
+  const exports::ScratchFolder scratch;
+  check.detail = compile(files, scratch.path(), target);
+  if (!check.detail.empty()) return check;
+  std::string said;
+  check.ok =
+      exports::Process(command_of(scratch.path(), target, (scratch.path() / "flight.txt").string()))
+          .finish(said) == 0;
+  check.detail = internal::printable(last_line(said));
+  return check;
+}
+
+}  // namespace
+
+std::vector<VerifyCheck> flight_code_checks(const fs::path& directory, const Vehicle& vehicle,
+                                            const std::vector<FlightCodeTarget>& targets) {
+  constexpr char kName[] = "C is what the gains give";
+  std::vector<VerifyCheck> checks;
+  try {
+    const MadeAnew made(directory, vehicle);
+    const std::string difference = text_difference(directory, made.files);
+    checks.push_back({kName, difference.empty(), difference});
+    if (!difference.empty()) return checks;
+    checks.back().detail = fmt::format("{} files, byte by byte", made.files.size());
+    for (const FlightCodeTarget target : targets)
+      checks.push_back(check_replay(made.files, target));
+  } catch (const InvalidInput& error) {
+    checks.push_back({kName, false, error.what()});
+  } catch (const FileError& error) {
+    checks.push_back({kName, false, error.what()});
+  }
+  return checks;
+}
+
+struct CompiledProgram::Parts {
+  exports::ScratchFolder folder;
+  FlightCodeTarget target = FlightCodeTarget::host;
+  exports::ProgramSettings settings;
+  bool double_precision = false;
+};
+
+CompiledProgram::CompiledProgram(const fs::path& directory, const Vehicle& vehicle,
+                                 FlightCodeTarget target)
+    : parts_(std::make_unique<Parts>()) {
+  const MadeAnew made(directory, vehicle);
+  if (const std::string difference = text_difference(directory, made.files); !difference.empty())
+    throw InvalidInput(directory.string(), difference + "; `quadtune verify` tells more");
+  if (const std::string missing = missing_program(target); !missing.empty())
+    throw FileError(missing,
+                    "is not installed here, expected it because it compiles or runs the "
+                    "flight code");
+  if (const std::string refused = compile(made.files, parts_->folder.path(), target);
+      !refused.empty())
+    throw InvalidInput(directory.string(), refused);
+  parts_->target = target;
+  parts_->settings = exports::program_settings(exports::recorded_setup(made.content));
+  parts_->double_precision = made.content.flight_code.double_precision;
+}
+
+CompiledProgram::~CompiledProgram() = default;
+
+ProgramFlight CompiledProgram::fly(const FlightSetup& setup,
+                                   const std::function<bool()>& interrupted) const {
+  const auto process = exports::process_program(
+      parts_->settings, command_of(parts_->folder.path(), parts_->target, "-"),
+      parts_->double_precision);
+  exports::RecordedFlight recorded = exports::record_flight(setup, parts_->settings, process,
+                                                            parts_->double_precision, interrupted);
+  return {std::move(recorded.flight), std::move(recorded.text)};
+}
+
+ProgramFlight CompiledProgram::fly_by_templates(const FlightSetup& setup) const {
+  exports::RecordedFlight recorded =
+      exports::record_flight(setup, parts_->settings,
+                             exports::template_program(parts_->settings, parts_->double_precision),
+                             parts_->double_precision);
+  return {std::move(recorded.flight), std::move(recorded.text)};
+}
+
+}  // namespace quadtune

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A temporary folder for a program that is compiled.
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+#include "quadtune/errors.hpp"
+
+namespace quadtune::exports {
+
+/// A folder that goes away with the object.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "quadtune-c-XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr)
+      throw FileError(pattern, "no temporary directory can be made");
+    path_ = pattern;
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace quadtune::exports

@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/exports/flight_code.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <random>
+
+#include "flight_code/board_float.hpp"
+#include "flight_code/flight_recording.hpp"
+#include "flight_code/parameters.hpp"
+#include "flight_code/source_text.hpp"
+#include "numbers.hpp"
+#include "plants/sample_vehicles.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/content.hpp"
+#include "quadtune/exports/export.hpp"
+#include "quadtune/exports/flight_code_check.hpp"
+#include "quadtune/exports/verify.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using testing::kInfinity;
+using testing::kNaN;
+using testing::TemporaryDirectory;
+using ::testing::ThrowsMessage;
+
+/// Gains that hold a vehicle about hover as a flight needs it: damped angles, slow position. Not
+/// optimal, but every term of a law is there that the case asks for.
+Gains feedback_of(const Vehicle& vehicle, InputKind kind, int past, bool integrals) {
+  const Allocation<double> law = allocation(vehicle);
+  const auto& J = vehicle.inertia;
+  Gains gains;
+  gains.vehicle = vehicle.name;
+  gains.convention = "ned";
+  gains.states = ned_convention().states;
+  gains.dt = 0.005;
+  gains.x0 = Eigen::VectorXd::Zero(12);
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(4, 12), K_int = Eigen::MatrixXd::Zero(4, 4);
+  const double m = vehicle.mass, g = vehicle.gravity;
+  const double angle = 60, rate = 12;  // of a damped angle [1/s², 1/s]
+  K(0, 2) = -6 * m;
+  K(0, 8) = -4 * m;
+  K(1, 3) = J(0, 0) * angle;
+  K(1, 9) = J(0, 0) * rate;
+  K(1, 1) = J(0, 0) * angle * 0.8 / g;
+  K(1, 7) = J(0, 0) * angle * 1.6 / g;
+  K(2, 4) = J(1, 1) * angle;
+  K(2, 10) = J(1, 1) * rate;
+  K(2, 0) = -J(1, 1) * angle * 0.8 / g;
+  K(2, 6) = -J(1, 1) * angle * 1.6 / g;
+  K(3, 5) = J(2, 2) * 4;
+  K(3, 11) = J(2, 2) * 4;
+  K_int(1, 1) = K(1, 1) * 0.1;
+  K_int(2, 0) = K(2, 0) * 0.1;
+  K_int(0, 2) = K(0, 2) * 0.2;
+  K_int(3, 3) = K(3, 5) * 0.1;
+  const int rotors = law.rotors;
+  Eigen::MatrixXd to = Eigen::MatrixXd::Identity(4, 4);
+  gains.u0 = law.wrench0;
+  if (kind != InputKind::wrench) {
+    to = law.P.topRows(rotors);
+    gains.u0 = law.thrust0;
+    for (int i = 0; i < rotors && kind != InputKind::rotor_thrust; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double speed = speed_for_thrust(law.thrust0(i), law.a2[k], law.a1[k]);
+      to.row(i) /= 2 * law.a2[k] * speed + law.a1[k];
+      gains.u0(i) = speed;
+      if (kind != InputKind::command) continue;
+      // As the motors are driven: command = speed/gain, or speed²/gain.
+      const bool squared = vehicle.motor.law == CommandLaw::speed_squared;
+      to.row(i) *= (squared ? 2 * speed : 1.0) / vehicle.motor.gain;
+      gains.u0(i) = (squared ? speed * speed : speed) / vehicle.motor.gain;
+    }
+  }
+  gains.K = to * K;
+  gains.input_kind = kind;
+  gains.inputs = input_signals(ned_convention(), kind, rotors, "test");
+  gains.K_int = Eigen::MatrixXd(gains.K.rows(), 0);
+  if (integrals) {
+    gains.K_int = to * K_int;
+    gains.integrals = integral_signals(gains.states, {"px", "py", "pz", "yaw"});
+  }
+  gains.axes = PositionAxes::heading;
+  gains.limits = {0.6, true};
+  if (past >= 0) {
+    const Eigen::Index n = gains.K.rows();
+    gains.memory =
+        CommandMemory{Eigen::VectorXd::Constant(n, 0.04), Eigen::MatrixXd::Identity(n, n) * 0.05,
+                      past, Eigen::MatrixXd::Constant(n, n * past, 0.001)};
+  }
+  return gains;
+}
+
+CascadeDesign cascade_of(const Vehicle& vehicle, PidMethod method) {
+  const auto& J = vehicle.inertia;
+  CascadeDesign design;
+  design.gains.dt = 0.005;
+  const auto loop = [&](const char* name, double Kp, double Ki, double Kd) {
+    PidLoop made = cascade_loop(cascade_axis(name, "test"));
+    made.Kp = Kp;
+    made.Ki = Ki;
+    made.Kd = Kd;
+    design.gains.loops.push_back(made);
+  };
+  loop("x", -0.08, -0.004, 0.16);
+  loop("y", 0.08, 0.004, -0.16);
+  loop("pitch", J(1, 1) * 60, J(1, 1) * 6, -J(1, 1) * 12);
+  loop("roll", J(0, 0) * 60, J(0, 0) * 6, -J(0, 0) * 12);
+  loop("yaw", J(2, 2) * 4, J(2, 2) * 0.4, -J(2, 2) * 4);
+  loop("altitude", vehicle.mass * 6, vehicle.mass * 1.5, -vehicle.mass * 4);
+  design.method = method;
+  design.attitude_limit = 0.4;
+  design.integrator_limit = 2;
+  design.conditional_integration = true;
+  design.velocity_feed_forward = true;
+  return design;
+}
+
+struct Case {
+  std::string name;
+  std::string vehicle;
+  InputKind kind = InputKind::wrench;
+  int past = -1;  ///< no memory
+  bool integrals = true;
+  bool cascade = false;
+  bool estimator = true;
+  bool double_precision = false;
+};
+
+ExportContent content_of(const Case& of) {
+  ExportContent content;
+  content.vehicle = load_vehicle(of.vehicle);
+  if (of.cascade)
+    content.cascade = cascade_of(content.vehicle, PidMethod::tustin);
+  else
+    content.gains = feedback_of(content.vehicle, of.kind, of.past, of.integrals);
+  if (of.estimator)
+    content.estimator = StoredEstimator{
+        "general", general_filter_settings(content.vehicle.sensors, 0.005, content.vehicle.gravity,
+                                           Environment{}.magnetic_field, GeneralFilterNoise{})};
+  content.flight_code.double_precision = of.double_precision;
+  return content;
+}
+
+bool has_compiler() {
+  static const bool has = std::system("cc --version > /dev/null 2>&1") == 0;
+  return has;
+}
+
+/// The exported program as anybody would build it, warnings refused.
+int make_test(const std::filesystem::path& folder, const std::string& compiler = "cc") {
+  return std::system(
+      fmt::format("make -s -C '{}' CC={} CFLAGS='-O2 -Wconversion -Wdouble-promotion "
+                  "-Wshadow -Werror' test > '{}/log' 2>&1",
+                  folder.string(), compiler, folder.string())
+          .c_str());
+}
+
+class FlightCode : public ::testing::TestWithParam<Case> {};
+
+TEST_P(FlightCode, RepeatsTheFlightOfTheLibrarysTemplatesBitByBit) {
+  if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
+  const TemporaryDirectory folder;
+  write_files(folder.path(), flight_code_files(content_of(GetParam())));
+  EXPECT_EQ(make_test(folder.path()), 0) << folder.read("log");
+  EXPECT_THAT(folder.read("log"), HasSubstr("control periods, all equal bit by bit"));
+}
+
+TEST_P(FlightCode, FliesAsTheLibraryDoes) {
+  // The same numbers in the order of the program: the two differ by rounding alone, which a filter
+  // that decides by gates may turn into more.
+  const ExportContent content = content_of(GetParam());
+  const FlightSetup setup = exports::recorded_setup(content);
+  const FlightResult by_library = fly(setup);
+  const exports::ProgramSettings settings = exports::program_settings(setup);
+  const exports::RecordedFlight by_program =
+      exports::record_flight(setup, settings, exports::template_program(settings, true), true);
+  ASSERT_EQ(by_library.end, FlightEnd::completed);
+  ASSERT_EQ(by_program.flight.end, FlightEnd::completed);
+  EXPECT_LT((by_program.flight.final_state - by_library.final_state).cwiseAbs().maxCoeff(), 1e-6);
+  const exports::RecordedFlight in_float =
+      exports::record_flight(setup, settings, exports::template_program(settings, false), false);
+  EXPECT_EQ(in_float.flight.end, FlightEnd::completed);
+  EXPECT_LT((in_float.flight.final_state.head<3>() - by_library.final_state.head<3>()).norm(),
+            0.05);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Programs, FlightCode,
+    ::testing::Values(
+        Case{"cascade", "crazyflie", InputKind::wrench, -1, true, true},
+        Case{"cascade_in_double", "mambo", InputKind::wrench, -1, true, true, true, true},
+        Case{"cascade_alone", "uquad", InputKind::wrench, -1, true, true, false},
+        Case{"wrench_of_past_commands", "crazyflie", InputKind::wrench, 3},
+        Case{"wrench_of_lags", "crazyflie", InputKind::wrench, 0},
+        Case{"wrench_without_state", "mambo", InputKind::wrench, -1, false},
+        Case{"wrench_in_double", "uquad", InputKind::wrench, 2, true, false, true, true},
+        Case{"speeds", "uquad", InputKind::rotor_speed, 2, true, false, false},
+        Case{"thrusts", "mambo", InputKind::rotor_thrust, -1},
+        Case{"commands", "mambo", InputKind::command, 1}),
+    [](const auto& of) { return of.param.name; });
+
+TEST(FlightCode, ThatIsChangedDoesNotRepeatIt) {
+  if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
+  const TemporaryDirectory folder;
+  write_files(
+      folder.path(),
+      flight_code_files(content_of({"cascade", "crazyflie", InputKind::wrench, -1, true, true})));
+  std::string law = folder.read("crazyflie_law.c");
+  const std::string minus = "-p->Kd * rate";
+  ASSERT_NE(law.find(minus), std::string::npos);
+  folder.write("crazyflie_law.c", law.replace(law.find(minus), 1, "0.999f * -"));
+  EXPECT_NE(make_test(folder.path()), 0);
+  EXPECT_THAT(folder.read("log"), HasSubstr("expected"));
+}
+
+TEST(FlightCode, ReplaysNothingThatIsNoFlight) {
+  if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
+  const TemporaryDirectory folder;
+  write_files(folder.path(), flight_code_files(content_of({"thrusts", "mambo"})));
+  ASSERT_EQ(make_test(folder.path()), 0) << folder.read("log");
+  const auto replayed = [&](const std::string& text) {
+    folder.write("other.txt", text);
+    return WEXITSTATUS(std::system(
+        fmt::format("cd '{}' && ./replay other.txt > other.log 2>&1", folder.path().string())
+            .c_str()));
+  };
+  const std::string flight = folder.read("flight.txt");
+  EXPECT_EQ(replayed(""), 2);
+  EXPECT_EQ(replayed("start 0 0\n"), 2);
+  EXPECT_EQ(replayed(flight.substr(flight.find("\nstart") + 1)), 0) << folder.read("other.log");
+  EXPECT_EQ(replayed(flight.substr(0, flight.size() - 40)), 2);
+  EXPECT_EQ(replayed("1 2 3\n"), 2);
+}
+
+TEST(FlightCode, FliesMissionsAsACompiledProgramBitByBit) {
+  if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
+  const TemporaryDirectory folder;
+  const ExportContent content =
+      content_of({"cascade", "crazyflie", InputKind::wrench, -1, true, true});
+  (void)write_export(folder.path(), export_kind("c", "test"), content);
+  const CompiledProgram program(folder.path(), content.vehicle);
+  for (const char* mission : {"take-off-and-land", "step-yaw"}) {
+    FlightSetup setup;
+    setup.vehicle = content.vehicle;
+    setup.mission = load_mission(mission);
+    setup.duration = 6;
+    setup.seed = 4;
+    const ProgramFlight flown = program.fly(setup);
+    const ProgramFlight expected = program.fly_by_templates(setup);
+    EXPECT_EQ(flown.flight.end, FlightEnd::completed) << flown.flight.culprit;
+    EXPECT_EQ(flown.text, expected.text) << mission;
+    EXPECT_EQ(flown.flight.final_state, expected.flight.final_state) << mission;
+  }
+}
+
+TEST(FlightCode, IsVerifiedByItsText) {
+  const TemporaryDirectory folder;
+  const ExportContent content =
+      content_of({"cascade", "crazyflie", InputKind::wrench, -1, true, true});
+  (void)write_export(folder.path(), export_kind("c", "test"), content);
+  const auto found = [&] { return flight_code_checks(folder.path(), content.vehicle, {}); };
+  ASSERT_EQ(found().size(), 1U);
+  EXPECT_TRUE(found().front().ok) << found().front().detail;
+  // A sign of one gain, and a manifest that knows of it.
+  std::string text = folder.read("crazyflie_parameters.c");
+  const std::size_t at = text.find(".Kp = ") + 6;
+  folder.write("crazyflie_parameters.c", text.replace(at, 0, text[at] == '-' ? " " : "-"));
+  EXPECT_FALSE(found().front().ok);
+  EXPECT_THAT(found().front().detail, HasSubstr("crazyflie_parameters.c: line"));
+  // Flight code of another vehicle.
+  Vehicle heavier = content.vehicle;
+  heavier.mass *= 1.1;
+  EXPECT_FALSE(flight_code_checks(folder.path(), heavier, {}).front().ok);
+  EXPECT_THAT([&] { CompiledProgram(folder.path(), content.vehicle); },
+              ThrowsMessage<InvalidInput>(HasSubstr("is another than the gains")));
+}
+
+TEST(FlightCode, RefusesWhatIsNoProgram) {
+  const auto refusal = [](const auto& change, const char* message) {
+    ExportContent content = content_of({"thrusts", "mambo", InputKind::rotor_thrust});
+    change(content);
+    EXPECT_THAT([&] { (void)flight_code_files(content); },
+                ThrowsMessage<InvalidInput>(HasSubstr(message)));
+  };
+  refusal([](ExportContent& c) { c.gains.reset(); }, "the design has no law");
+  refusal([](ExportContent& c) { c.gains->dt = 0; }, "the gains are continuous");
+  refusal([](ExportContent& c) { c.cascade = cascade_of(c.vehicle, PidMethod::tustin); },
+          "--law cascaded-pid or --law state-feedback");
+  refusal([](ExportContent& c) { c.flight_code.law = "cascaded-pid"; }, "no law 'cascaded-pid'");
+  refusal([](ExportContent& c) { c.flight_code.law = "lqr"; }, "no law 'lqr'");
+  for (const char* name : {"int", "A", "9a", "a-b", "a b", "replay", "abcdefghijklmnopqrstuvwxyz"})
+    refusal([&](ExportContent& c) { c.flight_code.name = name; }, "is no prefix of a C program");
+  refusal([](ExportContent& c) { c.gains->K(0, 0) = 1e39; }, "law.K: is 1e+39");
+}
+
+TEST(FlightCode, WritesNumbersThatReadBackAsTheyAre) {
+  using exports::c_number;
+  EXPECT_EQ(c_number(3, false, ""), "3.0f");
+  EXPECT_EQ(c_number(0.1, false, ""), "0.1f");
+  EXPECT_EQ(c_number(0.1, true, ""), "0.1");
+  EXPECT_EQ(c_number(-1e-9, false, ""), "-1e-09f");
+  EXPECT_EQ(c_number(kInfinity, false, ""), "QT_INFINITY");
+  EXPECT_EQ(c_number(-kInfinity, true, ""), "-QT_INFINITY");
+  EXPECT_THAT([] { (void)c_number(kNaN, true, "law.K"); },
+              ThrowsMessage<InvalidInput>(HasSubstr("law.K: is NaN")));
+  EXPECT_THAT([] { (void)c_number(-1e39, false, "law.K"); },
+              ThrowsMessage<InvalidInput>(HasSubstr("law.K: is -1e+39")));
+  EXPECT_EQ(c_number(-1e39, true, ""), "-1e+39");
+}
+
+TEST(FlightCode, KeepsTheLinesThatItsFeaturesSay) {
+  const std::string text =
+      "a\n#if QT_WITH_X\nb\n#ifdef Y\nc\n#endif\n#else\nd\n#endif\n#if !QT_WITH_X\ne\n#endif\nf\n";
+  EXPECT_EQ(exports::with_features(text, {"X"}), "a\nb\n#ifdef Y\nc\n#endif\nf\n");
+  EXPECT_EQ(exports::with_features(text, {}), "a\nd\ne\nf\n");
+}
+
+TEST(FlightCode, IsNamedAfterTheVehicle) {
+  EXPECT_EQ(flight_code_name("quad-450"), "quad_450");
+  EXPECT_EQ(flight_code_name("Mambo"), "mambo");
+  EXPECT_EQ(flight_code_name("4x"), "vehicle_4x");
+  EXPECT_EQ(flight_code_name(""), "vehicle_");
+}
+
+// Against double precision: the bounds that functions_float.c states.
+TEST(FlightCode, FunctionsInSinglePrecisionAreAccurate) {
+  using exports::BoardFloat;
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<float> angle(-8192, 8192), side(-10, 10), power(-80, 80);
+  const auto ulp = [](double x) {
+    const auto f = static_cast<float>(std::abs(x));
+    return static_cast<double>(std::nextafter(f, 1e38F)) - static_cast<double>(f);
+  };
+  for (int i = 0; i < 200'000; ++i) {
+    const float a = angle(random), x = side(random), y = side(random), p = power(random);
+    EXPECT_NEAR(sin(BoardFloat(a)).value, std::sin(static_cast<double>(a)), 1.5 * 0x1p-24) << a;
+    EXPECT_NEAR(cos(BoardFloat(a)).value, std::cos(static_cast<double>(a)), 1.5 * 0x1p-24) << a;
+    const double turn = std::atan2(static_cast<double>(y), static_cast<double>(x));
+    EXPECT_NEAR(atan2(BoardFloat(y), BoardFloat(x)).value, turn, 3 * ulp(turn)) << y << " " << x;
+    const double grown = std::exp(static_cast<double>(p));
+    EXPECT_NEAR(exp(BoardFloat(p)).value, grown, 1.001 * ulp(grown)) << p;
+    const auto positive = static_cast<float>(grown);
+    const double logarithm = std::log(static_cast<double>(positive));
+    EXPECT_NEAR(log(BoardFloat(positive)).value, logarithm, 1.001 * ulp(logarithm)) << positive;
+  }
+  EXPECT_EQ(atan2(BoardFloat(0), BoardFloat(0)).value, 0);
+  EXPECT_TRUE(std::isnan(atan2(BoardFloat(kNaN), BoardFloat(1)).value));
+}
+
+}  // namespace
+}  // namespace quadtune
