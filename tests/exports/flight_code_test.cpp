@@ -12,7 +12,7 @@
 #include "flight_code/parameters.hpp"
 #include "flight_code/source_text.hpp"
 #include "numbers.hpp"
-#include "plants/sample_vehicles.hpp"
+#include "plants/flight_code_designs.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/content.hpp"
 #include "quadtune/exports/export.hpp"
@@ -24,129 +24,14 @@ namespace quadtune {
 namespace {
 
 using ::testing::Contains;
+using testing::flight_code_content;
+using testing::FlightCodeCase;
 using ::testing::HasSubstr;
+using testing::hovering_cascade;
 using testing::kInfinity;
 using testing::kNaN;
 using testing::TemporaryDirectory;
 using ::testing::ThrowsMessage;
-
-/// Gains that hold a vehicle about hover as a flight needs it: damped angles, slow position. Not
-/// optimal, but every term of a law is there that the case asks for.
-Gains feedback_of(const Vehicle& vehicle, InputKind kind, int past, bool integrals) {
-  const Allocation<double> law = allocation(vehicle);
-  const auto& J = vehicle.inertia;
-  Gains gains;
-  gains.vehicle = vehicle.name;
-  gains.convention = "ned";
-  gains.states = ned_convention().states;
-  gains.dt = 0.005;
-  gains.x0 = Eigen::VectorXd::Zero(12);
-  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(4, 12), K_int = Eigen::MatrixXd::Zero(4, 4);
-  const double m = vehicle.mass, g = vehicle.gravity;
-  const double angle = 60, rate = 12;  // of a damped angle [1/s², 1/s]
-  K(0, 2) = -6 * m;
-  K(0, 8) = -4 * m;
-  K(1, 3) = J(0, 0) * angle;
-  K(1, 9) = J(0, 0) * rate;
-  K(1, 1) = J(0, 0) * angle * 0.8 / g;
-  K(1, 7) = J(0, 0) * angle * 1.6 / g;
-  K(2, 4) = J(1, 1) * angle;
-  K(2, 10) = J(1, 1) * rate;
-  K(2, 0) = -J(1, 1) * angle * 0.8 / g;
-  K(2, 6) = -J(1, 1) * angle * 1.6 / g;
-  K(3, 5) = J(2, 2) * 4;
-  K(3, 11) = J(2, 2) * 4;
-  K_int(1, 1) = K(1, 1) * 0.1;
-  K_int(2, 0) = K(2, 0) * 0.1;
-  K_int(0, 2) = K(0, 2) * 0.2;
-  K_int(3, 3) = K(3, 5) * 0.1;
-  const int rotors = law.rotors;
-  Eigen::MatrixXd to = Eigen::MatrixXd::Identity(4, 4);
-  gains.u0 = law.wrench0;
-  if (kind != InputKind::wrench) {
-    to = law.P.topRows(rotors);
-    gains.u0 = law.thrust0;
-    for (int i = 0; i < rotors && kind != InputKind::rotor_thrust; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      const double speed = speed_for_thrust(law.thrust0(i), law.a2[k], law.a1[k]);
-      to.row(i) /= 2 * law.a2[k] * speed + law.a1[k];
-      gains.u0(i) = speed;
-      if (kind != InputKind::command) continue;
-      // As the motors are driven: command = speed/gain, or speed²/gain.
-      const bool squared = vehicle.motor.law == CommandLaw::speed_squared;
-      to.row(i) *= (squared ? 2 * speed : 1.0) / vehicle.motor.gain;
-      gains.u0(i) = (squared ? speed * speed : speed) / vehicle.motor.gain;
-    }
-  }
-  gains.K = to * K;
-  gains.input_kind = kind;
-  gains.inputs = input_signals(ned_convention(), kind, rotors, "test");
-  gains.K_int = Eigen::MatrixXd(gains.K.rows(), 0);
-  if (integrals) {
-    gains.K_int = to * K_int;
-    gains.integrals = integral_signals(gains.states, {"px", "py", "pz", "yaw"});
-  }
-  gains.axes = PositionAxes::heading;
-  gains.limits = {0.6, true};
-  if (past >= 0) {
-    const Eigen::Index n = gains.K.rows();
-    gains.memory =
-        CommandMemory{Eigen::VectorXd::Constant(n, 0.04), Eigen::MatrixXd::Identity(n, n) * 0.05,
-                      past, Eigen::MatrixXd::Constant(n, n * past, 0.001)};
-  }
-  return gains;
-}
-
-CascadeDesign cascade_of(const Vehicle& vehicle, PidMethod method) {
-  const auto& J = vehicle.inertia;
-  CascadeDesign design;
-  design.gains.dt = 0.005;
-  const auto loop = [&](const char* name, double Kp, double Ki, double Kd) {
-    PidLoop made = cascade_loop(cascade_axis(name, "test"));
-    made.Kp = Kp;
-    made.Ki = Ki;
-    made.Kd = Kd;
-    design.gains.loops.push_back(made);
-  };
-  loop("x", -0.08, -0.004, 0.16);
-  loop("y", 0.08, 0.004, -0.16);
-  loop("pitch", J(1, 1) * 60, J(1, 1) * 6, -J(1, 1) * 12);
-  loop("roll", J(0, 0) * 60, J(0, 0) * 6, -J(0, 0) * 12);
-  loop("yaw", J(2, 2) * 4, J(2, 2) * 0.4, -J(2, 2) * 4);
-  loop("altitude", vehicle.mass * 6, vehicle.mass * 1.5, -vehicle.mass * 4);
-  design.method = method;
-  design.attitude_limit = 0.4;
-  design.integrator_limit = 2;
-  design.conditional_integration = true;
-  design.velocity_feed_forward = true;
-  return design;
-}
-
-struct Case {
-  std::string name;
-  std::string vehicle;
-  InputKind kind = InputKind::wrench;
-  int past = -1;  ///< no memory
-  bool integrals = true;
-  bool cascade = false;
-  bool estimator = true;
-  bool double_precision = false;
-};
-
-ExportContent content_of(const Case& of) {
-  ExportContent content;
-  content.vehicle = load_vehicle(of.vehicle);
-  if (of.cascade)
-    content.cascade = cascade_of(content.vehicle, PidMethod::tustin);
-  else
-    content.gains = feedback_of(content.vehicle, of.kind, of.past, of.integrals);
-  if (of.estimator)
-    content.estimator = StoredEstimator{
-        "general", general_filter_settings(content.vehicle.sensors, 0.005, content.vehicle.gravity,
-                                           Environment{}.magnetic_field, GeneralFilterNoise{})};
-  content.flight_code.double_precision = of.double_precision;
-  return content;
-}
 
 bool has_compiler() {
   static const bool has = std::system("cc --version > /dev/null 2>&1") == 0;
@@ -162,12 +47,12 @@ int make_test(const std::filesystem::path& folder, const std::string& compiler =
           .c_str());
 }
 
-class FlightCode : public ::testing::TestWithParam<Case> {};
+class FlightCode : public ::testing::TestWithParam<FlightCodeCase> {};
 
 TEST_P(FlightCode, RepeatsTheFlightOfTheLibrarysTemplatesBitByBit) {
   if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
   const TemporaryDirectory folder;
-  write_files(folder.path(), flight_code_files(content_of(GetParam())));
+  write_files(folder.path(), flight_code_files(flight_code_content(GetParam())));
   EXPECT_EQ(make_test(folder.path()), 0) << folder.read("log");
   EXPECT_THAT(folder.read("log"), HasSubstr("control periods, all equal bit by bit"));
 }
@@ -175,7 +60,7 @@ TEST_P(FlightCode, RepeatsTheFlightOfTheLibrarysTemplatesBitByBit) {
 TEST_P(FlightCode, FliesAsTheLibraryDoes) {
   // The same numbers in the order of the program: the two differ by rounding alone, which a filter
   // that decides by gates may turn into more.
-  const ExportContent content = content_of(GetParam());
+  const ExportContent content = flight_code_content(GetParam());
   const FlightSetup setup = exports::recorded_setup(content);
   const FlightResult by_library = fly(setup);
   const exports::ProgramSettings settings = exports::program_settings(setup);
@@ -194,24 +79,23 @@ TEST_P(FlightCode, FliesAsTheLibraryDoes) {
 INSTANTIATE_TEST_SUITE_P(
     Programs, FlightCode,
     ::testing::Values(
-        Case{"cascade", "crazyflie", InputKind::wrench, -1, true, true},
-        Case{"cascade_in_double", "mambo", InputKind::wrench, -1, true, true, true, true},
-        Case{"cascade_alone", "uquad", InputKind::wrench, -1, true, true, false},
-        Case{"wrench_of_past_commands", "crazyflie", InputKind::wrench, 3},
-        Case{"wrench_of_lags", "crazyflie", InputKind::wrench, 0},
-        Case{"wrench_without_state", "mambo", InputKind::wrench, -1, false},
-        Case{"wrench_in_double", "uquad", InputKind::wrench, 2, true, false, true, true},
-        Case{"speeds", "uquad", InputKind::rotor_speed, 2, true, false, false},
-        Case{"thrusts", "mambo", InputKind::rotor_thrust, -1},
-        Case{"commands", "mambo", InputKind::command, 1}),
+        FlightCodeCase{"cascade", "crazyflie", InputKind::wrench, -1, true, true},
+        FlightCodeCase{"cascade_in_double", "mambo", InputKind::wrench, -1, true, true, true, true},
+        FlightCodeCase{"cascade_alone", "uquad", InputKind::wrench, -1, true, true, false},
+        FlightCodeCase{"wrench_of_past_commands", "crazyflie", InputKind::wrench, 3},
+        FlightCodeCase{"wrench_of_lags", "crazyflie", InputKind::wrench, 0},
+        FlightCodeCase{"wrench_without_state", "mambo", InputKind::wrench, -1, false},
+        FlightCodeCase{"wrench_in_double", "uquad", InputKind::wrench, 2, true, false, true, true},
+        FlightCodeCase{"speeds", "uquad", InputKind::rotor_speed, 2, true, false, false},
+        FlightCodeCase{"thrusts", "mambo", InputKind::rotor_thrust, -1},
+        FlightCodeCase{"commands", "mambo", InputKind::command, 1}),
     [](const auto& of) { return of.param.name; });
 
 TEST(FlightCode, ThatIsChangedDoesNotRepeatIt) {
   if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
   const TemporaryDirectory folder;
-  write_files(
-      folder.path(),
-      flight_code_files(content_of({"cascade", "crazyflie", InputKind::wrench, -1, true, true})));
+  write_files(folder.path(), flight_code_files(flight_code_content(
+                                 {"cascade", "crazyflie", InputKind::wrench, -1, true, true})));
   std::string law = folder.read("crazyflie_law.c");
   const std::string minus = "-p->Kd * rate";
   ASSERT_NE(law.find(minus), std::string::npos);
@@ -223,7 +107,7 @@ TEST(FlightCode, ThatIsChangedDoesNotRepeatIt) {
 TEST(FlightCode, ReplaysNothingThatIsNoFlight) {
   if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
   const TemporaryDirectory folder;
-  write_files(folder.path(), flight_code_files(content_of({"thrusts", "mambo"})));
+  write_files(folder.path(), flight_code_files(flight_code_content({"thrusts", "mambo"})));
   ASSERT_EQ(make_test(folder.path()), 0) << folder.read("log");
   const auto replayed = [&](const std::string& text) {
     folder.write("other.txt", text);
@@ -243,7 +127,7 @@ TEST(FlightCode, FliesMissionsAsACompiledProgramBitByBit) {
   if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
   const TemporaryDirectory folder;
   const ExportContent content =
-      content_of({"cascade", "crazyflie", InputKind::wrench, -1, true, true});
+      flight_code_content({"cascade", "crazyflie", InputKind::wrench, -1, true, true});
   (void)write_export(folder.path(), export_kind("c", "test"), content);
   const CompiledProgram program(folder.path(), content.vehicle);
   for (const char* mission : {"take-off-and-land", "step-yaw"}) {
@@ -263,7 +147,7 @@ TEST(FlightCode, FliesMissionsAsACompiledProgramBitByBit) {
 TEST(FlightCode, IsVerifiedByItsText) {
   const TemporaryDirectory folder;
   const ExportContent content =
-      content_of({"cascade", "crazyflie", InputKind::wrench, -1, true, true});
+      flight_code_content({"cascade", "crazyflie", InputKind::wrench, -1, true, true});
   (void)write_export(folder.path(), export_kind("c", "test"), content);
   const auto found = [&] { return flight_code_checks(folder.path(), content.vehicle, {}); };
   ASSERT_EQ(found().size(), 1U);
@@ -284,14 +168,14 @@ TEST(FlightCode, IsVerifiedByItsText) {
 
 TEST(FlightCode, RefusesWhatIsNoProgram) {
   const auto refusal = [](const auto& change, const char* message) {
-    ExportContent content = content_of({"thrusts", "mambo", InputKind::rotor_thrust});
+    ExportContent content = flight_code_content({"thrusts", "mambo", InputKind::rotor_thrust});
     change(content);
     EXPECT_THAT([&] { (void)flight_code_files(content); },
                 ThrowsMessage<InvalidInput>(HasSubstr(message)));
   };
   refusal([](ExportContent& c) { c.gains.reset(); }, "the design has no law");
   refusal([](ExportContent& c) { c.gains->dt = 0; }, "the gains are continuous");
-  refusal([](ExportContent& c) { c.cascade = cascade_of(c.vehicle, PidMethod::tustin); },
+  refusal([](ExportContent& c) { c.cascade = hovering_cascade(c.vehicle, PidMethod::tustin); },
           "--law cascaded-pid or --law state-feedback");
   refusal([](ExportContent& c) { c.flight_code.law = "cascaded-pid"; }, "no law 'cascaded-pid'");
   refusal([](ExportContent& c) { c.flight_code.law = "lqr"; }, "no law 'lqr'");

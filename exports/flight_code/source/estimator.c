@@ -56,51 +56,107 @@ static int place(int i, int j) {
   return (i >= j) ? ((i * (i + 1)) / 2) + j : ((j * (j + 1)) / 2) + i;
 }
 
+/* The rows `first` to `first + 2` of the whole matrix, from its lower triangle and back. */
+static void get_rows(const qt_real *P, int first, qt_real rows[3][QT_ERRORS]) {
+  for (int r = 0; r < 3; ++r) {
+    const int i = first + r;
+    const qt_real *row = &P[place(i, 0)];
+    const qt_real *below = &P[place(i, i)];
+    for (int j = 0; j <= i; ++j) {
+      rows[r][j] = row[j];
+    }
+    for (int j = i + 1; j < QT_ERRORS; ++j) {
+      below += j; /* from place(j - 1, i) to place(j, i) */
+      rows[r][j] = *below;
+    }
+  }
+}
+
+static void put_rows(qt_real *P, int first, const qt_real rows[3][QT_ERRORS]) {
+  for (int r = 0; r < 3; ++r) {
+    const int i = first + r;
+    qt_real *row = &P[place(i, 0)];
+    qt_real *below = &P[place(i, i)];
+    for (int j = 0; j <= i; ++j) {
+      row[j] = rows[r][j];
+    }
+    for (int j = i + 1; j < QT_ERRORS; ++j) {
+      below += j;
+      if (j >= (first + 3)) {
+        *below = rows[r][j];
+      }
+    }
+  }
+}
+
+/* row += b (rows 0 to 2 of from) [+ c (rows 0 to 2 of from2)], term by term. */
+static void add_products(qt_real row[QT_ERRORS], const qt_real b[3],
+                         const qt_real from[3][QT_ERRORS]) {
+  for (int j = 0; j < QT_ERRORS; ++j) {
+    row[j] = ((row[j] + (b[0] * from[0][j])) + (b[1] * from[1][j])) + (b[2] * from[2][j]);
+  }
+}
+static void add_both_products(qt_real row[QT_ERRORS], const qt_real b[3],
+                              const qt_real from[3][QT_ERRORS], const qt_real c[3],
+                              const qt_real from2[3][QT_ERRORS]) {
+  for (int j = 0; j < QT_ERRORS; ++j) {
+    qt_real sum = (row[j] + (b[0] * from[0][j])) + (c[0] * from2[0][j]);
+    sum = (sum + (b[1] * from[1][j])) + (c[1] * from2[1][j]);
+    row[j] = (sum + (b[2] * from[2][j])) + (c[2] * from2[2][j]);
+  }
+}
+
+/* x + b' y [+ c' z], term by term. */
+static qt_real with_product(qt_real x, const qt_real b[3], const qt_real *y, const qt_real *c,
+                            const qt_real *z) {
+  qt_real sum = x;
+  for (int k = 0; k < 3; ++k) {
+    sum += y[k] * b[k];
+    if (c != NULL) {
+      sum += z[k] * c[k];
+    }
+  }
+  return sum;
+}
+
 /* P <- E P E' for E that adds rows: target += block source (+ block2 source2), blocks of 3 x 3. */
 static void add_rows(qt_real *P, int target, int source, const qt_real block[9], int source2,
                      const qt_real *block2) {
+  qt_real rows[3][QT_ERRORS];
+  qt_real from[3][QT_ERRORS];
+  qt_real from2[3][QT_ERRORS];
   qt_real own[9];
+  get_rows(P, target, rows);
+  get_rows(P, source, from);
+  if (block2 != NULL) {
+    get_rows(P, source2, from2);
+  }
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j <= i; ++j) {
-      qt_real sum = P[place(target + i, target + j)];
-      for (int k = 0; k < 3; ++k) {
-        sum += P[place(target + i, source + k)] * block[(3 * j) + k];
-        if (block2 != NULL) {
-          sum += P[place(target + i, source2 + k)] * block2[(3 * j) + k];
-        }
-      }
-      own[(3 * i) + j] = sum;
+      own[(3 * i) + j] = with_product(rows[i][target + j], &block[3 * j], &rows[i][source],
+                                      (block2 != NULL) ? &block2[3 * j] : NULL, &rows[i][source2]);
     }
   }
-  for (int j = 0; j < QT_ERRORS; ++j) {
-    if ((j < target) || (j >= (target + 3))) {
-      qt_real sum[3];
-      for (int i = 0; i < 3; ++i) {
-        sum[i] = P[place(target + i, j)];
-        for (int k = 0; k < 3; ++k) {
-          sum[i] += block[(3 * i) + k] * P[place(source + k, j)];
-          if (block2 != NULL) {
-            sum[i] += block2[(3 * i) + k] * P[place(source2 + k, j)];
-          }
-        }
-      }
-      for (int i = 0; i < 3; ++i) {
-        P[place(target + i, j)] = sum[i];
-      }
+  for (int i = 0; i < 3; ++i) { /* the entries of the target itself are replaced below */
+    if (block2 != NULL) {
+      add_both_products(rows[i], &block[3 * i], (const qt_real(*)[QT_ERRORS])from, &block2[3 * i],
+                        (const qt_real(*)[QT_ERRORS])from2);
+    } else {
+      add_products(rows[i], &block[3 * i], (const qt_real(*)[QT_ERRORS])from);
     }
   }
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j <= i; ++j) {
-      qt_real sum = own[(3 * i) + j];
-      for (int k = 0; k < 3; ++k) {
-        sum += block[(3 * i) + k] * P[place(target + j, source + k)];
-        if (block2 != NULL) {
-          sum += block2[(3 * i) + k] * P[place(target + j, source2 + k)];
-        }
-      }
-      P[place(target + i, target + j)] = sum;
+      own[(3 * i) + j] = with_product(own[(3 * i) + j], &block[3 * i], &rows[j][source],
+                                      (block2 != NULL) ? &block2[3 * i] : NULL, &rows[j][source2]);
     }
   }
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      rows[i][target + j] = own[(3 * i) + j];
+    }
+  }
+  put_rows(P, target, (const qt_real(*)[QT_ERRORS])rows);
 }
 
 /* P <- E P E': position += h velocity. */

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// Exported flight code by other compilers, for other processors, and under sanitizers.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <numeric>
+#include <sstream>
+
+#include "plants/flight_code_designs.hpp"
+#include "quadtune/exports/flight_code.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+using testing::flight_code_content;
+using testing::FlightCodeCase;
+using ::testing::HasSubstr;
+using testing::TemporaryDirectory;
+
+/// The exit status of a shell command in a folder; what it says goes to the file `log` there.
+int run_in(const std::filesystem::path& folder, const std::string& command) {
+  return std::system(fmt::format("cd '{}' && ( {} ) > log 2>&1", folder.string(), command).c_str());
+}
+
+bool installed(const std::string& program) {
+  return std::system(("command -v " + program + " > /dev/null 2>&1").c_str()) == 0;
+}
+
+class FlightCodeCompiled : public ::testing::TestWithParam<FlightCodeCase> {
+ protected:
+  void SetUp() override {
+    write_files(folder_.path(), flight_code_files(flight_code_content(GetParam())));
+  }
+
+  const TemporaryDirectory folder_;
+};
+
+TEST_P(FlightCodeCompiled, ByClangRepeatsTheFlight) {
+  if (!installed("clang")) GTEST_SKIP() << "clang is not installed here";
+  EXPECT_EQ(run_in(folder_.path(),
+                   "make CC=clang CFLAGS='-O2 -Wconversion -Wdouble-promotion -Werror' test"),
+            0)
+      << folder_.read("log");
+}
+
+TEST_P(FlightCodeCompiled, WithUndefinedBehaviourSanitizerRepeatsTheFlight) {
+  EXPECT_EQ(run_in(folder_.path(),
+                   "make CC=cc CFLAGS='-O1 -fsanitize=undefined,address "
+                   "-fno-sanitize-recover=all' LDFLAGS=-fsanitize=undefined,address test"),
+            0)
+      << folder_.read("log");
+}
+
+TEST_P(FlightCodeCompiled, ForArmRepeatsTheFlight) {
+  if (!installed("arm-linux-gnueabihf-gcc") || !installed("qemu-arm"))
+    GTEST_SKIP() << "arm-linux-gnueabihf-gcc or qemu-arm is not installed here";
+  EXPECT_EQ(
+      run_in(folder_.path(),
+             "make CC=arm-linux-gnueabihf-gcc CFLAGS='-O2 -mcpu=cortex-a9' LDFLAGS=-static all "
+             "&& qemu-arm ./replay flight.txt"),
+      0)
+      << folder_.read("log");
+}
+
+TEST_P(FlightCodeCompiled, ForCortexMIsSmall) {
+  if (!installed("arm-none-eabi-gcc")) GTEST_SKIP() << "arm-none-eabi-gcc is not installed here";
+  if (GetParam().double_precision) GTEST_SKIP() << "these processors compute in float";
+  const std::string name = GetParam().vehicle;
+  folder_.write("size.c",
+                fmt::format("#include \"{0}.h\"\nchar size[sizeof({0}_state_t)];\n", name));
+  for (const char* processor :
+       {"-mcpu=cortex-m4 -mfpu=fpv4-sp-d16", "-mcpu=cortex-m7 -mfpu=fpv5-sp-d16"}) {
+    ASSERT_EQ(run_in(folder_.path(),
+                     fmt::format("rm -f *.o *.su && arm-none-eabi-gcc {} -mthumb -mfloat-abi=hard "
+                                 "-std=c99 -O2 -Wall -Wextra -Wdouble-promotion -Werror "
+                                 "-fstack-usage -c {}*.c size.c && arm-none-eabi-size -t {}*.o | "
+                                 "tail -n 1 && arm-none-eabi-nm -S size.o",
+                                 processor, name, name)),
+              0)
+        << folder_.read("log");
+    std::istringstream said(folder_.read("log"));
+    int code = 0, data = 0, zeroed = 0;
+    said >> code >> data >> zeroed;
+    EXPECT_GT(code, 1000);
+    EXPECT_LE(code, 60'000);
+    EXPECT_EQ(data + zeroed, 0);  // no state but in the structure
+    std::string rest, at, bytes;
+    std::getline(said, rest);
+    said >> at >> bytes;
+    EXPECT_GT(std::stoi(bytes, nullptr, 16), 0);
+    EXPECT_LE(std::stoi(bytes, nullptr, 16), 8'000);
+    // No call nests as deep as the ten largest frames together.
+    std::vector<int> frames;
+    for (const auto& file : std::filesystem::directory_iterator(folder_.path())) {
+      if (file.path().extension() != ".su") continue;
+      std::ifstream lines(file.path());
+      for (std::string line; std::getline(lines, line);) {
+        EXPECT_THAT(line, HasSubstr("static")) << "a frame without a bound";
+        frames.push_back(std::stoi(line.substr(line.find('\t'))));
+      }
+    }
+    std::sort(frames.rbegin(), frames.rend());
+    frames.resize(std::min<std::size_t>(frames.size(), 10));
+    EXPECT_LE(std::accumulate(frames.begin(), frames.end(), 0), 4'000);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Programs, FlightCodeCompiled,
+    ::testing::Values(
+        FlightCodeCase{"cascade", "crazyflie", InputKind::wrench, -1, true, true},
+        FlightCodeCase{"cascade_in_double", "mambo", InputKind::wrench, -1, true, true, true, true},
+        FlightCodeCase{"wrench_of_past_commands", "mambo", InputKind::wrench, 3},
+        FlightCodeCase{"speeds", "uquad", InputKind::rotor_speed, 2, true, false, false}),
+    [](const auto& of) { return of.param.name; });
+
+}  // namespace
+}  // namespace quadtune
