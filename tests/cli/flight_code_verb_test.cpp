@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// Flight code at the command line: exported, verified, flown, and refused.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "run_program.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using SortedJson = nlohmann::json;
+using testing::ProgramResult;
+using testing::run_program;
+using testing::TemporaryDirectory;
+
+/// The Crazyflie's cascade, and flight code made of it.
+class FlightCodeVerb : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryDirectory;
+    const ProgramResult made =
+        run_program({"pid", "crazyflie", "--json", "--quiet", "-o", path("gains.json")});
+    ASSERT_EQ(made.status, 0) << made.err;
+    const ProgramResult exported =
+        run_program({"export", path("gains.json"), "--to", "c", "-o", path("code")});
+    ASSERT_EQ(exported.status, 0) << exported.err;
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+  static std::string path(const std::string& name) { return (folder_->path() / name).string(); }
+
+  static TemporaryDirectory* folder_;
+};
+TemporaryDirectory* FlightCodeVerb::folder_ = nullptr;
+
+TEST_F(FlightCodeVerb, VerifiesWhatItExported) {
+  const ProgramResult verified = run_program({"verify", path("code"), "--json"});
+  EXPECT_EQ(verified.status, 0) << verified.err;
+  const SortedJson found = SortedJson::parse(verified.out);
+  int of_code = 0;
+  for (const SortedJson& check : found["checks"]) {
+    const std::string name = check["name"];
+    if (name == "C is what the gains give" || name == "the compiled program repeats its flight")
+      ++of_code;
+    EXPECT_TRUE(check["ok"]) << check;
+  }
+  EXPECT_EQ(of_code, 2);
+}
+
+TEST_F(FlightCodeVerb, FliesTheCompiledProgramAsTheLaw) {
+  if (std::system("cc --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "cc is not installed here";
+  const std::vector<std::string> flight = {"fly",       "crazyflie", "--gains", path("code"),
+                                           "--mission", "step-yaw",  "--quiet", "--json"};
+  std::vector<std::string> compiled = flight;
+  compiled.emplace_back("--compiled");
+  const SortedJson expected = SortedJson::parse(run_program(flight).out);
+  const ProgramResult flown = run_program(compiled);
+  ASSERT_EQ(flown.status, 0) << flown.err;
+  const SortedJson found = SortedJson::parse(flown.out);
+  EXPECT_EQ(found["verdict"], "pass");
+  EXPECT_THAT(std::string(found["law"]), HasSubstr("compiled flight code"));
+  // In float, and with a filter that begins less certain.
+  for (const char* metric : {"tracking_rms_m", "yaw_rms_rad"})
+    EXPECT_NEAR(found["metrics"][metric], double(expected["metrics"][metric]), 0.02) << metric;
+}
+
+TEST_F(FlightCodeVerb, RefusesInOneLine) {
+  const auto refused = [](const std::vector<std::string>& words, int status, const char* message) {
+    const ProgramResult result = run_program(words);
+    EXPECT_EQ(result.status, status) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(message));
+    EXPECT_THAT(result.out, Not(HasSubstr("matches")));
+  };
+  const std::string gains = path("gains.json"), out = path("other");
+  refused({"export", gains, "--to", "c", "-o", out, "--name", "9x"}, 3,
+          "is no prefix of a C program");
+  refused({"export", gains, "--to", "c", "-o", out, "--precision", "half"}, 3,
+          "--precision: no precision 'half', expected float or double");
+  refused({"export", gains, "--to", "c", "-o", out, "--law", "state-feedback"}, 3,
+          "the design has no law 'state-feedback'");
+  refused({"export", gains, "--to", "json", "-o", out, "--name", "x"}, 2,
+          "--name is for --to c, expected none with --to json");
+  EXPECT_FALSE(std::filesystem::exists(out));
+  refused({"fly", "crazyflie", "--compiled"}, 2, "expected --gains DIR");
+  refused({"fly", "crazyflie", "--gains", gains, "--compiled"}, 2, "has no flight_code.json");
+  refused({"fly", "crazyflie", "--gains", path("code"), "--arm"}, 2, "--arm is for --compiled");
+  refused({"fly", "crazyflie", "--gains", path("code"), "--compiled", "--allocation", "clipped"}, 2,
+          "compiled is for commands by priorities");
+}
+
+}  // namespace
+}  // namespace quadtune
