@@ -99,8 +99,12 @@ void tell_many(const std::vector<FlownFlight>& flights, Context& context) {
 void run_fly(Options& options, Context& context) {
   require_sane(options, context);
   options.flight.seed = context.seed;
+  if (options.compiled) option_of_command("fly", [&] { take_program(options.flight); });
   PlannedFlight plan = plan_of_command(options.flight, "fly");
   keep_log_for(options.outputs, plan, "fly");
+  if (options.compiled && options.flight.estimator == "truth")
+    plan.notes.emplace_back(
+        "the program takes the estimate from its caller: it gets the true state");
   context.notes("fly: note: ", plan.notes);
   if (options.seeds > 1) {
     tell_many(flown(options, plan), context);

@@ -47,8 +47,16 @@ struct BoardFloat {
   friend bool is_finite(BoardFloat a) { return qt_is_finite(a.value); }
   friend BoardFloat sqrt(BoardFloat a) { return qt_sqrt(a.value); }
   friend BoardFloat nearest(BoardFloat a) { return qt_nearest(a.value); }
-  friend BoardFloat sin(BoardFloat a) { return qt_sin(a.value); }
-  friend BoardFloat cos(BoardFloat a) { return qt_cos(a.value); }
+  friend BoardFloat sin(BoardFloat a) {
+    float sine = 0, cosine = 0;
+    qt_sine_and_cosine(a.value, &sine, &cosine);
+    return sine;
+  }
+  friend BoardFloat cos(BoardFloat a) {
+    float sine = 0, cosine = 0;
+    qt_sine_and_cosine(a.value, &sine, &cosine);
+    return cosine;
+  }
   friend BoardFloat atan2(BoardFloat y, BoardFloat x) { return qt_atan2(y.value, x.value); }
   friend BoardFloat log(BoardFloat a) { return qt_natural_logarithm(a.value); }
   friend BoardFloat exp(BoardFloat a) { return qt_exponential(a.value); }

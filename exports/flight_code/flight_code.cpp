@@ -17,18 +17,22 @@
 #include "quadtune/exports/export.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/internal/text_file.hpp"
 
 namespace quadtune {
 namespace exports {
 namespace {
 
-// Words that are no names in C99 and C++, and what the C library has under such a prefix.
+// Words of C99, files of ours, and names whose header or macros would be taken for the system's.
 constexpr std::array kTakenNames = {
-    "auto",     "break", "case",     "char",   "const",  "double", "else",   "enum",    "extern",
-    "float",    "for",   "goto",     "if",     "inline", "int",    "long",   "main",    "register",
-    "return",   "short", "signed",   "sizeof", "static", "struct", "switch", "typedef", "union",
-    "unsigned", "void",  "volatile", "while",  "bool",   "true",   "false",  "replay",  "string",
-    "math",     "stdio", "stdlib",   "stdint", "stdbool"};
+    "auto",   "break",    "case",     "char",     "const",  "double",   "else",    "enum",
+    "extern", "float",    "for",      "goto",     "if",     "inline",   "int",     "long",
+    "main",   "register", "return",   "short",    "signed", "sizeof",   "static",  "struct",
+    "switch", "typedef",  "union",    "unsigned", "void",   "volatile", "while",   "bool",
+    "true",   "false",    "replay",   "string",   "m",      "assert",   "complex", "ctype",
+    "errno",  "fenv",     "inttypes", "iso646",   "limits", "locale",   "math",    "setjmp",
+    "signal", "stdarg",   "stdbool",  "stddef",   "stdint", "stdio",    "stdlib",  "tgmath",
+    "time",   "wchar",    "wctype"};
 constexpr std::size_t kLongestName = 24;
 constexpr char kFlightCodeFormat[] = "quadtune-flight-code";
 constexpr int kFlightCodeVersion = 1;
@@ -43,11 +47,22 @@ std::string name_of(const ExportContent& content) {
                     name[0] <= 'z' && std::all_of(name.begin(), name.end(), allowed) &&
                     std::find(kTakenNames.begin(), kTakenNames.end(), name) == kTakenNames.end();
   if (!good)
-    throw InvalidInput("--name",
-                       fmt::format("'{}' is no prefix of a C program, expected 1 to {} lower-case "
-                                   "letters, digits and _, a letter first, and no word of C",
-                                   name, kLongestName));
+    throw InvalidInput(
+        asked.empty() ? "flight code" : "--name",
+        fmt::format("{}'{}' is no prefix of a C program, expected 1 to {} lower-case "
+                    "letters, digits and _, a letter first, and no word of C or header of "
+                    "the system{}",
+                    asked.empty() ? "the vehicle's name " : "", name, kLongestName,
+                    asked.empty() ? ", by --name" : ""));
   return name;
+}
+
+/// A name of the user's as it can stand in a comment of C and in a page.
+std::string in_comment(const std::string& name) {
+  std::string text = internal::printable(name);
+  for (std::size_t at = 0; (at = text.find("*/", at)) != std::string::npos;)
+    text.insert(at + 1, " ");
+  return text;
 }
 
 std::string sensors_in_words(const GeneralFilterSettings& s) {
@@ -65,13 +80,20 @@ std::string sensors_in_words(const GeneralFilterSettings& s) {
   return internal::joined(words, ", ");
 }
 
-std::string command_in_words(const MotorCommand& motor) {
+std::string command_in_words(const ProgramSettings& s) {
+  const MotorCommand& motor = s.motor;
+  std::vector<std::string> negative;
+  for (int i = 0; i < s.allocation.rotors; ++i)
+    if (s.direction[static_cast<std::size_t>(i)] < 0) negative.push_back(fmt::format("{}", i + 1));
+  const std::string signs = negative.empty() ? ""
+                                             : fmt::format("; negative for motor {}",
+                                                           internal::joined(negative, " and "));
   const bool squared = motor.law == CommandLaw::speed_squared;
   const std::string step =
       motor.quantum > 0 ? fmt::format(", steps of {}", motor.quantum) : std::string();
-  return fmt::format("{} {}, {} to {}{}",
-                     squared ? "proportional to the square of the speed" : "the speed",
-                     motor.unit == "count" ? "in counts" : "in rad/s", motor.min, motor.max, step);
+  return fmt::format(
+      "{} {}, {} to {}{}{}", squared ? "proportional to the square of the speed" : "the speed",
+      motor.unit == "count" ? "in counts" : "in rad/s", motor.min, motor.max, step, signs);
 }
 
 std::string input_in_words(InputKind kind) {
@@ -119,14 +141,14 @@ SourceChoices choices_of(const ProgramSettings& s, const ExportContent& content,
   const bool squared = s.motor.law == CommandLaw::speed_squared;
   c.words["DESCRIPTION"] = fmt::format(
       "{}{} for the vehicle '{}'", s.cascade() ? "a cascade of PID loops" : "a state feedback",
-      s.estimator ? " with the general filter" : "", content.vehicle.name);
+      s.estimator ? " with the general filter" : "", in_comment(content.vehicle.name));
   c.words["DT"] = fmt::format("{}", s.dt);
   c.period = c_number(s.dt, c.double_precision, "dt");
-  c.words["COMMAND"] = command_in_words(s.motor);
+  c.words["COMMAND"] = command_in_words(s);
   c.words["GAIN"] = squared ? "square of the speed over the command [rad^2/s^2]"
                             : "speed over the command [rad/s]";
   c.words["TAKE_OFF"] = s.cascade() ? "constant thrust, attitude and heading held"
-                                    : "as QT_FLYING, the law is the same";
+                                    : "as in flight: the law is the same";
   if (s.estimator) c.words["SENSORS"] = sensors_in_words(*s.estimator);
   if (s.cascade()) return c;
   const StateFeedbackSettings<double>& law = s.feedback();
@@ -297,11 +319,12 @@ std::string readme(const ProgramSettings& s, const ExportContent& content, const
       "does.\n\n"
       "The program does not arm, watch the battery or give up: a supervisor must stop the motors "
       "where the vehicle\ntilts too far, or where `estimate.finite` is false.\n",
-      name, content.vehicle.name, content.flight_code.double_precision ? "double" : "float", s.dt,
+      name, in_comment(content.vehicle.name),
+      content.flight_code.double_precision ? "double" : "float", s.dt,
       s.estimator
           ? "the general filter, an error-state Kalman filter of " + sensors_in_words(*s.estimator)
           : std::string("none; the caller brings the estimate"),
-      law, command_in_words(s.motor),
+      law, command_in_words(s),
       s.estimator ? name + "_step(&state, &sensors, &reference, &output);"
                   : name + "_control(&state, &estimate, &reference, &output);",
       internal::joined(sources, " "));

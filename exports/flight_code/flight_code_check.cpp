@@ -109,6 +109,14 @@ std::string compile(const std::vector<FileContent>& files, const fs::path& folde
   return fmt::format("{} refuses it: {}", words.front(), internal::printable(last_line(said)));
 }
 
+void replay_in(const fs::path& folder, FlightCodeTarget target, VerifyCheck& check) {
+  std::string said;
+  check.ok =
+      exports::Process(command_of(folder, target, (folder / "flight.txt").string())).finish(said) ==
+      0;
+  check.detail = internal::printable(last_line(said));
+}
+
 /// Replays the recorded flight.
 VerifyCheck check_replay(const std::vector<FileContent>& files, FlightCodeTarget target) {
   const bool arm = target == FlightCodeTarget::arm;
@@ -120,14 +128,13 @@ VerifyCheck check_replay(const std::vector<FileContent>& files, FlightCodeTarget
     check.detail = fmt::format("not compiled: {} is not installed here", missing);
     return check;
   }
-  const exports::ScratchFolder scratch;
-  check.detail = compile(files, scratch.path(), target);
-  if (!check.detail.empty()) return check;
-  std::string said;
-  check.ok =
-      exports::Process(command_of(scratch.path(), target, (scratch.path() / "flight.txt").string()))
-          .finish(said) == 0;
-  check.detail = internal::printable(last_line(said));
+  try {
+    const exports::ScratchFolder scratch;
+    check.detail = compile(files, scratch.path(), target);
+    if (check.detail.empty()) replay_in(scratch.path(), target, check);
+  } catch (const FileError& error) {
+    check.detail = error.what();
+  }
   return check;
 }
 

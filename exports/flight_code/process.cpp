@@ -117,10 +117,14 @@ std::optional<std::string> Process::read_line() {
 }
 
 int Process::wait() {
+  constexpr int kUnknown = 255;  // where SIGCHLD is ignored the system keeps no status
   int status = 0;
-  while (waitpid(id_, &status, 0) < 0 && errno == EINTR) {
-  }
+  pid_t ended = 0;
+  do {
+    ended = waitpid(id_, &status, 0);
+  } while (ended < 0 && errno == EINTR);
   id_ = -1;
+  if (ended < 0) return kUnknown;
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 

@@ -25,7 +25,7 @@ class Process {
   /// The next line without its end; none at the end of what the program says.
   [[nodiscard]] std::optional<std::string> read_line();
   /// Ends its input, reads the rest of what it says, and waits until it ends.
-  /// @return  its exit status; 128 and more for a signal
+  /// @return  its exit status; 128 and more for a signal; 255 where the system does not tell
   int finish(std::string& said);
 
  private:

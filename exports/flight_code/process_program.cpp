@@ -25,7 +25,7 @@ class ProcessProgram final : public RunningProgram {
   void start(const ProgramStart& start) override { send(lines_.start(start)); }
 
   Estimate<double> estimate(const EstimatorInput& input) override {
-    constexpr int kAnswers = 14;
+    constexpr int kAnswers = 13;  // the states, and whether they are finite
     send(lines_.input(input));
     const std::vector<double> answer = receive(kAnswers);
     Estimate<double> result;

@@ -15,9 +15,12 @@ namespace quadtune::exports {
 class ScratchFolder {
  public:
   ScratchFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "quadtune-c-XXXXXX").string();
+    std::error_code error;
+    const std::filesystem::path temporary = std::filesystem::temp_directory_path(error);
+    if (error) throw FileError("TMPDIR", "names no directory, expected one for temporary files");
+    std::string pattern = (temporary / "quadtune-c-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr)
-      throw FileError(pattern, "no temporary directory can be made");
+      throw FileError(pattern, "no temporary directory can be made here");
     path_ = pattern;
   }
   ~ScratchFolder() {

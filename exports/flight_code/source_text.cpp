@@ -83,18 +83,21 @@ std::string with_features(const std::string& text, const std::set<std::string>& 
 
 std::string program_source(const std::string& text, const SourceChoices& choices) {
   std::string result = with_features(text, choices.features);
-  for (const auto& [word, with] : choices.words) result = replaced(result, "@" + word + "@", with);
   for (const auto& [size, value] : choices.sizes)
     result = std::regex_replace(result, std::regex("(#define QT_" + size + " )\\d+"),
                                 fmt::format("$01{}", value));
-  result = replaced(result, "#define QT_DT 0.005f", "#define QT_DT " + choices.period);
+  result = replaced(result, "#define QT_DT 0.005f", "#define QT_DT @PERIOD@");
   if (choices.double_precision) result = in_double(result);
-  const std::string& name = choices.name;
-  result = std::regex_replace(result, std::regex("\"(state|internal|maths)\\.h\""),
-                              "\"" + name + "_$1.h\"");
-  result = replaced(result, "\"program.h\"", "\"" + name + ".h\"");
-  result = std::regex_replace(result, std::regex("\\bqt(_|`)"), name + "$1");
-  return std::regex_replace(result, std::regex("\\bQT_"), upper_case(name) + "_");
+  // The program's own names come last: they may look like those of the sources.
+  result =
+      std::regex_replace(result, std::regex("\"(state|internal|maths)\\.h\""), "\"@NAME@_$1.h\"");
+  result = replaced(result, "\"program.h\"", "\"@NAME@.h\"");
+  result = std::regex_replace(result, std::regex("\\bqt(_|`)"), "@NAME@$1");
+  result = std::regex_replace(result, std::regex("\\bQT_"), "@UPPER_NAME@_");
+  for (const auto& [word, with] : choices.words) result = replaced(result, "@" + word + "@", with);
+  result = replaced(result, "@PERIOD@", choices.period);
+  result = replaced(result, "@UPPER_NAME@", upper_case(choices.name));
+  return replaced(result, "@NAME@", choices.name);
 }
 
 const std::string& source_text(const std::string& name) {

@@ -89,6 +89,11 @@ TEST_F(FlightCodeVerb, RefusesInOneLine) {
   EXPECT_FALSE(std::filesystem::exists(out));
   refused({"fly", "crazyflie", "--compiled"}, 2, "expected --gains DIR");
   refused({"fly", "crazyflie", "--gains", gains, "--compiled"}, 2, "has no flight_code.json");
+  refused({"fly", "crazyflie", "--gains", path("code"), "--compiled", "--estimator", "truth"}, 2,
+          "estimator is 'truth', expected none or 'general'");
+  refused(
+      {"fly", "crazyflie", "--gains", path("code"), "--compiled", "--controller", "state-feedback"},
+      2, "expected none or 'cascaded-pid'");
   refused({"fly", "crazyflie", "--gains", path("code"), "--arm"}, 2, "--arm is for --compiled");
   refused({"fly", "crazyflie", "--gains", path("code"), "--compiled", "--allocation", "clipped"}, 2,
           "compiled is for commands by priorities");

@@ -104,6 +104,28 @@ TEST(FlightCode, ThatIsChangedDoesNotRepeatIt) {
   EXPECT_THAT(folder.read("log"), HasSubstr("expected"));
 }
 
+TEST(FlightCode, MayHaveANameLikeThoseOfTheSources) {
+  if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
+  const TemporaryDirectory folder;
+  ExportContent content = flight_code_content({"thrusts", "mambo", InputKind::rotor_thrust});
+  content.flight_code.name = "qt_real";
+  content.vehicle.name = "*/ #error */";  // in no comment
+  content.gains->vehicle = content.vehicle.name;
+  write_files(folder.path(), flight_code_files(content));
+  EXPECT_EQ(make_test(folder.path()), 0) << folder.read("log");
+}
+
+TEST(FlightCode, IsRefusedWhereArithmeticIsNotAsWritten) {
+  if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
+  const TemporaryDirectory folder;
+  write_files(folder.path(), flight_code_files(flight_code_content({"thrusts", "mambo"})));
+  EXPECT_NE(
+      std::system(
+          fmt::format("cd '{}' && make CFLAGS=-Ofast > log 2>&1", folder.path().string()).c_str()),
+      0);
+  EXPECT_THAT(folder.read("log"), HasSubstr("expected a compiler without -ffast-math"));
+}
+
 TEST(FlightCode, ReplaysNothingThatIsNoFlight) {
   if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
   const TemporaryDirectory folder;
@@ -179,7 +201,8 @@ TEST(FlightCode, RefusesWhatIsNoProgram) {
           "--law cascaded-pid or --law state-feedback");
   refusal([](ExportContent& c) { c.flight_code.law = "cascaded-pid"; }, "no law 'cascaded-pid'");
   refusal([](ExportContent& c) { c.flight_code.law = "lqr"; }, "no law 'lqr'");
-  for (const char* name : {"int", "A", "9a", "a-b", "a b", "replay", "abcdefghijklmnopqrstuvwxyz"})
+  for (const char* name :
+       {"int", "m", "errno", "A", "9a", "a-b", "a b", "replay", "abcdefghijklmnopqrstuvwxyz"})
     refusal([&](ExportContent& c) { c.flight_code.name = name; }, "is no prefix of a C program");
   refusal([](ExportContent& c) { c.gains->K(0, 0) = 1e39; }, "law.K: is 1e+39");
 }

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/exports/flight_code.hpp"
+#include "quadtune/exports/read_gains.hpp"
 
 namespace quadtune {
 namespace {
@@ -58,6 +60,24 @@ std::vector<FlownFlight> fly_seeds(const PlannedFlight& plan, std::uint32_t coun
     flights.push_back(judged(std::move(one), std::move(results[i]), wall));
   }
   return flights;
+}
+
+void take_program(FlightOptions& options) {
+  const StoredLaws laws = read_laws(options.gains);
+  const std::string asked = read_flight_code_options(options.gains).law;
+  const bool cascade = asked.empty() ? laws.cascade.has_value() : asked == "cascaded-pid";
+  const auto take = [](const char* option, std::string& word, const std::string& of_program) {
+    if (!word.empty() && word != of_program)
+      throw OptionError(option, fmt::format("{} is '{}', expected none or '{}', which the compiled "
+                                            "program has",
+                                            option, word, of_program));
+    word = of_program;
+  };
+  take("controller", options.controller, cascade ? "cascaded-pid" : "state-feedback");
+  take("estimator", options.estimator,
+       laws.estimator && laws.estimator->general ? "general" : "truth");
+  if (!options.integrator.empty())
+    throw OptionError("integrator", "integrator is not for a compiled program, expected none");
 }
 
 std::vector<FlownFlight> fly_compiled(const PlannedFlight& plan, const std::string& directory,

@@ -57,16 +57,17 @@ void qt_law_step(const qt_law_parameters_t *p, qt_law_state_t *s, const qt_estim
   }
   if (reference->track_position && (!takes_off)) {
     /* Errors and velocities along and across the heading. */
-    const qt_real c = qt_cos(x->yaw);
-    const qt_real s_yaw = qt_sin(x->yaw);
+    qt_real c;
+    qt_real s_yaw;
     const qt_real north = reference->position[0] - x->position[0];
     const qt_real east = reference->position[1] - x->position[1];
-    const loop_output_t along =
-        step_loop(&p->x, &s->x, (c * north) + (s_yaw * east), 0.0f,
-                  (c * velocity[0]) + (s_yaw * velocity[1]), s->attitude_excess[0]);
-    const loop_output_t across =
-        step_loop(&p->y, &s->y, (c * east) - (s_yaw * north), 0.0f,
-                  (c * velocity[1]) - (s_yaw * velocity[0]), s->attitude_excess[1]);
+    loop_output_t along;
+    loop_output_t across;
+    qt_sine_and_cosine(x->yaw, &s_yaw, &c);
+    along = step_loop(&p->x, &s->x, (c * north) + (s_yaw * east), 0.0f,
+                      (c * velocity[0]) + (s_yaw * velocity[1]), s->attitude_excess[0]);
+    across = step_loop(&p->y, &s->y, (c * east) - (s_yaw * north), 0.0f,
+                       (c * velocity[1]) - (s_yaw * velocity[0]), s->attitude_excess[1]);
     pitch = along.value;
     roll = across.value;
     if (p->conditional_integration) {

@@ -119,8 +119,7 @@ void qt_law_step(const qt_law_parameters_t *p, qt_law_state_t *s, const qt_estim
 #if QT_WITH_INTEGRALS
   (void)memcpy(whole, error, sizeof whole);
 #endif
-  c = qt_cos(x[YAW] - p->x0[YAW]);
-  sine = qt_sin(x[YAW] - p->x0[YAW]);
+  qt_sine_and_cosine(x[YAW] - p->x0[YAW], &sine, &c);
   distance = qt_sqrt((error[0] * error[0]) + (error[1] * error[1]));
   if (distance > p->position_error_limit) {
     for (int i = 0; i < 2; ++i) {

@@ -35,7 +35,7 @@ static qt_real monic_polynomial(qt_real x, const qt_real *c, int count) {
 }
 
 /* Sine and cosine: x = k pi/2 + r, then polynomials in r. For |x| <= 1e5. */
-static void sine_and_cosine(qt_real x, qt_real *sine, qt_real *cosine) {
+void qt_sine_and_cosine(qt_real x, qt_real *sine, qt_real *cosine) {
   static const qt_real of_sine[6] = {1.58969099521155010221e-10, -2.50507602534068634195e-08,
                                      2.75573137070700676789e-06, -1.98412698298579493134e-04,
                                      8.33333333332248946124e-03, -1.66666666666666324348e-01};
@@ -56,20 +56,6 @@ static void sine_and_cosine(qt_real x, qt_real *sine, qt_real *cosine) {
   const qt_real b = odd ? s : c;
   *sine = (quarter >= 2u) ? -a : a;
   *cosine = ((quarter == 1u) || (quarter == 2u)) ? -b : b;
-}
-
-qt_real qt_sin(qt_real x) {
-  qt_real s;
-  qt_real c;
-  sine_and_cosine(x, &s, &c);
-  return s;
-}
-
-qt_real qt_cos(qt_real x) {
-  qt_real s;
-  qt_real c;
-  sine_and_cosine(x, &s, &c);
-  return c;
 }
 
 /* The arc tangent of 0 <= x <= 1. */

@@ -18,7 +18,7 @@ static qt_real real_of(uint32_t bits) {
 #endif
 
 /* Sine and cosine: x = k pi/2 + r, then polynomials in r. For |x| <= 8192. */
-static void sine_and_cosine(qt_real x, qt_real *sine, qt_real *cosine) {
+void qt_sine_and_cosine(qt_real x, qt_real *sine, qt_real *cosine) {
   const qt_real k = qt_nearest(x * 0.6366197723675814f);
   /* pi/2 in three parts: k times the first two is exact. */
   const qt_real r =
@@ -36,20 +36,6 @@ static void sine_and_cosine(qt_real x, qt_real *sine, qt_real *cosine) {
   const qt_real b = odd ? s : c;
   *sine = (quarter >= 2u) ? -a : a;
   *cosine = ((quarter == 1u) || (quarter == 2u)) ? -b : b;
-}
-
-qt_real qt_sin(qt_real x) {
-  qt_real s;
-  qt_real c;
-  sine_and_cosine(x, &s, &c);
-  return s;
-}
-
-qt_real qt_cos(qt_real x) {
-  qt_real s;
-  qt_real c;
-  sine_and_cosine(x, &s, &c);
-  return c;
 }
 
 /* The arc tangent of 0 <= x <= 1. */

@@ -7,6 +7,7 @@
 #ifndef QT_MATHS_H
 #define QT_MATHS_H
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -14,10 +15,20 @@
 
 #include "program.h"
 
+/* (x + QT_ROUNDING) - QT_ROUNDING must be computed as it stands, and in no wider type. */
+#if defined(__FAST_MATH__)
+#error "expected a compiler without -ffast-math"
+#endif
 #if QT_WITH_DOUBLE
+#if (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)
+#error "expected double arithmetic in double precision, e.g. by -mfpmath=sse"
+#endif
 #define QT_REAL_MAX 1.7976931348623157e+308
 #define QT_ROUNDING 6755399441055744.0 /* 1.5 2^52: a sum with it is an integer */
 #else
+#if FLT_EVAL_METHOD != 0
+#error "expected float arithmetic in single precision, e.g. by -mfpmath=sse"
+#endif
 #define QT_REAL_MAX 3.402823466e+38f
 #define QT_ROUNDING 12582912.0f /* 1.5 2^23: a sum with it is an integer */
 #endif
@@ -40,8 +51,7 @@ static inline qt_real qt_sqrt(qt_real x) { return sqrtf(x); }
 static inline qt_real qt_nearest(qt_real x) { return (x + QT_ROUNDING) - QT_ROUNDING; }
 
 /* Of |x| <= 8192 rad. */
-qt_real qt_sin(qt_real x);
-qt_real qt_cos(qt_real x);
+void qt_sine_and_cosine(qt_real x, qt_real *sine, qt_real *cosine);
 /* In [-pi, pi]; 0 for x = y = 0. */
 qt_real qt_atan2(qt_real y, qt_real x);
 #if QT_WITH_ESTIMATOR

@@ -39,7 +39,7 @@ static qt_real collective_at(const qt_motors_t *p, int i, qt_real limit, qt_real
 
 static bool feasible(const qt_motors_t *p, const qt_real wrench[4]) {
   qt_real thrusts[QT_ROTORS];
-  const qt_real slack = 1e-9f * p->wrench0[0]; /* so that rounding limits nothing */
+  const qt_real slack = 1e-9f * p->wrench0[0]; /* beside rounding */
   bool within = wrench[0] >= p->floor;
   thrusts_of_wrench(p, wrench, thrusts);
   for (int i = 0; i < QT_ROTORS; ++i) {

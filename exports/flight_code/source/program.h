@@ -27,7 +27,8 @@ typedef float qt_real;
 
 #if QT_WITH_ESTIMATOR
 /* The newest sample of a sensor. `fresh` is true in the one control period in which it came; `age`
- * is the time since it was measured [s]. A sample that is not finite counts as not fresh. */
+ * is the time since it was measured [s]. A sample that is not finite counts as
+ * not fresh; one whose age is negative or not finite is not used. */
 typedef struct {
   qt_real value[3];
   qt_real age;
@@ -53,11 +54,13 @@ typedef struct {
   qt_vector_sample_t magnetic_field; /* body axes [uT] */
   qt_scalar_sample_t pressure;       /* of the air [Pa] */
   qt_scalar_sample_t range;          /* along body z down to the ground [m] */
-  qt_flow_sample_t flow;             /* mean image velocity over focal length [rad/s] */
-  qt_vector_sample_t gps_position;   /* world [m] */
-  qt_vector_sample_t gps_velocity;   /* world [m/s] */
-  qt_vector_sample_t vision;         /* position from images, world [m] */
-  bool on_ground;                    /* the vehicle is known to stand still on the ground */
+  /* Mean image velocity over focal length [rad/s]: level, at the height h,
+   * (-v_x / h - w_y, -v_y / h + w_x) of the body's velocity v and rates w. */
+  qt_flow_sample_t flow;
+  qt_vector_sample_t gps_position; /* world [m] */
+  qt_vector_sample_t gps_velocity; /* world [m/s] */
+  qt_vector_sample_t vision;       /* position from images, world [m] */
+  bool on_ground;                  /* the vehicle is known to stand still on the ground */
 } qt_sensors_t;
 
 #endif
@@ -67,15 +70,17 @@ typedef enum {
   QT_FLYING = 2    /* the law has the motors */
 } qt_phase_t;
 
+/* Every number must be finite. */
 typedef struct {
   qt_phase_t phase;
-  bool track_position;     /* true: position and heading; false: roll, pitch, heading and height */
-  qt_real position[3];     /* world [m] */
-  qt_real velocity[3];     /* of the moving reference, world [m/s] */
-  qt_real roll;            /* [rad], where track_position is false */
-  qt_real pitch;           /* [rad], likewise */
-  qt_real yaw;             /* [rad], unwrapped */
-  qt_real idle[QT_ROTORS]; /* motor commands in phase QT_IDLE */
+  bool track_position; /* true: position and heading; false: roll, pitch, heading and height */
+  qt_real position[3]; /* world [m] */
+  qt_real velocity[3]; /* of the moving reference, world [m/s] */
+  qt_real roll;        /* [rad], where track_position is false */
+  qt_real pitch;       /* [rad], likewise */
+  qt_real yaw;         /* [rad], unwrapped */
+  qt_real
+      idle[QT_ROTORS]; /* motor commands in phase QT_IDLE, with their signs; passed on unchecked */
 } qt_reference_t;
 
 /* ---- what comes out ---- */

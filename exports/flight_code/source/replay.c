@@ -208,7 +208,8 @@ int main(int argc, char **argv) {
       estimate();
       results_of(&output, results);
       if (flown) {
-        print(&results[QT_ROTORS], 14);
+        results[QT_ROTORS + 12] = results[QT_ROTORS + 13]; /* whether it is finite */
+        print(&results[QT_ROTORS], 13);
         broken = broken || (!next_line(file));
       }
       control();

@@ -11,12 +11,15 @@ void qt_quaternion_product(const qt_real a[4], const qt_real b[4], qt_real c[4])
 }
 
 void qt_quaternion_of_euler(qt_real roll, qt_real pitch, qt_real yaw, qt_real q[4]) {
-  const qt_real cr = qt_cos(roll * 0.5f);
-  const qt_real sr = qt_sin(roll * 0.5f);
-  const qt_real cp = qt_cos(pitch * 0.5f);
-  const qt_real sp = qt_sin(pitch * 0.5f);
-  const qt_real cy = qt_cos(yaw * 0.5f);
-  const qt_real sy = qt_sin(yaw * 0.5f);
+  qt_real cr;
+  qt_real sr;
+  qt_real cp;
+  qt_real sp;
+  qt_real cy;
+  qt_real sy;
+  qt_sine_and_cosine(roll * 0.5f, &sr, &cr);
+  qt_sine_and_cosine(pitch * 0.5f, &sp, &cp);
+  qt_sine_and_cosine(yaw * 0.5f, &sy, &cy);
   q[0] = ((cr * cp) * cy) + ((sr * sp) * sy);
   q[1] = ((sr * cp) * cy) - ((cr * sp) * sy);
   q[2] = ((cr * sp) * cy) + ((sr * cp) * sy);
@@ -49,12 +52,15 @@ void qt_rotation_of_quaternion(const qt_real q[4], qt_real R[9]) {
 
 #endif
 void qt_rotation_of_euler(qt_real roll, qt_real pitch, qt_real yaw, qt_real R[9]) {
-  const qt_real cr = qt_cos(roll);
-  const qt_real sr = qt_sin(roll);
-  const qt_real cp = qt_cos(pitch);
-  const qt_real sp = qt_sin(pitch);
-  const qt_real cy = qt_cos(yaw);
-  const qt_real sy = qt_sin(yaw);
+  qt_real cr;
+  qt_real sr;
+  qt_real cp;
+  qt_real sp;
+  qt_real cy;
+  qt_real sy;
+  qt_sine_and_cosine(roll, &sr, &cr);
+  qt_sine_and_cosine(pitch, &sp, &cp);
+  qt_sine_and_cosine(yaw, &sy, &cy);
   R[0] = cy * cp;
   R[1] = ((cy * sp) * sr) - (sy * cr);
   R[2] = ((cy * sp) * cr) + (sy * sr);

@@ -77,6 +77,12 @@ void judge_loop(FlownFlight& flight);
 [[nodiscard]] std::vector<FlownFlight> fly_seeds(const PlannedFlight& plan, std::uint32_t count,
                                                  const std::function<bool()>& stop = {});
 
+/// Sets the law and the estimator of the options to those of the program in `options.gains`, an
+/// export of flight code; "truth" where the program takes the estimate from its caller.
+/// @throws OptionError              for other words there, or an integrator
+/// @throws FileError, InvalidInput  for what is no export of flight code
+void take_program(FlightOptions& options);
+
 /// Flies a planned flight as fly_seeds() by an export of flight code: its program is compiled, and
 /// has the place of the law, the estimator and the allocation.
 /// @param directory  of the export, of which the law of the plan was read
