@@ -18,7 +18,8 @@ struct ExportTarget {
   std::string estimator = {};
 };
 
-/// The targets in the order of the documentation: uquad, mambo, json, c, then those that were added.
+/// The targets in the order of the documentation: uquad, mambo, json, c, then those that were
+/// added.
 [[nodiscard]] const std::vector<ExportTarget>& export_targets();
 
 /// Adds a target, or replaces the one of its name. Not while other threads read designs.
