@@ -151,7 +151,7 @@ TEST(Export, WordsOfKindsReadBackAndUnknownOnesAreRefused) {
     EXPECT_EQ(export_kind(to_string(kind), "--to"), kind);
   EXPECT_THAT([] { (void)export_kind("jason", "--to"); },
               ThrowsMessage<InvalidInput>(HasSubstr("--to: no export 'jason', expected uquad, "
-                                                    "mambo, json; did you mean 'json'?")));
+                                                    "mambo, json, c; did you mean 'json'?")));
 }
 
 TEST(ReadGains, SaysWhereAFileIsWrong) {

@@ -360,7 +360,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "d.toml:3: [trim] has no key 'radius_m'"},
         Refusal{"Export", 16, "to = 'uqad'",
                 "d.toml:16: no export to 'uqad', expected uquad, "
-                "mambo, json; did you mean 'uquad'?"},
+                "mambo, json, c; did you mean 'uquad'?"},
         Refusal{"Published", 3, "[published]\nsource = 'x'\nK = [[1, 2]]\n[trim]",
                 "d.toml:5: published.K is 1x2, expected up to 4 rows"}),
     [](const auto& test) { return std::string(test.param.name); });
