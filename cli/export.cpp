@@ -10,6 +10,7 @@
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
+#include "quadtune/flight_code_words.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/design/export_content.hpp"
 #include "quadtune/workbench/design/gains_export.hpp"
@@ -60,6 +61,8 @@ FlightCodeOptions flight_code_options(const Options& options) {
   for (const auto& [option, value] : given)
     if (options.to != "c" && !value->empty())
       refuse("export", option, "{} is for --to c, expected none with --to {}", option, options.to);
+  if (!options.name.empty()) require_flight_code_name(options.name, "--name");
+  if (!options.law.empty()) require_flight_code_law(options.law, "--law");
   return {options.name,
           !options.precision.empty() && is_double_precision(options.precision, "--precision"),
           options.law};

@@ -103,8 +103,7 @@ void run_fly(Options& options, Context& context) {
   PlannedFlight plan = plan_of_command(options.flight, "fly");
   keep_log_for(options.outputs, plan, "fly");
   if (options.compiled && options.flight.estimator == "truth")
-    plan.notes.emplace_back(
-        "the program takes the estimate from its caller: it gets the true state");
+    plan.notes.emplace_back("the program has no estimator and is given the true state");
   context.notes("fly: note: ", plan.notes);
   if (options.seeds > 1) {
     tell_many(flown(options, plan), context);

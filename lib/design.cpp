@@ -16,6 +16,7 @@
 #include "quadtune/estimation/tuned_noise.hpp"
 #include "quadtune/estimation/uquad_filter.hpp"
 #include "quadtune/export_target.hpp"
+#include "quadtune/flight_code_words.hpp"
 #include "quadtune/gains.hpp"
 #include "quadtune/internal/enum_names.hpp"
 #include "quadtune/internal/joined.hpp"
@@ -440,6 +441,10 @@ std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& des
     request.flight_code.double_precision =
         is_double_precision(table.text_or("precision", "float"), table.where("precision"));
     request.flight_code.law = table.text_or("law", "");
+    if (!request.flight_code.name.empty())
+      require_flight_code_name(request.flight_code.name, table.where("name"));
+    if (!request.flight_code.law.empty())
+      require_flight_code_law(request.flight_code.law, table.where("law"));
     exports.push_back(request);
   }
   return exports;

@@ -4,16 +4,29 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/flight_code_options.hpp"
+#include "quadtune/flight_code_words.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune {
 namespace {
+
+// Words of C99, files of an export, and names whose header would be taken for one of the C library.
+constexpr std::array kTakenNames = {
+    "auto",   "break",    "case",     "char",     "const",  "double",   "else",    "enum",
+    "extern", "float",    "for",      "goto",     "if",     "inline",   "int",     "long",
+    "main",   "register", "return",   "short",    "signed", "sizeof",   "static",  "struct",
+    "switch", "typedef",  "union",    "unsigned", "void",   "volatile", "while",   "bool",
+    "true",   "false",    "replay",   "string",   "m",      "assert",   "complex", "ctype",
+    "errno",  "fenv",     "inttypes", "iso646",   "limits", "locale",   "math",    "setjmp",
+    "signal", "stdarg",   "stdbool",  "stddef",   "stdint", "stdio",    "stdlib",  "tgmath",
+    "time",   "wchar",    "wctype"};
 
 std::vector<ExportTarget>& targets() {
   static std::vector<ExportTarget> all = {{"uquad", false, true, "uquad"},
@@ -49,6 +62,27 @@ const ExportTarget& export_target(const std::string& name, const std::string& wh
   throw InvalidInput(
       where, fmt::format("no export to '{}', expected {}{}", internal::printable(name),
                          internal::joined(known, ", "), internal::did_you_mean(name, known)));
+}
+
+void require_flight_code_name(const std::string& name, const std::string& where) {
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  };
+  if (!name.empty() && name.size() <= kLongestFlightCodeName && name[0] >= 'a' && name[0] <= 'z' &&
+      std::all_of(name.begin(), name.end(), allowed) &&
+      std::find(kTakenNames.begin(), kTakenNames.end(), name) == kTakenNames.end())
+    return;
+  throw InvalidInput(
+      where, fmt::format("'{}' cannot be the prefix of a C program, expected 1 to {} lower-case "
+                         "letters, digits and _, a letter first, and no word of C or header of its "
+                         "library",
+                         internal::printable(name), kLongestFlightCodeName));
+}
+
+void require_flight_code_law(const std::string& law, const std::string& where) {
+  if (law != "cascaded-pid" && law != "state-feedback")
+    throw InvalidInput(where, fmt::format("no law '{}', expected cascaded-pid or state-feedback",
+                                          internal::printable(law)));
 }
 
 bool is_double_precision(const std::string& name, const std::string& where) {

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <cctype>
 
 #include "export_text.hpp"
@@ -15,6 +13,7 @@
 #include "json/to_json.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/export.hpp"
+#include "quadtune/flight_code_words.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -23,37 +22,15 @@ namespace quadtune {
 namespace exports {
 namespace {
 
-// Words of C99, files of ours, and names whose header or macros would be taken for the system's.
-constexpr std::array kTakenNames = {
-    "auto",   "break",    "case",     "char",     "const",  "double",   "else",    "enum",
-    "extern", "float",    "for",      "goto",     "if",     "inline",   "int",     "long",
-    "main",   "register", "return",   "short",    "signed", "sizeof",   "static",  "struct",
-    "switch", "typedef",  "union",    "unsigned", "void",   "volatile", "while",   "bool",
-    "true",   "false",    "replay",   "string",   "m",      "assert",   "complex", "ctype",
-    "errno",  "fenv",     "inttypes", "iso646",   "limits", "locale",   "math",    "setjmp",
-    "signal", "stdarg",   "stdbool",  "stddef",   "stdint", "stdio",    "stdlib",  "tgmath",
-    "time",   "wchar",    "wctype"};
-constexpr std::size_t kLongestName = 24;
 constexpr char kFlightCodeFormat[] = "quadtune-flight-code";
 constexpr int kFlightCodeVersion = 1;
 
 std::string name_of(const ExportContent& content) {
   const std::string& asked = content.flight_code.name;
   const std::string name = asked.empty() ? flight_code_name(content.vehicle.name) : asked;
-  const auto allowed = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-  };
-  const bool good = !name.empty() && name.size() <= kLongestName && name[0] >= 'a' &&
-                    name[0] <= 'z' && std::all_of(name.begin(), name.end(), allowed) &&
-                    std::find(kTakenNames.begin(), kTakenNames.end(), name) == kTakenNames.end();
-  if (!good)
-    throw InvalidInput(
-        asked.empty() ? "flight code" : "--name",
-        fmt::format("{}'{}' is no prefix of a C program, expected 1 to {} lower-case "
-                    "letters, digits and _, a letter first, and no word of C or header of "
-                    "the system{}",
-                    asked.empty() ? "the vehicle's name " : "", name, kLongestName,
-                    asked.empty() ? ", by --name" : ""));
+  require_flight_code_name(
+      name, asked.empty() ? "flight code is named after the vehicle unless --name is given"
+                          : "flight code");
   return name;
 }
 
@@ -86,7 +63,7 @@ std::string command_in_words(const ProgramSettings& s) {
   for (int i = 0; i < s.allocation.rotors; ++i)
     if (s.direction[static_cast<std::size_t>(i)] < 0) negative.push_back(fmt::format("{}", i + 1));
   const std::string signs = negative.empty() ? ""
-                                             : fmt::format("; negative for motor {}",
+                                             : fmt::format("; negative for motors {}",
                                                            internal::joined(negative, " and "));
   const bool squared = motor.law == CommandLaw::speed_squared;
   const std::string step =
@@ -230,7 +207,7 @@ std::string flight_code_name(const std::string& name) {
   }
   if (result.empty() || std::isalpha(static_cast<unsigned char>(result[0])) == 0)
     result = "vehicle_" + result;
-  if (result.size() > exports::kLongestName) result.resize(exports::kLongestName);
+  if (result.size() > kLongestFlightCodeName) result.resize(kLongestFlightCodeName);
   return result;
 }
 
@@ -315,8 +292,9 @@ std::string readme(const ProgramSettings& s, const ExportContent& content, const
       "flight, and compares\nevery command and every estimate bit by bit with what quadtune's own "
       "law and filter compute. For a board compile\n\n"
       "    {8}\n\n"
-      "with `-std=c99 -ffp-contract=off`. With contraction the last bits differ; nothing else "
-      "does.\n\n"
+      "with `-std=c99 -ffp-contract=off`. Where the compiler contracts products and sums, results "
+      "differ in the last bits.\nIt must not be told `-ffast-math`; the program then does not "
+      "compile.\n\n"
       "The program does not arm, watch the battery or give up: a supervisor must stop the motors "
       "where the vehicle\ntilts too far, or where `estimate.finite` is false.\n",
       name, in_comment(content.vehicle.name),

@@ -42,8 +42,8 @@ std::size_t first_other_line(const std::string& a, const std::string& b) {
   return a.size() == b.size() ? 0 : line;
 }
 
-/// What the gains of an export and a vehicle give. gains.json itself, which also has what the
-/// design knew beside the law, is compared with the manifest by verify_export().
+/// The files that the gains of an export and a vehicle give, without gains.json: it also contains
+/// weights and filters, and verify_export() compares it with the manifest.
 struct MadeAnew {
   ExportContent content;
   std::vector<FileContent> files;
@@ -60,18 +60,26 @@ struct MadeAnew {
   }
 };
 
-/// What is other than it should be in the files of a directory; empty: nothing.
+/// How the files of a directory differ from those of the program; empty if they do not. The numbers
+/// of another program must not lie there: a board's build that takes every file would find both.
 std::string text_difference(const fs::path& directory, const std::vector<FileContent>& expected) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(directory)) {
+    const std::string name = entry.path().filename().string();
+    if (name.ends_with("_parameters.c") &&
+        std::none_of(expected.begin(), expected.end(),
+                     [&](const FileContent& file) { return file.name == name; }))
+      return name + " belongs to another program, expected it elsewhere";
+  }
   for (const FileContent& file : expected) {
     const std::string found = exports::export_text(directory / file.name);
     if (const std::size_t line = first_other_line(found, file.bytes); line > 0)
-      return fmt::format("{}: line {} is another than the gains and the vehicle give", file.name,
+      return fmt::format("{}: line {} differs from what the gains and the vehicle give", file.name,
                          line);
   }
   return "";
 }
 
-/// Which program a target needs and does not have; empty: none.
+/// The first program that a target needs and that is not installed; empty if all are.
 std::string missing_program(FlightCodeTarget target) {
   std::vector<std::string> needed = {"cc"};
   if (target == FlightCodeTarget::arm) needed = {"arm-linux-gnueabihf-gcc", "qemu-arm"};
@@ -88,8 +96,9 @@ std::vector<std::string> command_of(const fs::path& folder, FlightCodeTarget tar
   return words;
 }
 
-/// Compiles files, which are known to be ours, into `replay` beside them.
-/// @return  what the compiler refuses; empty: nothing
+/// Writes the files of a program, whose text has been checked, into a folder and compiles them into
+/// the program `replay` there.
+/// @return  the last line of the compiler's errors; empty if it has none
 std::string compile(const std::vector<FileContent>& files, const fs::path& folder,
                     FlightCodeTarget target) {
   const bool arm = target == FlightCodeTarget::arm;
@@ -106,7 +115,8 @@ std::string compile(const std::vector<FileContent>& files, const fs::path& folde
   write_files(folder, files);
   std::string said;
   if (exports::Process(words).finish(said) == 0) return "";
-  return fmt::format("{} refuses it: {}", words.front(), internal::printable(last_line(said)));
+  return fmt::format("{} does not compile it: {}", words.front(),
+                     internal::printable(last_line(said)));
 }
 
 void replay_in(const fs::path& folder, FlightCodeTarget target, VerifyCheck& check) {

@@ -5,7 +5,7 @@
 namespace quadtune::exports {
 
 Exporter flight_code_exporter() {
-  // gains.json stands beside the C and is read in its place.
+  // The C is not parsed: the laws are read from the gains.json that is exported with it.
   Exporter exporter = json_exporter();
   exporter.target = export_target("c", "exporter");
   exporter.files = flight_code_files;

@@ -222,7 +222,7 @@ class FlightProgram {
     ProgramOutput output;
     output.commands.setZero(allocation_.rotors);
     for (int i = 0; i < 12; ++i) output.estimate(i) = lane(estimate.x(i), 0);
-    output.finite = all(estimate.finite);
+    output.finite = all(estimate.finite) && output.estimate.allFinite();
     return output;
   }
   [[nodiscard]] T direction(Eigen::Index i) const {

@@ -90,7 +90,8 @@ class FlownLaw final : public FlightLaw {
   std::shared_ptr<Flown> flown_;
 };
 
-/// Of a flight that begins in the air the offsets were found before, as in the library's filters.
+/// A flight that begins in the air begins with the sensors' true offsets, as with the library's
+/// filters: they were estimated before.
 ProgramStart start_of(const FlightSetup& setup, const ProgramSettings& settings,
                       const StateVector<double>& x) {
   ProgramStart start;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A program that runs beside this one, which writes to its standard input and reads what it says.
+/// Runs another program, writes to its standard input and reads its output.
 #pragma once
 
 #include <sys/types.h>

@@ -3,14 +3,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "quadtune/errors.hpp"
+#include "quadtune/flight_code_words.hpp"
 #include "quadtune/simulation/designed_controller.hpp"
 #include "quadtune/simulation/mission.hpp"
 
 namespace quadtune::exports {
 namespace {
 
-// From the ground to 1 m, then a step aside and a turn at once, so that errors are large.
+// From the ground to 1 m, then to another place, height and heading at once: errors are large, and
+// the motors meet their limits.
 constexpr char kRecordedMission[] = R"(name = "recorded"
 description = "Up to 1 m, then a step aside and a turn at once"
 duration_s = 5
@@ -30,13 +34,11 @@ yaw_rad = 2
 
 Controller controller_of(const ExportContent& content) {
   const std::string& law = content.flight_code.law;
-  if (!law.empty() && law != "cascaded-pid" && law != "state-feedback")
-    throw InvalidInput("law",
-                       fmt::format("no law '{}', expected cascaded-pid or state-feedback", law));
+  if (!law.empty()) require_flight_code_law(law, "flight code");
   if (law.empty() && content.gains && content.cascade)
     throw InvalidInput("flight code",
-                       "the design has a cascaded PID and a state feedback, expected --law "
-                       "cascaded-pid or --law state-feedback because one of them flies");
+                       "the design has a cascaded PID and a state feedback, expected the law "
+                       "cascaded-pid or state-feedback to be chosen because one of them flies");
   const bool by_cascade = law.empty() ? !content.gains : law == "cascaded-pid";
   if (by_cascade ? !content.cascade || content.cascade->gains.loops.empty() : !content.gains)
     throw InvalidInput("flight code",
@@ -59,6 +61,8 @@ FlightSetup recorded_setup(const ExportContent& content) {
   setup.vehicle = content.vehicle;
   setup.mission = parse_mission(kRecordedMission, "recorded mission");
   setup.controller = controller_of(content);
+  constexpr double kMostPeriods = 5000;  // each is a line
+  setup.duration = std::min(setup.mission.duration, kMostPeriods * control_period(setup));
   setup.allocation = AllocationRule::prioritized;
   const bool general = content.estimator && content.estimator->general;
   setup.estimator = general ? EstimatorKind::general : EstimatorKind::truth;

@@ -5,6 +5,11 @@
 #include "quadtune/simulation/pack_math.hpp"
 
 namespace quadtune::exports {
+
+// source/state.h has these sizes as numbers.
+static_assert(QT_HISTORY == kMostHistoryPeriods && QT_HORIZON == kMostHorizonPeriods);
+static_assert(QT_ERRORS == kErrorStates);
+
 namespace {
 
 template <class T>

@@ -79,7 +79,7 @@ TEST_F(FlightCodeVerb, RefusesInOneLine) {
   };
   const std::string gains = path("gains.json"), out = path("other");
   refused({"export", gains, "--to", "c", "-o", out, "--name", "9x"}, 2,
-          "is no prefix of a C program");
+          "cannot be the prefix of a C program");
   refused({"export", gains, "--to", "c", "-o", out, "--precision", "half"}, 2,
           "--precision: no precision 'half', expected float or double");
   refused({"export", gains, "--to", "c", "-o", out, "--law", "state-feedback"}, 3,

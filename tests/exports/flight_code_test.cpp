@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <random>
+#include <sstream>
 
 #include "flight_code/board_float.hpp"
 #include "flight_code/flight_recording.hpp"
@@ -145,6 +146,35 @@ TEST(FlightCode, ReplaysNothingThatIsNoFlight) {
   EXPECT_EQ(replayed("1 2 3\n"), 2);
 }
 
+TEST(FlightCode, SwitchesTheMotorsOffWhereTheEstimateIsNotFinite) {
+  if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
+  const TemporaryDirectory folder;
+  write_files(folder.path(),
+              flight_code_files(flight_code_content(
+                  {"cascade_alone", "uquad", InputKind::wrench, -1, true, true, false})));
+  ASSERT_EQ(make_test(folder.path()), 0) << folder.read("log");
+  const auto commands = [&](const char* yaw) {
+    // 16 numbers of the start; the estimate; phase, tracking, 9 numbers of the reference, 4 of
+    // idle.
+    folder.write("lines", fmt::format("start 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0\n"
+                                      "0 0 -1 0 0 {} 0 0 0 0 0 0\n2 1 0 0 -1 0 0 0 0 0 0 0 0 0 0\n",
+                                      yaw));
+    EXPECT_EQ(
+        std::system(
+            fmt::format("cd '{}' && ./replay - < lines > answers", folder.path().string()).c_str()),
+        0);
+    std::istringstream answers(folder.read("answers"));
+    std::string of_estimate;
+    std::getline(answers, of_estimate);
+    Eigen::Vector4d found;
+    for (double& command : found) answers >> command;
+    return found;
+  };
+  EXPECT_GT(commands("0").minCoeff(), 100);
+  EXPECT_EQ(commands("nan"), Eigen::Vector4d::Zero());
+  EXPECT_EQ(commands("inf"), Eigen::Vector4d::Zero());
+}
+
 TEST(FlightCode, FliesMissionsAsACompiledProgramBitByBit) {
   if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
   const TemporaryDirectory folder;
@@ -180,12 +210,19 @@ TEST(FlightCode, IsVerifiedByItsText) {
   folder.write("crazyflie_parameters.c", text.replace(at, 0, text[at] == '-' ? " " : "-"));
   EXPECT_FALSE(found().front().ok);
   EXPECT_THAT(found().front().detail, HasSubstr("crazyflie_parameters.c: line"));
+  // The numbers of another program beside it.
+  folder.write("crazyflie_parameters.c", text.erase(at, 1));
+  EXPECT_TRUE(found().front().ok) << found().front().detail;
+  folder.write("mambo_parameters.c", "");
+  EXPECT_THAT(found().front().detail, HasSubstr("mambo_parameters.c belongs to another program"));
+  EXPECT_FALSE(found().front().ok);
+  std::filesystem::remove(folder.path() / "mambo_parameters.c");
   // Flight code of another vehicle.
   Vehicle heavier = content.vehicle;
   heavier.mass *= 1.1;
   EXPECT_FALSE(flight_code_checks(folder.path(), heavier, {}).front().ok);
-  EXPECT_THAT([&] { CompiledProgram(folder.path(), content.vehicle); },
-              ThrowsMessage<InvalidInput>(HasSubstr("is another than the gains")));
+  EXPECT_THAT([&] { CompiledProgram(folder.path(), heavier); },
+              ThrowsMessage<InvalidInput>(HasSubstr("differs from what the gains")));
 }
 
 TEST(FlightCode, RefusesWhatIsNoProgram) {
@@ -198,12 +235,13 @@ TEST(FlightCode, RefusesWhatIsNoProgram) {
   refusal([](ExportContent& c) { c.gains.reset(); }, "the design has no law");
   refusal([](ExportContent& c) { c.gains->dt = 0; }, "the gains are continuous");
   refusal([](ExportContent& c) { c.cascade = hovering_cascade(c.vehicle, PidMethod::tustin); },
-          "--law cascaded-pid or --law state-feedback");
+          "expected the law cascaded-pid or state-feedback to be chosen");
   refusal([](ExportContent& c) { c.flight_code.law = "cascaded-pid"; }, "no law 'cascaded-pid'");
   refusal([](ExportContent& c) { c.flight_code.law = "lqr"; }, "no law 'lqr'");
   for (const char* name :
        {"int", "m", "errno", "A", "9a", "a-b", "a b", "replay", "abcdefghijklmnopqrstuvwxyz"})
-    refusal([&](ExportContent& c) { c.flight_code.name = name; }, "is no prefix of a C program");
+    refusal([&](ExportContent& c) { c.flight_code.name = name; },
+            "cannot be the prefix of a C program");
   refusal([](ExportContent& c) { c.gains->K(0, 0) = 1e39; }, "law.K: is 1e+39");
 }
 

@@ -44,9 +44,10 @@ std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kin
   std::vector<std::string> notes;
   if (kind.name() == "c" && !(content.estimator && content.estimator->general))
     notes.push_back(fmt::format("{}: the program takes the estimate from its caller",
-                                content.estimator ? fmt::format("flight code has no estimator '{}'",
-                                                                content.estimator->name)
-                                                  : "the gains name no estimator"));
+                                content.estimator
+                                    ? fmt::format("flight code does not include the estimator '{}'",
+                                                  content.estimator->name)
+                                    : "the gains name no estimator"));
   if (!content.gains || !(content.gains->dt > 0)) return notes;
   const VerifyModel model = model_of(content.vehicle, *content.gains);
   content.plant = model.plant;

@@ -943,11 +943,6 @@ static void write_states(qt_estimator_state_t *s, const qt_motion_t *motion, con
   }
 }
 
-static bool estimate_is_finite(const qt_estimate_t *e) {
-  return qt_all_finite(e->position, 3) && qt_is_finite(e->roll) && qt_is_finite(e->pitch) &&
-         qt_is_finite(e->yaw) && qt_all_finite(e->velocity, 3) && qt_all_finite(e->rates, 3);
-}
-
 void qt_estimator_initialize(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                              const qt_start_t *start) {
   qt_real R[9];
@@ -995,5 +990,5 @@ void qt_estimator_step(const qt_estimator_parameters_t *p, qt_estimator_state_t 
     }
   }
   write_states(s, &now, rates, estimate);
-  estimate->finite = estimate_is_finite(estimate);
+  estimate->finite = qt_states_are_finite(estimate);
 }

@@ -189,6 +189,8 @@ typedef struct {
 
 extern const qt_parameters_t qt_parameters;
 
+bool qt_states_are_finite(const qt_estimate_t *e);
+
 #if QT_WITH_ESTIMATOR
 void qt_estimator_initialize(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                              const qt_start_t *start);

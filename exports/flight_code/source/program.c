@@ -62,9 +62,15 @@ static void fly(qt_state_t *state, const qt_estimate_t *estimate, const qt_refer
 #endif
 }
 
+bool qt_states_are_finite(const qt_estimate_t *e) {
+  return qt_all_finite(e->position, 3) && qt_is_finite(e->roll) && qt_is_finite(e->pitch) &&
+         qt_is_finite(e->yaw) && qt_all_finite(e->velocity, 3) && qt_all_finite(e->rates, 3);
+}
+
 void qt_control(qt_state_t *state, const qt_estimate_t *estimate, const qt_reference_t *reference,
                 qt_output_t *output) {
   qt_estimate_t used = *estimate;
+  used.finite = used.finite && qt_states_are_finite(estimate);
   (void)memset(output, 0, sizeof *output);
   output->estimate = used;
   if (used.finite) {

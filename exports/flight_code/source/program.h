@@ -27,8 +27,8 @@ typedef float qt_real;
 
 #if QT_WITH_ESTIMATOR
 /* The newest sample of a sensor. `fresh` is true in the one control period in which it came; `age`
- * is the time since it was measured [s]. A sample that is not finite counts as
- * not fresh; one whose age is negative or not finite is not used. */
+ * is the time since it was measured [s]. A sample is not used if a number of it is not finite or
+ * its age is negative. */
 typedef struct {
   qt_real value[3];
   qt_real age;
@@ -79,8 +79,8 @@ typedef struct {
   qt_real roll;        /* [rad], where track_position is false */
   qt_real pitch;       /* [rad], likewise */
   qt_real yaw;         /* [rad], unwrapped */
-  qt_real
-      idle[QT_ROTORS]; /* motor commands in phase QT_IDLE, with their signs; passed on unchecked */
+  /* Motor commands in phase QT_IDLE, with their signs. They are passed on unchecked. */
+  qt_real idle[QT_ROTORS];
 } qt_reference_t;
 
 /* ---- what comes out ---- */
@@ -92,7 +92,7 @@ typedef struct {
   qt_real yaw;                /* [rad], unwrapped */
   qt_real velocity[3];        /* body [m/s] */
   qt_real rates[3];           /* body [rad/s] */
-  bool finite;                /* false: the estimate is lost for good, and the motors get 0 */
+  bool finite;                /* false, or a number above that is not finite: all commands are 0 */
   bool height_used;           /* whether range or pressure was believed in this period */
   bool flow_used;             /* whether the flow was */
   qt_real innovation_square;  /* sum of e^2/S over the measurements used in this period */
@@ -100,10 +100,11 @@ typedef struct {
 } qt_estimate_t;
 
 typedef struct {
-  qt_real command[QT_ROTORS]; /* of the motors: @COMMAND@ */
-  qt_real speed[QT_ROTORS];   /* that these commands stand for [rad/s] */
-  qt_real wrench[4];          /* that the law asks for: thrust along body -z [N], torques [N m] */
-  bool limited;               /* the motors cannot produce that wrench; they produce the nearest */
+  /* Of the motors: @COMMAND@. */
+  qt_real command[QT_ROTORS];
+  qt_real speed[QT_ROTORS]; /* that these commands stand for [rad/s] */
+  qt_real wrench[4];        /* that the law asks for: thrust along body -z [N], torques [N m] */
+  bool limited;             /* the motors cannot produce that wrench; they produce the nearest */
   qt_estimate_t estimate;
 } qt_output_t;
 

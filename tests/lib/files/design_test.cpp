@@ -361,6 +361,14 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"Export", 16, "to = 'uqad'",
                 "d.toml:16: no export to 'uqad', expected uquad, "
                 "mambo, json, c; did you mean 'uquad'?"},
+        Refusal{"FlightCodeName", 16, "to = 'c'\nname = '9x'",
+                "d.toml:17: '9x' cannot be the prefix of a C program"},
+        Refusal{"FlightCodeLaw", 16, "to = 'c'\nlaw = 'lqr'",
+                "d.toml:17: no law 'lqr', expected cascaded-pid or state-feedback"},
+        Refusal{"FlightCodePrecision", 16, "to = 'c'\nprecision = 'half'",
+                "d.toml:17: no precision 'half', expected float or double"},
+        Refusal{"KeysOfFlightCode", 16, "to = 'json'\nname = 'x'",
+                "d.toml:17: export.name is for an export to 'c', expected none for 'json'"},
         Refusal{"Published", 3, "[published]\nsource = 'x'\nK = [[1, 2]]\n[trim]",
                 "d.toml:5: published.K is 1x2, expected up to 4 rows"}),
     [](const auto& test) { return std::string(test.param.name); });
