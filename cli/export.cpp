@@ -10,6 +10,8 @@
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
+#include "quadtune/export_target.hpp"
+#include "quadtune/exports/firmware.hpp"
 #include "quadtune/flight_code_words.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/workbench/design/export_content.hpp"
@@ -22,6 +24,7 @@ namespace {
 
 struct Options {
   std::string source, to, directory, vehicle, name, precision, law;
+  FirmwareOptions firmware;
 
   [[nodiscard]] bool of_design() const { return source.ends_with(".toml"); }
 };
@@ -68,12 +71,26 @@ FlightCodeOptions flight_code_options(const Options& options) {
           options.law};
 }
 
+void require_firmware_options(const Options& options, const ExportKind& kind) {
+  const bool is_firmware = export_target(kind.name(), "--to").is_firmware;
+  const std::pair<const char*, const std::string*> given[] = {
+      {"--firmware", &options.firmware.version}, {"--setup", &options.firmware.setup}};
+  for (const auto& [option, value] : given)
+    if (!is_firmware && !value->empty())
+      refuse("export", option, "{} is for the parameters of a firmware, expected none with --to {}",
+             option, options.to);
+  if (is_firmware)
+    (void)firmware(firmware_kind(kind.name(), "--to"), options.firmware, "--firmware");
+}
+
 void run_export(const Options& options, Context& context) {
   require_complete(options);
   const ExportKind kind = export_kind(options.to, "--to");
   const FlightCodeOptions flight_code = flight_code_options(options);
+  require_firmware_options(options, kind);
   ExportContent content = content_of(options, context);
   content.flight_code = flight_code;
+  content.firmware = options.firmware;
   context.notes("export: note: ", adapt_to_program(content, kind));
   // Gains that do not hold the vehicle are not written.
   if (const std::string problem = unstable_loop(content); !problem.empty())
@@ -98,7 +115,8 @@ void run_export(const Options& options, Context& context) {
 void add_options(CommandLine& line, Options& options) {
   line.add_option("SOURCE", options.source,
                   "an export's directory, a gain file or a design file (.toml)");
-  line.add_option("--to NAME", options.to, "uquad, mambo, json or c");
+  line.add_option("--to NAME", options.to,
+                  "uquad, mambo, json, c, px4, ardupilot, betaflight or crazyflie");
   line.add_option("-o DIR", options.directory, "directory to write");
   line.add_option("--vehicle V", options.vehicle, "the vehicle, where the gains do not say");
   line.add_option("--name NAME", options.name,
@@ -106,6 +124,10 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--precision WORD", options.precision, "of the C program: float or double");
   line.add_option("--law LAW", options.law,
                   "of the C program, where the design has two: cascaded-pid or state-feedback");
+  line.add_option("--firmware VERSION", options.firmware.version,
+                  "of a firmware's parameters, e.g. 1.15 of px4; the newest that was read");
+  line.add_option("--setup NAME", options.firmware.setup,
+                  "propellers of a Crazyflie: standard (default), legacy, thrust-kit or brushless");
 }
 
 }  // namespace

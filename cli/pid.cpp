@@ -115,9 +115,10 @@ void run_vehicle(const CommandLine& line, Options& options, Context& context) {
 
 void run_pid(const CommandLine& line, Options& options, Context& context) {
   if (options.vehicle.empty()) {
-    line.refuse_given({"--method", "--plant", "--dt", "--bandwidth", "--sensor-delay",
-                       "--motor-lag", "--tracking-max", "--integral", "--integrator", "--free"},
-                      "belongs to a vehicle, expected one");
+    line.refuse_given(
+        {"--method", "--plant", "--dt", "--bandwidth", "--sensor-delay", "--structure",
+         "--motor-lag", "--tracking-max", "--integral", "--integrator", "--free"},
+        "belongs to a vehicle, expected one");
     run_transfer_function(options, context);
     return;
   }
@@ -151,6 +152,9 @@ void add_cascade_options(CommandLine& line, CascadeOptions& options, bool& free)
   line.add_option(
       "--sensor-delay LIST", options.sensor_delay,
       "with V: how late the loops see their values [s]: one number, or roll=0.005,x=0.02");
+  line.add_option("--structure NAME", options.structure,
+                  "with V: pid (default), or p-pi: what a gain before a PI controller of the rate "
+                  "can fly, as autopilots have it");
   line.add_number("--motor-lag S", options.motor_lag,
                   "with V: time constant of the motors [s]; the vehicle's");
   line.add_number("--tracking-max M", options.tracking_max,

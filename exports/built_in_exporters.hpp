@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "quadtune/exports/exporter.hpp"
 
@@ -12,6 +13,8 @@ namespace quadtune::exports {
 [[nodiscard]] Exporter mambo_exporter();
 [[nodiscard]] Exporter json_exporter();
 [[nodiscard]] Exporter flight_code_exporter();
+/// Those of firmware_kind().
+[[nodiscard]] std::vector<Exporter> firmware_exporters();
 
 /// The file of the Mambo's gains.
 inline constexpr char kControllerVars[] = "controllerVars.m";

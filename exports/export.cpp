@@ -78,14 +78,22 @@ std::vector<std::string> left_behind(const std::filesystem::path& directory,
   return stale;
 }
 
+std::vector<FileContent> with_manifest(const Exporter& exporter, const ExportContent& content,
+                                       std::vector<FileContent> files) {
+  const Manifest manifest = make_manifest(exporter, content, files);
+  files.push_back({kManifestName, manifest_text(manifest)});
+  return files;
+}
+
 }  // namespace
 
 std::vector<FileContent> export_files(const ExportKind& kind, const ExportContent& content) {
   const Exporter& exporter = exporter_of(kind, "export");
-  std::vector<FileContent> files = exporter.files(content);
-  const Manifest manifest = make_manifest(exporter, content, files);
-  files.push_back({kManifestName, manifest_text(manifest)});
-  return files;
+  if (exporter.fit) {
+    const ExportContent fitted = exporter.fit(content);
+    return with_manifest(exporter, fitted, exporter.files(fitted));
+  }
+  return with_manifest(exporter, content, exporter.files(content));
 }
 
 std::vector<ManifestFile> write_export(const std::filesystem::path& directory,

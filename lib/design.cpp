@@ -415,7 +415,7 @@ FlightCondition read_trim(const TomlTable& table) {
 std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& design) {
   std::vector<ExportRequest> exports;
   for (const TomlTable& table : file.tables("export")) {
-    table.allow({{"to"}, {"name"}, {"precision"}, {"law"}});
+    table.allow({{"to"}, {"name"}, {"precision"}, {"law"}, {"firmware"}, {"setup"}});
     ExportRequest request{table.text("to")};
     const std::string where = table.where("to");
     const ExportTarget& target = export_target(request.to, where);
@@ -423,7 +423,12 @@ std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& des
       if (earlier.to == request.to)
         throw InvalidInput(where, "export to '" + request.to + "' stands twice, expected once");
     const bool matrix = design.lqi && design.lqi->matrix;
-    if (!target.takes_memory && design.lqi && !matrix)
+    if (target.is_firmware && !design.cascade)
+      throw InvalidInput(where, fmt::format("export to '{}' has no gains to write, expected a "
+                                            "[cascade] table, because this firmware's laws have no "
+                                            "place for a state feedback",
+                                            request.to));
+    if (!target.takes_memory && !target.is_firmware && design.lqi && !matrix)
       throw InvalidInput(where, fmt::format("export to '{}' has no place for the past commands and "
                                             "lags of a law with lqr.plant 'flown', expected json, "
                                             "or lqr.structure 'matrix'",
@@ -437,6 +442,13 @@ std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& des
         throw InvalidInput(table.where(key), fmt::format("export.{} is for an export to 'c', "
                                                          "expected none for '{}'",
                                                          key, request.to));
+    for (const char* key : {"firmware", "setup"})
+      if (!target.is_firmware && table.has(key))
+        throw InvalidInput(table.where(key),
+                           fmt::format("export.{} is for the parameters of a firmware, expected "
+                                       "none for '{}'",
+                                       key, request.to));
+    request.firmware = {table.text_or("firmware", ""), table.text_or("setup", "")};
     request.flight_code.name = table.text_or("name", "");
     request.flight_code.double_precision =
         is_double_precision(table.text_or("precision", "float"), table.where("precision"));

@@ -29,10 +29,18 @@ constexpr std::array kTakenNames = {
     "time",   "wchar",    "wctype"};
 
 std::vector<ExportTarget>& targets() {
-  static std::vector<ExportTarget> all = {{"uquad", false, true, "uquad"},
-                                          {"mambo", false, false, "mambo"},
-                                          {"json", true, false},
-                                          {"c", true, false}};
+  const auto firmware = [](const char* name) {
+    return ExportTarget{.name = name, .is_firmware = true};
+  };
+  static std::vector<ExportTarget> all = {
+      {.name = "uquad", .needs_gains = true, .estimator = "uquad"},
+      {.name = "mambo", .estimator = "mambo"},
+      {.name = "json", .takes_memory = true},
+      {.name = "c", .takes_memory = true},
+      firmware("px4"),
+      firmware("ardupilot"),
+      firmware("betaflight"),
+      firmware("crazyflie")};
   return all;
 }
 

@@ -273,8 +273,8 @@ const std::vector<Verb>& verbs() {
         design_verb(),    vehicle_verb(),    linearize_verb(),   lqr_verb(),      lqg_verb(),
         kalman_verb(),    discretize_verb(), margins_verb(),     pid_verb(),      fly_verb(),
         compare_verb(),   log_verb(),        tune_kalman_verb(), tune_pid_verb(), tune_lqr_verb(),
-        calibrate_verb(), allan_verb(),      export_verb(),      verify_verb(),   certify_verb(),
-        diff_verb(),      help_verb()};
+        calibrate_verb(), allan_verb(),      export_verb(),      import_verb(),   verify_verb(),
+        certify_verb(),   diff_verb(),       help_verb()};
     const std::vector<Verb> campaign = campaign_verbs();
     const auto log =
         std::find_if(list.begin(), list.end(), [](const Verb& verb) { return verb.name == "log"; });

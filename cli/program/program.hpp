@@ -180,6 +180,7 @@ Verb tune_lqr_verb();
 Verb calibrate_verb();
 Verb allan_verb();
 Verb export_verb();
+Verb import_verb();
 Verb verify_verb();
 Verb certify_verb();
 Verb diff_verb();

@@ -50,6 +50,17 @@ PidLoop cascade_loop(CascadeAxis axis) {
   return {words.name, words.output, words.unit, 0, 0, 0};
 }
 
+constexpr internal::EnumName<CascadeStructure> kStructures[] = {{CascadeStructure::pid, "pid"},
+                                                                {CascadeStructure::p_pi, "p-pi"}};
+
+std::string to_string(CascadeStructure structure) {
+  return internal::name_in(kStructures, structure);
+}
+
+CascadeStructure cascade_structure(const std::string& name, const std::string& where) {
+  return internal::require_in(kStructures, name, "structure", where);
+}
+
 constexpr internal::EnumName<PidMethod> kPidMethods[] = {
     {PidMethod::forward_euler, "euler"},
     {PidMethod::backward_euler, "backward-euler"},

@@ -58,6 +58,7 @@ CascadeSpecification read_cascade_specification(const TomlTable& table, double d
                {"Ms_max"},
                {"tracking_max"},
                {"integral"},
+               {"structure"},
                {"published"}});
   constexpr Range kMoreThanOne = {1, Range::Bound::open, 0, Range::Bound::none};
   CascadeSpecification specification;
@@ -87,6 +88,8 @@ CascadeSpecification read_cascade_specification(const TomlTable& table, double d
       if (std::exchange(integral, true))
         throw InvalidInput(where, "integral names loop '" + name + "' twice, expected each once");
     }
+  if (table.has("structure"))
+    specification.structure = cascade_structure(table.text("structure"), table.where("structure"));
   if (table.has("published")) specification.use_published = table.truth("published");
   return specification;
 }

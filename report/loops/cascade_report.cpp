@@ -188,6 +188,7 @@ Json to_json(const CascadeReport& report) {
                {"dt", s.dt},
                {"sensor_delay_s", delays},
                {"integrator", to_string(report.specification.method)},
+               {"structure", to_string(report.specification.structure)},
                {"motor_lag_s", *report.specification.lag},
                {"published",
                 report.published_source.empty() ? Json(nullptr) : Json(report.published_source)}};

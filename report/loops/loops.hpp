@@ -18,6 +18,7 @@ struct LoopReport;
 struct MethodComparison;
 struct PidReport;
 struct SampledPlant;
+struct FirmwareImport;
 struct VehicleCascade;
 }  // namespace quadtune
 
@@ -30,6 +31,9 @@ namespace quadtune::report {
 /// The same with "method", "plant", "flown", "flown_loop", and its laws as they are read again.
 [[nodiscard]] internal::Json to_json(const VehicleCascade& cascade);
 [[nodiscard]] std::string to_text(const VehicleCascade& cascade);
+/// A firmware's parameters on a vehicle; the JSON holds the cascade as `fly --gains` reads it.
+[[nodiscard]] internal::Json to_json(const FirmwareImport& import);
+[[nodiscard]] std::string to_text(const FirmwareImport& import);
 /// All loops, cut at the wrench.
 [[nodiscard]] Figure cascade_figure(const VehicleCascade& cascade);
 

@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <ostream>
 
 #include "cascade/cascade_model.hpp"
 #include "lyapunov/eigenvalues.hpp"
 #include "pid/gain_search.hpp"
+#include "quadtune/cascade.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/border.hpp"
 #include "quadtune/internal/enum_names.hpp"
@@ -41,10 +43,12 @@ class LoopProblem : public internal::GainProblem {
   void forbid_on_grid(const PidGains& base, std::vector<GainInterval>& forbidden) const override {
     for (std::size_t k = 0; k < grid().size(); ++k)
       forbid_with(base, grid()[k], responses_.points()[k], forbidden);
+    forbid_by_structure(base, grid().front(), forbidden);
   }
   void forbid_at(const PidGains& base, double w,
                  std::vector<GainInterval>& forbidden) const override {
     forbid_with(base, w, responses_.at(w), forbidden);
+    forbid_by_structure(base, w, forbidden);
   }
   [[nodiscard]] bool stable(const PidGains& g) const override { return responses_.stable(g); }
 
@@ -64,6 +68,12 @@ class LoopProblem : public internal::GainProblem {
   }
 
  private:
+  void forbid_by_structure(const PidGains& base, double w,
+                           std::vector<GainInterval>& forbidden) const {
+    if (bounds_.p_pi && bounds_.integral)
+      forbidden.push_back(
+          {greatest_p_pi_integral(base.Kp, base.Kd), std::numeric_limits<double>::infinity(), w});
+  }
   void forbid_with(const PidGains& base, double w, const CascadeResponses::Point& p,
                    std::vector<GainInterval>& forbidden) const {
     const Complex value_slope = bounds_.integral ? p.integral : 1.0;  // of the value's part
@@ -223,6 +233,8 @@ CascadeLoopDesign design_cascade_loop(const CascadePlant& plant, const CascadeLo
   const auto note = [&](double met, double bound, const char* name) {
     if (met > 0.999 * bound) design.binding.emplace_back(name);
   };
+  if (bounds.p_pi && bounds.integral)
+    note(gains.Ki, greatest_p_pi_integral(gains.Kp, gains.Kd), "structure");
   note(design.evidence.margins.Ms, bounds.Ms_max, "Ms");
   note(design.evidence.tracking_peak, bounds.tracking_max, "tracking");
   note(design.evidence.load_peak, bounds.load_peak_max, "load peak");

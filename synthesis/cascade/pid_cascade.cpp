@@ -264,6 +264,7 @@ CascadeAxisDesign design_axis(const Hover& hover, const CascadeVehicle& vehicle,
                           inner ? inner->evidence.bandwidth / kSeparation : by_clock,
                           greatest_gain(axis, vehicle.authority),
                           measured ? &loop.published_evidence : nullptr);
+  loop.bounds.p_pi = specification.structure == CascadeStructure::p_pi;
   loop.design = design_cascade_loop(hover.plant(axis, inner ? inner->gains : PidGains{}),
                                     loop.bounds, specification.method);
   if (std::isinf(loop.bounds.rate_noise_max))  // not held to what is published

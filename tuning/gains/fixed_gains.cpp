@@ -53,11 +53,35 @@ double outer_penalty(const FixedGainsMember& member, const Eigen::RowVectorXd& F
   return sum;
 }
 
+double product_of(const GainProductBound& bound, const MatrixXd& F) {
+  double product = bound.factor;
+  for (std::size_t j = 0; j < bound.powers.size(); ++j)
+    product *= std::pow(std::abs(F(0, static_cast<Index>(j))), bound.powers[j]);
+  return product;
+}
+
+/// Σ max(0, product - 1)² with kReserve, its slope by F added to `slope`.
+double product_penalty(const std::vector<GainProductBound>& bounds, const MatrixXd& F, double share,
+                       MatrixXd& slope) {
+  double sum = 0;
+  for (const GainProductBound& bound : bounds) {
+    const double product = product_of(bound, F) / (1 - kReserve), excess = product - 1;
+    if (!(excess > 0)) continue;
+    sum += excess * excess;
+    for (std::size_t j = 0; j < bound.powers.size(); ++j)
+      if (bound.powers[j] != 0)
+        slope(0, static_cast<Index>(j)) +=
+            share * 2 * excess * product * bound.powers[j] / F(0, static_cast<Index>(j));
+  }
+  return sum;
+}
+
 /// The members' costs as a function of the free gains, each in units of its starting value.
 class Costs {
  public:
-  Costs(const std::vector<FixedGainsMember>& members, const MatrixXd& start)
-      : members_(members), start_(start), slope_(start.rows(), start.cols()) {
+  Costs(const std::vector<FixedGainsMember>& members, const MatrixXd& start,
+        const std::vector<GainProductBound>& products)
+      : members_(members), start_(start), products_(products), slope_(start.rows(), start.cols()) {
     for (Index j = 0; j < start.cols(); ++j)
       for (Index i = 0; i < start.rows(); ++i)
         if (start(i, j) != 0) free_.emplace_back(i, j);
@@ -90,7 +114,7 @@ class Costs {
 
   /// Σ penalty, its slope added to that of the cost with `share`.
   double penalize(const MatrixXd& F, double share) {
-    double sum = 0;
+    double sum = product_penalty(products_, F, share, slope_);
     for (const FixedGainsMember& member : members_) {
       if (member.response.size() == 0) continue;
       const MarginPenalty one = margin_penalty(member.response, F.row(0), tightened(member.bounds));
@@ -112,6 +136,8 @@ class Costs {
   /// The largest relative violation, and whose it is.
   [[nodiscard]] std::pair<double, std::size_t> violation(const MatrixXd& F) const {
     std::pair<double, std::size_t> worst{-1, 0};
+    for (const GainProductBound& bound : products_)
+      worst = std::max(worst, {product_of(bound, F) - 1, members_.size()});
     for (std::size_t m = 0; m < members_.size(); ++m) {
       if (members_[m].response.size() == 0) continue;
       const MarginBounds& bounds = members_[m].bounds;
@@ -141,6 +167,7 @@ class Costs {
 
   const std::vector<FixedGainsMember>& members_;
   const MatrixXd& start_;
+  const std::vector<GainProductBound>& products_;
   std::vector<std::pair<Index, Index>> free_;
   MatrixXd slope_;
 };
@@ -175,6 +202,13 @@ void require(const std::vector<FixedGainsMember>& members, const MatrixXd& start
     throw InvalidInput(kWhere,
                        "every starting gain is 0, expected a free one that is not because "
                        "gains of 0 stay 0");
+  for (const GainProductBound& bound : options.products)
+    if (start.rows() != 1 || std::ssize(bound.powers) != start.cols() || !(bound.factor > 0))
+      throw InvalidInput(kWhere,
+                         fmt::format("a bound on the product of the gains has {} powers and "
+                                     "the factor {}, expected {} powers, a factor > 0 and "
+                                     "a law with one input",
+                                     bound.powers.size(), bound.factor, start.cols()));
   if (options.max_iterations < 1)
     throw InvalidInput(
         kWhere, fmt::format("max_iterations is {}, expected at least 1", options.max_iterations));
@@ -221,7 +255,7 @@ FixedGainsResult fixed_gains(const std::vector<FixedGainsMember>& members, const
   require(members, start, options);
   FixedGainsResult result;
   result.F = start;
-  Costs costs(members, start);
+  Costs costs(members, start, options.products);
   if (!costs.evaluate(start, result.start_cost)) {
     result.status = FixedGainsStatus::unstable_start;
     result.culprit = members[costs.at_fault].name;
@@ -236,7 +270,8 @@ FixedGainsResult fixed_gains(const std::vector<FixedGainsMember>& members, const
   solver.function_tolerance = 1e-14;
   solver.parameter_tolerance = 1e-12;
   solver.logging_type = ceres::SILENT;
-  const bool bounded = std::any_of(members.begin(), members.end(),
+  const bool bounded = !options.products.empty() ||
+                       std::any_of(members.begin(), members.end(),
                                    [](const FixedGainsMember& m) { return m.response.size() > 0; });
   // The weight of the penalty, whose minimum comes within the bounds as it grows.
   const std::vector<double> shares =
@@ -259,7 +294,7 @@ FixedGainsResult fixed_gains(const std::vector<FixedGainsMember>& members, const
   result.violation = bounded ? violation : 0;
   if (bounded && violation > kSlack) {
     result.status = FixedGainsStatus::bounds_violated;
-    result.culprit = members[whose].name;
+    result.culprit = whose < members.size() ? members[whose].name : "the product of the gains";
   } else if (!converged) {
     result.status = FixedGainsStatus::no_convergence;
     result.culprit = fmt::format("{} iterations", options.max_iterations);

@@ -36,6 +36,14 @@ PidMethod method_of(const std::string& word) {
   }
 }
 
+CascadeStructure structure_of(const std::string& word) {
+  try {
+    return cascade_structure(word, "structure");
+  } catch (const InvalidInput& error) {
+    throw OptionError("structure", error.what());
+  }
+}
+
 /// Calls `use` for "roll=40,x=2", and before that for all loops where a number stands alone.
 template <class Use>
 void each_axis(const std::string& text, const std::string& key, const char* what, const Use& use) {
@@ -114,6 +122,7 @@ CascadeSpecification cascade_specification(const CascadeOptions& options, const 
     specification.dt = *options.dt;
   }
   if (options.integrator) specification.method = method_of(*options.integrator);
+  if (options.structure) specification.structure = structure_of(*options.structure);
   if (options.motor_lag && !(*options.motor_lag >= 0 && *options.motor_lag <= kLongestLag))
     throw OptionError("motor-lag", fmt::format("motor-lag is {} s, expected 0 to {} s",
                                                number(*options.motor_lag), number(kLongestLag)));

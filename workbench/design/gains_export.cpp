@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <numbers>
 #include <utility>
 
 #include "quadtune/convention.hpp"
@@ -15,6 +16,29 @@
 #include "quadtune/workbench/flown/flying_loop.hpp"
 
 namespace quadtune {
+
+namespace {
+
+/// What a firmware's numbers do to the margins of the cascade.
+std::string margins_changed(const ExportContent& before, const ExportContent& after) {
+  const auto margins = [](const ExportContent& content) {
+    return assess_written_cascade(content.vehicle, content.cascade->gains, content.cascade->method,
+                                  content.vehicle.name)
+        .margins;
+  };
+  const auto degrees = [](double angle) { return angle * 180 / std::numbers::pi; };
+  const MarginsReport was = margins(before), is = margins(after);
+  std::string text =
+      "margins of the cascade, cut at the wrench, as designed and as the board has "
+      "it:";
+  for (std::size_t i = 0; i < was.loops.size() && i < is.loops.size(); ++i)
+    text += fmt::format("{} {} Ms {:.3f} -> {:.3f}, phase {:.1f} -> {:.1f} deg", i == 0 ? "" : ";",
+                        is.names[i], was.loops[i].Ms, is.loops[i].Ms,
+                        degrees(was.loops[i].phase_margin), degrees(is.loops[i].phase_margin));
+  return text;
+}
+
+}  // namespace
 
 void require_sampled(const StoredLaws& laws, const std::string& path) {
   if (laws.gains && !(laws.gains->dt > 0))
@@ -38,7 +62,16 @@ ExportContent export_content(StoredLaws laws, const std::string& vehicle, const 
 }
 
 std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kind) {
-  const std::string& words = exporter_of(kind, "--to").convention;
+  const Exporter& exporter = exporter_of(kind, "--to");
+  if (exporter.target.is_firmware) {
+    const ExportContent before = content;
+    content = exporter.fit(std::move(content));
+    content.cascade_plant = cascade_plant(content.vehicle, *content.cascade, kind.name());
+    std::vector<std::string> told = content.firmware_notes;
+    told.push_back(margins_changed(before, content));
+    return told;
+  }
+  const std::string& words = exporter.convention;
   if (content.gains && !words.empty())
     content.gains = in_convention(*content.gains, convention(words, "--to"));
   std::vector<std::string> notes;

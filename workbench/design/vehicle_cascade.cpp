@@ -60,9 +60,11 @@ bool designs_on_flown_plant(const CascadeOptions& options, const Vehicle& vehicl
   return true;
 }
 
-FlownGains cascade_on_flown_plant(const Vehicle& vehicle, double dt, bool asked_for_dt) {
+FlownGains cascade_on_flown_plant(const Vehicle& vehicle, const CascadeSpecification& specification,
+                                  bool asked_for_dt) {
   FlownGainsOptions options;
-  options.dt = dt;
+  options.dt = specification.dt;
+  options.structure = specification.structure;
   try {
     return flown_gains(vehicle, options);
   } catch (const OptionError&) {
@@ -98,7 +100,7 @@ VehicleCascade vehicle_cascade(const Vehicle& vehicle, const CascadeOptions& opt
   result.ideal = !on_flown_plant && asks_for_ideal_plant(options);
   if (result.ideal) specification.lag = 0;
   if (on_flown_plant) {
-    result.flown = cascade_on_flown_plant(vehicle, specification.dt, options.dt.has_value());
+    result.flown = cascade_on_flown_plant(vehicle, specification, options.dt.has_value());
     result.report = assess_written_cascade(vehicle, as_cascade(*result.flown, specification.dt),
                                            specification.method, where);
   } else {

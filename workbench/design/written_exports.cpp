@@ -21,12 +21,14 @@ std::vector<WrittenExport> write_exports(const DesignOutcome& outcome, const std
   for (const FileContent& input : content.inputs) inputs.push_back({input.name, "", input.bytes});
   for (const ExportRequest& request : design.exports) {
     content.flight_code = request.flight_code;
+    content.firmware = request.firmware;
     (void)export_files(export_kind(request.to, file), content);
   }
   std::vector<WrittenExport> written;
   for (const ExportRequest& request : design.exports) {
     WrittenExport one;
     content.flight_code = request.flight_code;
+    content.firmware = request.firmware;
     one.kind = export_kind(request.to, file);
     one.directory = design.exports.size() == 1
                         ? directory

@@ -40,7 +40,18 @@ struct AxisLaw {
   double now = 0;            ///< as with_integrals()
   double tilt_integral = 0;  ///< Ki/Kp of the tilt loop [1/s]; 0: no Ki
   double load = 0;           ///< torque whose sudden end the cost includes if there is Ki [N m]
+  CascadeStructure structure = CascadeStructure::pid;
 };
+
+/// 4 |Kd| Ki / Kp² ≤ 1 of the group's loops, in terms of F = [p v tilt rate ∫p] or [p v ∫p].
+std::vector<GainProductBound> structure_bounds(const AxisLaw& law) {
+  if (law.structure == CascadeStructure::pid) return {};
+  if (states_of(law.axis).size() != 4) return {{4, {-2, 1, 1}}};
+  // The tilt loop's own Kp is in all gains of the position loop and leaves their ratio.
+  std::vector<GainProductBound> bounds = {{4, {-2, 1, 0, 0, 1}}};
+  if (law.tilt_integral > 0) bounds.push_back({4 * law.tilt_integral, {0, 0, -1, 1, 0}});
+  return bounds;
+}
 
 FixedGainsMember member_of(const FlownFamilyMember& member, const AxisLaw& law,
                            const AxisWeights& weights) {
@@ -139,7 +150,7 @@ FlownAxisGains search_from(const RowVectorXd& start, const std::vector<FlownFami
   constexpr int kMostSearches = 3;
   for (int i = 0; i < kMostSearches; ++i) {
     for (FixedGainsMember& member : members) member.bounds = bounds;
-    result.search = fixed_gains(members, F);
+    result.search = fixed_gains(members, F, {.products = structure_bounds(law)});
     if (result.search.status == FixedGainsStatus::unstable_start) return result;
     F = result.search.F.row(0);
     result.margins.clear();
@@ -175,6 +186,7 @@ FlownAxisGains design(const Vehicle& vehicle, const std::vector<FlownFamilyMembe
   AxisLaw law;
   law.axis = axis;
   law.now = options.now;
+  law.structure = options.structure;
   FlownAxisGains result = search_from(start, family, law, weights, options.bounds);
   const bool tilts = states.size() == 4;
   if (!tilts || !options.tilt_integral || result.F.size() == 0) return result;
@@ -183,9 +195,9 @@ FlownAxisGains design(const Vehicle& vehicle, const std::vector<FlownFamilyMembe
   // Slower than the tilt loop, so that it takes little phase. The load that the cost includes is
   // much smaller than that of the motor: the cost grows with its square, and a large load makes the
   // integrals of the position so strong that steps overshoot.
-  constexpr double kIntegralShare = 0.35;
+  const double integral_share = options.structure == CascadeStructure::p_pi ? 0.2 : 0.35;
   constexpr double kCountedTilt = 0.03;  // [rad] that the load would leave without the integral
-  law.tilt_integral = kIntegralShare * Kp / Kd;
+  law.tilt_integral = integral_share * Kp / Kd;
   law.load = kCountedTilt * Kp;
   FlownAxisGains with = search_from(result.F, family, law, weights, options.bounds);
   return with.search.status == FixedGainsStatus::unstable_start ? result : with;

@@ -7,6 +7,8 @@
 #include <filesystem>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/export_target.hpp"
+#include "quadtune/exports/firmware.hpp"
 #include "quadtune/exports/manifest.hpp"
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/internal/joined.hpp"
@@ -160,6 +162,9 @@ VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
       report.checks.push_back(std::move(check));
     if (manifest.kind.name() == "c")
       for (VerifyCheck& check : flight_code_checks(directory, vehicle, targets))
+        report.checks.push_back(std::move(check));
+    if (export_target(manifest.kind.name(), kManifestName).is_firmware)
+      for (VerifyCheck& check : firmware_checks(directory, vehicle))
         report.checks.push_back(std::move(check));
     return report;
   } catch (const NoSolution& error) {

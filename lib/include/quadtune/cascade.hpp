@@ -73,6 +73,24 @@ struct CascadeRequirement {
   bool integral = true;       ///< false: the loop has no Ki
 };
 
+/// What a loop's gains may be.
+enum class CascadeStructure {
+  pid,  ///< Kp, Ki and Kd are free
+  /// The value's error times a gain is the set point of a PI controller of the rate, as autopilots
+  /// have it. With Kp, Ki and |Kd| these are the same feedback where Kp² ≥ 4 |Kd| Ki, and only
+  /// there.
+  p_pi,
+};
+/// "pid", "p-pi".
+[[nodiscard]] std::string to_string(CascadeStructure structure);
+/// @throws InvalidInput  naming the word and the two that exist.
+[[nodiscard]] CascadeStructure cascade_structure(const std::string& name, const std::string& where);
+
+/// The greatest Ki with which gains of the structure p_pi exist.
+[[nodiscard]] constexpr double greatest_p_pi_integral(double Kp, double Kd) {
+  return Kp * Kp / (4 * (Kd < 0 ? -Kd : Kd));
+}
+
 /// Longest delay of a sensor [samples]: each sample is a state of every loop that is tried.
 inline constexpr int kMostDelaySamples = 40;
 
@@ -83,6 +101,7 @@ struct CascadeSpecification {
   std::optional<double> lag;                                  ///< of the motors [s]; the vehicle's
   std::array<double, kCascadeAxes> delay{};                   ///< of each loop's sensors [s]
   std::array<CascadeRequirement, kCascadeAxes> requirements;  ///< by axis
+  CascadeStructure structure = CascadeStructure::pid;         ///< of every loop
   bool use_published = true;  ///< whether published gains bound the loops without a bandwidth
 };
 

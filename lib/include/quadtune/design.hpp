@@ -12,6 +12,7 @@
 #include "quadtune/cascade.hpp"
 #include "quadtune/convention.hpp"
 #include "quadtune/estimation/filter_model.hpp"
+#include "quadtune/firmware_options.hpp"
 #include "quadtune/flight_code_options.hpp"
 #include "quadtune/flight_condition.hpp"
 #include "quadtune/lti.hpp"
@@ -106,8 +107,9 @@ struct CascadeDesign {
 
 /// Files that the design writes.
 struct ExportRequest {
-  std::string to;                   ///< "uquad", "mambo", "json" or "c"
+  std::string to;                   ///< the name of an ExportTarget
   FlightCodeOptions flight_code{};  ///< of an export to "c"
+  FirmwareOptions firmware{};       ///< of an export to a firmware's parameters
 };
 
 /// A mission that the gains must fly before they are exported.

@@ -48,6 +48,8 @@ struct ExportContent {
   std::optional<CascadeDesign> cascade;
   std::optional<StoredEstimator> estimator;  ///< that the laws were judged with
   FlightCodeOptions flight_code;             ///< of exports that are flight code
+  FirmwareOptions firmware;                  ///< of exports that are a firmware's parameters
+  std::vector<std::string> firmware_notes;   ///< what these change of the cascade, by Exporter::fit
   ExportEvidence evidence;
   std::vector<FileContent> inputs;  ///< design and vehicle files: name without path, and bytes
   std::vector<std::pair<std::string, std::string>>

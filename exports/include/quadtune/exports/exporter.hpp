@@ -31,6 +31,10 @@ struct Exporter {
   /// Whether its files have numbers of a cascade even where none was designed.
   bool always_has_cascade = false;
 
+  /// The content as its flight program will have it, e.g. with gains rounded to its numbers. The
+  /// files and the manifest are made of this.
+  /// @throws InvalidInput  for content that the flight program cannot fly
+  std::function<ExportContent(ExportContent)> fit = {};
   /// The files of an export but the manifest.
   /// @throws InvalidInput  for content that the files cannot express
   std::function<std::vector<FileContent>(const ExportContent&)> files;

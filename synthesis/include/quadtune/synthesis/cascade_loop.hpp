@@ -61,6 +61,7 @@ struct CascadeLoopBounds {
   double rate_noise_max = kInfinity;      ///< [command / rate], > 0
   double load_peak_max = kInfinity;       ///< [value / command] after a unit step of load, > 0
   bool integral = true;                   ///< false: Ki is 0, and the greatest Kp is looked for
+  bool p_pi = false;                      ///< Ki within greatest_p_pi_integral()
 };
 
 /// How a search ended.

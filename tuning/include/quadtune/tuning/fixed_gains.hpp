@@ -25,9 +25,16 @@ struct FixedGainsMember {
   double outer_Ms = std::numeric_limits<double>::infinity();  ///< max |S| of the outer loop, > 1
 };
 
+/// A bound |factor Π F_j^power_j| ≤ 1 on the gains themselves, j over the columns of F.
+struct GainProductBound {
+  double factor = 1;        ///< > 0
+  std::vector<int> powers;  ///< (ny)
+};
+
 struct FixedGainsOptions {
-  int max_iterations = 200;          ///< of each search, ≥ 1
-  double gradient_tolerance = 1e-8;  ///< on the slope by relative changes of the gains
+  int max_iterations = 200;                     ///< of each search, ≥ 1
+  double gradient_tolerance = 1e-8;             ///< on the slope by relative changes of the gains
+  std::vector<GainProductBound> products = {};  ///< of a law with one input
 };
 
 enum class FixedGainsStatus {

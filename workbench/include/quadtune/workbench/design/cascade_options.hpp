@@ -21,6 +21,8 @@ struct CascadeOptions {
   std::optional<double> dt = {};  ///< sample period [s], > 0; none: that of the published gains, or
                                   ///< kUsualPeriod
 
+  std::optional<std::string> structure = {};  ///< "pid", "p-pi"; none: pid
+
   // Options of the loops.
   std::optional<double> Ms_max = {};  ///< of every loop, > 1
   /// Where the loops of the rates cross 1 [rad/s]: "roll=40,x=2"; one number stands for all loops.

@@ -50,6 +50,8 @@ struct FlownGainsOptions {
   /// Whether the tilt loops get an integral where a motor that is 10 % weaker would tilt the
   /// vehicle by more than kGreatestLoadTilt.
   bool tilt_integral = true;
+  /// p_pi: every loop of the cascade can be flown as a gain before a PI controller of the rate.
+  CascadeStructure structure = CascadeStructure::pid;
   std::optional<StandardAxes> weights = {};  ///< none: standard_axes()
   std::string estimator = "";                ///< as flown_family()
 };

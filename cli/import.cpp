@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+/// quadtune import: the parameters of a firmware, as gains of a vehicle.
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "program/command_line.hpp"
+#include "program/program.hpp"
+#include "program/refusal.hpp"
+#include "quadtune/exports/firmware.hpp"
+#include "quadtune/internal/json.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/workbench/firmware/firmware_import.hpp"
+#include "report/loops/loops.hpp"
+
+namespace quadtune::cli {
+namespace {
+
+/// A dump of all parameters has some ten thousand lines.
+constexpr std::size_t kLargestFile = std::size_t{16} << 20;
+
+struct Options {
+  std::string firmware, file, vehicle;
+  FirmwareOptions version;
+  std::optional<double> dt;
+  bool defaults = false;
+};
+
+void require_complete(const Options& options) {
+  if (options.firmware.empty() || options.vehicle.empty() ||
+      options.file.empty() != options.defaults)
+    refuse("import",
+           options.firmware.empty()  ? "FIRMWARE"
+           : options.vehicle.empty() ? "--vehicle"
+                                     : "FILE",
+           "expected a firmware, a file of its parameters or --defaults, and --vehicle V");
+}
+
+void run_import(const Options& options, Context& context) {
+  require_complete(options);
+  const FirmwareKind kind = firmware_kind(options.firmware, "FIRMWARE");
+  Firmware target = firmware(kind, options.version, "--firmware");
+  std::optional<ParameterFile> file;
+  if (!options.defaults) {
+    const std::string text = internal::read_text_file(options.file, kLargestFile);
+    const std::optional<Firmware> written = firmware_of_text(kind, text, options.file);
+    if (options.version == FirmwareOptions{} && written) target = *written;
+    file = parse_parameters(target, text, options.file);
+  }
+  const Vehicle vehicle = load_vehicle(options.vehicle);
+  const FirmwareImport import =
+      import_parameters(target, vehicle, file, options.dt.value_or(kFirmwarePeriod));
+  context.notes("import: note: ", import.notes);
+  context.print([&] { return report::to_json(import); }, [&] { return report::to_text(import); });
+}
+
+void add_options(CommandLine& line, Options& options) {
+  line.add_option("FIRMWARE", options.firmware, "px4, ardupilot, betaflight or crazyflie");
+  line.add_option("FILE", options.file, "its parameters, a whole dump or a few lines");
+  line.add_option("--vehicle V", options.vehicle, "a built-in vehicle's name or a vehicle file");
+  line.add_flag("--defaults", options.defaults, "the firmware's defaults in place of a file");
+  line.add_option(
+      "--firmware VERSION", options.version.version,
+      "e.g. 1.15 of px4; that of a file that quadtune wrote, or the newest that was read");
+  line.add_option("--setup NAME", options.version.setup,
+                  "propellers of a Crazyflie: standard (default), legacy, thrust-kit or brushless");
+  line.add_positive("--dt T", options.dt, "sample period of the cascade [s]; 0.004");
+}
+
+}  // namespace
+
+Verb import_verb() {
+  return {"import", "FIRMWARE FILE|--defaults --vehicle V [-o FILE]",
+          "margins, and gains to fly, of a firmware's parameters",
+          "quadtune import px4 --defaults --vehicle vehicles/quad-450.toml",
+          with_options(add_options, run_import)};
+}
+
+}  // namespace quadtune::cli

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+// Exports of a cascade as a firmware's parameters, with gains.json beside them, and their check.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "built_in_exporters.hpp"
+#include "export_text.hpp"
+#include "firmware/firmware_parts.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/export.hpp"
+#include "quadtune/exports/firmware.hpp"
+#include "quadtune/exports/manifest.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/version.hpp"
+
+namespace quadtune {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kMark[] = "# quadtune: ";
+
+void require_cascade(const ExportContent& content, FirmwareKind kind) {
+  if (content.cascade && !content.cascade->gains.loops.empty()) return;
+  throw InvalidInput(to_string(kind),
+                     content.gains
+                         ? "the law is a state feedback, expected a PID cascade, because the "
+                           "firmware has no place for a matrix of gains"
+                         : "there is no law to write, expected a PID cascade");
+}
+
+std::string name_of(FirmwareKind kind) {
+  switch (kind) {
+    case FirmwareKind::px4:
+      return "PX4";
+    case FirmwareKind::ardupilot:
+      return "ArduPilot Copter";
+    case FirmwareKind::betaflight:
+      return "Betaflight";
+    case FirmwareKind::crazyflie:
+      return "Crazyflie firmware";
+  }
+  return {};
+}
+
+std::vector<std::string> header_of(const Firmware& firmware, const ExportContent& content,
+                                   const std::vector<std::string>& notes) {
+  std::vector<std::string> header = {
+      fmt::format("quadtune: {} {}{}{}", to_string(firmware.kind), firmware.version,
+                  firmware.setup.empty() ? "" : " ", firmware.setup),
+      fmt::format("{} {}: PID cascade of {}, written by quadtune {}", name_of(firmware.kind),
+                  firmware.version, content.vehicle.name, kVersion),
+      "Compare the order, the places and the senses of the rotors with the vehicle before it "
+      "flies.",
+      "Parameters that are not listed keep what the board has; the design assumes their defaults."};
+  for (const std::string& note : notes) header.push_back("Note: " + note);
+  return header;
+}
+
+std::vector<FileContent> firmware_files(const ExportContent& content, FirmwareKind kind) {
+  require_cascade(content, kind);
+  const Firmware target = firmware(kind, content.firmware, to_string(kind));
+  const FirmwareParameters parameters =
+      firmware_parameters(target, content.vehicle, content.cascade->gains);
+  return {{parameter_file_name(kind),
+           parameter_text(target, parameters.values,
+                          header_of(target, content, content.firmware_notes))},
+          {kGainsJsonName, gains_json_text(content)}};
+}
+
+/// The cascade as the board will fly it: its numbers rounded, its shared gains shared.
+ExportContent fitted(ExportContent content, FirmwareKind kind) {
+  require_cascade(content, kind);
+  const Firmware target = firmware(kind, content.firmware, to_string(kind));
+  CascadeGains& gains = content.cascade->gains;
+  const FirmwareParameters parameters = firmware_parameters(target, content.vehicle, gains);
+  gains = cascade_of(firmware_loops(target, content.vehicle, parameters.values), gains, gains.dt);
+  // A cascade that was fitted before has nothing left to round.
+  if (content.firmware_notes.empty()) content.firmware_notes = parameters.notes;
+  content.cascade->specification.reset();
+  content.gains.reset();
+  content.plant.reset();
+  content.Q.resize(0, 0);
+  content.R.resize(0, 0);
+  content.evidence = {};
+  content.filters.clear();
+  content.uquad_filter.reset();
+  return content;
+}
+
+Exporter firmware_exporter(FirmwareKind kind) {
+  // Parameters tell nothing of the vehicle: the laws are read from the gains.json beside them.
+  Exporter exporter = exports::json_exporter();
+  exporter.target = export_target(to_string(kind), "exporter");
+  exporter.gain_files = {parameter_file_name(kind)};
+  exporter.files = [kind](const ExportContent& content) { return firmware_files(content, kind); };
+  exporter.fit = [kind](ExportContent content) { return fitted(std::move(content), kind); };
+  exporter.read_plain = {};
+  exporter.weights_difference = {};
+  return exporter;
+}
+
+VerifyCheck compare(const CascadeGains& read, const CascadeGains& meant, const std::string& file) {
+  // A float has a relative precision of 6e-8.
+  constexpr double kTolerance = 1e-6;
+  for (std::size_t i = 0; i < read.loops.size() && i < meant.loops.size(); ++i) {
+    const PidLoop &a = read.loops[i], &b = meant.loops[i];
+    const auto differ = [&](double p, double q) {
+      return !(std::abs(p - q) <= kTolerance * std::max(std::abs(p), std::abs(q)));
+    };
+    if (differ(a.Kp, b.Kp) || differ(a.Ki, b.Ki) || differ(a.Kd, b.Kd))
+      return {"parameters fly the manifest's cascade", false,
+              fmt::format("{}: {} gives Kp {:.6g}, Ki {:.6g}, Kd {:.6g}, the manifest has {:.6g}, "
+                          "{:.6g}, {:.6g}",
+                          file, a.name, a.Kp, a.Ki, a.Kd, b.Kp, b.Ki, b.Kd)};
+  }
+  return {"parameters fly the manifest's cascade", true,
+          fmt::format("{}: Kp, Ki and Kd of every loop that the firmware has, to {:g}", file,
+                      kTolerance)};
+}
+
+}  // namespace
+
+std::optional<Firmware> firmware_of_text(FirmwareKind kind, const std::string& text,
+                                         const std::string& origin) {
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    if (!line.starts_with(kMark)) continue;
+    std::istringstream words(line.substr(sizeof(kMark) - 1));
+    std::string name;
+    FirmwareOptions options;
+    words >> name >> options.version >> options.setup;
+    if (name != to_string(kind))
+      throw InvalidInput(origin, fmt::format("was written for '{}', expected parameters of {}",
+                                             internal::printable(name), to_string(kind)));
+    return firmware(kind, options, origin);
+  }
+  return {};
+}
+
+std::vector<VerifyCheck> firmware_checks(const fs::path& directory, const Vehicle& vehicle) {
+  constexpr char kName[] = "parameters fly the manifest's cascade";
+  try {
+    const Manifest manifest = read_manifest(directory);
+    const FirmwareKind kind = firmware_kind(to_string(manifest.kind), kManifestName);
+    const fs::path path = directory / parameter_file_name(kind);
+    const std::string text = exports::export_text(path);
+    const std::optional<Firmware> target = firmware_of_text(kind, text, path.string());
+    if (!target)
+      return {
+          {kName, false, fmt::format("{} does not say for which firmware it is", path.string())}};
+    if (!manifest.cascade) return {{kName, false, "the manifest has no cascade"}};
+    const ParameterFile file = parse_parameters(*target, text, path.string());
+    const CascadeGains read = cascade_of(firmware_loops(*target, vehicle, file.values),
+                                         manifest.cascade->gains, manifest.cascade->gains.dt);
+    return {compare(read, manifest.cascade->gains, parameter_file_name(kind))};
+  } catch (const InvalidInput& error) {
+    return {{kName, false, error.what()}};
+  } catch (const FileError& error) {
+    return {{kName, false, error.what()}};
+  } catch (const NoSolution& error) {
+    return {{kName, false, error.what()}};
+  }
+}
+
+namespace exports {
+
+std::vector<Exporter> firmware_exporters() {
+  return {firmware_exporter(FirmwareKind::px4), firmware_exporter(FirmwareKind::ardupilot),
+          firmware_exporter(FirmwareKind::betaflight), firmware_exporter(FirmwareKind::crazyflie)};
+}
+
+}  // namespace exports
+}  // namespace quadtune

@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a cascade to parameters, and what is lost on the way. docs/theory.md, "Cascades of
+// autopilots".
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/firmware_parts.hpp"
+#include "firmware/px4_mixer.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/firmware.hpp"
+#include "quadtune/internal/joined.hpp"
+
+namespace quadtune {
+namespace {
+
+using exports::kDegrees;
+using exports::kStandardGravity;
+using exports::kTurns;
+
+/// A loop without its signs: positive gains damp.
+struct Sizes {
+  double Kp = 0, Ki = 0, Kd = 0;
+};
+
+/// The same feedback as a gain on the error in front of a PI controller of the rate.
+struct Factored {
+  double outer = 0;  ///< [1/s]
+  double zero = 0;   ///< I over P of the PI controller [1/s]
+  double Kd = 0;
+};
+
+class Writer {
+ public:
+  Writer(const Firmware& firmware, const Vehicle& vehicle, const CascadeGains& gains)
+      : firmware_(firmware), vehicle_(vehicle), gains_(gains) {
+    facts_ = parameter_facts(firmware);
+    name_ = to_string(firmware.kind);
+  }
+
+  void set(const std::string& name, double value) { values_.push_back({name, value}); }
+  void note(std::string text) { notes_.push_back(std::move(text)); }
+
+  [[nodiscard]] Sizes sizes(CascadeAxis axis) const {
+    for (const PidLoop& loop : gains_.loops) {
+      if (loop.name != to_string(axis)) continue;
+      const double sign = cascade_sign(axis);
+      const Sizes sizes{sign * loop.Kp, sign * loop.Ki, -sign * loop.Kd};
+      if (!(std::isfinite(sizes.Kp) && std::isfinite(sizes.Ki) && std::isfinite(sizes.Kd)) ||
+          !(sizes.Kp > 0) || !(sizes.Kd > 0) || !(sizes.Ki >= 0))
+        throw InvalidInput(
+            name_,
+            fmt::format("the {} loop has Kp {:.6g}, Ki {:.6g}, Kd {:.6g}, expected "
+                        "{}, because the firmware's gains are positive and damp",
+                        loop.name, loop.Kp, loop.Ki, loop.Kd,
+                        sign > 0 ? "Kp > 0, Ki >= 0 and Kd < 0" : "Kp < 0, Ki <= 0 and Kd > 0"));
+      return sizes;
+    }
+    throw InvalidInput(
+        name_, fmt::format("the cascade has no loop '{}', expected all of {}", to_string(axis),
+                           internal::joined(cascade_axis_names(), ", ")));
+  }
+
+  [[nodiscard]] Factored factored(const Sizes& sizes, const std::string& loop) const {
+    const double greatest = greatest_p_pi_integral(sizes.Kp, sizes.Kd);
+    // A design may stand on the border itself.
+    if (sizes.Ki > greatest * (1 + 1e-9))
+      throw InvalidInput(
+          name_,
+          fmt::format(
+              "the {} loop has Kp {:.6g}, Ki {:.6g}, |Kd| {:.6g}, expected |Ki| <= "
+              "Kp^2/(4 |Kd|) = {:.6g}, because a gain on the error before a PI controller of "
+              "the rate gives no other; `quadtune pid V --structure p-pi` designs within it",
+              loop, sizes.Kp, sizes.Ki, sizes.Kd, greatest));
+    const double root = std::sqrt(std::max(0.0, sizes.Kp * sizes.Kp - 4 * sizes.Kd * sizes.Ki));
+    // The lesser zero from the product, as the difference would cancel.
+    const double outer = (sizes.Kp + root) / (2 * sizes.Kd);
+    return {outer, sizes.Ki / (sizes.Kd * outer), sizes.Kd};
+  }
+  [[nodiscard]] Factored factored(CascadeAxis axis) const {
+    return factored(sizes(axis), to_string(axis));
+  }
+
+  /// Gains that two loops must share: the geometric mean of what they have, which has the structure
+  /// if both have it.
+  [[nodiscard]] Sizes shared(CascadeAxis a, CascadeAxis b) {
+    const Sizes one = sizes(a), other = sizes(b);
+    const auto mean = [](double p, double q) { return std::sqrt(p * q); };
+    const Sizes result{mean(one.Kp, other.Kp), mean(one.Ki, other.Ki), mean(one.Kd, other.Kd)};
+    const double change =
+        std::max({std::abs(result.Kp / one.Kp - 1), std::abs(result.Kd / one.Kd - 1),
+                  one.Ki > 0 ? std::abs(result.Ki / one.Ki - 1) : (other.Ki > 0 ? 1.0 : 0.0)});
+    constexpr double kTold = 1e-4;
+    if (change > kTold)
+      note(
+          fmt::format("{} and {} share their gains: both get the geometric mean, which differs by "
+                      "up to {:.1f} %",
+                      to_string(a), to_string(b), 100 * change));
+    return result;
+  }
+
+  /// As the board stores it.
+  [[nodiscard]] double stored(const ParameterFacts& facts, double value) {
+    if (!facts.integer) {
+      const float single = static_cast<float>(value);
+      if (!std::isfinite(single) || (single == 0 && value != 0))
+        throw InvalidInput(name_, fmt::format("{} would be {:.6g}, expected a number that fits a "
+                                              "float",
+                                              facts.name, value));
+      return double{single};
+    }
+    const double rounded = std::round(value);
+    if ((rounded == 0 && value != 0) || (facts.max && rounded > *facts.max) ||
+        (facts.min && rounded < *facts.min))
+      throw InvalidInput(name_,
+                         fmt::format("{} would be {:.6g}, expected {} to {}, because the firmware "
+                                     "stores a whole number",
+                                     facts.name, value, facts.min.value_or(0) > 0 ? *facts.min : 1,
+                                     facts.max.value_or(65535)));
+    constexpr double kTold = 1e-3;
+    if (std::abs(rounded - value) > kTold * std::abs(value))
+      note(fmt::format("{} is rounded from {:.4f} to {:g} ({:+.2f} %)", facts.name, value, rounded,
+                       100 * (rounded / value - 1)));
+    return rounded;
+  }
+
+  [[nodiscard]] FirmwareParameters finish() {
+    FirmwareParameters result;
+    for (const ParameterFacts& facts : facts_) {
+      const auto given = std::find_if(values_.begin(), values_.end(),
+                                      [&](const Parameter& one) { return one.name == facts.name; });
+      if (given == values_.end()) continue;
+      const double value = stored(facts, given->value);
+      // Integers are held to their range; that of the others is the documentation's advice.
+      const bool low = !facts.integer && facts.min && value < *facts.min * (1 - 1e-6);
+      const bool high = !facts.integer && facts.max && value > *facts.max * (1 + 1e-6);
+      if (low || high)
+        note(fmt::format("{} is {:.4g}, {} the published range {} to {}", facts.name, value,
+                         low ? "below" : "above", facts.min ? fmt::format("{:g}", *facts.min) : "-",
+                         facts.max ? fmt::format("{:g}", *facts.max) : "-"));
+      result.values.push_back({facts.name, value});
+    }
+    result.notes = std::move(notes_);
+    return result;
+  }
+
+  [[nodiscard]] const Firmware& firmware() const { return firmware_; }
+  [[nodiscard]] const Vehicle& vehicle() const { return vehicle_; }
+  [[nodiscard]] FirmwareScale scale() const { return firmware_scale(firmware_, vehicle_, values_); }
+
+ private:
+  const Firmware& firmware_;
+  const Vehicle& vehicle_;
+  const CascadeGains& gains_;
+  std::vector<ParameterFacts> facts_;
+  std::string name_;
+  std::vector<Parameter> values_;
+  std::vector<std::string> notes_;
+};
+
+void px4(Writer& w) {
+  const Vehicle& vehicle = w.vehicle();
+  const std::vector<std::size_t> order = exports::px4_order(vehicle);
+  w.set("CA_ROTOR_COUNT", static_cast<double>(order.size()));
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Rotor& rotor = vehicle.rotors[order[i]];
+    const std::string name = fmt::format("CA_ROTOR{}_", i);
+    w.set(name + "PX", rotor.position.x());
+    w.set(name + "PY", rotor.position.y());
+    const double ratio =
+        rotor.thrust_a2 > 0 ? rotor.torque_d2 / rotor.thrust_a2 : rotor.torque_d1 / rotor.thrust_a1;
+    w.set(name + "KM", -spin_sign(rotor.spin) * ratio);
+  }
+  w.set("THR_MDL_FAC", 0);
+  const FirmwareScale scale = w.scale();
+  w.set("MPC_THR_HOVER", scale.hover);
+  for (const exports::TurnWords& turn : kTurns) {
+    const Factored loop = w.factored(turn.axis);
+    const std::string rate = fmt::format("MC_{}RATE_", turn.px4);
+    const double P = loop.Kd / scale.torque[turn.index];
+    w.set(fmt::format("MC_{}_P", turn.px4), loop.outer);
+    w.set(rate + "P", P);
+    w.set(rate + "I", P * loop.zero);
+    w.set(rate + "D", 0);
+    w.set(rate + "FF", 0);
+    w.set(rate + "K", 1);
+  }
+  if (exports::is_from(w.firmware(), "1.16")) {
+    w.set("MC_YAW_TQ_CUTOFF", 0);
+    w.note("MC_YAW_TQ_CUTOFF is 0, off, because its 80 ms are not in the design (default 2 Hz)");
+  }
+  const auto velocity = [&](const Factored& loop, double of_output, const std::string& name) {
+    const double P = loop.Kd / of_output;
+    w.set(name + "P", loop.outer);
+    w.set(name + "VEL_P_ACC", P);
+    w.set(name + "VEL_I_ACC", P * loop.zero);
+    w.set(name + "VEL_D_ACC", 0);
+  };
+  velocity(w.factored(w.shared(CascadeAxis::x, CascadeAxis::y), "x and y"), 1 / kStandardGravity,
+           "MPC_XY_");
+  velocity(w.factored(CascadeAxis::altitude), scale.thrust * scale.hover / kStandardGravity,
+           "MPC_Z_");
+}
+
+/// The curve that makes ArduPilot's thrust proportional to its command, but for what the slowest
+/// rotor gives: of the second order, through both ends and the middle.
+double thrust_expo(const Vehicle& vehicle, double low, double high) {
+  const auto thrust = [&](double x) {
+    const double signal = low + (high - low) * x;
+    const MotorCommand& motor = vehicle.motor;
+    return rotor_thrust(vehicle.rotors.front(),
+                        speed_of_command(motor, motor.min + signal * (motor.max - motor.min)));
+  };
+  const double least = thrust(0), all = thrust(1) - least;
+  return std::clamp(2 - 4 * (thrust(0.5) - least) / all, -1.0, 1.0);
+}
+
+void ardupilot(Writer& w) {
+  constexpr double kSpinMin = 0.15, kSpinMax = 0.95;  // as they are by default
+  w.set("MOT_SPIN_MIN", kSpinMin);
+  w.set("MOT_SPIN_MAX", kSpinMax);
+  w.set("MOT_THST_EXPO", thrust_expo(w.vehicle(), kSpinMin, kSpinMax));
+  const FirmwareScale scale = w.scale();
+  w.set("MOT_THST_HOVER", scale.hover);
+  for (const exports::TurnWords& turn : kTurns) {
+    const Factored loop = w.factored(turn.axis);
+    const std::string rate = fmt::format("ATC_RAT_{}_", turn.ardupilot);
+    const double P = loop.Kd / scale.torque[turn.index];
+    w.set(fmt::format("ATC_ANG_{}_P", turn.ardupilot), loop.outer);
+    w.set(rate + "P", P);
+    w.set(rate + "I", P * loop.zero);
+    w.set(rate + "D", 0);
+    w.set(rate + "FF", 0);
+    w.set(rate + "FLTE", 0);
+  }
+  w.note("ATC_RAT_YAW_FLTE is 0, off, because its 64 ms are not in the design (default 2.5 Hz)");
+  const exports::ArdupilotNames names = exports::ardupilot_names(w.firmware());
+  const auto velocity = [&](const Factored& loop, double of_output, const std::string& position,
+                            const std::string& name) {
+    const double P = loop.Kd / of_output;
+    w.set(position + "P", loop.outer);
+    w.set(name + "P", P);
+    w.set(name + "I", P * loop.zero);
+    w.set(name + "D", 0);
+  };
+  velocity(w.factored(w.shared(CascadeAxis::x, CascadeAxis::y), "x and y"), 1 / kStandardGravity,
+           names.horizontal_position, names.horizontal_velocity);
+  velocity(w.factored(CascadeAxis::altitude), scale.mass, names.vertical_position,
+           names.vertical_velocity);
+  // The project's own rule; from 4.7 on the gains are a tenth of what they were.
+  const double unit = exports::is_from(w.firmware(), "4.7") ? 0.1 : 1;
+  w.set(names.acceleration + "P", unit * scale.hover);
+  w.set(names.acceleration + "I", unit * 2 * scale.hover);
+  w.note(
+      fmt::format("{0}P and {0}I follow the project's rule, hover throttle and twice it: the "
+                  "loop of the vertical acceleration is not designed",
+                  names.acceleration));
+}
+
+void betaflight(Writer& w) {
+  const FirmwareScale scale = w.scale();
+  const bool renamed = exports::is_from(w.firmware(), "2025.12");
+  const Factored roll = w.factored(CascadeAxis::roll), pitch = w.factored(CascadeAxis::pitch);
+  const double outer = std::sqrt(roll.outer * pitch.outer);
+  if (std::abs(outer / roll.outer - 1) > 1e-4)
+    w.note(
+        fmt::format("roll and pitch share angle_p_gain: both get the geometric mean of {:.3f} "
+                    "and {:.3f} 1/s",
+                    roll.outer, pitch.outer));
+  w.set("angle_p_gain", 10 * outer);
+  for (const exports::TurnWords& turn : kTurns) {
+    const double G = scale.torque[turn.index];
+    const std::string axis = turn.small;
+    if (turn.axis == CascadeAxis::yaw) {
+      const Sizes yaw = w.sizes(turn.axis);
+      w.set("p_yaw", yaw.Kd / (G * exports::kBetaflightP));
+      w.set("i_yaw", yaw.Kp / (G * exports::kBetaflightI * exports::kBetaflightYaw));
+      w.note(
+          fmt::format("yaw has no loop of the heading: i_yaw holds it as Kp does, and Ki {:.4g} is "
+                      "left out",
+                      yaw.Ki));
+    } else {
+      const Factored& loop = turn.axis == CascadeAxis::roll ? roll : pitch;
+      w.set("p_" + axis, loop.Kd / (G * exports::kBetaflightP));
+      w.set("i_" + axis, loop.Kd * loop.zero / (G * exports::kBetaflightI));
+    }
+    w.set("d_" + axis, 0);
+    w.set("f_" + axis, 0);
+    w.set((renamed ? "d_max_" : "d_min_") + axis, 0);
+  }
+  w.set("tpa_rate", 0);
+  w.set("anti_gravity_gain", 0);
+  w.note("x, y and altitude are the pilot's: the firmware has no such loops");
+}
+
+void crazyflie(Writer& w) {
+  const FirmwareScale scale = w.scale();
+  const auto cascade = [&](CascadeAxis axis, double of_output, const std::string& outer,
+                           const std::string& inner, const char* mark, const char* forward) {
+    const Sizes loop = w.sizes(axis);
+    const std::string k = mark;
+    w.set(outer + k + "p", loop.Kp / loop.Kd);
+    w.set(outer + k + "i", loop.Ki / loop.Kd);
+    w.set(outer + k + "d", 0);
+    w.set(outer + forward, 0);
+    w.set(inner + k + "p", loop.Kd / of_output);
+    w.set(inner + k + "i", 0);
+    w.set(inner + k + "d", 0);
+    w.set(inner + (k == "K" ? "KFF" : "kff"), 0);
+  };
+  for (const exports::TurnWords& turn : kTurns)
+    cascade(turn.axis, scale.torque[turn.index] * kDegrees,
+            fmt::format("pid_attitude.{}_", turn.small), fmt::format("pid_rate.{}_", turn.small),
+            "k", "kff");
+  cascade(CascadeAxis::x, 1 / kDegrees, "posCtlPid.x", "velCtlPid.vx", "K", "Kff");
+  cascade(CascadeAxis::y, 1 / kDegrees, "posCtlPid.y", "velCtlPid.vy", "K", "Kff");
+  cascade(CascadeAxis::altitude, scale.thrust * exports::kCrazyflieThrust, "posCtlPid.z",
+          "velCtlPid.vz", "K", "Kff");
+  w.set("posCtlPid.thrustBase", scale.hover);
+  constexpr double kUsualLeast = 20000;
+  w.set("posCtlPid.thrustMin", std::min(kUsualLeast, scale.hover / 2));
+}
+
+}  // namespace
+
+FirmwareParameters firmware_parameters(const Firmware& firmware, const Vehicle& vehicle,
+                                       const CascadeGains& gains) {
+  Writer writer(firmware, vehicle, gains);
+  switch (firmware.kind) {
+    case FirmwareKind::px4:
+      px4(writer);
+      break;
+    case FirmwareKind::ardupilot:
+      ardupilot(writer);
+      break;
+    case FirmwareKind::betaflight:
+      betaflight(writer);
+      break;
+    case FirmwareKind::crazyflie:
+      crazyflie(writer);
+      break;
+  }
+  return writer.finish();
+}
+
+}  // namespace quadtune

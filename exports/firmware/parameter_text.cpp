@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files of parameters as each firmware or its ground station writes them. docs/formats.md,
+// "Parameters of firmware".
+#include <fmt/format.h>
+
+#include "firmware/firmware_parts.hpp"
+#include "quadtune/exports/firmware.hpp"
+
+namespace quadtune {
+namespace {
+
+/// Digits that read back to the same float, or to the same integer.
+std::string number(const ParameterFacts& facts, double value) {
+  return facts.integer ? fmt::format("{:.0f}", value)
+                       : fmt::format("{}", static_cast<float>(value));
+}
+
+std::string px4_line(const ParameterFacts& facts, double value) {
+  // System and component 1; MAV_PARAM_TYPE 6 is INT32, 9 is REAL32.
+  return fmt::format(
+      "1\t1\t{}\t{}\t{}\n", facts.name,
+      facts.integer ? number(facts, value) : fmt::format("{:.9g}", static_cast<float>(value)),
+      facts.integer ? 6 : 9);
+}
+
+std::string crazyflie_lines(const ParameterFacts& facts, double value) {
+  const auto with_point = [&](double v) {
+    std::string text = number(facts, v);
+    if (!facts.integer && text.find_first_of(".e") == std::string::npos) text += ".0";
+    return text;
+  };
+  return fmt::format("  {}:\n    default_value: {}\n    is_stored: true\n    stored_value: {}\n",
+                     facts.name, with_point(facts.usual), with_point(value));
+}
+
+struct Frame {
+  const char* before;  ///< the lines of values, below the comment
+  const char* after;
+};
+
+Frame frame_of(FirmwareKind kind) {
+  switch (kind) {
+    case FirmwareKind::px4:
+      return {"#\n# Vehicle-Id Component-Id Name Value Type\n", ""};
+    case FirmwareKind::ardupilot:
+      return {"", ""};
+    case FirmwareKind::betaflight:
+      // While the sliders are on, they overwrite what is set here.
+      return {"batch start\nprofile 0\nset simplified_pids_mode = OFF\n", "batch end\nsave\n"};
+    case FirmwareKind::crazyflie:
+      return {"params:\n", "type: persistent_param_state\nversion: '1'\n"};
+  }
+  return {"", ""};
+}
+
+std::string line_of(FirmwareKind kind, const ParameterFacts& facts, double value) {
+  switch (kind) {
+    case FirmwareKind::px4:
+      return px4_line(facts, value);
+    case FirmwareKind::ardupilot:
+      return fmt::format("{},{}\n", facts.name, number(facts, value));
+    case FirmwareKind::betaflight:
+      return fmt::format("set {} = {}\n", facts.name, number(facts, value));
+    case FirmwareKind::crazyflie:
+      return crazyflie_lines(facts, value);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string parameter_text(const Firmware& firmware, const std::vector<Parameter>& values,
+                           const std::vector<std::string>& header) {
+  std::string text;
+  for (const std::string& line : header) text += "# " + line + "\n";
+  const Frame frame = frame_of(firmware.kind);
+  text += frame.before;
+  for (const ParameterFacts& facts : parameter_facts(firmware))
+    for (const Parameter& parameter : values)
+      if (parameter.name == facts.name) text += line_of(firmware.kind, facts, parameter.value);
+  return text + frame.after;
+}
+
+}  // namespace quadtune

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads files of parameters. A whole dump of a board is read as well as a few lines: what these
+// loops do not consist of is counted.
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <sstream>
+
+#include "firmware/firmware_parts.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/firmware.hpp"
+#include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/internal/words.hpp"
+
+namespace quadtune {
+namespace {
+
+using internal::printable;
+
+/// Beginnings of the names of the loops, by which a misspelled name is known.
+bool is_of_loops(const std::string& name) {
+  for (const char* start :
+       {"MC_ROLL", "MC_PITCH", "MC_YAW", "MPC_XY_", "MPC_Z_", "ATC_RAT_", "ATC_ANG_", "PSC_", "p_",
+        "i_", "d_", "pid_rate.", "pid_attitude.", "posCtlPid.", "velCtlPid."})
+    if (name.starts_with(start)) return true;
+  return false;
+}
+
+/// What is found in a file, checked as it comes.
+class Collector {
+ public:
+  Collector(const Firmware& firmware, const std::string& origin)
+      : facts_(parameter_facts(firmware)), firmware_(firmware), origin_(origin) {}
+
+  [[noreturn]] void refuse(int line, const std::string& what) const {
+    throw InvalidInput(fmt::format("{}:{}", origin_, line), what);
+  }
+
+  void add(int line, const std::string& name, const std::string& word) {
+    const auto facts = std::find_if(facts_.begin(), facts_.end(),
+                                    [&](const ParameterFacts& one) { return one.name == name; });
+    if (facts == facts_.end()) {
+      pass_over(line, name);
+      return;
+    }
+    for (const Parameter& earlier : file.values)
+      if (earlier.name == name)
+        refuse(line, name + " stands twice, expected once, because only one of them is flown");
+    double value = 0;
+    if (!internal::read_number(word, value) || !std::isfinite(value))
+      refuse(line, fmt::format("{} is '{}', expected a finite number", name, printable(word)));
+    if (facts->integer && value != std::round(value))
+      refuse(line, fmt::format("{} is {}, expected a whole number", name, value));
+    if (value < 0 && facts->min.value_or(0) >= 0)
+      refuse(line, fmt::format("{} is {}, expected 0 or more, because a negative gain drives a "
+                               "rotor the wrong way",
+                               name, value));
+    file.values.push_back({name, value});
+  }
+
+  [[nodiscard]] ParameterFile finish() {
+    if (file.values.empty())
+      throw InvalidInput(
+          origin_, fmt::format("holds no parameter of the loops of {} {}, expected "
+                               "at least one such as {}",
+                               to_string(firmware_.kind), firmware_.version, facts_.front().name));
+    return std::move(file);
+  }
+
+  ParameterFile file;
+
+ private:
+  void pass_over(int line, const std::string& name) {
+    ++file.others;
+    require_version(line, name);
+    if (!is_of_loops(name)) return;
+    std::vector<std::string> known;
+    for (const ParameterFacts& one : facts_) known.push_back(one.name);
+    const std::string near = internal::nearest(name, known);
+    if (!near.empty() && internal::edit_distance(name, near) == 1)
+      file.notes.push_back(
+          fmt::format("{}:{}: {} is not used, is {} meant?", origin_, line, printable(name), near));
+  }
+
+  /// A name that another version has would be skipped in silence by the board.
+  void require_version(int line, const std::string& name) const {
+    for (const std::string& version : firmware_versions(firmware_.kind)) {
+      if (version == firmware_.version) continue;
+      const Firmware other{firmware_.kind, version, firmware_.setup};
+      const std::vector<ParameterFacts> facts = parameter_facts(other);
+      if (std::none_of(facts.begin(), facts.end(),
+                       [&](const ParameterFacts& one) { return one.name == name; }))
+        continue;
+      refuse(line, fmt::format("{} belongs to {} {}, expected names of version {}, because the "
+                               "board passes over the others in silence; --firmware chooses the "
+                               "version",
+                               name, to_string(firmware_.kind), version, firmware_.version));
+    }
+  }
+
+  std::vector<ParameterFacts> facts_;
+  const Firmware& firmware_;
+  std::string origin_;
+};
+
+/// Calls `use` with each line and its number, without its end.
+void each_line(const std::string& text, const std::function<void(int, std::string)>& use) {
+  std::istringstream stream(text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text);
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    if (line.ends_with('\r')) line.pop_back();
+    use(number, line);
+  }
+}
+
+std::vector<std::string> split(const std::string& line, const char* separators) {
+  std::vector<std::string> words;
+  std::size_t at = line.find_first_not_of(separators);
+  while (at != std::string::npos) {
+    const std::size_t end = line.find_first_of(separators, at);
+    words.push_back(line.substr(at, end - at));
+    at = line.find_first_not_of(separators, end);
+  }
+  return words;
+}
+
+void parse_px4(const std::string& text, Collector& collector) {
+  each_line(text, [&](int number, const std::string& line) {
+    if (line.empty() || line[0] == '#') return;
+    const std::vector<std::string> words = split(line, "\t");
+    if (words.size() != 5)
+      collector.refuse(number, fmt::format("has {} columns, expected five with a tab between them: "
+                                           "vehicle, component, name, value, type",
+                                           words.size()));
+    if (words[4] != "6" && words[4] != "9")
+      collector.refuse(number, fmt::format("type is '{}', expected 6 (INT32) or 9 (REAL32)",
+                                           printable(words[4])));
+    collector.add(number, words[2], words[3]);
+  });
+}
+
+void parse_ardupilot(const std::string& text, Collector& collector) {
+  each_line(text, [&](int number, const std::string& line) {
+    if (line.empty() || line[0] == '#') return;
+    const std::vector<std::string> words = split(line, ", =\t");
+    const bool read_only = words.size() == 3 && words[2] == "@READONLY";
+    if (words.size() != 2 && !read_only)
+      collector.refuse(number,
+                       fmt::format("has {} words, expected a name and a value", words.size()));
+    collector.add(number, words[0], words[1]);
+  });
+}
+
+void parse_betaflight(const std::string& text, Collector& collector) {
+  std::string profile;  // the first one that the file has, or none
+  bool other_profile = false, sliders_off = false;
+  each_line(text, [&](int number, const std::string& line) {
+    const std::vector<std::string> words = split(line, " \t=");
+    if (words.empty() || words[0].starts_with("#")) return;
+    if (words[0] == "profile" && words.size() == 2) {
+      if (profile.empty()) profile = words[1];
+      other_profile = profile != words[1];
+    }
+    if (words[0] != "set" || other_profile) return;
+    if (words.size() < 3) {
+      collector.refuse(number, "is no setting, expected `set NAME = VALUE`");
+    } else if (words[1] == "simplified_pids_mode") {
+      sliders_off = words[2] == "OFF";
+    } else {
+      collector.add(number, words[1], words[2]);
+    }
+  });
+  if (!sliders_off)
+    collector.file.notes.emplace_back(
+        "simplified_pids_mode is not OFF in this file: the sliders may overwrite its gains");
+}
+
+void parse_crazyflie(const std::string& text, const std::string& origin, Collector& collector) {
+  const auto line_of = [](const YAML::Node& node) { return node.Mark().line + 1; };
+  try {
+    const YAML::Node file = YAML::Load(text);
+    if (!file.IsMap() || !file["params"] || !file["params"].IsMap())
+      throw InvalidInput(origin, "has no map params, expected the file of persistent parameters");
+    if (!file["type"] || file["type"].as<std::string>() != "persistent_param_state" ||
+        !file["version"] || file["version"].as<std::string>() != "1")
+      throw InvalidInput(origin, "expected type persistent_param_state and version '1'");
+    for (const auto& entry : file["params"]) {
+      const std::string name = entry.first.as<std::string>();
+      const YAML::Node& state = entry.second;
+      if (!state.IsMap() || !state["is_stored"] || !state["default_value"] ||
+          !state["stored_value"])
+        collector.refuse(line_of(entry.first),
+                         fmt::format("{} lacks default_value, is_stored or stored_value, expected "
+                                     "all three, without which the client fails",
+                                     printable(name)));
+      const bool stored = state["is_stored"].as<bool>();
+      const YAML::Node value = state[stored ? "stored_value" : "default_value"];
+      collector.add(line_of(entry.first), name,
+                    value.IsScalar() ? value.as<std::string>() : std::string());
+    }
+  } catch (const YAML::Exception& error) {
+    throw InvalidInput(fmt::format("{}:{}", origin, error.mark.line + 1),
+                       "is no YAML: " + error.msg);
+  }
+}
+
+}  // namespace
+
+ParameterFile parse_parameters(const Firmware& firmware, const std::string& text,
+                               const std::string& origin) {
+  internal::require_text(text, origin, std::size_t{16} << 20);
+  Collector collector(firmware, origin);
+  switch (firmware.kind) {
+    case FirmwareKind::px4:
+      parse_px4(text, collector);
+      break;
+    case FirmwareKind::ardupilot:
+      parse_ardupilot(text, collector);
+      break;
+    case FirmwareKind::betaflight:
+      parse_betaflight(text, collector);
+      break;
+    case FirmwareKind::crazyflie:
+      parse_crazyflie(text, origin, collector);
+      break;
+  }
+  return collector.finish();
+}
+
+}  // namespace quadtune

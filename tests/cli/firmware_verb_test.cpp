@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parameters of firmware at the command line: designed, exported, verified, read back, refused.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "run_program.hpp"
+#include "source_folder.hpp"
+#include "temporary_directory.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::HasSubstr;
+using SortedJson = nlohmann::json;
+using testing::ProgramResult;
+using testing::run_program;
+using testing::TemporaryDirectory;
+
+/// A cascade of quad-450 that every autopilot can fly.
+class FirmwareVerb : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryDirectory;
+    const ProgramResult made =
+        run_program({"pid", vehicle(), "--structure", "p-pi", "--quiet", "-o", path("gains.json")});
+    ASSERT_EQ(made.status, 0) << made.err;
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+  static std::string path(const std::string& name) { return (folder_->path() / name).string(); }
+
+  static std::string vehicle() { return testing::source_folder() + "/vehicles/quad-450.toml"; }
+
+  static TemporaryDirectory* folder_;
+};
+TemporaryDirectory* FirmwareVerb::folder_ = nullptr;
+
+TEST_F(FirmwareVerb, EveryFirmwareIsWrittenVerifiedAndReadBack) {
+  const std::pair<const char*, const char*> files[] = {{"px4", "px4.params"},
+                                                       {"ardupilot", "ardupilot.param"},
+                                                       {"betaflight", "betaflight.txt"},
+                                                       {"crazyflie", "crazyflie.yaml"}};
+  for (const auto& [name, file] : files) {
+    const std::string out = path(name);
+    const ProgramResult exported =
+        run_program({"export", path("gains.json"), "--to", name, "-o", out});
+    ASSERT_EQ(exported.status, 0) << exported.err;
+    EXPECT_THAT(exported.err, HasSubstr("margins of the cascade, cut at the wrench"));
+    const ProgramResult verified = run_program({"verify", out});
+    EXPECT_EQ(verified.status, 0) << verified.out;
+    EXPECT_THAT(verified.out, HasSubstr("parameters fly the manifest's cascade"));
+    const ProgramResult imported =
+        run_program({"import", name, out + "/" + file, "--vehicle", vehicle(), "--quiet", "-o",
+                     path(std::string(name) + ".json")});
+    ASSERT_EQ(imported.status, 0) << imported.err;
+    const ProgramResult difference =
+        run_program({"diff", out, path(std::string(name) + ".json"), "--json"});
+    ASSERT_EQ(difference.status, 0) << difference.err;
+    EXPECT_LT(SortedJson::parse(difference.out)["max_relative"].get<double>(), 1e-5) << name;
+  }
+}
+
+TEST_F(FirmwareVerb, AChangedParameterFailsToVerify) {
+  const std::string out = path("changed");
+  ASSERT_EQ(run_program({"export", path("gains.json"), "--to", "ardupilot", "-o", out}).status, 0);
+  std::ifstream file(out + "/ardupilot.param");
+  std::string text((std::istreambuf_iterator<char>(file)), {});
+  const std::size_t at = text.find("ATC_RAT_RLL_P,0.") + 17;
+  ASSERT_LT(at, text.size());
+  text[at] = text[at] == '5' ? '6' : '5';
+  std::ofstream(out + "/ardupilot.param") << text;
+  const ProgramResult verified = run_program({"verify", out});
+  EXPECT_EQ(verified.status, 1);
+  EXPECT_THAT(verified.out, HasSubstr("ardupilot.param gives Kp"));
+}
+
+TEST_F(FirmwareVerb, DefaultsOfEachFirmwareFlyInTheSimulationAsAFileOfGains) {
+  const ProgramResult imported = run_program({"import", "ardupilot", "--defaults", "--vehicle",
+                                              vehicle(), "--quiet", "-o", path("defaults.json")});
+  ASSERT_EQ(imported.status, 0) << imported.err;
+  const ProgramResult margins =
+      run_program({"margins", vehicle(), "--gains", path("defaults.json"), "--json"});
+  EXPECT_EQ(margins.status, 0) << margins.err;
+}
+
+TEST_F(FirmwareVerb, MistakesAreToldInOneLine) {
+  const auto refused = [](const std::vector<std::string>& words, int status, const char* message) {
+    const ProgramResult result = run_program(words);
+    EXPECT_EQ(result.status, status) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(message));
+  };
+  const std::string gains = path("gains.json"), out = path("none");
+  refused({"export", gains, "--to", "px4", "-o", out, "--firmware", "1.2"}, 3,
+          "px4 has no version '1.2', expected one of 1.17, 1.16, 1.15, 1.14");
+  refused({"export", gains, "--to", "px4", "-o", out, "--setup", "legacy"}, 3, "expected none");
+  refused({"export", gains, "--to", "json", "-o", out, "--firmware", "1.15"}, 2,
+          "--firmware is for the parameters of a firmware");
+  refused({"import", "px5", "--defaults", "--vehicle", "mambo"}, 3, "no firmware 'px5'");
+  refused({"import", "px4", "--vehicle", "mambo"}, 2, "a file of its parameters or --defaults");
+  refused({"pid", "mambo", "--structure", "pi"}, 2, "no structure 'pi', expected pid");
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST_F(FirmwareVerb, GainsThatDoNotFactorAreRefusedAndNothingIsWritten) {
+  ASSERT_EQ(run_program({"pid", "mambo", "--method", "loops", "--quiet", "-o", path("mambo.json")})
+                .status,
+            0);
+  const ProgramResult refused =
+      run_program({"export", path("mambo.json"), "--to", "px4", "-o", path("refused")});
+  EXPECT_EQ(refused.status, 3) << refused.err;
+  EXPECT_THAT(refused.err, HasSubstr("expected |Ki| <= Kp^2/(4 |Kd|)"));
+  EXPECT_FALSE(std::filesystem::exists(path("refused")));
+  // Designed in the structure, the same vehicle's loops factor.
+  for (const char* method : {"loops", "flown"}) {
+    const ProgramResult made = run_program(
+        {"pid", "mambo", "--method", method, "--structure", "p-pi", "--json", "--quiet"});
+    ASSERT_EQ(made.status, 0) << made.err;
+    for (const SortedJson& loop : SortedJson::parse(made.out)["loops"]) {
+      const double Kp = loop["Kp"], Ki = loop["Ki"], Kd = loop["Kd"];
+      EXPECT_LE(4 * std::abs(Kd * Ki), Kp * Kp * (1 + 1e-9)) << method << " " << loop["name"];
+    }
+  }
+}
+
+}  // namespace
+}  // namespace quadtune

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/firmware/firmware_import.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <numbers>
+#include <utility>
+
+#include "plants/firmware_vehicles.hpp"
+#include "quadtune/model/vehicle.hpp"
+#include "source_folder.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using Complex = std::complex<double>;
+
+const FirmwareLoop& loop_of(const std::vector<FirmwareLoop>& loops, CascadeAxis axis) {
+  return loops[index_of(axis)];
+}
+
+/// Where a loop crosses 1, and the phase that is left there [deg].
+std::pair<double, double> crossover(const std::function<Complex(double)>& L) {
+  double low = 1, high = 1000;
+  for (int i = 0; i < 200; ++i) {
+    const double w = std::sqrt(low * high);
+    (std::abs(L(w)) > 1 ? low : high) = w;
+  }
+  return {low, 180 + std::arg(L(low)) * 180 / std::numbers::pi};
+}
+
+// PX4 on its own simulator, whose body resists a turn with 0.025 N m s: 14.311 rad/s and 64.40
+// degrees by hand, without the delay of computing.
+TEST(FirmwareImport, Px4RateLoopHasTheCrossoverOfTheWorkedCase) {
+  const Vehicle vehicle = testing::sih_vehicle();
+  const Firmware px4 = firmware(FirmwareKind::px4, {"1.15", ""}, "test");
+  const std::vector<FirmwareLoop> loops = firmware_loops(px4, vehicle, {});
+  ContinuousTransferFunction loop =
+      firmware_turn_loop(px4, vehicle, loop_of(loops, CascadeAxis::roll), {}, false);
+  loop.delay = 0;
+  const double J = 0.025, resistance = 0.025;
+  const auto [w, phase] = crossover([&](double frequency) {
+    const Complex s(0, frequency);
+    return loop(s) * J * s / (J * s + resistance);
+  });
+  EXPECT_NEAR(w, 14.311, 1e-3);
+  EXPECT_NEAR(phase, 64.40, 0.01);
+}
+
+// The gain alone: G P/J, and with a lag of 50 ms 13.9276 rad/s and 55.15 degrees.
+TEST(FirmwareImport, GainAloneCrossesWhereItIsExpected) {
+  Vehicle vehicle = testing::sih_vehicle();
+  const Firmware px4 = firmware(FirmwareKind::px4, {"1.15", ""}, "test");
+  const std::vector<Parameter> values = {
+      {"MC_ROLLRATE_I", 0}, {"MC_ROLLRATE_D", 0}, {"IMU_GYRO_CUTOFF", 0}};
+  const auto of = [&] {
+    const std::vector<FirmwareLoop> loops = firmware_loops(px4, vehicle, values);
+    ContinuousTransferFunction loop =
+        firmware_turn_loop(px4, vehicle, loop_of(loops, CascadeAxis::roll), values, false);
+    loop.delay = 0;
+    return crossover([loop](double w) { return loop(Complex(0, w)); });
+  };
+  EXPECT_NEAR(of().first, 13.9276, 1e-4);
+  EXPECT_NEAR(of().second, 55.15, 0.01);
+  for (Rotor& rotor : vehicle.rotors) rotor.lag = 0;
+  EXPECT_NEAR(of().first, 16.9706, 1e-4);
+  EXPECT_NEAR(of().second, 90, 1e-6);
+}
+
+/// The same loop, summed term by term at one frequency.
+Complex by_terms(const FirmwareLoop& loop, double J, Complex s, Complex gyroscope,
+                 Complex derivative, Complex error, bool angle) {
+  Complex sum = (1 + (angle ? loop.outer_derivative : 0)) * gyroscope;
+  if (angle) sum += (loop.outer + loop.outer_integral / s) / s;
+  return loop.scale * ((loop.P + loop.I / s) * error * sum + loop.D * s * gyroscope * derivative) /
+         (J * s);
+}
+
+TEST(FirmwareImport, LoopsOfEveryFirmwareAreTheSumOfTheirTerms) {
+  const auto first = [](Complex s, double Hz) {
+    return 1.0 / (1.0 + s / (2 * std::numbers::pi * Hz));
+  };
+  const auto second = [](Complex s, double Hz) {
+    const Complex x = s / (2 * std::numbers::pi * Hz);
+    return 1.0 / (x * x + std::sqrt(2.0) * x + 1.0);
+  };
+  const Vehicle vehicle = testing::crazyflie_vehicle();
+  for (const bool angle : {false, true})
+    for (const double w : {0.3, 5.0, 40.0, 300.0}) {
+      const Complex s(0, w);
+      for (const CascadeAxis axis : {CascadeAxis::roll, CascadeAxis::pitch, CascadeAxis::yaw}) {
+        const double J = vehicle.inertia.diagonal()(axis == CascadeAxis::roll    ? 0
+                                                    : axis == CascadeAxis::pitch ? 1
+                                                                                 : 2);
+        const bool yaw = axis == CascadeAxis::yaw;
+        const auto check = [&](FirmwareKind kind, Complex gyroscope, Complex derivative,
+                               Complex error, double rate) {
+          const Firmware target = firmware(kind, {}, "test");
+          const FirmwareLoop loop = loop_of(firmware_loops(target, vehicle, {}), axis);
+          const ContinuousTransferFunction L = firmware_turn_loop(target, vehicle, loop, {}, angle);
+          EXPECT_DOUBLE_EQ(L.delay, 1.5 / rate);
+          const Complex expected =
+              by_terms(loop, J, s, gyroscope, derivative, error, angle) * std::exp(-s * L.delay);
+          EXPECT_LT(std::abs(L(s) / expected - 1.0), 1e-9) << to_string(kind);
+        };
+        check(FirmwareKind::crazyflie, second(s, 80), 1, 1, 500);
+        check(FirmwareKind::betaflight, first(s, 250) * first(s, 500), first(s, 75) * first(s, 150),
+              yaw ? first(s, 100) : Complex(1), 4000);
+        check(FirmwareKind::ardupilot, second(s, 20),
+              first(s, 20) * (yaw ? first(s, 2.5) : Complex(1)), yaw ? first(s, 2.5) : Complex(1),
+              400);
+      }
+    }
+}
+
+TEST(FirmwareImport, DefaultsOnABuiltInVehicleAreToldAndFlown) {
+  const Vehicle vehicle = load_vehicle(testing::source_folder() + "/vehicles/quad-450.toml");
+  const FirmwareImport import =
+      import_parameters(firmware(FirmwareKind::px4, {}, "test"), vehicle, {});
+  ASSERT_EQ(import.turns.size(), 3u);
+  EXPECT_TRUE(import.turns[0].rate.stable);
+  EXPECT_GT(import.turns[0].rate.crossover, 5);
+  EXPECT_THAT(import.notes, Contains(HasSubstr("roll: D acts as")));
+  ASSERT_TRUE(import.content.cascade);
+  EXPECT_EQ(import.content.cascade->gains.loops.size(), kCascadeAxes);
+  EXPECT_LT(import.content.cascade->gains.loops[index_of(CascadeAxis::x)].Kp, 0);
+  ASSERT_TRUE(import.flown);
+}
+
+TEST(FirmwareImport, PilotsLoopsAreThoseOfTheDesign) {
+  const FirmwareImport import =
+      import_parameters(firmware(FirmwareKind::betaflight, {}, "test"),
+                        load_vehicle(testing::source_folder() + "/vehicles/quad-450.toml"), {});
+  EXPECT_THAT(import.notes, Contains(HasSubstr("x, y and altitude are the pilot's")));
+  EXPECT_NE(import.content.cascade->gains.loops[index_of(CascadeAxis::x)].Kp, 0);
+}
+
+}  // namespace
+}  // namespace quadtune

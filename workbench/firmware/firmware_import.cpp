@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/firmware/firmware_import.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "firmware/turn_parts.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/synthesis/open_loop.hpp"
+#include "quadtune/workbench/design/cascade_report.hpp"
+#include "quadtune/workbench/design/chosen_law.hpp"
+#include "quadtune/workbench/design/export_content.hpp"
+#include "quadtune/workbench/design/vehicle_cascade.hpp"
+#include "quadtune/workbench/flight/flight_plan.hpp"
+#include "quadtune/workbench/flown/flown_check.hpp"
+
+namespace quadtune {
+namespace {
+
+bool turns(CascadeAxis axis) {
+  return axis == CascadeAxis::roll || axis == CascadeAxis::pitch || axis == CascadeAxis::yaw;
+}
+
+FirmwareTurn turn_of(const Firmware& firmware, const Vehicle& vehicle, const FirmwareLoop& loop,
+                     const std::vector<Parameter>& values) {
+  FirmwareTurn turn;
+  turn.gains = loop;
+  turn.inertia = vehicle.inertia.diagonal()(internal::body_axis(loop.axis));
+  turn.delay = firmware_delay(firmware, vehicle, values);
+  turn.lag = internal::rotor_lag(vehicle);
+  const auto margins = [&](bool angle) {
+    return loop_margins(OpenLoop(firmware_turn_loop(firmware, vehicle, loop, values, angle)));
+  };
+  turn.rate = margins(false);
+  turn.whole = margins(true);
+  return turn;
+}
+
+/// What a cascade of PidLoops has no place for.
+void note_left_out(const FirmwareTurn& turn, std::vector<std::string>& notes) {
+  if (const double D = turn.gains.derivative(); D != 0)
+    notes.push_back(fmt::format(
+        "{}: D acts as {:.3g} kg m^2 more inertia, {:.0f} % of the vehicle's: it is in the margins "
+        "of this table, and not in the cascade that is flown and written",
+        to_string(turn.gains.axis), D, 100 * D / turn.inertia));
+  if (turn.gains.double_integral() != 0)
+    notes.push_back(
+        fmt::format("{}: both of its controllers integrate: the product of the two "
+                    "integrals is not in the cascade that is flown and written",
+                    to_string(turn.gains.axis)));
+}
+
+void note_hover(const Firmware& firmware, const Vehicle& vehicle, const ParameterFile& file,
+                std::vector<std::string>& notes) {
+  for (const char* name : {"MPC_THR_HOVER", "MOT_THST_HOVER"})
+    for (const Parameter& parameter : file.values) {
+      if (parameter.name != name || !(parameter.value > 0)) continue;
+      const double expected = firmware_scale(firmware, vehicle, file.values).hover;
+      constexpr double kTold = 0.1;
+      if (std::abs(parameter.value / expected - 1) > kTold)
+        notes.push_back(
+            fmt::format("{} is {:.3g} and the vehicle file gives {:.3g}: if the first was "
+                        "learned in flight, the vehicle's thrust or mass is off",
+                        name, parameter.value, expected));
+    }
+}
+
+ExportContent content_of(const Vehicle& vehicle, const CascadeGains& gains) {
+  ExportContent content;
+  content.vehicle = vehicle;
+  content.cascade = CascadeDesign{gains, {}, PidMethod::forward_euler};
+  content.cascade->velocity_feed_forward = true;
+  content.cascade->conditional_integration = true;
+  content.cascade->integrator_limit = CascadeController{}.integrator_limit;
+  content.cascade->attitude_limit = kDesignedAttitudeLimit;
+  content.estimator = stored_estimator(vehicle, "", gains.dt);
+  content.versions = library_versions();
+  content.inputs = {{vehicle_file_name(vehicle), vehicle.text}};
+  return content;
+}
+
+}  // namespace
+
+FirmwareImport import_parameters(const Firmware& firmware, const Vehicle& vehicle,
+                                 const std::optional<ParameterFile>& file, double dt) {
+  FirmwareImport result;
+  result.firmware = firmware;
+  result.vehicle = vehicle;
+  const std::vector<Parameter> values = file ? file->values : std::vector<Parameter>();
+  result.loops = firmware_loops(firmware, vehicle, values);
+  CascadeGains pilot;
+  for (const FirmwareLoop& loop : result.loops) {
+    if (turns(loop.axis)) result.turns.push_back(turn_of(firmware, vehicle, loop, values));
+    if (!loop.flies && pilot.loops.empty()) {
+      pilot = vehicle_cascade(vehicle, {}, vehicle.name).content.cascade->gains;
+      result.notes.emplace_back(
+          "x, y and altitude are the pilot's: those of `quadtune pid V` take their place");
+    }
+  }
+  if (file) {
+    result.notes.insert(result.notes.end(), file->notes.begin(), file->notes.end());
+    if (file->others > 0)
+      result.notes.push_back(
+          fmt::format("{} other parameters of the file do not belong to these "
+                      "loops",
+                      file->others));
+    note_hover(firmware, vehicle, *file, result.notes);
+  }
+  for (const FirmwareTurn& turn : result.turns) note_left_out(turn, result.notes);
+  result.content =
+      content_of(vehicle, cascade_of(result.loops, pilot, dt > 0 ? dt : kFirmwarePeriod));
+  const CascadeDesign& cascade = *result.content.cascade;
+  try {
+    result.flown = flown_loop(hover_under(vehicle, cascade_controller(cascade, cascade.gains),
+                                          result.content.estimator, ""));
+  } catch (const InvalidInput& error) {
+    result.notes.push_back(std::string("the flown loop is not analysed: ") + error.what());
+  }
+  return result;
+}
+
+}  // namespace quadtune

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What the files of this room share.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <vector>
+
+#include "quadtune/exports/firmware.hpp"
+#include "quadtune/model/vehicle.hpp"
+
+namespace quadtune::internal {
+
+/// The body axis of a turning loop.
+[[nodiscard]] inline Eigen::Index body_axis(CascadeAxis axis) {
+  return axis == CascadeAxis::roll ? 0 : axis == CascadeAxis::pitch ? 1 : 2;
+}
+
+/// That of the slowest rotor [s].
+[[nodiscard]] inline double rotor_lag(const Vehicle& vehicle) {
+  double lag = 0;
+  for (const Rotor& rotor : vehicle.rotors) lag = std::max(lag, slower_lag(rotor));
+  return lag;
+}
+
+}  // namespace quadtune::internal
+
+namespace quadtune {
+/// From a turn to the torque that answers it, filters and rotors apart [s].
+[[nodiscard]] double firmware_delay(const Firmware& firmware, const Vehicle& vehicle,
+                                    const std::vector<Parameter>& values);
+}  // namespace quadtune

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A firmware's parameters on a vehicle: what they are in SI, and what margins they leave with the
+/// firmware's filters and delays.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "quadtune/exports/content.hpp"
+#include "quadtune/exports/firmware.hpp"
+#include "quadtune/model/vehicle.hpp"
+#include "quadtune/synthesis/margins.hpp"
+#include "quadtune/transfer_function.hpp"
+#include "quadtune/workbench/flown/flown_loop.hpp"
+
+namespace quadtune {
+
+/// A turning loop as the firmware flies it, cut at the torque.
+struct FirmwareTurn {
+  FirmwareLoop gains;
+  double inertia = 0;  ///< of the vehicle about this axis [kg m²]
+  double delay = 0;    ///< of computing, holding, gyroscope and motor commands [s]
+  double lag = 0;      ///< of the rotors [s]
+  LoopMargins rate;    ///< the loop of the rate alone
+  LoopMargins whole;   ///< with the angle's; of a firmware without one, as `rate`
+};
+
+/// Parameters on a vehicle.
+struct FirmwareImport {
+  Firmware firmware;
+  Vehicle vehicle;
+  std::vector<FirmwareLoop> loops;  ///< in the order of kAllCascadeAxes
+  std::vector<FirmwareTurn> turns;  ///< roll, pitch, yaw
+  ExportContent content;            ///< the cascade, as `fly --gains` and others take it
+  std::optional<FlownLoop> flown;   ///< of that cascade; none where it is not analysed
+  std::vector<std::string> notes;   ///< a sentence each
+};
+
+/// The open loop of a turn in continuous time: gyroscope and derivative filters, the delay and the
+/// rotors' lag as the firmware's documentation has them. Theory: "Cascades of autopilots".
+/// @param angle  whether the loop of the angle is closed through the same torque
+[[nodiscard]] ContinuousTransferFunction firmware_turn_loop(const Firmware& firmware,
+                                                            const Vehicle& vehicle,
+                                                            const FirmwareLoop& loop,
+                                                            const std::vector<Parameter>& values,
+                                                            bool angle);
+
+/// @param file  none: the firmware's defaults
+/// @param dt    sample period of the cascade [s]; 0: kFirmwarePeriod
+/// @throws InvalidInput, NoSolution  as firmware_loops()
+[[nodiscard]] FirmwareImport import_parameters(const Firmware& firmware, const Vehicle& vehicle,
+                                               const std::optional<ParameterFile>& file,
+                                               double dt = 0);
+
+/// Of the cascade that stands for the firmware's loops of 250 Hz to 8 kHz [s].
+inline constexpr double kFirmwarePeriod = 0.004;
+
+}  // namespace quadtune
