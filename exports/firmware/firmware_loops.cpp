@@ -26,7 +26,7 @@ class Loops {
   }();
 };
 
-void px4(const FirmwareScale& scale, const ParameterValues& value, Loops& loops) {
+void add_px4_loops(const FirmwareScale& scale, const ParameterValues& value, Loops& loops) {
   for (const exports::TurnWords& turn : kTurns) {
     FirmwareLoop& loop = loops.of(turn.axis, scale.torque[turn.index]);
     const std::string rate = fmt::format("MC_{}RATE_", turn.px4);
@@ -49,8 +49,8 @@ void px4(const FirmwareScale& scale, const ParameterValues& value, Loops& loops)
   velocity(CascadeAxis::altitude, scale.thrust * scale.hover / kStandardGravity, "MPC_Z_");
 }
 
-void ardupilot(const Firmware& firmware, const FirmwareScale& scale, const ParameterValues& value,
-               Loops& loops) {
+void add_ardupilot_loops(const Firmware& firmware, const FirmwareScale& scale,
+                         const ParameterValues& value, Loops& loops) {
   for (const exports::TurnWords& turn : kTurns) {
     FirmwareLoop& loop = loops.of(turn.axis, scale.torque[turn.index]);
     const std::string rate = fmt::format("ATC_RAT_{}_", turn.ardupilot);
@@ -76,8 +76,8 @@ void ardupilot(const Firmware& firmware, const FirmwareScale& scale, const Param
   velocity(CascadeAxis::altitude, scale.mass, names.vertical_position, names.vertical_velocity);
 }
 
-void betaflight(const Firmware& firmware, const FirmwareScale& scale, const ParameterValues& value,
-                Loops& loops) {
+void add_betaflight_loops(const Firmware& firmware, const FirmwareScale& scale,
+                          const ParameterValues& value, Loops& loops) {
   const bool renamed = exports::is_from(firmware, "2025.12");
   for (const exports::TurnWords& turn : kTurns) {
     const std::string axis = turn.small;
@@ -94,7 +94,7 @@ void betaflight(const Firmware& firmware, const FirmwareScale& scale, const Para
     loops.of(axis, 0).flies = false;
 }
 
-void crazyflie(const FirmwareScale& scale, const ParameterValues& value, Loops& loops) {
+void add_crazyflie_loops(const FirmwareScale& scale, const ParameterValues& value, Loops& loops) {
   const auto cascade = [&](CascadeAxis axis, double of_output, const std::string& outer,
                            const std::string& inner, const char* mark) {
     FirmwareLoop& loop = loops.of(axis, of_output);
@@ -126,16 +126,16 @@ std::vector<FirmwareLoop> firmware_loops(const Firmware& firmware, const Vehicle
   Loops loops;
   switch (firmware.kind) {
     case FirmwareKind::px4:
-      px4(scale, value, loops);
+      add_px4_loops(scale, value, loops);
       break;
     case FirmwareKind::ardupilot:
-      ardupilot(firmware, scale, value, loops);
+      add_ardupilot_loops(firmware, scale, value, loops);
       break;
     case FirmwareKind::betaflight:
-      betaflight(firmware, scale, value, loops);
+      add_betaflight_loops(firmware, scale, value, loops);
       break;
     case FirmwareKind::crazyflie:
-      crazyflie(scale, value, loops);
+      add_crazyflie_loops(scale, value, loops);
       break;
   }
   return std::move(loops.all);

@@ -159,7 +159,7 @@ class Writer {
   std::vector<std::string> notes_;
 };
 
-void px4(Writer& w) {
+void write_px4(Writer& w) {
   const Vehicle& vehicle = w.vehicle();
   const std::vector<std::size_t> order = exports::px4_order(vehicle);
   w.set("CA_ROTOR_COUNT", static_cast<double>(order.size()));
@@ -216,7 +216,7 @@ double thrust_expo(const Vehicle& vehicle, double low, double high) {
   return std::clamp(2 - 4 * (thrust(0.5) - least) / all, -1.0, 1.0);
 }
 
-void ardupilot(Writer& w) {
+void write_ardupilot(Writer& w) {
   constexpr double kSpinMin = 0.15, kSpinMax = 0.95;  // as they are by default
   w.set("MOT_SPIN_MIN", kSpinMin);
   w.set("MOT_SPIN_MAX", kSpinMax);
@@ -258,7 +258,7 @@ void ardupilot(Writer& w) {
                   names.acceleration));
 }
 
-void betaflight(Writer& w) {
+void write_betaflight(Writer& w) {
   const FirmwareScale scale = w.scale();
   const bool renamed = exports::is_from(w.firmware(), "2025.12");
   const Factored roll = w.factored(CascadeAxis::roll), pitch = w.factored(CascadeAxis::pitch);
@@ -294,7 +294,7 @@ void betaflight(Writer& w) {
   w.note("x, y and altitude are the pilot's: the firmware has no such loops");
 }
 
-void crazyflie(Writer& w) {
+void write_crazyflie(Writer& w) {
   const FirmwareScale scale = w.scale();
   const auto cascade = [&](CascadeAxis axis, double of_output, const std::string& outer,
                            const std::string& inner, const char* mark, const char* forward) {
@@ -329,16 +329,16 @@ FirmwareParameters firmware_parameters(const Firmware& firmware, const Vehicle& 
   Writer writer(firmware, vehicle, gains);
   switch (firmware.kind) {
     case FirmwareKind::px4:
-      px4(writer);
+      write_px4(writer);
       break;
     case FirmwareKind::ardupilot:
-      ardupilot(writer);
+      write_ardupilot(writer);
       break;
     case FirmwareKind::betaflight:
-      betaflight(writer);
+      write_betaflight(writer);
       break;
     case FirmwareKind::crazyflie:
-      crazyflie(writer);
+      write_crazyflie(writer);
       break;
   }
   return writer.finish();

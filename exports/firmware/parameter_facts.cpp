@@ -48,7 +48,7 @@ void add_px4_rate(Table& t, const std::string& axis, double P, double P_min, dou
   t.add(name + "K", 1, K_min, 5);
 }
 
-std::vector<ParameterFacts> px4(const Firmware& firmware) {
+std::vector<ParameterFacts> px4_facts(const Firmware& firmware) {
   const double attitude = exports::is_from(firmware, "1.17") ? 4.0 : 6.5;
   Table t;
   t.add("MC_ROLL_P", attitude, 0, 12);
@@ -95,7 +95,7 @@ void add_ardupilot_rate(Table& t, const std::string& axis, bool yaw) {
   t.read_only();
 }
 
-std::vector<ParameterFacts> ardupilot(const Firmware& firmware) {
+std::vector<ParameterFacts> ardupilot_facts(const Firmware& firmware) {
   const bool renamed = exports::is_from(firmware, "4.7");
   Table t;
   for (const auto& [axis, yaw] : {std::pair("RLL", false), {"PIT", false}, {"YAW", true}}) {
@@ -136,7 +136,7 @@ std::vector<ParameterFacts> ardupilot(const Firmware& firmware) {
   return std::move(t.all);
 }
 
-std::vector<ParameterFacts> betaflight(const Firmware& firmware) {
+std::vector<ParameterFacts> betaflight_facts(const Firmware& firmware) {
   const bool renamed = exports::is_from(firmware, "2025.12");
   Table t;
   t.add_integer("angle_p_gain", 50, 0, 200);
@@ -168,7 +168,7 @@ std::vector<ParameterFacts> betaflight(const Firmware& firmware) {
   return std::move(t.all);
 }
 
-std::vector<ParameterFacts> crazyflie(const Firmware& firmware) {
+std::vector<ParameterFacts> crazyflie_facts(const Firmware& firmware) {
   const bool brushless = firmware.setup == "brushless";
   Table t;
   const auto add = [&](const std::string& prefix, double kp, double ki, double kd,
@@ -203,13 +203,13 @@ std::vector<ParameterFacts> crazyflie(const Firmware& firmware) {
 std::vector<ParameterFacts> parameter_facts(const Firmware& firmware) {
   switch (firmware.kind) {
     case FirmwareKind::px4:
-      return px4(firmware);
+      return px4_facts(firmware);
     case FirmwareKind::ardupilot:
-      return ardupilot(firmware);
+      return ardupilot_facts(firmware);
     case FirmwareKind::betaflight:
-      return betaflight(firmware);
+      return betaflight_facts(firmware);
     case FirmwareKind::crazyflie:
-      return crazyflie(firmware);
+      return crazyflie_facts(firmware);
   }
   return {};
 }

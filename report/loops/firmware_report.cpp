@@ -16,7 +16,7 @@ using internal::Json;
 
 namespace {
 
-Json margins_json(const LoopMargins& margins) {
+Json turn_margins_json(const LoopMargins& margins) {
   return {{"stable", margins.stable},
           {"crossover", margins.crossover},
           {"phase_margin_deg", degrees(margins.phase_margin)},
@@ -25,7 +25,7 @@ Json margins_json(const LoopMargins& margins) {
           {"Ms", margins.Ms}};
 }
 
-Json loops_json(const FirmwareImport& import) {
+Json imported_loops_json(const FirmwareImport& import) {
   Json loops = Json::array();
   for (const FirmwareLoop& loop : import.loops) {
     if (!loop.flies) continue;
@@ -47,8 +47,8 @@ Json turns_json(const FirmwareImport& import) {
                      {"inertia", turn.inertia},
                      {"delay_s", turn.delay},
                      {"lag_s", turn.lag},
-                     {"rate", margins_json(turn.rate)},
-                     {"whole", margins_json(turn.whole)}});
+                     {"rate", turn_margins_json(turn.rate)},
+                     {"whole", turn_margins_json(turn.whole)}});
   return turns;
 }
 
@@ -65,7 +65,7 @@ Json to_json(const FirmwareImport& import) {
       {"version", import.firmware.version},
       {"setup", import.firmware.setup.empty() ? Json(nullptr) : Json(import.firmware.setup)},
       {"vehicle", import.vehicle.name},
-      {"loops", loops_json(import)},
+      {"loops", imported_loops_json(import)},
       {"turns", turns_json(import)},
       {"notes", import.notes}};
   json["flown_loop"] = Json();
@@ -81,14 +81,14 @@ std::string to_text(const FirmwareImport& import) {
   std::string text =
       section("firmware", firmware_words(import.firmware)) +
       section("vehicle", import.vehicle.name) +
-      section("loops",
-              "gains in SI, without the signs of a design file\n" +
-                  table(loops_json(import), {{"name", "loop"},
-                                             {"Kp", "Kp", "", ".4g"},
-                                             {"Ki", "Ki", "", ".4g"},
-                                             {"Kd", "|Kd|", "", ".4g"},
-                                             {"derivative", "D", "", ".3g"},
-                                             {"per_unit", "per unit", "of output", ".4g"}})) +
+      section("loops", "gains in SI, without the signs of a design file\n" +
+                           table(imported_loops_json(import),
+                                 {{"name", "loop"},
+                                  {"Kp", "Kp", "", ".4g"},
+                                  {"Ki", "Ki", "", ".4g"},
+                                  {"Kd", "|Kd|", "", ".4g"},
+                                  {"derivative", "D", "", ".3g"},
+                                  {"per_unit", "per unit", "of output", ".4g"}})) +
       section("turns",
               "with the firmware's filters, rate and delay, and the rotors' lag\n" +
                   table(turns_json(import), {{"name", "loop"},

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "run_program.hpp"
-#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -20,7 +19,7 @@ using testing::ProgramResult;
 using testing::run_program;
 using testing::TemporaryDirectory;
 
-/// A cascade of quad-450 that every autopilot can fly.
+/// A cascade of the Crazyflie that every autopilot can fly.
 class FirmwareVerb : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -35,7 +34,7 @@ class FirmwareVerb : public ::testing::Test {
   }
   static std::string path(const std::string& name) { return (folder_->path() / name).string(); }
 
-  static std::string vehicle() { return testing::source_folder() + "/vehicles/quad-450.toml"; }
+  static std::string vehicle() { return "crazyflie"; }
 
   static TemporaryDirectory* folder_;
 };
@@ -48,17 +47,19 @@ TEST_F(FirmwareVerb, EveryFirmwareIsWrittenVerifiedAndReadBack) {
                                                        {"crazyflie", "crazyflie.yaml"}};
   for (const auto& [name, file] : files) {
     const std::string out = path(name);
-    const ProgramResult exported =
-        run_program({"export", path("gains.json"), "--to", name, "-o", out});
+    const ProgramResult exported = run_program(
+        {"export", path("gains.json"), "--to", name, "--vehicle", vehicle(), "-o", out});
     ASSERT_EQ(exported.status, 0) << exported.err;
     EXPECT_THAT(exported.err, HasSubstr("margins of the cascade, cut at the wrench"));
-    const ProgramResult verified = run_program({"verify", out});
+    const ProgramResult verified = run_program({"verify", out, "--vehicle", vehicle()});
     EXPECT_EQ(verified.status, 0) << verified.out;
     EXPECT_THAT(verified.out, HasSubstr("parameters fly the manifest's cascade"));
     const ProgramResult imported =
-        run_program({"import", name, out + "/" + file, "--vehicle", vehicle(), "--quiet", "-o",
-                     path(std::string(name) + ".json")});
+        run_program({"import", name, out + "/" + file, "--vehicle", vehicle(), "--dt", "0.005",
+                     "--quiet", "-o", path(std::string(name) + ".json")});
     ASSERT_EQ(imported.status, 0) << imported.err;
+    // The pilot's loops are another design's.
+    if (name == std::string("betaflight")) continue;
     const ProgramResult difference =
         run_program({"diff", out, path(std::string(name) + ".json"), "--json"});
     ASSERT_EQ(difference.status, 0) << difference.err;
@@ -68,16 +69,20 @@ TEST_F(FirmwareVerb, EveryFirmwareIsWrittenVerifiedAndReadBack) {
 
 TEST_F(FirmwareVerb, AChangedParameterFailsToVerify) {
   const std::string out = path("changed");
-  ASSERT_EQ(run_program({"export", path("gains.json"), "--to", "ardupilot", "-o", out}).status, 0);
+  ASSERT_EQ(run_program({"export", path("gains.json"), "--to", "ardupilot", "--vehicle", vehicle(),
+                         "-o", out})
+                .status,
+            0);
   std::ifstream file(out + "/ardupilot.param");
   std::string text((std::istreambuf_iterator<char>(file)), {});
   const std::size_t at = text.find("ATC_RAT_RLL_P,0.") + 17;
   ASSERT_LT(at, text.size());
   text[at] = text[at] == '5' ? '6' : '5';
   std::ofstream(out + "/ardupilot.param") << text;
-  const ProgramResult verified = run_program({"verify", out});
+  const ProgramResult verified = run_program({"verify", out, "--vehicle", vehicle()});
   EXPECT_EQ(verified.status, 1);
-  EXPECT_THAT(verified.out, HasSubstr("ardupilot.param gives Kp"));
+  EXPECT_THAT(verified.out,
+              HasSubstr("FAIL parameters fly the manifest's cascade: ardupilot.param: roll"));
 }
 
 TEST_F(FirmwareVerb, DefaultsOfEachFirmwareFlyInTheSimulationAsAFileOfGains) {
@@ -96,9 +101,9 @@ TEST_F(FirmwareVerb, MistakesAreToldInOneLine) {
     EXPECT_THAT(result.err, HasSubstr(message));
   };
   const std::string gains = path("gains.json"), out = path("none");
-  refused({"export", gains, "--to", "px4", "-o", out, "--firmware", "1.2"}, 3,
+  refused({"export", gains, "--to", "px4", "-o", out, "--firmware", "1.2"}, 2,
           "px4 has no version '1.2', expected one of 1.17, 1.16, 1.15, 1.14");
-  refused({"export", gains, "--to", "px4", "-o", out, "--setup", "legacy"}, 3, "expected none");
+  refused({"export", gains, "--to", "px4", "-o", out, "--setup", "legacy"}, 2, "expected none");
   refused({"export", gains, "--to", "json", "-o", out, "--firmware", "1.15"}, 2,
           "--firmware is for the parameters of a firmware");
   refused({"import", "px5", "--defaults", "--vehicle", "mambo"}, 3, "no firmware 'px5'");
@@ -118,8 +123,10 @@ TEST_F(FirmwareVerb, GainsThatDoNotFactorAreRefusedAndNothingIsWritten) {
   EXPECT_FALSE(std::filesystem::exists(path("refused")));
   // Designed in the structure, the same vehicle's loops factor.
   for (const char* method : {"loops", "flown"}) {
-    const ProgramResult made = run_program(
-        {"pid", "mambo", "--method", method, "--structure", "p-pi", "--json", "--quiet"});
+    std::vector<std::string> words = {"pid",         "mambo", "--method", method,
+                                      "--structure", "p-pi",  "--json",   "--quiet"};
+    if (method == std::string("loops")) words.emplace_back("--free");
+    const ProgramResult made = run_program(words);
     ASSERT_EQ(made.status, 0) << made.err;
     for (const SortedJson& loop : SortedJson::parse(made.out)["loops"]) {
       const double Kp = loop["Kp"], Ki = loop["Ki"], Kd = loop["Kd"];

@@ -150,8 +150,9 @@ TEST(Export, WordsOfKindsReadBackAndUnknownOnesAreRefused) {
   for (const ExportKind& kind : {ExportKind::uquad, ExportKind::mambo, ExportKind::json})
     EXPECT_EQ(export_kind(to_string(kind), "--to"), kind);
   EXPECT_THAT([] { (void)export_kind("jason", "--to"); },
-              ThrowsMessage<InvalidInput>(HasSubstr("--to: no export 'jason', expected uquad, "
-                                                    "mambo, json, c; did you mean 'json'?")));
+              ThrowsMessage<InvalidInput>(HasSubstr(
+                  "--to: no export 'jason', expected uquad, "
+                  "mambo, json, c, px4, ardupilot, betaflight, crazyflie; did you mean 'json'?")));
 }
 
 TEST(ReadGains, SaysWhereAFileIsWrong) {

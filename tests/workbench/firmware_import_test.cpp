@@ -52,7 +52,8 @@ TEST(FirmwareImport, Px4RateLoopHasTheCrossoverOfTheWorkedCase) {
   EXPECT_NEAR(phase, 64.40, 0.01);
 }
 
-// The gain alone: G P/J, and with a lag of 50 ms 13.9276 rad/s and 55.15 degrees.
+// The gain alone crosses at k = G P/J, and with a lag where w² (1 + lag² w²) = k²: 13.9267 rad/s
+// and 55.15 degrees with 50 ms.
 TEST(FirmwareImport, GainAloneCrossesWhereItIsExpected) {
   Vehicle vehicle = testing::sih_vehicle();
   const Firmware px4 = firmware(FirmwareKind::px4, {"1.15", ""}, "test");
@@ -65,10 +66,12 @@ TEST(FirmwareImport, GainAloneCrossesWhereItIsExpected) {
     loop.delay = 0;
     return crossover([loop](double w) { return loop(Complex(0, w)); });
   };
-  EXPECT_NEAR(of().first, 13.9276, 1e-4);
+  const double k = std::sqrt(8.0) * 0.15 / 0.025, lag = 0.05;
+  EXPECT_NEAR(of().first, std::sqrt((std::sqrt(1 + 4 * lag * lag * k * k) - 1) / 2) / lag, 1e-9);
+  EXPECT_NEAR(of().first, 13.9267, 1e-4);
   EXPECT_NEAR(of().second, 55.15, 0.01);
   for (Rotor& rotor : vehicle.rotors) rotor.lag = 0;
-  EXPECT_NEAR(of().first, 16.9706, 1e-4);
+  EXPECT_NEAR(of().first, k, 1e-9);
   EXPECT_NEAR(of().second, 90, 1e-6);
 }
 
