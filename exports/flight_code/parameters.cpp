@@ -20,7 +20,7 @@ using Numbers = std::vector<double>;
 /// Writes the initializer of a structure, member by member.
 class Structure {
  public:
-  explicit Structure(bool double_precision) : double_(double_precision) {}
+  Structure(bool double_precision, double dt) : double_(double_precision), dt_(dt) {}
 
   void open(const std::string& name) {
     line(name.empty() ? "{" : fmt::format(".{} = {{", name));
@@ -31,6 +31,10 @@ class Structure {
     line(path_.empty() ? "};" : "},");
   }
   void number(const std::string& name, double x) { member(name, text(x, name)); }
+  /// A control period, by its name in C where it is that of the program.
+  void period(const std::string& name, double dt) {
+    member(name, dt == dt_ ? "QT_DT" : text(dt, name));
+  }
   void integer(const std::string& name, int x) { member(name, fmt::format("{}", x)); }
   void boolean(const std::string& name, bool x) { member(name, x ? "true" : "false"); }
   void numbers(const std::string& name, const Numbers& x) {
@@ -82,6 +86,7 @@ class Structure {
   void line(const std::string& text) { text_ += std::string(path_.size() * 2, ' ') + text + "\n"; }
 
   bool double_;
+  double dt_;  ///< of the program [s]
   std::vector<std::string> path_;
   std::string text_;
 };
@@ -113,7 +118,8 @@ void write_inertial(Structure& c, const std::string& name, const InertialAid& se
   c.open(name + "_now");
   c.number("held", horizon > 0 ? std::min(sensor.lag, time) / time : 0);
   c.integer("count", static_cast<int>(later.size()));
-  if (later.empty()) later = earlier = {0};
+  later.resize(kMostHorizonPeriods);  // an array in C has all of its numbers or none
+  earlier.resize(kMostHorizonPeriods);
   c.numbers("later", later);
   c.numbers("earlier", earlier);
   c.close();
@@ -200,7 +206,7 @@ void write_estimator(Structure& c, const GeneralFilterSettings& s) {
   constexpr double kInstant = 1e-9;  // QT_INSTANT
   const int horizon = horizon_periods(s);
   c.open("estimator");
-  c.number("dt", s.dt);
+  c.period("dt", s.dt);
   c.number("gravity", s.gravity);
   c.integer("horizon", horizon);
   c.number("horizon_time", horizon * s.dt);
@@ -224,7 +230,7 @@ void write_estimator(Structure& c, const GeneralFilterSettings& s) {
 void write_loop(Structure& c, const std::string& name, const PidSettings<double>& loop) {
   const PidQuadrature<double> weight = pid_quadrature<double>(loop.method);
   c.open(name);
-  c.number("dt", loop.dt);
+  c.period("dt", loop.dt);
   c.number("Kp", loop.Kp);
   c.number("Ki", loop.Ki);
   c.number("Kd", loop.Kd);
@@ -277,7 +283,7 @@ void write_integrals(Structure& c, const StateFeedbackSettings<double>& law) {
 void write_law(Structure& c, const StateFeedbackSettings<double>& law, double dt) {
   const int inputs = law.inputs;
   c.open("law");
-  c.number("dt", dt);
+  c.period("dt", dt);
   c.numbers("x0", of(law.x0));
   c.numbers("u0", of(law.u0.head(inputs)));
   c.matrix("K", law.K.topRows(inputs));
@@ -332,7 +338,7 @@ std::string c_number(double x, bool double_precision, const std::string& where) 
 }
 
 std::string parameters_text(const ProgramSettings& settings, bool double_precision) {
-  Structure c(double_precision);
+  Structure c(double_precision, settings.dt);
   c.open("");
   if (settings.estimator) write_estimator(c, *settings.estimator);
   if (settings.cascade())

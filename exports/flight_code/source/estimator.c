@@ -14,95 +14,97 @@
  */
 #include "internal.h"
 
-enum {
-  AT_POSITION = 0,
-  AT_VELOCITY = 3,
-  AT_TURN = 6,
-  AT_GYRO = 9,
-  AT_FORCE = 12,
-  AT_PRESSURE = 15
-};
+/* Where the errors stand. */
+#define AT_POSITION 0
+#define AT_DOWN 2 /* of the position */
+#define AT_VELOCITY 3
+#define AT_TURN 6
+#define AT_GYRO 9
+#define AT_FORCE 12
+#define AT_PRESSURE 15
 
 /* Groups of three errors that a measurement depends on, as bits. */
-enum {
-  BY_POSITION = 1,
-  BY_VELOCITY = 2,
-  BY_TURN = 4,
-  BY_GYRO = 8,
-  BY_FORCE = 16,
-  BY_PRESSURE = 32,
-  BY_ALL = 63
-};
+#define BY_POSITION 1u
+#define BY_VELOCITY 2u
+#define BY_TURN 4u
+#define BY_GYRO 8u
+#define BY_FORCE 16u
+#define BY_PRESSURE 32u
+#define BY_ALL 63u
 
 /* Where the rejections of a sensor's first scalar are counted. */
-enum {
-  SCALAR_FLOW = 0,
-  SCALAR_RANGE = 2,
-  SCALAR_PRESSURE = 3,
-  SCALAR_HEADING = 4,
-  SCALAR_GPS_POSITION = 5,
-  SCALAR_GPS_VELOCITY = 8,
-  SCALAR_VISION = 11
-};
+#define SCALAR_RANGE 0
+#define SCALAR_FLOW 1
+#define SCALAR_PRESSURE 3
+#define SCALAR_HEADING 4
+#define SCALAR_GPS_POSITION 5
+#define SCALAR_GPS_VELOCITY 8
+#define SCALAR_VISION 11
 
 typedef struct {
   qt_real rates[3]; /* mean over a control period, bias subtracted [rad/s] */
   qt_real force[3]; /* likewise [m/s^2] */
 } drive_t;
 
+/* Three rows of the whole covariance. */
+typedef struct {
+  qt_real row[3][QT_ERRORS];
+} rows_t;
+
+/* The place before place i of a ring of `count` places. */
+static int place_before(int i, int count) { return ((i == 0) ? count : i) - 1; }
+
 /* ---- covariance: the lower triangle of a symmetric matrix, row by row ---- */
 
 static int place(int i, int j) {
-  return (i >= j) ? ((i * (i + 1)) / 2) + j : ((j * (j + 1)) / 2) + i;
+  return (i >= j) ? (((i * (i + 1)) / 2) + j) : (((j * (j + 1)) / 2) + i);
 }
 
 /* The rows `first` to `first + 2` of the whole matrix, from its lower triangle and back. */
-static void get_rows(const qt_real *P, int first, qt_real rows[3][QT_ERRORS]) {
+static void get_rows(const qt_real *P, int first, rows_t *to) {
   for (int r = 0; r < 3; ++r) {
     const int i = first + r;
     const qt_real *row = &P[place(i, 0)];
-    const qt_real *below = &P[place(i, i)];
+    int below = place(i, i);
     for (int j = 0; j <= i; ++j) {
-      rows[r][j] = row[j];
+      to->row[r][j] = row[j];
     }
     for (int j = i + 1; j < QT_ERRORS; ++j) {
       below += j; /* from place(j - 1, i) to place(j, i) */
-      rows[r][j] = *below;
+      to->row[r][j] = P[below];
     }
   }
 }
 
-static void put_rows(qt_real *P, int first, const qt_real rows[3][QT_ERRORS]) {
+static void put_rows(qt_real *P, int first, const rows_t *from) {
   for (int r = 0; r < 3; ++r) {
     const int i = first + r;
     qt_real *row = &P[place(i, 0)];
-    qt_real *below = &P[place(i, i)];
+    int below = place(i, i);
     for (int j = 0; j <= i; ++j) {
-      row[j] = rows[r][j];
+      row[j] = from->row[r][j];
     }
     for (int j = i + 1; j < QT_ERRORS; ++j) {
       below += j;
       if (j >= (first + 3)) {
-        *below = rows[r][j];
+        P[below] = from->row[r][j];
       }
     }
   }
 }
 
-/* row += b (rows 0 to 2 of from) [+ c (rows 0 to 2 of from2)], term by term. */
-static void add_products(qt_real row[QT_ERRORS], const qt_real b[3],
-                         const qt_real from[3][QT_ERRORS]) {
+/* row += b (rows 0 to 2 of y) [+ c (rows 0 to 2 of z)], term by term. */
+static void add_products(qt_real row[QT_ERRORS], const qt_real b[3], const rows_t *y) {
   for (int j = 0; j < QT_ERRORS; ++j) {
-    row[j] = ((row[j] + (b[0] * from[0][j])) + (b[1] * from[1][j])) + (b[2] * from[2][j]);
+    row[j] = ((row[j] + (b[0] * y->row[0][j])) + (b[1] * y->row[1][j])) + (b[2] * y->row[2][j]);
   }
 }
-static void add_both_products(qt_real row[QT_ERRORS], const qt_real b[3],
-                              const qt_real from[3][QT_ERRORS], const qt_real c[3],
-                              const qt_real from2[3][QT_ERRORS]) {
+static void add_both_products(qt_real row[QT_ERRORS], const qt_real b[3], const rows_t *y,
+                              const qt_real c[3], const rows_t *z) {
   for (int j = 0; j < QT_ERRORS; ++j) {
-    qt_real sum = (row[j] + (b[0] * from[0][j])) + (c[0] * from2[0][j]);
-    sum = (sum + (b[1] * from[1][j])) + (c[1] * from2[1][j]);
-    row[j] = (sum + (b[2] * from[2][j])) + (c[2] * from2[2][j]);
+    qt_real sum = (row[j] + (b[0] * y->row[0][j])) + (c[0] * z->row[0][j]);
+    sum = (sum + (b[1] * y->row[1][j])) + (c[1] * z->row[1][j]);
+    row[j] = (sum + (b[2] * y->row[2][j])) + (c[2] * z->row[2][j]);
   }
 }
 
@@ -122,41 +124,42 @@ static qt_real with_product(qt_real x, const qt_real b[3], const qt_real *y, con
 /* P <- E P E' for E that adds rows: target += block source (+ block2 source2), blocks of 3 x 3. */
 static void add_rows(qt_real *P, int target, int source, const qt_real block[9], int source2,
                      const qt_real *block2) {
-  qt_real rows[3][QT_ERRORS];
-  qt_real from[3][QT_ERRORS];
-  qt_real from2[3][QT_ERRORS];
+  rows_t rows;
+  rows_t from;
+  rows_t from2;
   qt_real own[9];
-  get_rows(P, target, rows);
-  get_rows(P, source, from);
+  get_rows(P, target, &rows);
+  get_rows(P, source, &from);
   if (block2 != NULL) {
-    get_rows(P, source2, from2);
+    get_rows(P, source2, &from2);
   }
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j <= i; ++j) {
-      own[(3 * i) + j] = with_product(rows[i][target + j], &block[3 * j], &rows[i][source],
-                                      (block2 != NULL) ? &block2[3 * j] : NULL, &rows[i][source2]);
+      own[(3 * i) + j] =
+          with_product(rows.row[i][target + j], &block[3 * j], &rows.row[i][source],
+                       (block2 != NULL) ? &block2[3 * j] : NULL, &rows.row[i][source2]);
     }
   }
   for (int i = 0; i < 3; ++i) { /* the entries of the target itself are replaced below */
     if (block2 != NULL) {
-      add_both_products(rows[i], &block[3 * i], (const qt_real(*)[QT_ERRORS])from, &block2[3 * i],
-                        (const qt_real(*)[QT_ERRORS])from2);
+      add_both_products(rows.row[i], &block[3 * i], &from, &block2[3 * i], &from2);
     } else {
-      add_products(rows[i], &block[3 * i], (const qt_real(*)[QT_ERRORS])from);
+      add_products(rows.row[i], &block[3 * i], &from);
     }
   }
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j <= i; ++j) {
-      own[(3 * i) + j] = with_product(own[(3 * i) + j], &block[3 * i], &rows[j][source],
-                                      (block2 != NULL) ? &block2[3 * i] : NULL, &rows[j][source2]);
+      own[(3 * i) + j] =
+          with_product(own[(3 * i) + j], &block[3 * i], &rows.row[j][source],
+                       (block2 != NULL) ? &block2[3 * i] : NULL, &rows.row[j][source2]);
     }
   }
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j <= i; ++j) {
-      rows[i][target + j] = own[(3 * i) + j];
+      rows.row[i][target + j] = own[(3 * i) + j];
     }
   }
-  put_rows(P, target, (const qt_real(*)[QT_ERRORS])rows);
+  put_rows(P, target, &rows);
 }
 
 /* P <- E P E': position += h velocity. */
@@ -246,34 +249,32 @@ static const qt_reading_t *reading(const qt_estimator_state_t *s, int age) {
 
 /* What drives the motion over the period that ended `age` periods before the horizon: the trapezoid
  * of linearly interpolated readings, biases subtracted. */
-static drive_t drive_at(const qt_estimator_parameters_t *p, const qt_estimator_state_t *s,
-                        int age) {
-  drive_t drive;
+static void drive_at(const qt_estimator_parameters_t *p, const qt_estimator_state_t *s, int age,
+                     drive_t *drive) {
   const qt_reading_t *g0 = reading(s, p->gyro_whole + age);
   const qt_reading_t *g1 = reading(s, p->gyro_whole + age + 1);
   const qt_reading_t *f0 = reading(s, p->force_whole + age);
   const qt_reading_t *f1 = reading(s, p->force_whole + age + 1);
   for (int i = 0; i < 3; ++i) {
-    drive.rates[i] = (g0->rates[i] * p->gyro_mean[0]) + (g1->rates[i] * 0.5f);
-    drive.force[i] = (f0->force[i] * p->force_mean[0]) + (f1->force[i] * 0.5f);
+    drive->rates[i] = (g0->rates[i] * p->gyro_mean[0]) + (g1->rates[i] * 0.5f);
+    drive->force[i] = (f0->force[i] * p->force_mean[0]) + (f1->force[i] * 0.5f);
   }
   if (p->gyro_mean[1] > 0.0f) {
     const qt_reading_t *g2 = reading(s, p->gyro_whole + age + 2);
     for (int i = 0; i < 3; ++i) {
-      drive.rates[i] += g2->rates[i] * p->gyro_mean[1];
+      drive->rates[i] += g2->rates[i] * p->gyro_mean[1];
     }
   }
   if (p->force_mean[1] > 0.0f) {
     const qt_reading_t *f2 = reading(s, p->force_whole + age + 2);
     for (int i = 0; i < 3; ++i) {
-      drive.force[i] += f2->force[i] * p->force_mean[1];
+      drive->force[i] += f2->force[i] * p->force_mean[1];
     }
   }
   for (int i = 0; i < 3; ++i) {
-    drive.rates[i] -= s->gyro_bias[i];
-    drive.force[i] -= s->force_bias[i];
+    drive->rates[i] -= s->gyro_bias[i];
+    drive->force[i] -= s->force_bias[i];
   }
-  return drive;
 }
 
 /* The gyroscope `age` periods before the horizon, interpolated, its bias subtracted. */
@@ -348,7 +349,7 @@ typedef struct {
  * backward. */
 static void step_back(const qt_estimator_parameters_t *p, const qt_estimator_state_t *s, int age,
                       qt_real h, past_t *past) {
-  const drive_t drive = drive_at(p, s, age);
+  drive_t drive;
   qt_real turn[3];
   qt_real half[4];
   qt_real middle[4];
@@ -358,6 +359,7 @@ static void step_back(const qt_estimator_parameters_t *p, const qt_estimator_sta
   qt_real begin[3];
   qt_real end[3];
   const qt_real share = qt_min(h / p->dt, 1.0f);
+  drive_at(p, s, age, &drive);
   /* The inverse of move(): back by half the turn, by what it gained, by the other half. */
   for (int i = 0; i < 3; ++i) {
     turn[i] = drive.rates[i] * (-0.5f * h);
@@ -407,13 +409,15 @@ static void step_back(const qt_estimator_parameters_t *p, const qt_estimator_sta
 static void past_motion(const qt_estimator_parameters_t *p, const qt_estimator_state_t *s,
                         qt_real ago, past_t *past) {
   qt_real left = (ago > QT_INSTANT) ? ago : 0.0f; /* rounding of sample times is not the past */
+  bool more = left > 0.0f;
   (void)memset(past, 0, sizeof *past);
   past->motion = s->motion;
-  past->past = left > 0.0f;
+  past->past = more;
   rates_at(p, s, 0, past->rates);
-  for (int j = 0; (j < QT_HISTORY) && (left > 0.0f); ++j) {
+  for (int j = 0; (j < QT_HISTORY) && more; ++j) {
     const qt_real h = ((j + 1) == QT_HISTORY) ? left : qt_min(left, p->dt);
     left -= h;
+    more = left > 0.0f;
     step_back(p, s, j, h, past);
   }
 }
@@ -439,11 +443,9 @@ static void carry(const past_t *past, row_t *row) {
   qt_real turn[3];
   qt_real vU[3];
   qt_real pW[3];
-  for (int i = 0; i < 3; ++i) {
-    p[i] = row->by[AT_POSITION + i];
-    v[i] = row->by[AT_VELOCITY + i];
-    turn[i] = row->by[AT_TURN + i];
-  }
+  (void)memcpy(p, &row->by[AT_POSITION], sizeof p);
+  (void)memcpy(v, &row->by[AT_VELOCITY], sizeof v);
+  (void)memcpy(turn, &row->by[AT_TURN], sizeof turn);
   qt_cross(v, past->U, vU);
   qt_cross(p, past->W, pW);
   for (int i = 0; i < 3; ++i) {
@@ -467,7 +469,7 @@ static void times_row(const qt_real *P, const row_t *row, qt_real w[QT_ERRORS]) 
                (P[place(f + 2, i)] * row->by[f + 2]);
       }
     }
-    if ((row->groups & (unsigned)BY_PRESSURE) != 0u) {
+    if ((row->groups & BY_PRESSURE) != 0u) {
       sum += P[place(AT_PRESSURE, i)] * row->by[AT_PRESSURE];
     }
     w[i] = sum;
@@ -483,7 +485,7 @@ static qt_real dot_row(const qt_real x[QT_ERRORS], const row_t *row) {
       sum += (x[f] * row->by[f]) + (x[f + 1] * row->by[f + 1]) + (x[f + 2] * row->by[f + 2]);
     }
   }
-  if ((row->groups & (unsigned)BY_PRESSURE) != 0u) {
+  if ((row->groups & BY_PRESSURE) != 0u) {
     sum += x[AT_PRESSURE] * row->by[AT_PRESSURE];
   }
   return sum;
@@ -502,6 +504,19 @@ static void joseph(qt_real *P, const qt_real K[QT_ERRORS], const qt_real w[QT_ER
   }
 }
 
+/* Raises the variances of the three errors from `first` on until the row's variance has grown by
+ * `lacking`. */
+static void doubt(qt_estimator_state_t *s, const row_t *row, int first, qt_real lacking) {
+  const qt_real size = qt_square3(&row->by[first]);
+  qt_real added = 0.0f;
+  if (size > 0.0f) {
+    added = lacking / size;
+  }
+  for (int i = 0; i < 3; ++i) {
+    s->P[place(first + i, first + i)] += added;
+  }
+}
+
 /* One scalar measurement. It is rejected if e^2/S exceeds the gate. After recovery_time of
  * rejections, and three of them, the variances of the group `doubted` are raised until e^2/S = 1:
  * the state was wrong by more than P says.
@@ -511,49 +526,44 @@ static bool correct(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                     const row_t *row, qt_real innovation, qt_real R, qt_rejections_t *rejections,
                     int doubted, correction_t *correction, qt_estimate_t *seen) {
   qt_real w[QT_ERRORS];
-  qt_real K[QT_ERRORS];
   const qt_real e = innovation - dot_row(correction->errors, row);
   const qt_real square = e * e;
   qt_real S;
-  qt_real inverse;
   bool sound;
   bool near;
   bool again;
+  bool believed;
   times_row(s->P, row, w);
   S = dot_row(w, row) + R;
   sound = qt_is_finite(square) && (S > 0.0f);
   near = square <= (gate * S);
   again = sound && (!near) && (rejections->time >= p->recovery_time) && (rejections->count >= 3.0f);
+  believed = again || (sound && near);
   if (sound && (!near)) {
     rejections->count += 1.0f;
   }
-  if ((!again) && (!(sound && near))) {
-    return false;
-  }
-  rejections->count = 0.0f;
-  rejections->time = 0.0f;
   if (again) {
-    const qt_real *c = &row->by[doubted];
-    const qt_real size = qt_square3(c);
-    const qt_real added = (size > 0.0f) ? ((square - S) / size) : 0.0f;
-    for (int i = doubted; i < (doubted + 3); ++i) {
-      s->P[place(i, i)] += added;
-    }
+    doubt(s, row, doubted, square - S);
     times_row(s->P, row, w);
     S = dot_row(w, row) + R;
   }
-  seen->innovation_square += square / S;
-  seen->innovation_freedom += 1.0f;
-  correction->used = true;
-  inverse = 1.0f / S;
-  for (int i = 0; i < QT_ERRORS; ++i) {
-    K[i] = w[i] * inverse;
+  if (believed) {
+    const qt_real inverse = 1.0f / S;
+    qt_real K[QT_ERRORS];
+    rejections->count = 0.0f;
+    rejections->time = 0.0f;
+    seen->innovation_square += square / S;
+    seen->innovation_freedom += 1.0f;
+    correction->used = true;
+    for (int i = 0; i < QT_ERRORS; ++i) {
+      K[i] = w[i] * inverse;
+    }
+    joseph(s->P, K, w, S);
+    for (int i = 0; i < QT_ERRORS; ++i) {
+      correction->errors[i] += K[i] * e;
+    }
   }
-  joseph(s->P, K, w, S);
-  for (int i = 0; i < QT_ERRORS; ++i) {
-    correction->errors[i] += K[i] * e;
-  }
-  return true;
+  return believed;
 }
 
 /* The same for a scalar of the past or of the horizon. */
@@ -571,30 +581,30 @@ static bool correct_at(const qt_estimator_parameters_t *p, qt_estimator_state_t 
  * covariance is moved to the velocity as it is after the correction, velocity += turn x change. */
 static void apply(const correction_t *correction, qt_estimator_state_t *s) {
   const qt_real *dx = correction->errors;
+  const qt_real *moved = &dx[AT_POSITION];
   const qt_real *change = &dx[AT_VELOCITY];
   const qt_real cross[9] = {0.0f,      change[2], -change[1], -change[2], 0.0f,
                             change[0], change[1], -change[0], 0.0f};
   const qt_real turn[4] = {1.0f, 0.5f * dx[AT_TURN], 0.5f * dx[AT_TURN + 1],
                            0.5f * dx[AT_TURN + 2]};
-  qt_real q[4];
-  qt_real inverse;
-  if (!correction->used) {
-    return;
-  }
-  for (int i = 0; i < 3; ++i) {
-    s->motion.position[i] += dx[AT_POSITION + i];
-    s->motion.velocity[i] += dx[AT_VELOCITY + i];
-  }
-  add_rows(s->P, AT_VELOCITY, AT_TURN, cross, 0, NULL);
-  for (int i = 0; i < 3; ++i) {
-    s->gyro_bias[i] += dx[AT_GYRO + i];
-    s->force_bias[i] += dx[AT_FORCE + i];
-  }
-  s->pressure_height += dx[AT_PRESSURE];
-  qt_quaternion_product(turn, s->motion.attitude, q);
-  inverse = 1.0f / qt_sqrt(qt_square4(q));
-  for (int i = 0; i < 4; ++i) {
-    s->motion.attitude[i] = q[i] * inverse;
+  if (correction->used) {
+    qt_real q[4];
+    qt_real inverse;
+    for (int i = 0; i < 3; ++i) {
+      s->motion.position[i] += moved[i];
+      s->motion.velocity[i] += change[i];
+    }
+    add_rows(s->P, AT_VELOCITY, AT_TURN, cross, 0, NULL);
+    for (int i = 0; i < 3; ++i) {
+      s->gyro_bias[i] += dx[AT_GYRO + i];
+      s->force_bias[i] += dx[AT_FORCE + i];
+    }
+    s->pressure_height += dx[AT_PRESSURE];
+    qt_quaternion_product(turn, s->motion.attitude, q);
+    inverse = 1.0f / qt_sqrt(qt_square4(q));
+    for (int i = 0; i < 4; ++i) {
+      s->motion.attitude[i] = q[i] * inverse;
+    }
   }
 }
 
@@ -606,7 +616,7 @@ static void apply(const correction_t *correction, qt_estimator_state_t *s) {
 static void use_flow(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                      const qt_real flow[2], qt_real ago, qt_estimate_t *seen) {
   past_t past;
-  correction_t correction = {{0.0f}, false};
+  correction_t correction = {{0}, false};
   qt_real R[9];
   qt_real v[3];
   qt_real height;
@@ -629,12 +639,12 @@ static void use_flow(const qt_estimator_parameters_t *p, qt_estimator_state_t *s
       qt_real by_down[3] = {0.0f, 0.0f, 0.0f};
       qt_real world[3];
       qt_real turn[3];
-      row_t row = {{0.0f}, BY_POSITION | BY_VELOCITY | BY_TURN | BY_GYRO};
+      row_t row = {{0}, BY_POSITION | BY_VELOCITY | BY_TURN | BY_GYRO};
       by_velocity[axis] = -d[2] * inverse;
       by_velocity[2] = (d[axis] * c) * inverse;
       by_down[axis] = (v[2] * c) * inverse;
       by_down[2] = -v[axis] * inverse;
-      row.by[AT_POSITION + 2] = translation * inverse;
+      row.by[AT_DOWN] = translation * inverse;
       qt_times3(R, by_velocity, world);
       qt_cross(world, past.motion.velocity, turn);
       for (int i = 0; i < 3; ++i) {
@@ -658,7 +668,7 @@ static void use_flow(const qt_estimator_parameters_t *p, qt_estimator_state_t *s
 static void use_range(const qt_estimator_parameters_t *p, qt_estimator_state_t *s, qt_real sample,
                       qt_real ago, qt_estimate_t *seen) {
   past_t past;
-  correction_t correction = {{0.0f}, false};
+  correction_t correction = {{0}, false};
   qt_real R[9];
   const qt_real range = sample * p->range.inverse_scale;
   past_motion(p, s, ago, &past);
@@ -668,8 +678,8 @@ static void use_range(const qt_estimator_parameters_t *p, qt_estimator_state_t *
     const qt_real inverse = 1.0f / R[8];
     const qt_real expected = -past.motion.position[2] * inverse;
     const qt_real slope = -expected * inverse; /* by d_z */
-    row_t row = {{0.0f}, BY_POSITION | BY_TURN};
-    row.by[AT_POSITION + 2] = -inverse;
+    row_t row = {{0}, BY_POSITION | BY_TURN};
+    row.by[AT_DOWN] = -inverse;
     row.by[AT_TURN] = R[5] * slope;
     row.by[AT_TURN + 1] = -R[2] * slope;
     if (correct_at(p, s, &past, &row, range - expected, p->range.variance, SCALAR_RANGE,
@@ -680,20 +690,26 @@ static void use_range(const qt_estimator_parameters_t *p, qt_estimator_state_t *
   }
 }
 
+/* The height at which the standard atmosphere has this pressure, above that at which it has
+ * `zero` [m]. */
+static qt_real barometric_height(qt_real pressure, qt_real zero) {
+  return 44330.0f * (1.0f - qt_exponential(0.190295f * qt_natural_logarithm(pressure / zero)));
+}
+
 /* Barometer: height plus its offset. */
 static void use_pressure(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                          qt_real sample, qt_real ago, qt_estimate_t *seen) {
   past_t past;
-  correction_t correction = {{0.0f}, false};
+  correction_t correction = {{0}, false};
   const qt_real pressure = sample * p->pressure.inverse_scale;
   if (pressure > 0.0f) {
     const qt_real height = p->pressure.linear
                                ? ((pressure - p->pressure.zero) * p->pressure.inverse_fall)
-                               : qt_barometric_height(pressure, p->pressure.zero);
+                               : barometric_height(pressure, p->pressure.zero);
     const qt_real expected_offset = s->pressure_height;
-    row_t row = {{0.0f}, BY_POSITION | BY_PRESSURE};
+    row_t row = {{0}, BY_POSITION | BY_PRESSURE};
     past_motion(p, s, ago, &past);
-    row.by[AT_POSITION + 2] = -1.0f;
+    row.by[AT_DOWN] = -1.0f;
     row.by[AT_PRESSURE] = 1.0f;
     if (correct_at(p, s, &past, &row, height - (expected_offset - past.motion.position[2]),
                    p->pressure.variance, SCALAR_PRESSURE, AT_POSITION, &correction, seen)) {
@@ -707,7 +723,7 @@ static void use_pressure(const qt_estimator_parameters_t *p, qt_estimator_state_
 static void use_heading(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                         const qt_real field[3], qt_real ago, qt_estimate_t *seen) {
   past_t past;
-  correction_t correction = {{0.0f}, false};
+  correction_t correction = {{0}, false};
   qt_real R[9];
   qt_real m[3];
   past_motion(p, s, ago, &past);
@@ -715,7 +731,7 @@ static void use_heading(const qt_estimator_parameters_t *p, qt_estimator_state_t
   qt_times3(R, field, m);
   if (((m[0] * m[0]) + (m[1] * m[1])) > (1e-6f * qt_square3(m))) {
     const qt_real e = qt_wrapped(p->heading.declination - qt_atan2(m[1], m[0]));
-    row_t row = {{0.0f}, BY_TURN};
+    row_t row = {{0}, BY_TURN};
     for (int i = 0; i < 3; ++i) {
       row.by[AT_TURN + i] = p->heading.row[i];
     }
@@ -730,11 +746,11 @@ static void use_vector(const qt_estimator_parameters_t *p, qt_estimator_state_t 
                        const qt_aid_t *aid, const qt_real sample[3], qt_real ago, int scalar,
                        int first, qt_estimate_t *seen) {
   past_t past;
-  correction_t correction = {{0.0f}, false};
+  correction_t correction = {{0}, false};
   past_motion(p, s, ago, &past);
   for (int axis = 0; axis < 3; ++axis) {
     const qt_real *from = (first == AT_POSITION) ? past.motion.position : past.motion.velocity;
-    row_t row = {{0.0f}, (first == AT_POSITION) ? BY_POSITION : BY_VELOCITY};
+    row_t row = {{0}, (first == AT_POSITION) ? BY_POSITION : BY_VELOCITY};
     row.by[first + axis] = 1.0f;
     (void)correct_at(p, s, &past, &row, (sample[axis] * aid->inverse_scale) - from[axis],
                      aid->variance, scalar + axis, first, &correction, seen);
@@ -750,29 +766,29 @@ static void use_standing(const qt_estimator_parameters_t *p, qt_estimator_state_
   const qt_real no_gate = QT_INFINITY;
   qt_rejections_t none = {0.0f, 0.0f};
   qt_estimate_t unseen;
-  correction_t correction = {{0.0f}, false};
+  correction_t correction = {{0}, false};
   qt_real R[9];
-  const qt_reading_t newest = *reading(s, 0);
+  const qt_reading_t *newest = reading(s, 0);
   (void)memset(&unseen, 0, sizeof unseen);
   qt_rotation_of_quaternion(s->motion.attitude, R);
   for (int i = 0; i < 3; ++i) {
-    row_t still = {{0.0f}, BY_VELOCITY};
-    row_t turning = {{0.0f}, BY_GYRO};
-    row_t felt = {{0.0f}, BY_TURN | BY_FORCE};
+    row_t still = {{0}, BY_VELOCITY};
+    row_t turning = {{0}, BY_GYRO};
+    row_t felt = {{0}, BY_TURN | BY_FORCE};
     still.by[AT_VELOCITY + i] = 1.0f;
     (void)correct(p, s, no_gate, &still, -s->motion.velocity[i], p->standing_variance, &none,
                   AT_VELOCITY, &correction, &unseen);
     if (rates_came) {
       turning.by[AT_GYRO + i] = 1.0f;
-      (void)correct(p, s, no_gate, &turning, newest.rates[i] - s->gyro_bias[i], p->gyro_variance[i],
-                    &none, AT_VELOCITY, &correction, &unseen);
+      (void)correct(p, s, no_gate, &turning, newest->rates[i] - s->gyro_bias[i],
+                    p->gyro_variance[i], &none, AT_VELOCITY, &correction, &unseen);
     }
     if (force_came) { /* f = -g d + bias, by the turn: d = R' (e_z x turn) */
       felt.by[AT_FORCE + i] = 1.0f;
       felt.by[AT_TURN] = -p->gravity * R[3 + i];
       felt.by[AT_TURN + 1] = p->gravity * R[i];
       (void)correct(p, s, no_gate, &felt,
-                    (newest.force[i] - (R[6 + i] * -p->gravity)) - s->force_bias[i],
+                    (newest->force[i] - (R[6 + i] * -p->gravity)) - s->force_bias[i],
                     p->force_variance[i], &none, AT_VELOCITY, &correction, &unseen);
     }
   }
@@ -790,12 +806,12 @@ static void use_standing(const qt_estimator_parameters_t *p, qt_estimator_state_
 static bool pass(const qt_estimator_parameters_t *p, qt_queue_t *queue, const qt_real values[3],
                  bool came, qt_real age, qt_real due[3], qt_real *ago) {
   bool found = false;
-  queue->newest = (queue->newest == 0) ? (QT_QUEUE - 1) : (queue->newest - 1);
+  queue->newest = place_before(queue->newest, QT_QUEUE);
   (void)memcpy(queue->values[queue->newest], values, sizeof queue->values[0]);
   queue->age[queue->newest] = age;
   queue->came[queue->newest] = came;
   /* Of two samples that are due at once the newer one counts. */
-  for (int k = 0; k <= p->horizon; ++k) {
+  for (int k = 0; (k <= QT_HORIZON) && (k <= p->horizon); ++k) {
     const int behind = p->horizon - k;
     int i = queue->newest + behind;
     if (i >= QT_QUEUE) {
@@ -814,7 +830,7 @@ static bool pass(const qt_estimator_parameters_t *p, qt_queue_t *queue, const qt
 static bool pass_vector(const qt_estimator_parameters_t *p, qt_queue_t *queue,
                         const qt_vector_sample_t *sample, qt_real lag, qt_real due[3],
                         qt_real *ago) {
-  return pass(p, queue, sample->value, sample->fresh && qt_all_finite(sample->value, 3),
+  return pass(p, queue, sample->value, sample->fresh && qt_all_finite(sample->value),
               sample->age + lag, due, ago);
 }
 
@@ -844,7 +860,7 @@ static void correct_by_samples(const qt_estimator_parameters_t *p, qt_estimator_
   }
   if (p->flow.present) {
     const qt_real flow[3] = {sensors->flow.value[0], sensors->flow.value[1], 0.0f};
-    if (pass(p, &s->flow, flow, sensors->flow.fresh && qt_all_finite(flow, 2),
+    if (pass(p, &s->flow, flow, sensors->flow.fresh && qt_all_finite(flow),
              sensors->flow.age + p->flow.lag, due, &ago)) {
       use_flow(p, s, due, ago, seen);
     }
@@ -865,11 +881,10 @@ static void correct_by_samples(const qt_estimator_parameters_t *p, qt_estimator_
 /* Stores the newest readings, scale factors undone; one that did not come is that before. */
 static void take_readings(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                           const qt_sensors_t *sensors, bool rates_came, bool force_came) {
-  const qt_reading_t before = *reading(s, 0);
-  qt_reading_t *newest;
-  s->newest_reading = (s->newest_reading == 0) ? (QT_READINGS - 1) : (s->newest_reading - 1);
-  newest = &s->readings[s->newest_reading];
-  *newest = before;
+  const int place_of_newest = place_before(s->newest_reading, QT_READINGS);
+  qt_reading_t *newest = &s->readings[place_of_newest];
+  *newest = s->readings[s->newest_reading];
+  s->newest_reading = place_of_newest;
   for (int i = 0; i < 3; ++i) {
     if (rates_came) {
       newest->rates[i] = sensors->rates.value[i] * p->gyro_inverse_scale[i];
@@ -883,13 +898,14 @@ static void take_readings(const qt_estimator_parameters_t *p, qt_estimator_state
 /* Moves the horizon by one period. */
 static void predict(const qt_estimator_parameters_t *p, qt_estimator_state_t *s, bool standing) {
   if (!standing) {
-    const drive_t drive = drive_at(p, s, 0);
+    drive_t drive;
     qt_real turn[3];
     qt_real small[4];
     qt_real middle[4];
     qt_real R[9];
     qt_real gained[3];
     qt_real norm;
+    drive_at(p, s, 0, &drive);
     for (int i = 0; i < 3; ++i) {
       turn[i] = drive.rates[i] * (0.5f * p->dt);
     }
@@ -969,9 +985,9 @@ void qt_estimator_initialize(const qt_estimator_parameters_t *p, qt_estimator_st
 
 void qt_estimator_step(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                        const qt_sensors_t *sensors, qt_estimate_t *estimate) {
-  const bool rates_came = sensors->rates.fresh && qt_all_finite(sensors->rates.value, 3);
+  const bool rates_came = sensors->rates.fresh && qt_all_finite(sensors->rates.value);
   const bool force_came =
-      sensors->specific_force.fresh && qt_all_finite(sensors->specific_force.value, 3);
+      sensors->specific_force.fresh && qt_all_finite(sensors->specific_force.value);
   qt_motion_t now;
   qt_real rates[3] = {0.0f, 0.0f, 0.0f};
   (void)memset(estimate, 0, sizeof *estimate);
@@ -990,5 +1006,4 @@ void qt_estimator_step(const qt_estimator_parameters_t *p, qt_estimator_state_t 
     }
   }
   write_states(s, &now, rates, estimate);
-  estimate->finite = qt_states_are_finite(estimate);
 }

@@ -11,7 +11,15 @@
  */
 #include "internal.h"
 
-enum { NORTH = 0, EAST = 1, DOWN = 2, ROLL = 3, PITCH = 4, YAW = 5, SPEED = 6, RATE = 9 };
+/* Where the states stand. */
+#define NORTH 0
+#define EAST 1
+#define DOWN 2
+#define ROLL 3
+#define PITCH 4
+#define YAW 5
+#define SPEED 6
+#define RATE 9
 
 static void states_of(const qt_estimate_t *e, qt_real x[12]) {
   for (int i = 0; i < 3; ++i) {
@@ -88,11 +96,12 @@ static qt_real pushes(const qt_law_parameters_t *p, const qt_law_state_t *s, int
 }
 
 static qt_real step_integral(const qt_guard_t *p, qt_real dt, qt_real integral, qt_real error) {
+  qt_real result = integral;
   if (qt_abs(error) <= p->error_limit) { /* false for NaN */
     const qt_real increment = qt_clamp(error * dt, -p->increment_limit, p->increment_limit);
-    return qt_clamp(integral + increment, -p->integral_limit, p->integral_limit);
+    result = qt_clamp(integral + increment, -p->integral_limit, p->integral_limit);
   }
-  return integral;
+  return result;
 }
 
 #endif

@@ -3,6 +3,8 @@
  * most 2 units in the last place, of the arc tangent 4. */
 #include "maths.h"
 
+#define MOST_COEFFICIENTS 6 /* of a polynomial below */
+
 /* The bits of a number, and back. */
 static uint64_t bits_of(qt_real x) {
   uint64_t bits;
@@ -20,7 +22,7 @@ static qt_real real_of(uint64_t bits) {
 /* c[0] x^(count - 1) + ... + c[count - 1]. */
 static qt_real polynomial(qt_real x, const qt_real *c, int count) {
   qt_real sum = c[0];
-  for (int i = 1; i < count; ++i) {
+  for (int i = 1; (i < MOST_COEFFICIENTS) && (i < count); ++i) {
     sum = (sum * x) + c[i];
   }
   return sum;
@@ -28,7 +30,7 @@ static qt_real polynomial(qt_real x, const qt_real *c, int count) {
 /* x^count + c[0] x^(count - 1) + ... + c[count - 1]. */
 static qt_real monic_polynomial(qt_real x, const qt_real *c, int count) {
   qt_real sum = x + c[0];
-  for (int i = 1; i < count; ++i) {
+  for (int i = 1; (i < MOST_COEFFICIENTS) && (i < count); ++i) {
     sum = (sum * x) + c[i];
   }
   return sum;
@@ -70,9 +72,11 @@ static qt_real arc_tangent(qt_real x) {
   const qt_real y = large ? ((x - 1.0) / (x + 1.0)) : x;
   const qt_real z = y * y;
   const qt_real ratio = (z * polynomial(z, above, 5)) / monic_polynomial(z, below, 5);
-  const qt_real angle = (y * ratio) + y;
-  /* pi/4 has a part beyond a double. */
-  return large ? (0.78539816339744830962 + (angle + 3.061616997868382943065e-17)) : angle;
+  qt_real angle = (y * ratio) + y;
+  if (large) { /* pi/4 has a part beyond a double */
+    angle = 0.78539816339744830962 + (angle + 3.061616997868382943065e-17);
+  }
+  return angle;
 }
 
 qt_real qt_atan2(qt_real y, qt_real x) {
@@ -100,7 +104,8 @@ qt_real qt_natural_logarithm(qt_real x) {
                                    8.29875266912776603211e1, 7.11544750618563894466e1,
                                    2.31251620126765340583e1};
   const uint64_t bits = bits_of(x);
-  qt_real e = (qt_real)(int32_t)((bits >> 52) & 0x7ffu) - 1022.0;
+  const uint32_t exponent = (uint32_t)((bits >> 52) & 0x7ffu);
+  qt_real e = (qt_real)exponent - 1022.0;
   qt_real m = real_of((bits & 0x000fffffffffffffu) | 0x3fe0000000000000u); /* 1/2 <= m < 1 */
   qt_real z;
   qt_real y;
@@ -130,9 +135,5 @@ qt_real qt_exponential(qt_real x) {
   const qt_real y = 1.0 + (ratio + ratio);
   const uint64_t power = ((bits_of(n + QT_ROUNDING) - bits_of(QT_ROUNDING)) + 1023u) << 52;
   return (x <= QT_INFINITY) ? (y * real_of(power)) : x; /* NaN stays NaN */
-}
-
-qt_real qt_barometric_height(qt_real pressure, qt_real zero) {
-  return 44330.0 * (1.0 - qt_exponential(0.190295 * qt_natural_logarithm(pressure / zero)));
 }
 #endif

@@ -43,13 +43,16 @@ static qt_real arc_tangent(qt_real x) {
   const bool large = x > 0.4142135623730950f; /* tan pi/8 */
   const qt_real y = large ? ((x - 1.0f) / (x + 1.0f)) : x;
   const qt_real z = y * y;
-  const qt_real angle =
+  qt_real angle =
       ((((((((8.05374449538e-2f * z) - 1.38776856032e-1f) * z) + 1.99777106478e-1f) * z) -
          3.33329491539e-1f) *
         z) *
        y) +
       y;
-  return large ? (0.7853981633974483f + angle) : angle;
+  if (large) {
+    angle += 0.7853981633974483f;
+  }
+  return angle;
 }
 
 /* In [-pi, pi]; 0 for x = y = 0. */
@@ -72,7 +75,8 @@ qt_real qt_atan2(qt_real y, qt_real x) {
 /* Natural logarithm of normal numbers > 0. */
 qt_real qt_natural_logarithm(qt_real x) {
   const uint32_t bits = bits_of(x);
-  qt_real e = (qt_real)(int32_t)((bits >> 23) & 0xffu) - 126.0f;
+  const uint32_t exponent = (bits >> 23) & 0xffu;
+  qt_real e = (qt_real)exponent - 126.0f;
   qt_real m = real_of((bits & 0x007fffffu) | 0x3f000000u); /* 1/2 <= m < 1 */
   qt_real z;
   qt_real y;
@@ -110,9 +114,5 @@ qt_real qt_exponential(qt_real x) {
   y = (y * r) + 5.0000001201e-1f;
   y = ((y * (r * r)) + r) + 1.0f;
   return (x <= QT_INFINITY) ? (y * real_of(power)) : x; /* NaN stays NaN */
-}
-
-qt_real qt_barometric_height(qt_real pressure, qt_real zero) {
-  return 44330.0f * (1.0f - qt_exponential(0.190295f * qt_natural_logarithm(pressure / zero)));
 }
 #endif

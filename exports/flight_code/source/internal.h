@@ -189,11 +189,10 @@ typedef struct {
 
 extern const qt_parameters_t qt_parameters;
 
-bool qt_states_are_finite(const qt_estimate_t *e);
-
 #if QT_WITH_ESTIMATOR
 void qt_estimator_initialize(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                              const qt_start_t *start);
+/* Whether the estimate is finite is left to the caller. */
 void qt_estimator_step(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                        const qt_sensors_t *sensors, qt_estimate_t *estimate);
 #endif
@@ -229,10 +228,8 @@ void qt_inputs_of_speeds(const qt_motors_t *p, const qt_real speeds[QT_ROTORS],
 /* The speeds that the inputs of the law ask for. */
 void qt_speeds_of_inputs(const qt_motors_t *p, const qt_real inputs[QT_INPUTS],
                          qt_real speeds[QT_ROTORS]);
-/* Replaces speeds that the motors cannot reach by those of the nearest wrench.
- * wrench: set to that of the speeds as they came
- * returns: whether they were replaced */
-bool qt_make_feasible(const qt_motors_t *p, qt_real speeds[QT_ROTORS], qt_real wrench[4]);
+/* The wrench of these speeds; returns whether a rotor cannot produce its thrust. */
+bool qt_wrench_of_speeds(const qt_motors_t *p, const qt_real speeds[QT_ROTORS], qt_real wrench[4]);
 #endif
 
 #endif /* QT_INTERNAL_H */

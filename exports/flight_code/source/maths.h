@@ -34,9 +34,11 @@
 #endif
 #define QT_INFINITY ((qt_real)INFINITY)
 #define QT_PI 3.14159265358979323846f
-#define QT_TWO_PI 6.28318530717958647693f
 #define QT_HALF_PI 1.57079632679489661923f
+#if QT_WITH_ESTIMATOR
+#define QT_TWO_PI 6.28318530717958647693f
 #define QT_TURNS_PER_RADIAN 0.159154943091895335769f
+#endif
 
 static inline qt_real qt_min(qt_real a, qt_real b) { return (a < b) ? a : b; }
 static inline qt_real qt_max(qt_real a, qt_real b) { return (a > b) ? a : b; }
@@ -59,9 +61,6 @@ qt_real qt_atan2(qt_real y, qt_real x);
 qt_real qt_natural_logarithm(qt_real x);
 /* Of |x| <= 80. */
 qt_real qt_exponential(qt_real x);
-/* The height at which the standard atmosphere has this pressure, above that at which it has
- * `zero` [m]. */
-qt_real qt_barometric_height(qt_real pressure, qt_real zero);
 
 /* The angle less whole turns, in [-pi, pi] [rad]. */
 static inline qt_real qt_wrapped(qt_real angle) {
@@ -69,9 +68,9 @@ static inline qt_real qt_wrapped(qt_real angle) {
 }
 #endif
 
-static inline bool qt_all_finite(const qt_real *x, int count) {
+static inline bool qt_all_finite(const qt_real x[3]) {
   bool finite = true;
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < 3; ++i) {
     finite = finite && qt_is_finite(x[i]);
   }
   return finite;

@@ -49,9 +49,8 @@ static bool feasible(const qt_motors_t *p, const qt_real wrench[4]) {
   return within;
 }
 
-/* The nearest wrench that the rotors can produce; `asked` itself where they can.
- * returns: whether it is another */
-bool qt_prioritize(const qt_motors_t *p, const qt_real asked[4], qt_real made[4]) {
+/* The nearest wrench that the rotors can produce, of one that they cannot. */
+static void nearest_wrench(const qt_motors_t *p, const qt_real asked[4], qt_real made[4]) {
   const qt_real x = qt_is_finite(asked[1]) ? asked[1] : 0.0f;
   const qt_real y = qt_is_finite(asked[2]) ? asked[2] : 0.0f;
   const qt_real z = qt_is_finite(asked[3]) ? asked[3] : 0.0f;
@@ -63,10 +62,6 @@ bool qt_prioritize(const qt_motors_t *p, const qt_real asked[4], qt_real made[4]
   qt_real high = QT_INFINITY;
   qt_real thrust;
   qt_real yaw = 1.0f;
-  (void)memcpy(made, asked, 4u * sizeof asked[0]);
-  if (feasible(p, asked)) {
-    return false;
-  }
   /* Rotor i carries b + e T + s d of the thrust T and of the share s of roll and pitch torque. */
   for (int i = 0; i < QT_ROTORS; ++i) {
     b[i] = p->thrust0[i];
@@ -109,7 +104,18 @@ bool qt_prioritize(const qt_motors_t *p, const qt_real asked[4], qt_real made[4]
   made[1] = share * x;
   made[2] = share * y;
   made[3] = yaw * z;
-  return true;
+}
+
+/* The nearest wrench that the rotors can produce; `asked` itself where they can.
+ * returns: whether it is another */
+bool qt_prioritize(const qt_motors_t *p, const qt_real asked[4], qt_real made[4]) {
+  const bool limited = !feasible(p, asked);
+  if (limited) {
+    nearest_wrench(p, asked, made);
+  } else {
+    (void)memcpy(made, asked, 4u * sizeof asked[0]);
+  }
+  return limited;
 }
 
 void qt_speeds_of_wrench(const qt_motors_t *p, const qt_real wrench[4], qt_real speeds[QT_ROTORS]) {
@@ -183,7 +189,9 @@ void qt_inputs_of_speeds(const qt_motors_t *p, const qt_real speeds[QT_ROTORS],
 #endif
 #if QT_WITH_SPEED_INPUTS
   (void)p;
-  (void)memcpy(inputs, speeds, QT_ROTORS * sizeof speeds[0]);
+  for (int i = 0; i < QT_ROTORS; ++i) {
+    inputs[i] = speeds[i];
+  }
 #endif
 #if QT_WITH_THRUST_INPUTS
   thrusts_of_speeds(p, speeds, inputs);
@@ -213,21 +221,14 @@ void qt_speeds_of_inputs(const qt_motors_t *p, const qt_real inputs[QT_INPUTS],
   }
 }
 
-bool qt_make_feasible(const qt_motors_t *p, qt_real speeds[QT_ROTORS], qt_real wrench[4]) {
+bool qt_wrench_of_speeds(const qt_motors_t *p, const qt_real speeds[QT_ROTORS], qt_real wrench[4]) {
   qt_real thrusts[QT_ROTORS];
-  qt_real made[4];
-  bool limited = false;
+  bool beyond = false;
   thrusts_of_speeds(p, speeds, thrusts);
   wrench_of_thrusts(p, thrusts, wrench);
   for (int i = 0; i < QT_ROTORS; ++i) {
-    limited = limited || (thrusts[i] < p->least[i]) || (thrusts[i] > p->greatest[i]);
+    beyond = beyond || (thrusts[i] < p->least[i]) || (thrusts[i] > p->greatest[i]);
   }
-  if (qt_prioritize(p, wrench, made)) {
-    limited = true;
-  }
-  if (limited) {
-    qt_speeds_of_wrench(p, made, speeds);
-  }
-  return limited;
+  return beyond;
 }
 #endif

@@ -41,16 +41,21 @@ static void fly(qt_state_t *state, const qt_estimate_t *estimate, const qt_refer
 #else
   qt_real asked[QT_INPUTS];
   qt_real made[QT_INPUTS];
-#if QT_WITH_WRENCH_INPUTS
   qt_real wrench[4];
+#if QT_WITH_WRENCH_INPUTS
   qt_law_step(&qt_parameters.law, &state->law, estimate, reference, asked);
   (void)memcpy(output->wrench, asked, sizeof output->wrench);
   output->limited = qt_prioritize(motors, asked, wrench);
   qt_speeds_of_wrench(motors, wrench, output->speed);
 #else
+  bool beyond;
   qt_law_step(&qt_parameters.law, &state->law, estimate, reference, asked);
   qt_speeds_of_inputs(motors, asked, output->speed);
-  output->limited = qt_make_feasible(motors, output->speed, output->wrench);
+  beyond = qt_wrench_of_speeds(motors, output->speed, output->wrench);
+  output->limited = qt_prioritize(motors, output->wrench, wrench) || beyond;
+  if (output->limited) {
+    qt_speeds_of_wrench(motors, wrench, output->speed);
+  }
 #endif
   qt_commands_of_speeds(motors, output->speed, output->command);
   if (output->limited) {
@@ -62,15 +67,16 @@ static void fly(qt_state_t *state, const qt_estimate_t *estimate, const qt_refer
 #endif
 }
 
-bool qt_states_are_finite(const qt_estimate_t *e) {
-  return qt_all_finite(e->position, 3) && qt_is_finite(e->roll) && qt_is_finite(e->pitch) &&
-         qt_is_finite(e->yaw) && qt_all_finite(e->velocity, 3) && qt_all_finite(e->rates, 3);
+static bool states_are_finite(const qt_estimate_t *e) {
+  return qt_all_finite(e->position) && qt_is_finite(e->roll) && qt_is_finite(e->pitch) &&
+         qt_is_finite(e->yaw) && qt_all_finite(e->velocity) && qt_all_finite(e->rates);
 }
 
 void qt_control(qt_state_t *state, const qt_estimate_t *estimate, const qt_reference_t *reference,
                 qt_output_t *output) {
-  qt_estimate_t used = *estimate;
-  used.finite = used.finite && qt_states_are_finite(estimate);
+  qt_estimate_t used; /* a copy: `estimate` may be that in `output` */
+  used = *estimate;
+  used.finite = used.finite && states_are_finite(estimate);
   (void)memset(output, 0, sizeof *output);
   output->estimate = used;
   if (used.finite) {
@@ -85,6 +91,7 @@ void qt_control(qt_state_t *state, const qt_estimate_t *estimate, const qt_refer
 
 void qt_estimate(qt_state_t *state, const qt_sensors_t *sensors, qt_estimate_t *estimate) {
   qt_estimator_step(&qt_parameters.estimator, &state->estimator, sensors, estimate);
+  estimate->finite = states_are_finite(estimate);
 }
 
 void qt_step(qt_state_t *state, const qt_sensors_t *sensors, const qt_reference_t *reference,

@@ -67,7 +67,12 @@ typedef struct {
 } qt_loop_state_t;
 
 typedef struct {
-  qt_loop_state_t x, y, roll, pitch, yaw, altitude;
+  qt_loop_state_t x;
+  qt_loop_state_t y;
+  qt_loop_state_t roll;
+  qt_loop_state_t pitch;
+  qt_loop_state_t yaw;
+  qt_loop_state_t altitude;
   qt_real wrench_excess[4];   /* asked for less made in the last period [N, N m] */
   qt_real attitude_excess[2]; /* likewise of pitch and roll references [rad] */
 } qt_law_state_t;
