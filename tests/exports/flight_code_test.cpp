@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <random>
+#include <regex>
 #include <sstream>
 
 #include "flight_code/board_float.hpp"
@@ -56,6 +57,46 @@ TEST_P(FlightCode, RepeatsTheFlightOfTheLibrarysTemplatesBitByBit) {
   write_files(folder.path(), flight_code_files(flight_code_content(GetParam())));
   EXPECT_EQ(make_test(folder.path()), 0) << folder.read("log");
   EXPECT_THAT(folder.read("log"), HasSubstr("control periods, all equal bit by bit"));
+}
+
+/// The loops of C code that no constant bounds: a number, a constant in capitals, or the counter of
+/// the loop around it.
+std::vector<std::string> loops_without_bound(const std::string& code) {
+  static const std::regex loop(R"(\b(?:for|while|do|goto)\b *[({;][^{]*|\bgoto .*)");
+  static const std::regex bounded(
+      R"(for \(int (\w+) = [^;]+; )"
+      R"(\(?\1 (?:<|<=|>=) (?:i|[A-Z0-9_]+|\([A-Z0-9_ *+-]+\))(?:\) && [^;]+)?; )"
+      R"((?:\+\+|--)\1\) )");
+  static const std::regex comment(R"(/\*[^*]*(?:\*(?!/)[^*]*)*\*/)");
+  const std::string bare = std::regex_replace(code, comment, "");
+  std::vector<std::string> found;
+  for (std::sregex_iterator at(bare.begin(), bare.end(), loop), end; at != end; ++at)
+    if (!std::regex_match(at->str(), bounded)) found.push_back(at->str());
+  return found;
+}
+
+TEST_P(FlightCode, HasAConstantBoundForEachLoop) {
+  int files = 0;
+  for (const FileContent& file : flight_code_files(flight_code_content(GetParam()))) {
+    const bool code = file.name.ends_with(".c") || file.name.ends_with(".h");
+    if (!code || file.name == "replay.c") continue;
+    EXPECT_THAT(loops_without_bound(file.bytes), ::testing::IsEmpty()) << file.name;
+    ++files;
+  }
+  EXPECT_GE(files, 10);
+}
+
+TEST(FlightCode, IsSeenToHaveALoopWithoutABound) {
+  for (const char* loop :
+       {"while (x > 0.0f) {", "do {", "for (;;) {", "for (int i = 0; i < n; ++i) {",
+        "for (int i = 0; (i < n) && (i < 3); ++i) {", "for (int i = 0; i < 3; i += 0) {",
+        "for (int i = 0; i != QT_ROTORS; ++i) {", "goto again;"})
+    EXPECT_EQ(loops_without_bound(loop).size(), 1U) << loop;
+  for (const char* loop :
+       {"for (int i = 0; i < 3; ++i) {", "for (int j = 0; j <= i; ++j) {",
+        "for (int j = QT_PAST - 1; j >= QT_INPUTS; --j) {", "/* while (true) { */",
+        "for (int k = 0; (k < QT_HORIZON) && (k < n); ++k) {"})
+    EXPECT_EQ(loops_without_bound(loop).size(), 0U) << loop;
 }
 
 TEST_P(FlightCode, FliesAsTheLibraryDoes) {
