@@ -295,6 +295,8 @@ std::string readme(const ProgramSettings& s, const ExportContent& content, const
       "with `-std=c99 -ffp-contract=off`. Where the compiler contracts products and sums, results "
       "differ in the last bits.\nIt must not be told `-ffast-math`; the program then does not "
       "compile.\n\n"
+      "`make misra` asks cppcheck for violations of MISRA C:2012. The Makefile names the "
+      "deviations.\n\n"
       "The program does not arm, watch the battery or give up: a supervisor must stop the motors "
       "where the vehicle\ntilts too far, or where `estimate.finite` is false.\n",
       name, in_comment(content.vehicle.name),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exported flight code by other compilers, for other processors, and under sanitizers.
+// Exported flight code by other compilers, for other processors, under sanitizers, and by the rules
+// of MISRA C.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -151,6 +152,52 @@ INSTANTIATE_TEST_SUITE_P(
         FlightCodeCase{"wrench_of_past_commands", "mambo", InputKind::wrench, 3},
         FlightCodeCase{"speeds", "uquad", InputKind::rotor_speed, 2, true, false, false}),
     [](const auto& of) { return of.param.name; });
+
+class FlightCodeByTheRules : public ::testing::TestWithParam<FlightCodeCase> {};
+
+TEST_P(FlightCodeByTheRules, OfMisraHasNoFindingBesideTheDeviations) {
+  if (!installed("cppcheck")) GTEST_SKIP() << "cppcheck is not installed here";
+  const TemporaryDirectory folder;
+  write_files(folder.path(), flight_code_files(flight_code_content(GetParam())));
+  EXPECT_EQ(run_in(folder.path(), "make -s misra"), 0) << folder.read("log");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Programs, FlightCodeByTheRules,
+    ::testing::Values(
+        FlightCodeCase{"cascade", "crazyflie", InputKind::wrench, -1, true, true},
+        FlightCodeCase{"cascade_in_double", "mambo", InputKind::wrench, -1, true, true, true, true},
+        FlightCodeCase{"cascade_alone", "uquad", InputKind::wrench, -1, true, true, false},
+        FlightCodeCase{"wrench_of_past_commands", "mambo", InputKind::wrench, 3},
+        FlightCodeCase{"wrench_of_lags", "crazyflie", InputKind::wrench, 0, true, false, false},
+        FlightCodeCase{"wrench_without_state", "mambo", InputKind::wrench, -1, false, false, false},
+        FlightCodeCase{"wrench_in_double", "uquad", InputKind::wrench, 2, true, false, true, true},
+        FlightCodeCase{"speeds", "uquad", InputKind::rotor_speed, 2, true, false, false},
+        FlightCodeCase{"thrusts", "mambo", InputKind::rotor_thrust, -1, true, false, false},
+        FlightCodeCase{"commands", "mambo", InputKind::command, 1, true, false, false}),
+    [](const auto& of) { return of.param.name; });
+
+TEST(FlightCode, ThatBreaksRulesOfMisraIsFound) {
+  if (!installed("cppcheck")) GTEST_SKIP() << "cppcheck is not installed here";
+  const TemporaryDirectory folder;
+  write_files(folder.path(),
+              flight_code_files(flight_code_content(
+                  {"cascade_alone", "uquad", InputKind::wrench, -1, true, true, false})));
+  const auto findings = [&](const std::string& file, const std::string& more) {
+    const std::string text = folder.read(file);
+    folder.write(file, text + more);
+    EXPECT_NE(run_in(folder.path(), "make -s misra"), 0) << more;
+    folder.write(file, text);
+    return folder.read("log");
+  };
+  // A rule about one line, one about the whole program, and a deviation in another file.
+  EXPECT_THAT(findings("uquad_motors.c",
+                       "\nint uquad_early(int x);\nint uquad_early(int x) {\n"
+                       "  if (x > 0) {\n    return 1;\n  }\n  return 0;\n}\n"),
+              HasSubstr("misra-c2012-15.5"));
+  EXPECT_THAT(findings("uquad_maths.h", "\n#define UQUAD_NEVER 1\n"), HasSubstr("misra-c2012-2.5"));
+  EXPECT_THAT(findings("uquad_motors.c", "\n#include <stdio.h>\n"), HasSubstr("misra-c2012-21.6"));
+}
 
 }  // namespace
 }  // namespace quadtune
