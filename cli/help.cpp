@@ -26,8 +26,8 @@ struct Options {
 
 constexpr const char* kExitStatus =
     "0 done; 1 the answer is no; 2 the command line is wrong; 3 the input is wrong; 4 no solution "
-    "exists or none was found; 5 a file could not be read or written; 6 an error in quadtune "
-    "itself; 130 interrupted";
+    "exists or none was found; 5 a file could not be read or written, or a vehicle could not be "
+    "reached; 6 an error in quadtune itself; 130 interrupted";
 
 CommandHelp help_of(const Verb& verb) {
   CommandLine line;

@@ -279,6 +279,8 @@ const std::vector<Verb>& verbs() {
     const auto log =
         std::find_if(list.begin(), list.end(), [](const Verb& verb) { return verb.name == "log"; });
     list.insert(log, campaign.begin(), campaign.end());
+    const std::vector<Verb> link = link_verbs();
+    list.insert(list.end() - 1, link.begin(), link.end());  // before help
     return list;
   }();
   return all;

@@ -184,6 +184,7 @@ Verb import_verb();
 Verb verify_verb();
 Verb certify_verb();
 Verb diff_verb();
+std::vector<Verb> link_verbs();
 Verb help_verb();
 
 }  // namespace quadtune::cli

@@ -24,7 +24,8 @@ bool has(const Command& command, const std::string& word) {
 
 /// The words that a command line begins with, as help calls the command.
 std::string name_of(const Command& command) {
-  if (command.size() > 1 && (command[0] == "tune" || command[0] == "campaign"))
+  if (command.size() > 1 &&
+      (command[0] == "tune" || command[0] == "campaign" || command[0] == "link"))
     return command[0] + " " + command[1];
   return command[0];
 }

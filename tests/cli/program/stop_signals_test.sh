@@ -81,6 +81,7 @@ for ((i = 0; i < repeats; i++)); do
   stops wait /dev/null log named.csv --json
   stops wait /dev/null allan --log named.csv --column gx
   stops wait /dev/null lqr --A named.csv --B B --Q Q --R R
+  stops wait /dev/null link send land --firmware native --to 127.0.0.1:1 --timeout 60 --tries 100
   stops compute /dev/null lqr --A A --B B --Q Q --R R --json
   stops compute /dev/null kalman --A A --C Q --Q Q --R Q --discrete
   stops compute /dev/null discretize --A A --B B --dt 0.1 --method foh
