@@ -161,7 +161,7 @@ TEST(LinkSend, PrintsWithoutSending) {
       "link send takeoff --firmware native --sequence 9 --dry-run --to " + stub.address()));
   EXPECT_EQ(json["status"], "dry-run");
   EXPECT_EQ(json["sent"], 0);
-  EXPECT_EQ(json["frames"], nlohmann::json({"04 0b 09 0b 00 00 00 02 00 01 00"}));
+  EXPECT_EQ(json["frames"], nlohmann::json::array({"04 0b 09 0b 00 00 00 02 00 01 00"}));
   EXPECT_THAT(stub.frames(), SizeIs(0));
 }
 

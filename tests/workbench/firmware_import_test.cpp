@@ -75,6 +75,23 @@ TEST(FirmwareImport, GainAloneCrossesWhereItIsExpected) {
   EXPECT_NEAR(of().second, 90, 1e-6);
 }
 
+// A rotor that is accelerated turns the body the other way: (dQ/dw + J_r s) δw about z.
+TEST(FirmwareImport, ReactionOfTheRotorsLeadsInYawAlone) {
+  Vehicle vehicle = testing::iris_vehicle();
+  const Firmware px4 = firmware(FirmwareKind::px4, {"1.15", ""}, "test");
+  const auto loop = [&](CascadeAxis axis, Complex s) {
+    const FirmwareLoop gains = loop_of(firmware_loops(px4, vehicle, {}), axis);
+    return firmware_turn_loop(px4, vehicle, gains, {}, true)(s);
+  };
+  const Complex s(0, 8);
+  const Complex roll = loop(CascadeAxis::roll, s), yaw = loop(CascadeAxis::yaw, s);
+  for (Rotor& rotor : vehicle.rotors) rotor.inertia = 6e-5;
+  const double w = std::sqrt(1.55 * 9.80665 / 4 / 5.84e-6), torque_slope = 2 * 0.06 * 5.84e-6 * w;
+  EXPECT_EQ(loop(CascadeAxis::roll, s), roll);
+  const Complex expected = yaw * (1.0 + s * 6e-5 / torque_slope);
+  EXPECT_LT(std::abs(loop(CascadeAxis::yaw, s) / expected - 1.0), 1e-12);
+}
+
 /// The same loop, summed term by term at one frequency.
 Complex by_terms(const FirmwareLoop& loop, double J, Complex s, Complex gyroscope,
                  Complex derivative, Complex error, bool angle) {

@@ -99,6 +99,19 @@ double rate_of(const Firmware& firmware, const ParameterValues& value) {
   return 0;
 }
 
+/// By how long the torque about z leads the rotors' speed [s]: that of the air, Q(w), and the
+/// reaction to its change, J_r w', give (dQ/dw + J_r s) δw.
+double yaw_lead(const Vehicle& vehicle) {
+  double lead = 0;
+  for (const Rotor& rotor : vehicle.rotors) {
+    const double share = vehicle.mass * vehicle.gravity / std::ssize(vehicle.rotors);
+    const double w = rotor_speed_for_thrust(rotor, share);
+    lead +=
+        rotor.inertia / (2 * rotor.torque_d2 * w + rotor.torque_d1) / std::ssize(vehicle.rotors);
+  }
+  return lead;
+}
+
 }  // namespace
 
 double firmware_delay(const Firmware& firmware, const Vehicle& vehicle,
@@ -131,6 +144,8 @@ ContinuousTransferFunction firmware_turn_loop(const Firmware& firmware, const Ve
   const VectorXd derivative_part = loop.D * product(power_of_s(pi + k + 1), f.error);
   ContinuousTransferFunction result;
   result.num = loop.scale * sum(value_part, loop.D == 0 ? VectorXd::Zero(1) : derivative_part);
+  if (const double lead = loop.axis == CascadeAxis::yaw ? yaw_lead(vehicle) : 0; lead > 0)
+    result.num = product(result.num, Eigen::Vector2d(lead, 1));
   const double J = vehicle.inertia.diagonal()(internal::body_axis(loop.axis));
   result.den = product(product(power_of_s(pi + k), f.error), product(f.gyroscope, f.derivative));
   result.den = product(result.den, f.output);
