@@ -125,7 +125,7 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--law LAW", options.law,
                   "of the C program, where the design has two: cascaded-pid or state-feedback");
   line.add_option("--firmware VERSION", options.firmware.version,
-                  "of a firmware's parameters, e.g. 1.15 of px4; the newest that was read");
+                  "of a firmware's parameters, e.g. 1.15 of px4; the newest release that is known");
   line.add_option("--setup NAME", options.firmware.setup,
                   "propellers of a Crazyflie: standard (default), legacy, thrust-kit or brushless");
 }

@@ -27,6 +27,9 @@ struct Options {
 };
 
 void require_complete(const Options& options) {
+  if (options.defaults && !options.file.empty())
+    refuse("import", "--defaults", "--defaults came with the file {}, expected one of them",
+           options.file);
   if (options.firmware.empty() || options.vehicle.empty() ||
       options.file.empty() != options.defaults)
     refuse("import",
@@ -36,15 +39,30 @@ void require_complete(const Options& options) {
            "expected a firmware, a file of its parameters or --defaults, and --vehicle V");
 }
 
+/// What the file says, which the options may repeat but not contradict.
+Firmware agreed(const Firmware& asked, const Firmware& written, const Options& options) {
+  if ((!options.version.version.empty() && asked.version != written.version) ||
+      (!options.version.setup.empty() && asked.setup != written.setup))
+    refuse("import", options.version.version.empty() ? "--setup" : "--firmware",
+           "the file was written for {} {}, expected that or no option", written.version,
+           written.setup);
+  return written;
+}
+
 void run_import(const Options& options, Context& context) {
   require_complete(options);
   const FirmwareKind kind = firmware_kind(options.firmware, "FIRMWARE");
-  Firmware target = firmware(kind, options.version, "--firmware");
+  Firmware target = firmware(kind, options.version, "--firmware, --setup");
   std::optional<ParameterFile> file;
   if (!options.defaults) {
     const std::string text = internal::read_text_file(options.file, kLargestFile);
     const std::optional<Firmware> written = firmware_of_text(kind, text, options.file);
-    if (options.version == FirmwareOptions{} && written) target = *written;
+    if (written) target = agreed(target, *written, options);
+    if (!written && options.version.version.empty())
+      context.note(
+          fmt::format("import: note: the file does not say for which version it is, {} is "
+                      "assumed",
+                      target.version));
     file = parse_parameters(target, text, options.file);
   }
   const Vehicle vehicle = load_vehicle(options.vehicle);
@@ -61,7 +79,7 @@ void add_options(CommandLine& line, Options& options) {
   line.add_flag("--defaults", options.defaults, "the firmware's defaults in place of a file");
   line.add_option(
       "--firmware VERSION", options.version.version,
-      "e.g. 1.15 of px4; that of a file that quadtune wrote, or the newest that was read");
+      "e.g. 1.15 of px4; that of a file that quadtune wrote, or the newest release that is known");
   line.add_option("--setup NAME", options.version.setup,
                   "propellers of a Crazyflie: standard (default), legacy, thrust-kit or brushless");
   line.add_positive("--dt T", options.dt, "sample period of the cascade [s]; 0.004");

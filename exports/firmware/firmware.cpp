@@ -33,7 +33,7 @@ Versions versions_of(FirmwareKind kind) {
     case FirmwareKind::ardupilot:
       return {{"4.7", "4.6", "4.5", "4.4"}, "4.6"};  // the names of 4.7 came late in it
     case FirmwareKind::betaflight:
-      return {{"2026.6", "2025.12", "4.5", "4.4"}, "2026.6"};
+      return {{"2026.6", "2025.12", "4.5"}, "2026.6"};
     case FirmwareKind::crazyflie:
       return {{"2026.08", "2025.12.1", "2025.09", "2023.11"}, "2026.08"};
   }

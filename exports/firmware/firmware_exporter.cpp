@@ -128,6 +128,13 @@ std::optional<Firmware> firmware_of_text(FirmwareKind kind, const std::string& t
                                          const std::string& origin) {
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) {
+    if (kind == FirmwareKind::betaflight && line.starts_with("# Betaflight /")) {
+      // "# Betaflight / STM32F405 (S405) 4.5.1 …"
+      std::istringstream board(
+          line.substr(line.find(')') == std::string::npos ? line.size() : line.find(')') + 1));
+      FirmwareOptions options;
+      if (board >> options.version) return firmware(kind, options, origin);
+    }
     if (!line.starts_with(kMark)) continue;
     std::istringstream words(line.substr(sizeof(kMark) - 1));
     std::string name;

@@ -35,6 +35,7 @@ void add_px4_loops(const FirmwareScale& scale, const ParameterValues& value, Loo
     loop.P = K * value(rate + "P");
     loop.I = K * value(rate + "I");
     loop.D = K * value(rate + "D");
+    loop.forward = value(rate + "FF");
   }
   const auto velocity = [&](CascadeAxis axis, double of_output, const std::string& name) {
     FirmwareLoop& loop = loops.of(axis, of_output);
@@ -58,6 +59,8 @@ void add_ardupilot_loops(const Firmware& firmware, const FirmwareScale& scale,
     loop.P = value(rate + "P");
     loop.I = value(rate + "I");
     loop.D = value(rate + "D");
+    loop.of_error = true;
+    loop.forward = value(rate + "FF");
   }
   const exports::ArdupilotNames names = exports::ardupilot_names(firmware);
   const auto velocity = [&](CascadeAxis axis, double of_output, const std::string& position,
@@ -67,6 +70,7 @@ void add_ardupilot_loops(const Firmware& firmware, const FirmwareScale& scale,
     loop.P = value(name + "P");
     loop.I = value(name + "I");
     loop.D = value(name + "D");
+    loop.of_error = true;
   };
   velocity(CascadeAxis::x, 1 / kStandardGravity, names.horizontal_position,
            names.horizontal_velocity);
@@ -106,6 +110,7 @@ void add_crazyflie_loops(const FirmwareScale& scale, const ParameterValues& valu
     loop.P = value(inner + kp);
     loop.I = value(inner + ki);
     loop.D = value(inner + kd);
+    loop.forward = value(inner + (*mark == 'K' ? "KFF" : "kff"));
   };
   for (const exports::TurnWords& turn : kTurns)
     cascade(turn.axis, scale.torque[turn.index] * kDegrees,

@@ -162,16 +162,21 @@ class Writer {
 void write_px4(Writer& w) {
   const Vehicle& vehicle = w.vehicle();
   const std::vector<std::size_t> order = exports::px4_order(vehicle);
-  w.set("CA_ROTOR_COUNT", static_cast<double>(order.size()));
-  for (std::size_t i = 0; i < order.size(); ++i) {
+  // Only the order of four rotors in X is the same on every board.
+  const bool in_x = exports::px4_is_x(vehicle);
+  if (in_x) w.set("CA_ROTOR_COUNT", static_cast<double>(order.size()));
+  for (std::size_t i = 0; i < order.size() && in_x; ++i) {
     const Rotor& rotor = vehicle.rotors[order[i]];
     const std::string name = fmt::format("CA_ROTOR{}_", i);
     w.set(name + "PX", rotor.position.x());
     w.set(name + "PY", rotor.position.y());
-    const double ratio =
-        rotor.thrust_a2 > 0 ? rotor.torque_d2 / rotor.thrust_a2 : rotor.torque_d1 / rotor.thrust_a1;
-    w.set(name + "KM", -spin_sign(rotor.spin) * ratio);
+    w.set(name + "KM", -spin_sign(rotor.spin) * exports::px4_torque_ratio(rotor));
   }
+  w.note(in_x ? "CA_ROTOR* are the vehicle's places in PX4's order: 1 front right, 2 back left, 3 "
+                "front left, 4 back right"
+              : "CA_ROTOR* are not written, because boards with such rotors are wired in different "
+                "orders: they must have the vehicle's places and senses");
+  w.note("THR_MDL_FAC is 0, as the gains are for it");
   w.set("THR_MDL_FAC", 0);
   const FirmwareScale scale = w.scale();
   w.set("MPC_THR_HOVER", scale.hover);
@@ -223,6 +228,14 @@ void write_ardupilot(Writer& w) {
   w.set("MOT_THST_EXPO", thrust_expo(w.vehicle(), kSpinMin, kSpinMax));
   const FirmwareScale scale = w.scale();
   w.set("MOT_THST_HOVER", scale.hover);
+  w.note(
+      "MOT_SPIN_MIN, MOT_SPIN_MAX, MOT_THST_EXPO and MOT_THST_HOVER are written, as the gains are "
+      "for them: a motor that does not start at 15 % needs its own, and then other gains");
+  w.note("FRAME_CLASS and FRAME_TYPE are not written: they must be those of the vehicle's rotors");
+  w.note(
+      "the filters of the velocity, PSC_*_FLTE and FLTD of 5 Hz, are not in the design: x and y "
+      "have "
+      "32 ms more delay than it");
   for (const exports::TurnWords& turn : kTurns) {
     const Factored loop = w.factored(turn.axis);
     const std::string rate = fmt::format("ATC_RAT_{}_", turn.ardupilot);
@@ -254,7 +267,8 @@ void write_ardupilot(Writer& w) {
   w.set(names.acceleration + "I", unit * 2 * scale.hover);
   w.note(
       fmt::format("{0}P and {0}I follow the project's rule, hover throttle and twice it: the "
-                  "loop of the vertical acceleration is not designed",
+                  "loop of the vertical acceleration is not designed. It gives about half of the "
+                  "acceleration that is asked for at once, so the height is damped less than here",
                   names.acceleration));
 }
 
@@ -291,6 +305,10 @@ void write_betaflight(Writer& w) {
   }
   w.set("tpa_rate", 0);
   w.set("anti_gravity_gain", 0);
+  w.note(
+      "f_*, d_*, d_min_* or d_max_*, tpa_rate and anti_gravity_gain are 0 in profile 0, as the "
+      "design "
+      "has no such terms: they count in acro mode as well");
   w.note("x, y and altitude are the pilot's: the firmware has no such loops");
 }
 
@@ -320,6 +338,17 @@ void write_crazyflie(Writer& w) {
   w.set("posCtlPid.thrustBase", scale.hover);
   constexpr double kUsualLeast = 20000;
   w.set("posCtlPid.thrustMin", std::min(kUsualLeast, scale.hover / 2));
+  for (const exports::TurnWords& turn : kTurns) {
+    const double kp = w.sizes(turn.axis).Kd / (scale.torque[turn.index] * kDegrees);
+    constexpr double kGreatestOutput = 32767;
+    if (kp * kDegrees > kGreatestOutput)
+      throw InvalidInput(
+          "crazyflie", fmt::format("pid_rate.{}_kp would be {:.6g}, expected at most {:.4g}, with "
+                                   "which an error of 1 rad/s takes all of the output",
+                                   turn.small, kp, kGreatestOutput / kDegrees));
+  }
+  w.note(
+      "the firmware limits the integral of the angle's error to 20 deg s (yaw 360): no parameter");
 }
 
 }  // namespace

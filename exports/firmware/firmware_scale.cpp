@@ -160,6 +160,11 @@ FirmwareScale firmware_scale(const Firmware& firmware, const Vehicle& vehicle,
   scale.mass = vehicle.mass;
   const VectorXd thrusts = hover_thrusts(vehicle);
   const Curve curve = curve_of(firmware, value);
+  if (!(curve.low < curve.high))
+    throw InvalidInput(to_string(firmware.kind),
+                       fmt::format("MOT_SPIN_MIN is {:g} and MOT_SPIN_MAX {:g}, expected the first "
+                                   "to be less",
+                                   curve.low, curve.high));
   const Index n = thrusts.size();
   MatrixXd mix;  // of roll, pitch, yaw: commands per unit of the firmware's output
   if (firmware.kind == FirmwareKind::px4) mix = exports::px4_mix(vehicle, value);
@@ -172,6 +177,11 @@ FirmwareScale firmware_scale(const Firmware& firmware, const Vehicle& vehicle,
       slope = crazyflie_full_thrust(firmware) / 65535;
       command = thrusts(i) / slope;
     }
+    if (!(slope > 0 && command > 0))
+      throw InvalidInput(to_string(firmware.kind),
+                         fmt::format("{} at hover gives {:.3g} N of thrust per unit of the "
+                                     "command, expected more than 0, because gains have a sign",
+                                     vehicle.name, slope));
     const double x = rotor.position.x(), y = rotor.position.y();
     const double right = -y, front = x, yaw = -spin_sign(rotor.spin) * at.torque;
     Eigen::Vector3d share;  // of the commands, with their signs

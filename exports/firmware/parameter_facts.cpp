@@ -93,6 +93,8 @@ void add_ardupilot_rate(Table& t, const std::string& axis, bool yaw) {
   t.add(name + "FLTE", yaw ? 2.5 : 0, 0, yaw ? 20 : 100, "Hz");
   t.add(name + "FLTD", 20, 5, 100, "Hz");
   t.read_only();
+  t.add(name + "FLTT", 20, 5, 100, "Hz");
+  t.read_only();
 }
 
 std::vector<ParameterFacts> ardupilot_facts(const Firmware& firmware) {
@@ -161,6 +163,8 @@ std::vector<ParameterFacts> betaflight_facts(const Firmware& firmware) {
   for (const auto& [name, usual] : {std::pair("dterm_lpf1_static_hz", 75),
                                     {"dterm_lpf2_static_hz", 150},
                                     {"gyro_lpf1_static_hz", 250},
+                                    {"gyro_lpf1_dyn_min_hz", 250},
+                                    {"dterm_lpf1_dyn_min_hz", 75},
                                     {"gyro_lpf2_static_hz", 500}}) {
     t.add_integer(name, usual, 0, 1000, "Hz");
     t.read_only();

@@ -3,6 +3,8 @@
 // "Parameters of firmware".
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "firmware/firmware_parts.hpp"
 #include "quadtune/exports/firmware.hpp"
 
@@ -26,7 +28,9 @@ std::string px4_line(const ParameterFacts& facts, double value) {
 std::string crazyflie_lines(const ParameterFacts& facts, double value) {
   const auto with_point = [&](double v) {
     std::string text = number(facts, v);
-    if (!facts.integer && text.find_first_of(".e") == std::string::npos) text += ".0";
+    // A number without a point is a text to readers of YAML 1.1, or an integer.
+    if (!facts.integer && text.find('.') == std::string::npos)
+      text.insert(std::min(text.find('e'), text.size()), ".0");
     return text;
   };
   return fmt::format("  {}:\n    default_value: {}\n    is_stored: true\n    stored_value: {}\n",

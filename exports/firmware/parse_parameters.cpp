@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <sstream>
 
 #include "firmware/firmware_parts.hpp"
@@ -40,6 +41,14 @@ class Collector {
     throw InvalidInput(fmt::format("{}:{}", origin_, line), what);
   }
 
+  /// A board skips a value of another type.
+  void require_type(int line, const std::string& name, const std::string& type) const {
+    for (const ParameterFacts& one : facts_)
+      if (one.name == name && type != (one.integer ? "6" : "9"))
+        refuse(line, fmt::format("type of {} is '{}', expected {}", name, printable(type),
+                                 one.integer ? "6 (INT32)" : "9 (REAL32)"));
+  }
+
   void add(int line, const std::string& name, const std::string& word) {
     const auto facts = std::find_if(facts_.begin(), facts_.end(),
                                     [&](const ParameterFacts& one) { return one.name == name; });
@@ -53,6 +62,16 @@ class Collector {
     double value = 0;
     if (!internal::read_number(word, value) || !std::isfinite(value))
       refuse(line, fmt::format("{} is '{}', expected a finite number", name, printable(word)));
+    if (std::abs(value) > std::numeric_limits<float>::max())
+      refuse(line, fmt::format("{} is {}, expected a number that fits a float", name, value));
+    // Ranges of gains are advice of the documentation. Others have no meaning outside of theirs.
+    const bool strict = facts->integer || name.starts_with("MOT_") || name.starts_with("THR_") ||
+                        name.starts_with("CA_");
+    if (strict && (value < facts->min.value_or(value) || value > facts->max.value_or(value)))
+      refuse(line, fmt::format("{} is {}, expected {:g} to {:g}", name, value,
+                               facts->min.value_or(-INFINITY), facts->max.value_or(INFINITY)));
+    if (facts->unit == "Hz" && value != 0 && value < 1)
+      refuse(line, fmt::format("{} is {} Hz, expected 0 or at least 1", name, value));
     if (facts->integer && value != std::round(value))
       refuse(line, fmt::format("{} is {}, expected a whole number", name, value));
     if (value < 0 && facts->min.value_or(0) >= 0)
@@ -74,6 +93,10 @@ class Collector {
   ParameterFile file;
 
  private:
+  std::vector<ParameterFacts> facts_;
+  const Firmware& firmware_;
+  std::string origin_;
+
   void pass_over(int line, const std::string& name) {
     ++file.others;
     require_version(line, name);
@@ -81,30 +104,33 @@ class Collector {
     std::vector<std::string> known;
     for (const ParameterFacts& one : facts_) known.push_back(one.name);
     const std::string near = internal::nearest(name, known);
-    if (!near.empty() && internal::edit_distance(name, near) == 1)
+    constexpr std::size_t kMostNotes = 10;
+    if (file.notes.size() < kMostNotes && !near.empty() && internal::edit_distance(name, near) == 1)
       file.notes.push_back(
           fmt::format("{}:{}: {} is not used, is {} meant?", origin_, line, printable(name), near));
   }
 
   /// A name that another version has would be skipped in silence by the board.
   void require_version(int line, const std::string& name) const {
-    for (const std::string& version : firmware_versions(firmware_.kind)) {
-      if (version == firmware_.version) continue;
-      const Firmware other{firmware_.kind, version, firmware_.setup};
-      const std::vector<ParameterFacts> facts = parameter_facts(other);
-      if (std::none_of(facts.begin(), facts.end(),
-                       [&](const ParameterFacts& one) { return one.name == name; }))
-        continue;
-      refuse(line, fmt::format("{} belongs to {} {}, expected names of version {}, because the "
-                               "board passes over the others in silence; --firmware chooses the "
-                               "version",
-                               name, to_string(firmware_.kind), version, firmware_.version));
-    }
+    for (const auto& [other, version] : others_)
+      if (other == name)
+        refuse(line, fmt::format("{} belongs to {} {}, expected names of version {}, because the "
+                                 "board passes over the others in silence; --firmware chooses the "
+                                 "version",
+                                 name, to_string(firmware_.kind), version, firmware_.version));
   }
 
-  std::vector<ParameterFacts> facts_;
-  const Firmware& firmware_;
-  std::string origin_;
+  /// Names that other versions alone have.
+  std::vector<std::pair<std::string, std::string>> others_ = [this] {
+    std::vector<std::pair<std::string, std::string>> names;
+    for (const std::string& version : firmware_versions(firmware_.kind))
+      for (const ParameterFacts& other :
+           parameter_facts({firmware_.kind, version, firmware_.setup}))
+        if (std::none_of(facts_.begin(), facts_.end(),
+                         [&](const ParameterFacts& own) { return own.name == other.name; }))
+          names.emplace_back(other.name, version);
+    return names;
+  }();
 };
 
 /// Calls `use` with each line and its number, without its end.
@@ -136,9 +162,8 @@ void parse_px4(const std::string& text, Collector& collector) {
       collector.refuse(number, fmt::format("has {} columns, expected five with a tab between them: "
                                            "vehicle, component, name, value, type",
                                            words.size()));
-    if (words[4] != "6" && words[4] != "9")
-      collector.refuse(number, fmt::format("type is '{}', expected 6 (INT32) or 9 (REAL32)",
-                                           printable(words[4])));
+    if (words[1] != "1") return;  // of another component, such as a gimbal
+    collector.require_type(number, words[2], words[4]);
     collector.add(number, words[2], words[3]);
   });
 }
@@ -155,27 +180,41 @@ void parse_ardupilot(const std::string& text, Collector& collector) {
   });
 }
 
+/// The profile that the file selects last, which is the one that the board flies; empty: none.
+std::string last_profile(const std::string& text) {
+  std::string last;
+  each_line(text, [&](int, const std::string& line) {
+    const std::vector<std::string> words = split(line, " \t=");
+    if (words.size() == 2 && words[0] == "profile") last = words[1];
+  });
+  return last;
+}
+
 void parse_betaflight(const std::string& text, Collector& collector) {
-  std::string profile;  // the first one that the file has, or none
-  bool other_profile = false, sliders_off = false;
+  const std::string flown = last_profile(text);
+  bool of_other_profile = false, sliders_off = false;
+  std::vector<std::string>& notes = collector.file.notes;
   each_line(text, [&](int number, const std::string& line) {
     const std::vector<std::string> words = split(line, " \t=");
     if (words.empty() || words[0].starts_with("#")) return;
-    if (words[0] == "profile" && words.size() == 2) {
-      if (profile.empty()) profile = words[1];
-      other_profile = profile != words[1];
-    }
-    if (words[0] != "set" || other_profile) return;
-    if (words.size() < 3) {
-      collector.refuse(number, "is no setting, expected `set NAME = VALUE`");
+    if (words[0] == "profile" && words.size() == 2) of_other_profile = words[1] != flown;
+    if (words[0] != "set" || of_other_profile) return;
+    if (words.size() != 3) {
+      if (words.size() < 3) collector.refuse(number, "is no setting, expected `set NAME = VALUE`");
+      ++collector.file.others;  // a list or a text
     } else if (words[1] == "simplified_pids_mode") {
       sliders_off = words[2] == "OFF";
     } else {
+      if ((words[1] == "thrust_linear" && words[2] != "0") ||
+          (words[1] == "yaw_motors_reversed" && words[2] == "ON") ||
+          (words[1] == "use_integrated_yaw" && words[2] == "ON"))
+        notes.push_back(fmt::format("{} is {}, which is not in these numbers", words[1], words[2]));
       collector.add(number, words[1], words[2]);
     }
   });
+  if (!flown.empty()) notes.push_back("profile " + flown + " is read, which the file selects last");
   if (!sliders_off)
-    collector.file.notes.emplace_back(
+    notes.emplace_back(
         "simplified_pids_mode is not OFF in this file: the sliders may overwrite its gains");
 }
 
@@ -186,8 +225,10 @@ void parse_crazyflie(const std::string& text, const std::string& origin, Collect
     if (!file.IsMap() || !file["params"] || !file["params"].IsMap())
       throw InvalidInput(origin, "has no map params, expected the file of persistent parameters");
     if (!file["type"] || file["type"].as<std::string>() != "persistent_param_state" ||
-        !file["version"] || file["version"].as<std::string>() != "1")
-      throw InvalidInput(origin, "expected type persistent_param_state and version '1'");
+        !file["version"] || file["version"].as<std::string>() != "1" ||
+        file["version"].Tag() != "!")
+      throw InvalidInput(origin,
+                         "expected type persistent_param_state and version '1', a text in quotes");
     for (const auto& entry : file["params"]) {
       const std::string name = entry.first.as<std::string>();
       const YAML::Node& state = entry.second;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -17,46 +18,102 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// Drag torque over thrust at hover is that of the squares, of which a thrust curve mostly
-/// consists.
-double torque_ratio(const Rotor& rotor) {
-  return rotor.thrust_a2 > 0 ? rotor.torque_d2 / rotor.thrust_a2
-                             : rotor.torque_d1 / rotor.thrust_a1;
+/// A rotor of the firmware.
+struct BoardRotor {
+  double x = 0, y = 0, m = 0;
+};
+
+/// The rotor of the vehicle that turns alike and lies nearest in direction to one of the board's.
+std::size_t nearest(const Vehicle& vehicle, const BoardRotor& rotor, const std::string& name) {
+  constexpr double kAlike = 0.7;  // within 45 degrees
+  double best = kAlike;
+  std::size_t found = vehicle.rotors.size();
+  for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
+    const Rotor& own = vehicle.rotors[i];
+    const double sizes = std::hypot(rotor.x, rotor.y) * own.position.head<2>().norm();
+    const double alike = (rotor.x * own.position.x() + rotor.y * own.position.y()) / sizes;
+    if ((rotor.m > 0) != (own.spin == Spin::counter_clockwise) || !(alike > best)) continue;
+    best = alike;
+    found = i;
+  }
+  if (found == vehicle.rotors.size())
+    throw InvalidInput("px4",
+                       fmt::format("{}PX, PY, KM are {:.6g}, {:.6g}, {:.6g}, and no rotor of the "
+                                   "vehicle lies there and turns {}, expected one, because a rotor "
+                                   "in another place turns the vehicle over",
+                                   name, rotor.x, rotor.y, rotor.m, rotor.m > 0 ? "ccw" : "cw"));
+  return found;
+}
+
+/// The rotors as the board has them, and which of the vehicle's each is.
+struct BoardRotors {
+  std::vector<BoardRotor> rotors;
+  std::vector<std::size_t> own;
+};
+
+BoardRotors board_rotors(const Vehicle& vehicle, const ParameterValues& value) {
+  BoardRotors board;
+  std::size_t given = 0;
+  for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
+    const std::string name = fmt::format("CA_ROTOR{}_", i);
+    const BoardRotor rotor{value(name + "PX"), value(name + "PY"), value(name + "KM")};
+    for (const double number : {rotor.x, rotor.y, rotor.m}) given += !std::isnan(number);
+    board.rotors.push_back(rotor);
+  }
+  if (given == 0) {
+    board.own = px4_order(vehicle);
+    for (std::size_t i = 0; i < board.own.size(); ++i) {
+      const Rotor& rotor = vehicle.rotors[board.own[i]];
+      board.rotors[i] = {rotor.position.x(), rotor.position.y(),
+                         -spin_sign(rotor.spin) * px4_torque_ratio(rotor)};
+    }
+    return board;
+  }
+  if (given != 3 * vehicle.rotors.size())
+    throw InvalidInput("px4",
+                       fmt::format("the file gives {} of CA_ROTOR*_PX, PY and KM, expected all "
+                                   "{} or none",
+                                   given, 3 * vehicle.rotors.size()));
+  for (std::size_t i = 0; i < board.rotors.size(); ++i) {
+    const std::string name = fmt::format("CA_ROTOR{}_", i);
+    board.own.push_back(nearest(vehicle, board.rotors[i], name));
+    if (std::count(board.own.begin(), board.own.end(), board.own.back()) > 1)
+      throw InvalidInput("px4", name +
+                                    "PX, PY, KM are those of a rotor that another one is as well, "
+                                    "expected each rotor of the vehicle once");
+  }
+  return board;
 }
 
 /// Rows roll, pitch, yaw, thrust of a unit command of each rotor.
-MatrixXd geometry(const Vehicle& vehicle, const ParameterValues& value) {
-  const std::vector<std::size_t> order = px4_order(vehicle);
-  MatrixXd effect(4, std::ssize(order));
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const Rotor& rotor = vehicle.rotors[order[i]];
-    const std::string name = fmt::format("CA_ROTOR{}_", i);
-    const auto or_own = [&](const char* key, double own) {
-      const double given = value(name + key);
-      return std::isnan(given) ? own : given;
-    };
-    const double x = or_own("PX", rotor.position.x()), y = or_own("PY", rotor.position.y());
-    const double m = or_own("KM", -spin_sign(rotor.spin) * torque_ratio(rotor));
-    if ((m > 0) != (rotor.spin == Spin::counter_clockwise) || (x > 0) != (rotor.position.x() > 0) ||
-        (y > 0) != (rotor.position.y() > 0))
-      throw InvalidInput(
-          "px4", fmt::format("{0}PX, PY, KM are {1:.6g}, {2:.6g}, {3:.6g} and the vehicle's "
-                             "rotor is at ({4:.6g}, {5:.6g}) m and turns {6}, expected the "
-                             "same quarter and sense (KM > 0 is ccw), because rotors in "
-                             "another order turn the vehicle over",
-                             name, x, y, m, rotor.position.x(), rotor.position.y(),
-                             to_string(rotor.spin)));
-    effect.col(static_cast<Index>(i)) << -y, x, m, -1;
-  }
+MatrixXd geometry(const std::vector<BoardRotor>& rotors) {
+  MatrixXd effect(4, std::ssize(rotors));
+  for (std::size_t i = 0; i < rotors.size(); ++i)
+    effect.col(static_cast<Index>(i)) << -rotors[i].y, rotors[i].x, rotors[i].m, -1;
   return effect;
 }
 
 }  // namespace
 
+double px4_torque_ratio(const Rotor& rotor) {
+  return rotor.thrust_a2 > 0 ? rotor.torque_d2 / rotor.thrust_a2
+                             : rotor.torque_d1 / rotor.thrust_a1;
+}
+
+bool px4_is_x(const Vehicle& vehicle) {
+  std::array<int, 4> quarters{};
+  for (const Rotor& rotor : vehicle.rotors) {
+    const double x = rotor.position.x(), y = rotor.position.y();
+    if (std::min(std::abs(x), std::abs(y)) < 0.1 * std::max(std::abs(x), std::abs(y))) return false;
+    ++quarters[static_cast<std::size_t>((x > 0 ? 0 : 2) + (y > 0 ? 0 : 1))];
+  }
+  return quarters == std::array{1, 1, 1, 1};
+}
+
 std::vector<std::size_t> px4_order(const Vehicle& vehicle) {
   std::vector<std::size_t> order(vehicle.rotors.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  if (order.size() != 4) return order;
+  if (!px4_is_x(vehicle)) return order;
   // 1 front right, 2 back left, 3 front left, 4 back right.
   const auto place = [&](std::size_t i) {
     const Eigen::Vector3d& at = vehicle.rotors[i].position;
@@ -66,8 +123,6 @@ std::vector<std::size_t> px4_order(const Vehicle& vehicle) {
   std::vector<std::size_t> sorted = order;
   std::sort(sorted.begin(), sorted.end(),
             [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
-  for (std::size_t i = 0; i < 4; ++i)
-    if (place(sorted[i]) != static_cast<int>(i)) return order;
   return sorted;
 }
 
@@ -82,7 +137,8 @@ MatrixXd px4_mix(const Vehicle& vehicle, const ParameterValues& value) {
     throw InvalidInput("px4", fmt::format("the vehicle has {} rotors, expected at most {}, for "
                                           "which there are parameters",
                                           vehicle.rotors.size(), kMostRotors));
-  const MatrixXd effect = geometry(vehicle, value);
+  const BoardRotors board = board_rotors(vehicle, value);
+  const MatrixXd effect = geometry(board.rotors);
   MatrixXd mix = effect.completeOrthogonalDecomposition().pseudoInverse();
   if (!((effect * mix).isIdentity(1e-9)))
     throw InvalidInput("px4",
@@ -99,10 +155,9 @@ MatrixXd px4_mix(const Vehicle& vehicle, const ParameterValues& value) {
   mix.col(2) /= mix.col(2).maxCoeff();
   constexpr double kNone = 1e-3;  // smaller entries are no entries
   mix = (mix.array().abs() < kNone).select(0, mix);
-  const std::vector<std::size_t> order = px4_order(vehicle);
   MatrixXd result(mix.rows(), 3);
-  for (std::size_t i = 0; i < order.size(); ++i)
-    result.row(static_cast<Index>(order[i])) = mix.row(static_cast<Index>(i)).leftCols(3);
+  for (std::size_t i = 0; i < board.own.size(); ++i)
+    result.row(static_cast<Index>(board.own[i])) = mix.row(static_cast<Index>(i)).leftCols(3);
   return result;
 }
 

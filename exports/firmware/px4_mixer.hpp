@@ -15,6 +15,11 @@ namespace quadtune::exports {
 /// @return  indices into vehicle.rotors
 [[nodiscard]] std::vector<std::size_t> px4_order(const Vehicle& vehicle);
 
+/// Whether they are four, one in each quarter.
+[[nodiscard]] bool px4_is_x(const Vehicle& vehicle);
+/// Drag torque over thrust, of the squares of the speed, of which both mostly consist [m].
+[[nodiscard]] double px4_torque_ratio(const Rotor& rotor);
+
 /// (n × 3) commands per unit of roll, pitch and yaw output, rows in the vehicle's order: the
 /// pseudo-inverse of the geometry in CA_ROTOR*, or of the vehicle's own where the values do not say
 /// it, with its columns scaled as PX4 does.

@@ -77,8 +77,9 @@ TEST(Firmware, IrisIsMixedByItsParametersAndTurnedByItsRotors) {
   expect_share(loop_of(loops, CascadeAxis::altitude).Kd() / 1.55, 4 * 1.7521);
   // A motor in another place turns the vehicle over.
   values[1].value = -0.1515;
-  EXPECT_THAT([&] { (void)firmware_scale(px4, testing::iris_vehicle(), values); },
-              ThrowsMessage<InvalidInput>(HasSubstr("rotors in another order turn the vehicle")));
+  EXPECT_THAT(
+      [&] { (void)firmware_scale(px4, testing::iris_vehicle(), values); },
+      ThrowsMessage<InvalidInput>(HasSubstr("a rotor in another place turns the vehicle over")));
 }
 
 TEST(Firmware, ArduCopterHoverAndCurveGiveTheTorque) {
@@ -90,8 +91,8 @@ TEST(Firmware, ArduCopterHoverAndCurveGiveTheTorque) {
   expect_share(scale.torque[0], 9.33470);
   const auto loops = firmware_loops(ardupilot, testing::arducopter_vehicle(), values);
   const FirmwareLoop& roll = loop_of(loops, CascadeAxis::roll);
-  expect_share(roll.Kd(), 1.260185);
-  expect_share(roll.Kd() / 0.02296875, 54.865);
+  expect_share(roll.scale * roll.P, 1.260185);
+  expect_share(roll.scale * roll.P / 0.02296875, 54.865);
 }
 
 TEST(Firmware, BetaflightUnitsArePerThousandAndPerDegree) {
@@ -173,6 +174,8 @@ TEST(Firmware, CascadeBecomesTheParametersThatWereDerivedByHand) {
   small.loops[index_of(CascadeAxis::roll)].Kp = 0.0105;
   small.loops[index_of(CascadeAxis::roll)].Ki = 0.03;  // Kp² < 4 |Kd| Ki
   small.loops[index_of(CascadeAxis::roll)].Kd = -0.0017;
+  for (const CascadeAxis axis : {CascadeAxis::pitch, CascadeAxis::yaw})
+    small.loops[index_of(axis)] = {to_string(axis), "", "", 0.004, 0.002, -0.0008};
   const auto crazyflie =
       firmware_parameters(newest(FirmwareKind::crazyflie), testing::crazyflie_vehicle(), small);
   expect_share(value_of(crazyflie.values, "pid_rate.roll_kp"), 249.0838, 1e-6);
@@ -250,7 +253,15 @@ TEST(Firmware, EveryCascadeComesBackFromTheTextOfItsParameters) {
         const Firmware target = firmware(kind, {version, ""}, "test");
         const Vehicle vehicle = kind == FirmwareKind::crazyflie ? testing::crazyflie_vehicle()
                                                                 : testing::iris_vehicle();
-        const CascadeGains gains = random_cascade(random, kind == FirmwareKind::crazyflie);
+        CascadeGains gains = random_cascade(random, kind == FirmwareKind::crazyflie);
+        // A Crazyflie's outputs end at 571 per degree per second.
+        if (kind == FirmwareKind::crazyflie)
+          for (const CascadeAxis axis : {CascadeAxis::pitch, CascadeAxis::roll, CascadeAxis::yaw}) {
+            PidLoop& loop = gains.loops[index_of(axis)];
+            loop.Kp *= 5e-4;
+            loop.Ki *= 5e-4;
+            loop.Kd *= 5e-4;
+          }
         const FirmwareParameters written = firmware_parameters(target, vehicle, gains);
         const std::string text = parameter_text(target, written.values, {"a comment"});
         const ParameterFile read = parse_parameters(target, text, "file");
@@ -297,8 +308,12 @@ TEST(Firmware, BadFilesAreRefusedWithTheirLine) {
   expect_refused(px4, "1\t1\tMC_ROLL_P\tnan\t9\n", "file:1: MC_ROLL_P is 'nan', expected a finite");
   expect_refused(px4, "1\t1\tMC_ROLL_P\t6\t9\n1\t1\tMC_ROLL_P\t6\t9\n", "file:2: MC_ROLL_P stands");
   expect_refused(px4, "1 1 MC_ROLL_P 6 9\n", "file:1: has 1 columns, expected five");
-  expect_refused(px4, "1\t1\tMC_ROLL_P\t6\t4\n", "file:1: type is '4'");
+  expect_refused(px4, "1\t1\tMC_ROLL_P\t6\t4\n", "file:1: type of MC_ROLL_P is '4'");
   expect_refused(px4, "1\t1\tMC_ROLLRATE_P\t-0.1\t9\n", "drives a rotor the wrong way");
+  expect_refused(px4, "1\t1\tTHR_MDL_FAC\t40\t9\n", "THR_MDL_FAC is 40, expected 0 to 1");
+  expect_refused(px4, "1\t1\tMC_ROLL_P\t1e300\t9\n", "fits a float");
+  expect_refused(betaflight, "set p_roll = 300\n", "p_roll is 300, expected 0 to 250");
+  expect_refused(crazyflie, "params: {}\ntype: persistent_param_state\nversion: 1\n", "in quotes");
   expect_refused(px4, "# nothing\n", "holds no parameter of the loops of px4");
   expect_refused(px4, std::string("1\0", 2), "file");
   expect_refused(ardupilot, "ATC_ANG_RLL_P\n", "file:1: has 1 words");
@@ -329,7 +344,7 @@ TEST(Firmware, FilesOfOtherProgramsAreRead) {
       "profile 1\nset p_roll = 60\nsave\n",
       "file");
   ASSERT_EQ(dump.values.size(), 2u);
-  EXPECT_EQ(dump.values[1].value, 50);
+  EXPECT_EQ(dump.values[1].value, 60);  // of the profile that is selected last
   EXPECT_THAT(dump.notes, Contains(HasSubstr("simplified_pids_mode is not OFF")));
   const ParameterFile misspelled =
       parse_parameters(newest(px4), "1\t1\tMC_ROLL_P\t6\t9\n1\t1\tMC_PICH_P\t6\t9\n", "file");
@@ -411,6 +426,37 @@ TEST(Firmware, ExportIsVerifiedAndAChangedNumberIsFound) {
     EXPECT_GT(changed, 10);
     EXPECT_EQ(found, changed);
   }
+}
+
+TEST(Firmware, FeedForwardAndTheDerivativeOfTheErrorAreFeedbackToo) {
+  const Vehicle vehicle = testing::arducopter_vehicle();
+  const Firmware ardupilot = firmware(FirmwareKind::ardupilot, {"4.5", ""}, "test");
+  const auto roll = [&](const std::vector<Parameter>& values) {
+    return loop_of(firmware_loops(ardupilot, vehicle, values), CascadeAxis::roll);
+  };
+  const FirmwareLoop usual = roll({});
+  EXPECT_NEAR(usual.Kd(), usual.scale * (0.135 + 0.0036 * 4.5), 1e-12);
+  const FirmwareLoop forward = roll({{"ATC_RAT_RLL_FF", 0.1}});
+  EXPECT_NEAR(forward.Kp() - usual.Kp(), usual.scale * 0.1 * 4.5, 1e-12);
+}
+
+TEST(Firmware, RotorsOfABoardAreKnownByTheirPlaces) {
+  Vehicle vehicle = testing::sih_vehicle();
+  const Firmware px4 = newest(FirmwareKind::px4);
+  const FirmwareScale own = firmware_scale(px4, vehicle, {});
+  // The same rotors in another order, and places that are only alike.
+  std::vector<Parameter> values = {{"CA_ROTOR_COUNT", 4}};
+  const double places[][3] = {{1, -1, -0.05}, {1, 1, 0.05}, {-1, 1, -0.05}, {-1, -1, 0.05}};
+  for (int i = 0; i < 4; ++i) {
+    values.push_back({fmt::format("CA_ROTOR{}_PX", i), places[i][0]});
+    values.push_back({fmt::format("CA_ROTOR{}_PY", i), places[i][1]});
+    values.push_back({fmt::format("CA_ROTOR{}_KM", i), places[i][2]});
+  }
+  const FirmwareScale other = firmware_scale(px4, vehicle, values);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(other.torque[i], own.torque[i], 1e-12);
+  values.pop_back();
+  EXPECT_THAT([&] { (void)firmware_scale(px4, vehicle, values); },
+              ThrowsMessage<InvalidInput>(HasSubstr("gives 11 of CA_ROTOR*_PX, PY and KM")));
 }
 
 TEST(Firmware, StateFeedbackIsRefused) {

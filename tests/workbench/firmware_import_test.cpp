@@ -92,13 +92,19 @@ TEST(FirmwareImport, ReactionOfTheRotorsLeadsInYawAlone) {
   EXPECT_LT(std::abs(loop(CascadeAxis::yaw, s) / expected - 1.0), 1e-12);
 }
 
+/// Filters of a loop at one frequency.
+struct AtOne {
+  Complex gyroscope = 1, derivative = 1, error = 1, target = 1;
+};
+
 /// The same loop, summed term by term at one frequency.
-Complex by_terms(const FirmwareLoop& loop, double J, Complex s, Complex gyroscope,
-                 Complex derivative, Complex error, bool angle) {
-  Complex sum = (1 + (angle ? loop.outer_derivative : 0)) * gyroscope;
-  if (angle) sum += (loop.outer + loop.outer_integral / s) / s;
-  return loop.scale * ((loop.P + loop.I / s) * error * sum + loop.D * s * gyroscope * derivative) /
-         (J * s);
+Complex by_terms(const FirmwareLoop& loop, double J, Complex s, const AtOne& at, bool angle) {
+  const Complex asked = angle ? (loop.outer + loop.outer_integral / s) / s * at.target : Complex(0);
+  const double od = angle ? loop.outer_derivative : 0;
+  Complex torque = (loop.P + loop.I / s) * at.error * ((1 + od) * at.gyroscope + asked);
+  torque += loop.D * s * at.derivative * (at.gyroscope + (loop.of_error ? asked : 0));
+  if (angle) torque += loop.forward * (od * at.gyroscope + asked);
+  return loop.scale * torque / (J * s);
 }
 
 TEST(FirmwareImport, LoopsOfEveryFirmwareAreTheSumOfTheirTerms) {
@@ -118,21 +124,22 @@ TEST(FirmwareImport, LoopsOfEveryFirmwareAreTheSumOfTheirTerms) {
                                                     : axis == CascadeAxis::pitch ? 1
                                                                                  : 2);
         const bool yaw = axis == CascadeAxis::yaw;
-        const auto check = [&](FirmwareKind kind, Complex gyroscope, Complex derivative,
-                               Complex error, double rate) {
+        const auto check = [&](FirmwareKind kind, const AtOne& at, double rate) {
           const Firmware target = firmware(kind, {}, "test");
-          const FirmwareLoop loop = loop_of(firmware_loops(target, vehicle, {}), axis);
+          FirmwareLoop loop = loop_of(firmware_loops(target, vehicle, {}), axis);
+          loop.forward = 0.2 * loop.P;
           const ContinuousTransferFunction L = firmware_turn_loop(target, vehicle, loop, {}, angle);
           EXPECT_DOUBLE_EQ(L.delay, 1.5 / rate);
-          const Complex expected =
-              by_terms(loop, J, s, gyroscope, derivative, error, angle) * std::exp(-s * L.delay);
+          const Complex expected = by_terms(loop, J, s, at, angle) * std::exp(-s * L.delay);
           EXPECT_LT(std::abs(L(s) / expected - 1.0), 1e-9) << to_string(kind);
         };
-        check(FirmwareKind::crazyflie, second(s, 80), 1, 1, 500);
-        check(FirmwareKind::betaflight, first(s, 250) * first(s, 500), first(s, 75) * first(s, 150),
-              yaw ? first(s, 100) : Complex(1), 4000);
-        check(FirmwareKind::ardupilot, second(s, 20),
-              first(s, 20) * (yaw ? first(s, 2.5) : Complex(1)), yaw ? first(s, 2.5) : Complex(1),
+        check(FirmwareKind::crazyflie, {second(s, 80), 1, 1, 1}, 500);
+        check(FirmwareKind::betaflight,
+              {first(s, 250) * first(s, 500), first(s, 75) * first(s, 150),
+               yaw ? first(s, 100) : Complex(1), 1},
+              4000);
+        const Complex error = yaw ? first(s, 2.5) : Complex(1);
+        check(FirmwareKind::ardupilot, {second(s, 20), first(s, 20) * error, error, first(s, 20)},
               400);
       }
     }

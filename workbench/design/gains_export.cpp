@@ -10,16 +10,18 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/convert.hpp"
 #include "quadtune/exports/exporter.hpp"
+#include "quadtune/exports/firmware.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/workbench/design/cascade_report.hpp"
 #include "quadtune/workbench/design/export_content.hpp"
+#include "quadtune/workbench/firmware/firmware_import.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
 
 namespace quadtune {
 
 namespace {
 
-/// What a firmware's numbers do to the margins of the cascade.
+/// What rounding to a firmware's numbers does to the margins of the cascade.
 std::string margins_changed(const ExportContent& before, const ExportContent& after) {
   const auto margins = [](const ExportContent& content) {
     return assess_written_cascade(content.vehicle, content.cascade->gains, content.cascade->method,
@@ -28,14 +30,43 @@ std::string margins_changed(const ExportContent& before, const ExportContent& af
   };
   const auto degrees = [](double angle) { return angle * 180 / std::numbers::pi; };
   const MarginsReport was = margins(before), is = margins(after);
-  std::string text =
-      "margins of the cascade, cut at the wrench, as designed and as the board has "
-      "it:";
+  std::string text = "margins of the cascade, cut at the wrench, as designed and as rounded:";
   for (std::size_t i = 0; i < was.loops.size() && i < is.loops.size(); ++i)
     text += fmt::format("{} {} Ms {:.3f} -> {:.3f}, phase {:.1f} -> {:.1f} deg", i == 0 ? "" : ";",
                         is.names[i], was.loops[i].Ms, is.loops[i].Ms,
                         degrees(was.loops[i].phase_margin), degrees(is.loops[i].phase_margin));
   return text;
+}
+
+/// The turns as the firmware flies them: with its filters and delays.
+/// @throws NoSolution  where one is unstable
+std::string turns_on_board(const ExportContent& content, ExportKind kind) {
+  const Firmware target =
+      firmware(firmware_kind(kind.name(), "--to"), content.firmware, kind.name());
+  const std::vector<Parameter> values =
+      firmware_parameters(target, content.vehicle, content.cascade->gains).values;
+  std::string text = "with the filters and the delay of the firmware at their defaults:";
+  bool weak = false;
+  for (const FirmwareTurn& turn : firmware_turns(target, content.vehicle, values)) {
+    const double phase = turn.whole.phase_margin * 180 / std::numbers::pi;
+    if (!turn.whole.stable)
+      throw NoSolution(
+          fmt::format("{}: {} is unstable with the filters and the delay of {} {}, "
+                      "nothing was written; a slower design (pid V --bandwidth) leaves "
+                      "room for them",
+                      content.vehicle.name, to_string(turn.gains.axis), kind.name(),
+                      target.version),
+          content.vehicle.name);
+    text += fmt::format(" {} phase {:.1f} deg, Ms {:.2f};", to_string(turn.gains.axis), phase,
+                        turn.whole.Ms);
+    constexpr double kLeastPhase = 20, kGreatestMs = 3;
+    weak = weak || phase < kLeastPhase || turn.whole.Ms > kGreatestMs;
+  }
+  text.pop_back();
+  return text +
+         (weak ? ". WARNING: too little to fly; a slower design (pid V --bandwidth) or filters "
+                 "of a higher cut-off leave more"
+               : "");
 }
 
 }  // namespace
@@ -69,6 +100,7 @@ std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kin
     content.cascade_plant = cascade_plant(content.vehicle, *content.cascade, kind.name());
     std::vector<std::string> told = content.firmware_notes;
     told.push_back(margins_changed(before, content));
+    told.push_back(turns_on_board(content, kind));
     return told;
   }
   const std::string& words = exporter.convention;

@@ -83,6 +83,14 @@ ExportContent content_of(const Vehicle& vehicle, const CascadeGains& gains) {
 
 }  // namespace
 
+std::vector<FirmwareTurn> firmware_turns(const Firmware& firmware, const Vehicle& vehicle,
+                                         const std::vector<Parameter>& values) {
+  std::vector<FirmwareTurn> result;
+  for (const FirmwareLoop& loop : firmware_loops(firmware, vehicle, values))
+    if (turns(loop.axis)) result.push_back(turn_of(firmware, vehicle, loop, values));
+  return result;
+}
+
 FirmwareImport import_parameters(const Firmware& firmware, const Vehicle& vehicle,
                                  const std::optional<ParameterFile>& file, double dt) {
   FirmwareImport result;
@@ -90,9 +98,14 @@ FirmwareImport import_parameters(const Firmware& firmware, const Vehicle& vehicl
   result.vehicle = vehicle;
   const std::vector<Parameter> values = file ? file->values : std::vector<Parameter>();
   result.loops = firmware_loops(firmware, vehicle, values);
+  result.turns = firmware_turns(firmware, vehicle, values);
+  if (firmware.kind == FirmwareKind::ardupilot)
+    result.notes.emplace_back(
+        "altitude: the firmware's loop of the vertical acceleration is taken as ideal, and it "
+        "gives "
+        "about half of what is asked for at once: the height is damped less than here");
   CascadeGains pilot;
   for (const FirmwareLoop& loop : result.loops) {
-    if (turns(loop.axis)) result.turns.push_back(turn_of(firmware, vehicle, loop, values));
     if (!loop.flies && pilot.loops.empty()) {
       pilot = vehicle_cascade(vehicle, {}, vehicle.name).content.cascade->gains;
       result.notes.emplace_back(

@@ -44,6 +44,7 @@ struct Filters {
   VectorXd gyroscope = one();
   VectorXd derivative = one();  ///< of D, beside the gyroscope's
   VectorXd error = one();       ///< of the error of P and I
+  VectorXd target = one();      ///< of what the loop of the angle asks for
   VectorXd output = one();
 };
 
@@ -65,15 +66,19 @@ Filters filters_of(const Firmware& firmware, CascadeAxis axis, const ParameterVa
                                "_";
       filters.gyroscope = butterworth(value("INS_GYRO_FILTER"));
       filters.error = first_order(value(rate + "FLTE"));
+      filters.target = first_order(value(rate + "FLTT"));
       filters.derivative = product(filters.error, first_order(value(rate + "FLTD")));
       break;
     }
     case FirmwareKind::betaflight: {
       constexpr double kYawLowPass = 100;  // [Hz] of P of the yaw
-      filters.gyroscope = product(first_order(value("gyro_lpf1_static_hz")),
-                                  first_order(value("gyro_lpf2_static_hz")));
-      filters.derivative = product(first_order(value("dterm_lpf1_static_hz")),
-                                   first_order(value("dterm_lpf2_static_hz")));
+      // Where a cut-off moves with the throttle, its lower end.
+      const auto first = [&](const std::string& name) {
+        const double least = value(name + "_dyn_min_hz");
+        return first_order(least > 0 ? least : value(name + "_static_hz"));
+      };
+      filters.gyroscope = product(first("gyro_lpf1"), first_order(value("gyro_lpf2_static_hz")));
+      filters.derivative = product(first("dterm_lpf1"), first_order(value("dterm_lpf2_static_hz")));
       if (yaw) filters.error = first_order(kYawLowPass);
       break;
     }
@@ -127,7 +132,10 @@ ContinuousTransferFunction firmware_turn_loop(const Firmware& firmware, const Ve
                                               const std::vector<Parameter>& values, bool angle) {
   const ParameterValues value(firmware, values);
   Filters f = filters_of(firmware, loop.axis, value);
-  // τ/scale = (P + I/s)/E [(1 + Od)/F + (Oo s + Oi)/s^k] + D s/(F Fd), each times the rate.
+  // τ/scale = (P + I/s) E R + FF R' + D s Fd X, each times the rate, with
+  //   a = (Oo s + Oi)/s^k T     the loop of the angle, T the target's filter
+  //   R = (1 + Od) F + a,  R' = Od F + a
+  //   X = F, or where D acts on the error F + a
   const Index pi = loop.I != 0 ? 1 : 0;
   const VectorXd pi_num =
       pi == 1 ? VectorXd(Eigen::Vector2d(loop.P, loop.I)) : VectorXd::Constant(1, loop.P);
@@ -137,18 +145,26 @@ ContinuousTransferFunction firmware_turn_loop(const Firmware& firmware, const Ve
   if (k == 1) angle_num(0) = loop.outer;
   if (k == 2) angle_num = Eigen::Vector2d(loop.outer, loop.outer_integral);
   if (loop.D == 0) f.derivative = one();
-  const double rate_gain = angle ? 1 + loop.outer_derivative : 1;
-  // All over s^(pi + k) E F Fd.
-  const VectorXd rate_and_angle = sum(rate_gain * power_of_s(k), product(angle_num, f.gyroscope));
-  const VectorXd value_part = product(product(pi_num, rate_and_angle), f.derivative);
-  const VectorXd derivative_part = loop.D * product(power_of_s(pi + k + 1), f.error);
+  if (k == 0) f.target = one();
+  // All over s^(pi + k) E F Fd T.
+  const VectorXd from_angle = product(angle_num, f.gyroscope);
+  const VectorXd from_rate = product(power_of_s(k), f.target);
+  const double od = angle ? loop.outer_derivative : 0;
+  const auto combined = [&](double rate) { return sum(rate * from_rate, from_angle); };
+  VectorXd num = product(product(pi_num, combined(1 + od)), f.derivative);
+  if (loop.D != 0)
+    num = sum(num, loop.D * product(product(power_of_s(pi + 1), f.error),
+                                    loop.of_error ? combined(1) : from_rate));
+  if (loop.forward != 0 && angle)
+    num = sum(num, loop.forward * product(product(power_of_s(pi), f.error),
+                                          product(combined(od), f.derivative)));
   ContinuousTransferFunction result;
-  result.num = loop.scale * sum(value_part, loop.D == 0 ? VectorXd::Zero(1) : derivative_part);
+  result.num = loop.scale * num;
   if (const double lead = loop.axis == CascadeAxis::yaw ? yaw_lead(vehicle) : 0; lead > 0)
     result.num = product(result.num, Eigen::Vector2d(lead, 1));
   const double J = vehicle.inertia.diagonal()(internal::body_axis(loop.axis));
   result.den = product(product(power_of_s(pi + k), f.error), product(f.gyroscope, f.derivative));
-  result.den = product(result.den, f.output);
+  result.den = product(product(result.den, f.output), f.target);
   result.den = product(result.den, Eigen::Vector2d(J, 0));
   if (const double lag = internal::rotor_lag(vehicle); lag > 0)
     result.den = product(result.den, Eigen::Vector2d(lag, 1));

@@ -129,10 +129,18 @@ struct FirmwareLoop {
   double P = 0, I = 0, D = 0;   ///< of the rate's error, in the firmware's output per SI unit
   bool flies = true;            ///< false: the firmware has no such loop, the pilot is it
 
+  double forward = 0;     ///< of the set point of the rate, which the outer gain gives
+  bool of_error = false;  ///< D acts on the rate's error, and so on the outer gain, too
+
   /// In the units of a PidLoop, without its signs.
-  [[nodiscard]] double Kp() const { return scale * (P * outer + I * (1 + outer_derivative)); }
-  [[nodiscard]] double Ki() const { return scale * (I * outer + P * outer_integral); }
-  [[nodiscard]] double Kd() const { return scale * P * (1 + outer_derivative); }
+  [[nodiscard]] double Kp() const {
+    return scale * (P * outer + I * (1 + outer_derivative) + forward * outer);
+  }
+  [[nodiscard]] double Ki() const { return scale * (I * outer + (P + forward) * outer_integral); }
+  [[nodiscard]] double Kd() const {
+    return scale *
+           (P * (1 + outer_derivative) + forward * outer_derivative + (of_error ? D * outer : 0));
+  }
   /// What a cascade of PidLoops has no place for: the gain on the rate's derivative, and that of
   /// the error integrated twice.
   [[nodiscard]] double derivative() const { return scale * D; }

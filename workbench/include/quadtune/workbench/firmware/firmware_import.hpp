@@ -46,6 +46,12 @@ struct FirmwareImport {
                                                             const std::vector<Parameter>& values,
                                                             bool angle);
 
+/// Roll, pitch and yaw with their margins.
+/// @throws InvalidInput, NoSolution  as firmware_loops()
+[[nodiscard]] std::vector<FirmwareTurn> firmware_turns(const Firmware& firmware,
+                                                       const Vehicle& vehicle,
+                                                       const std::vector<Parameter>& values);
+
 /// @param file  none: the firmware's defaults
 /// @param dt    sample period of the cascade [s]; 0: kFirmwarePeriod
 /// @throws InvalidInput, NoSolution  as firmware_loops()
