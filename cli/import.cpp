@@ -28,7 +28,8 @@ struct Options {
 
 void require_complete(const Options& options) {
   if (options.defaults && !options.file.empty())
-    refuse("import", "--defaults", "--defaults came with the file {}, expected one of them",
+    refuse("import", "--defaults",
+           "both --defaults and the file {} were given, expected only one of the two",
            options.file);
   if (options.firmware.empty() || options.vehicle.empty() ||
       options.file.empty() != options.defaults)
@@ -44,8 +45,9 @@ Firmware agreed(const Firmware& asked, const Firmware& written, const Options& o
   if ((!options.version.version.empty() && asked.version != written.version) ||
       (!options.version.setup.empty() && asked.setup != written.setup))
     refuse("import", options.version.version.empty() ? "--setup" : "--firmware",
-           "the file was written for {} {}, expected that or no option", written.version,
-           written.setup);
+           "the file was written for version {}{}{}, expected the same version and set-up, or no "
+           "such option",
+           written.version, written.setup.empty() ? "" : " with set-up ", written.setup);
   return written;
 }
 

@@ -22,7 +22,7 @@ struct Options {
   std::vector<std::string> words;
   std::uint64_t sequence = 0;
   bool no_ack = false;
-  // of send
+  // options of `link send` alone
   std::string to;
   std::optional<double> timeout;
   LinkOptions link;
