@@ -12,6 +12,7 @@ namespace quadtune::exports {
 [[nodiscard]] Exporter uquad_exporter();
 [[nodiscard]] Exporter mambo_exporter();
 [[nodiscard]] Exporter json_exporter();
+[[nodiscard]] Exporter mat_exporter();
 [[nodiscard]] Exporter flight_code_exporter();
 /// Those of firmware_kind().
 [[nodiscard]] std::vector<Exporter> firmware_exporters();

@@ -17,7 +17,8 @@ namespace {
 std::vector<Exporter>& all() {
   static std::vector<Exporter> exporters = [] {
     std::vector<Exporter> own = {exports::uquad_exporter(), exports::mambo_exporter(),
-                                 exports::json_exporter(), exports::flight_code_exporter()};
+                                 exports::json_exporter(), exports::mat_exporter(),
+                                 exports::flight_code_exporter()};
     for (Exporter& firmware : exports::firmware_exporters()) own.push_back(std::move(firmware));
     return own;
   }();

@@ -149,10 +149,11 @@ TEST(Export, RefusesUquadWithoutGains) {
 TEST(Export, WordsOfKindsReadBackAndUnknownOnesAreRefused) {
   for (const ExportKind& kind : {ExportKind::uquad, ExportKind::mambo, ExportKind::json})
     EXPECT_EQ(export_kind(to_string(kind), "--to"), kind);
-  EXPECT_THAT([] { (void)export_kind("jason", "--to"); },
-              ThrowsMessage<InvalidInput>(HasSubstr(
-                  "--to: no export 'jason', expected uquad, "
-                  "mambo, json, c, px4, ardupilot, betaflight, crazyflie; did you mean 'json'?")));
+  EXPECT_THAT(
+      [] { (void)export_kind("jason", "--to"); },
+      ThrowsMessage<InvalidInput>(HasSubstr(
+          "--to: no export 'jason', expected uquad, "
+          "mambo, json, mat, c, px4, ardupilot, betaflight, crazyflie; did you mean 'json'?")));
 }
 
 TEST(ReadGains, SaysWhereAFileIsWrong) {

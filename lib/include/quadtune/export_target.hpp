@@ -20,7 +20,7 @@ struct ExportTarget {
   std::string estimator = {};
 };
 
-/// The targets in the order of the documentation: uquad, mambo, json, c, px4, ardupilot,
+/// The targets in the order of the documentation: uquad, mambo, json, mat, c, px4, ardupilot,
 /// betaflight, crazyflie, then those that were added.
 [[nodiscard]] const std::vector<ExportTarget>& export_targets();
 
