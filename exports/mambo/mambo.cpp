@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "mambo/m_file.hpp"
+#include "mambo/sensor_vars.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/digital_filter.hpp"
 
@@ -325,9 +326,12 @@ bool takes_mambo_files(const Vehicle& vehicle) {
 }
 
 std::vector<FileContent> mambo_files(const ExportContent& content) {
-  return {{"vehicleVars.m", vehicle_vars(content.vehicle)},
-          {"controllerVars.m", controller_vars(content)},
-          {"estimatorVars.m", estimator_vars(content)}};
+  std::vector<FileContent> files = {{"vehicleVars.m", vehicle_vars(content.vehicle)},
+                                    {"controllerVars.m", controller_vars(content)},
+                                    {"estimatorVars.m", estimator_vars(content)}};
+  if (content.vehicle.sensors_known)
+    files.push_back({"sensorsVars.m", exports::sensor_vars(content.vehicle)});
+  return files;
 }
 
 }  // namespace quadtune

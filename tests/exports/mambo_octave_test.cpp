@@ -36,9 +36,10 @@ function dump(name, value)
     printf("\n");
   end
 end
-vehicleVars; controllerVars; estimatorVars;
+vehicleVars; controllerVars; estimatorVars; sensorsVars;
 dump("g", g); dump("rho", rho);
 dump("Vehicle", Vehicle); dump("Controller", Controller); dump("Estimator", Estimator);
+dump("Sensors", Sensors);
 )";
 
 class MamboOctave : public ::testing::Test {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <limits>
+#include <map>
 
 #include "matrix_near.hpp"
 #include "plants/export_models.hpp"
@@ -30,17 +31,34 @@ void expect_refusal(const ExportContent& content, const std::string& message) {
   EXPECT_THAT([&] { (void)mambo_files(content); }, ThrowsMessage<InvalidInput>(HasSubstr(message)));
 }
 
-TEST(Mambo, WritesTheThreeFiles) {
+TEST(Mambo, WritesItsFiles) {
   std::vector<std::string> names;
   for (const FileContent& file : mambo_files(mambo_content())) names.push_back(file.name);
-  EXPECT_THAT(names, ElementsAre("vehicleVars.m", "controllerVars.m", "estimatorVars.m"));
+  EXPECT_THAT(names,
+              ElementsAre("vehicleVars.m", "controllerVars.m", "estimatorVars.m", "sensorsVars.m"));
+}
+
+TEST(Mambo, SensorsAreThoseOfTheVehiclesFile) {
+  ExportContent content = mambo_content();
+  std::map<std::string, Eigen::MatrixXd> numbers;
+  for (const NamedMatrix& number : parse_m_file(text_of(content, "sensorsVars.m"), "test"))
+    numbers[number.name] = number.value;
+  const SensorFaults& gyroscope = *content.vehicle.sensors.gyroscope;
+  EXPECT_EQ(numbers.at("Sensors.gyroscope.rate")(0, 0), gyroscope.rate);
+  EXPECT_EQ(numbers.at("Sensors.gyroscope.noise"), gyroscope.noise.transpose());
+  EXPECT_EQ(numbers.at("Sensors.flow.noise").cols(), 2);
+  EXPECT_EQ(numbers.at("Sensors.sonar.delay")(0, 0), content.vehicle.sensors.sonar->faults.delay);
+  EXPECT_FALSE(numbers.contains("Sensors.magnetometer.rate") &&
+               !content.vehicle.sensors.magnetometer);
+  content.vehicle.sensors_known = false;
+  EXPECT_EQ(text_of(content, "sensorsVars.m"), "");
 }
 
 TEST(Mambo, TakesBothVehiclesOfTheModelProject) {
   for (const char* name : {"mambo", "rolling-spider"}) {
     ExportContent content;
     content.vehicle = load_vehicle(name);
-    EXPECT_EQ(mambo_files(content).size(), 3U) << name;
+    EXPECT_EQ(mambo_files(content).size(), content.vehicle.sensors_known ? 4U : 3U) << name;
   }
 }
 

@@ -64,7 +64,8 @@ std::optional<FileKind> kind_of_file(const fs::path& path) {
   if (text[first] == '{') return kind_of_json(text);
   if (text.starts_with("# quadtune-log")) return FileKind::log;
   // What the Mambo project has beside its gains.
-  if (path.filename() == "vehicleVars.m" || path.filename() == "estimatorVars.m")
+  if (path.filename() == "vehicleVars.m" || path.filename() == "estimatorVars.m" ||
+      path.filename() == "sensorsVars.m")
     return std::nullopt;
   if (name == ".m" || (name == ".txt" && path.filename().string().starts_with("K")))
     return FileKind::gains;

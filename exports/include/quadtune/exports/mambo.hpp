@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The parameter files of the Parrot Mambo's model project: vehicleVars.m, controllerVars.m and
-/// estimatorVars.m, run in this order by MATLAB or Octave without any toolbox.
+/// The parameter files of the Parrot Mambo's model project: vehicleVars.m, controllerVars.m,
+/// estimatorVars.m and sensorsVars.m, run in this order by MATLAB or Octave without any toolbox.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace quadtune {
 
-/// The three files.
+/// The files; sensorsVars.m where the sensors of the vehicle are known.
 ///
 /// @param content  vehicle: four equal rotors in X (1 front left and clockwise, 2 front right,
 ///                 3 back right, 4 back left) with Ct, Cq and radius, commands counted as w²;
