@@ -13,6 +13,7 @@
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/firmware.hpp"
 #include "quadtune/exports/manifest.hpp"
+#include "quadtune/exports/read_gains.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/version.hpp"
 
@@ -22,6 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kMark[] = "# quadtune: ";
+constexpr char kNote[] = "# Note: ";
 
 void require_cascade(const ExportContent& content, FirmwareKind kind) {
   if (content.cascade && !content.cascade->gains.loops.empty()) return;
@@ -56,15 +58,28 @@ std::vector<std::string> header_of(const Firmware& firmware, const ExportContent
       "Compare the order, the places and the senses of the rotors with the vehicle before it "
       "flies.",
       "Parameters that are not listed keep what the board has; the design assumes their defaults."};
-  for (const std::string& note : notes) header.push_back("Note: " + note);
+  for (const std::string& note : notes) header.push_back(std::string(kNote + 2) + note);
   return header;
+}
+
+/// None where they were not asked for.
+FirmwareParameters noises_of(const Firmware& target, const ExportContent& content) {
+  if (!content.firmware.filter_noise) return {};
+  if (!content.estimator || !content.estimator->general)
+    throw InvalidInput(
+        to_string(target.kind),
+        "noise of the estimator was asked for, but the design has no general filter, "
+        "expected one, as a design for sensors that it can use has");
+  return noise_parameters(target, *content.estimator->general);
 }
 
 std::vector<FileContent> firmware_files(const ExportContent& content, FirmwareKind kind) {
   require_cascade(content, kind);
   const Firmware target = firmware(kind, content.firmware, to_string(kind));
-  const FirmwareParameters parameters =
+  FirmwareParameters parameters =
       firmware_parameters(target, content.vehicle, content.cascade->gains);
+  for (Parameter& noise : noises_of(target, content).values)
+    parameters.values.push_back(std::move(noise));
   return {{parameter_file_name(kind),
            parameter_text(target, parameters.values,
                           header_of(target, content, content.firmware_notes))},
@@ -79,7 +94,11 @@ ExportContent fitted(ExportContent content, FirmwareKind kind) {
   const FirmwareParameters parameters = firmware_parameters(target, content.vehicle, gains);
   gains = cascade_of(firmware_loops(target, content.vehicle, parameters.values), gains, gains.dt);
   // A cascade that was fitted before has nothing left to round.
-  if (content.firmware_notes.empty()) content.firmware_notes = parameters.notes;
+  if (content.firmware_notes.empty()) {
+    content.firmware_notes = parameters.notes;
+    for (std::string& note : noises_of(target, content).notes)
+      content.firmware_notes.push_back(std::move(note));
+  }
   content.cascade->specification.reset();
   content.gains.reset();
   content.plant.reset();
@@ -91,6 +110,33 @@ ExportContent fitted(ExportContent content, FirmwareKind kind) {
   return content;
 }
 
+/// The notes of a parameter file say what was rounded of a cascade that is in no file, so they are
+/// taken as they are.
+std::vector<std::string> notes_of(const std::string& text) {
+  std::vector<std::string> notes;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with(kNote)) notes.push_back(line.substr(sizeof(kNote) - 1));
+  return notes;
+}
+
+std::vector<FileContent> written_again(const fs::path& directory, const Manifest& manifest,
+                                       const Vehicle& vehicle, FirmwareKind kind) {
+  std::vector<FileContent> files =
+      exports::json_exporter().written_again(directory, manifest, vehicle);
+  if (!manifest.cascade) return files;
+  const fs::path path = directory / parameter_file_name(kind);
+  const std::string text = exports::export_text(path);
+  ExportContent content;
+  content.vehicle = vehicle;
+  content.cascade = manifest.cascade;
+  content.estimator = read_laws(directory).estimator;
+  content.firmware = written_options(kind, text, path.string());
+  content.firmware_notes = notes_of(text);
+  files.push_back(firmware_files(content, kind).front());
+  return files;
+}
+
 Exporter firmware_exporter(FirmwareKind kind) {
   // Parameters tell nothing of the vehicle: the laws are read from the gains.json beside them.
   Exporter exporter = exports::json_exporter();
@@ -100,6 +146,10 @@ Exporter firmware_exporter(FirmwareKind kind) {
   exporter.fit = [kind](ExportContent content) { return fitted(std::move(content), kind); };
   exporter.read_plain = {};
   exporter.weights_difference = {};
+  exporter.written_again = [kind](const fs::path& directory, const Manifest& manifest,
+                                  const Vehicle& vehicle) {
+    return written_again(directory, manifest, vehicle, kind);
+  };
   return exporter;
 }
 
@@ -146,6 +196,16 @@ std::optional<Firmware> firmware_of_text(FirmwareKind kind, const std::string& t
     return firmware(kind, options, origin);
   }
   return {};
+}
+
+FirmwareOptions written_options(FirmwareKind kind, const std::string& text,
+                                const std::string& origin) {
+  const std::optional<Firmware> target = firmware_of_text(kind, text, origin);
+  if (!target) throw InvalidInput(origin, "does not say for which firmware it is");
+  const std::vector<Parameter> values = parse_parameters(*target, text, origin).values;
+  return {target->version, target->setup,
+          std::any_of(values.begin(), values.end(),
+                      [](const Parameter& one) { return is_noise_parameter(one.name); })};
 }
 
 std::vector<VerifyCheck> firmware_checks(const fs::path& directory, const Vehicle& vehicle) {

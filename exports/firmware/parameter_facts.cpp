@@ -81,6 +81,17 @@ std::vector<ParameterFacts> px4_facts(const Firmware& firmware) {
   t.read_only();
   t.add_integer("IMU_GYRO_RATEMAX", 800, 100, 2000, "Hz");
   t.read_only();
+  t.add("EKF2_GYR_NOISE", 0.015, 0.0001, 0.1, "rad/s");
+  t.add("EKF2_ACC_NOISE", 0.35, 0.01, 1, "m/s^2");
+  t.add("EKF2_GYR_B_NOISE", 0.001, 0, 0.01, "rad/s^2");
+  t.add("EKF2_ACC_B_NOISE", 0.003, 0, 0.01, "m/s^3");
+  t.add("EKF2_BARO_NOISE", 3.5, 0.01, 15, "m");
+  t.add("EKF2_RNG_NOISE", 0.1, 0.01, {}, "m");
+  t.add("EKF2_GPS_P_NOISE", 0.5, 0.01, 10, "m");
+  t.add("EKF2_GPS_V_NOISE", 0.3, 0.01, 5, "m/s");
+  t.add("EKF2_HEAD_NOISE", 0.3, 0.01, 1, "rad");
+  t.add("EKF2_OF_N_MIN", 0.15, 0.05, {}, "rad/s");
+  t.add("EKF2_EVP_NOISE", 0.1, 0.01, {}, "m");
   return std::move(t.all);
 }
 
@@ -135,6 +146,17 @@ std::vector<ParameterFacts> ardupilot_facts(const Firmware& firmware) {
   t.read_only();
   t.add_integer("SCHED_LOOP_RATE", 400, 50, 2000, "Hz");
   t.read_only();
+  t.add("EK3_GYRO_P_NSE", 0.015, 0.0001, 0.1, "rad/s");
+  t.add("EK3_ACC_P_NSE", 0.35, 0.01, 1, "m/s^2");
+  t.add("EK3_GBIAS_P_NSE", 0.001, 1e-5, 1e-3, "rad/s^2");
+  t.add("EK3_ABIAS_P_NSE", 0.02, 1e-5, 0.02, "m/s^3");
+  t.add("EK3_ALT_M_NSE", 2, 0.1, 100, "m");
+  t.add("EK3_RNG_M_NSE", 0.5, 0.1, 10, "m");
+  t.add("EK3_POSNE_M_NSE", 0.5, 0.1, 10, "m");
+  t.add("EK3_VELNE_M_NSE", 0.3, 0.05, 5, "m/s");
+  t.add("EK3_VELD_M_NSE", 0.5, 0.05, 5, "m/s");
+  t.add("EK3_YAW_M_NSE", 0.5, 0.05, 1, "rad");
+  t.add("EK3_FLOW_M_NSE", 0.25, 0.05, 1, "rad/s");
   return std::move(t.all);
 }
 
@@ -199,6 +221,11 @@ std::vector<ParameterFacts> crazyflie_facts(const Firmware& firmware) {
   add("velCtlPid.vz", 25, 15, 0, velocity);
   t.add_integer("posCtlPid.thrustBase", brushless ? 30000 : 36000, 0, 65535);
   t.add_integer("posCtlPid.thrustMin", 20000, 0, 65535);
+  t.add("kalman.pNAcc_xy", 0.5, {}, {}, "m/s^2");
+  t.add("kalman.pNAcc_z", 1, {}, {}, "m/s^2");
+  t.add("kalman.mNGyro_rollpitch", 0.1, {}, {}, "rad/s");
+  t.add("kalman.mNGyro_yaw", 0.1, {}, {}, "rad/s");
+  t.add("kalman.mNBaro", 2, {}, {}, "m");
   return std::move(t.all);
 }
 

@@ -231,6 +231,44 @@ TEST(Firmware, NoiseDensityIsAStepsDeviation) {
   expect_share(filter_noise(std::sqrt(5e-4 / 0.005), 0.01), 3.16228);
 }
 
+TEST(Firmware, NoiseOfItsEstimatorIsThatOfTheGeneralFilter) {
+  GeneralFilterSettings filter;
+  filter.gyroscope.density = {0.001, 0.005, 0.002};
+  filter.accelerometer.density.setConstant(0.02);
+  filter.gyroscope.walk = 1e-4;
+  filter.range = RangeAid{{0, 0.09, 1}};
+  filter.flow = FlowAid{0, 0.04};
+  filter.gps_velocity = Aid{0, 0.25, 1};
+  const FirmwareParameters px4 = noise_parameters(newest(FirmwareKind::px4), filter);
+  expect_share(value_of(px4.values, "EKF2_GYR_NOISE"), 0.05);  // of the noisiest axis
+  expect_share(value_of(px4.values, "EKF2_ACC_NOISE"), 0.2);
+  expect_share(value_of(px4.values, "EKF2_GYR_B_NOISE"), 1e-3);
+  expect_share(value_of(px4.values, "EKF2_RNG_NOISE"), 0.3);
+  expect_share(value_of(px4.values, "EKF2_OF_N_MIN"), 0.2);
+  EXPECT_EQ(px4.values.size(), 6u);  // what the filter does not have keeps its default
+  const FirmwareParameters ardupilot = noise_parameters(newest(FirmwareKind::ardupilot), filter);
+  expect_share(value_of(ardupilot.values, "EK3_GYRO_P_NSE"), 0.005 / std::sqrt(0.012));
+  expect_share(value_of(ardupilot.values, "EK3_VELNE_M_NSE"), 0.5);
+  expect_share(value_of(noise_parameters(newest(FirmwareKind::crazyflie), filter).values,
+                        "kalman.mNGyro_rollpitch"),
+               0.005 / std::sqrt(0.001));
+  EXPECT_THAT([&] { (void)noise_parameters(newest(FirmwareKind::betaflight), filter); },
+              ThrowsMessage<InvalidInput>(HasSubstr("has no estimator of position")));
+}
+
+TEST(Firmware, NoiseIsHeldToThePublishedRangeAndSaysSo) {
+  GeneralFilterSettings filter;
+  filter.gyroscope.density.setConstant(1e-6);
+  filter.accelerometer.density.setConstant(1);
+  const FirmwareParameters px4 = noise_parameters(newest(FirmwareKind::px4), filter);
+  EXPECT_EQ(value_of(px4.values, "EKF2_GYR_NOISE"), 1e-4);
+  EXPECT_EQ(value_of(px4.values, "EKF2_ACC_NOISE"), 1);
+  EXPECT_THAT(px4.notes,
+              Contains(HasSubstr("EKF2_GYR_NOISE would be 1e-05 rad/s, held at 0.0001")));
+  EXPECT_THAT(px4.notes, Contains(HasSubstr("much less than the default of 0.015")));
+  EXPECT_THAT(px4.notes, Contains(HasSubstr("EKF2_ACC_NOISE would be 10 m/s^2, held at 1")));
+}
+
 /// Random gains with every ratio Kp²/(|Kd| Ki) from 4 on.
 CascadeGains random_cascade(std::mt19937& random, bool any_integral) {
   std::uniform_real_distribution<double> unit(0, 1);

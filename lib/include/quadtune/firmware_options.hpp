@@ -14,6 +14,9 @@ struct FirmwareOptions {
   /// Of a Crazyflie, whose firmware scales thrust by its propellers: "standard", "legacy",
   /// "thrust-kit" or "brushless". Empty: "standard".
   std::string setup = {};
+  /// Whether the noise of the firmware's own estimator is written as well, from that of the
+  /// design's general filter.
+  bool filter_noise = false;
 
   friend bool operator==(const FirmwareOptions&, const FirmwareOptions&) = default;
 };

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "quadtune/cascade.hpp"
+#include "quadtune/estimation/general_filter_settings.hpp"
 #include "quadtune/exports/content.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/firmware_options.hpp"
@@ -180,10 +181,25 @@ struct FirmwareParameters {
 [[nodiscard]] std::optional<Firmware> firmware_of_text(FirmwareKind kind, const std::string& text,
                                                        const std::string& origin);
 
+/// The options with which quadtune wrote a file of parameters.
+/// @throws InvalidInput  as firmware_of_text(), and for a file that does not say its firmware
+[[nodiscard]] FirmwareOptions written_options(FirmwareKind kind, const std::string& text,
+                                              const std::string& origin);
+
 /// The standard deviation that a filter's parameter means, of a density [unit/√Hz]: the filter adds
 /// (σ dt)² in each prediction step of length dt.
 /// @param step  length of the prediction step [s]
 [[nodiscard]] double filter_noise(double density, double step);
+
+/// The noises of the firmware's estimator that a general filter's are. Of axes that differ the
+/// noisiest counts. Values are held to the published range; notes tell which, and which are far
+/// below the default.
+/// @throws InvalidInput  for Betaflight, which has none
+[[nodiscard]] FirmwareParameters noise_parameters(const Firmware& firmware,
+                                                  const GeneralFilterSettings& filter);
+
+/// Whether a parameter is one of these.
+[[nodiscard]] bool is_noise_parameter(const std::string& name);
 
 /// Whether an export's parameters fly the cascade of its manifest on the vehicle.
 [[nodiscard]] std::vector<VerifyCheck> firmware_checks(const std::filesystem::path& directory,
