@@ -415,7 +415,14 @@ FlightCondition read_trim(const TomlTable& table) {
 std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& design) {
   std::vector<ExportRequest> exports;
   for (const TomlTable& table : file.tables("export")) {
-    table.allow({{"to"}, {"name"}, {"precision"}, {"law"}, {"firmware"}, {"setup"}});
+    table.allow({{"to"},
+                 {"name"},
+                 {"precision"},
+                 {"law"},
+                 {"adapter"},
+                 {"firmware"},
+                 {"setup"},
+                 {"filter_noise"}});
     ExportRequest request{table.text("to")};
     const std::string where = table.where("to");
     const ExportTarget& target = export_target(request.to, where);
@@ -437,18 +444,19 @@ std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& des
       throw InvalidInput(where, fmt::format("export to '{}' has no gains to write, expected an "
                                             "[lqr] table",
                                             request.to));
-    for (const char* key : {"name", "precision", "law"})
+    for (const char* key : {"name", "precision", "law", "adapter"})
       if (request.to != "c" && !table.text_or(key, "").empty())
         throw InvalidInput(table.where(key), fmt::format("export.{} is for an export to 'c', "
                                                          "expected none for '{}'",
                                                          key, request.to));
-    for (const char* key : {"firmware", "setup"})
+    for (const char* key : {"firmware", "setup", "filter_noise"})
       if (!target.is_firmware && table.has(key))
         throw InvalidInput(table.where(key),
                            fmt::format("export.{} is for the parameters of a firmware, expected "
                                        "none for '{}'",
                                        key, request.to));
-    request.firmware = {table.text_or("firmware", ""), table.text_or("setup", "")};
+    request.firmware = {table.text_or("firmware", ""), table.text_or("setup", ""),
+                        table.has("filter_noise") && table.truth("filter_noise")};
     request.flight_code.name = table.text_or("name", "");
     request.flight_code.double_precision =
         is_double_precision(table.text_or("precision", "float"), table.where("precision"));
@@ -457,6 +465,9 @@ std::vector<ExportRequest> read_exports(const TomlTable& file, const Design& des
       require_flight_code_name(request.flight_code.name, table.where("name"));
     if (!request.flight_code.law.empty())
       require_flight_code_law(request.flight_code.law, table.where("law"));
+    request.flight_code.adapter = table.text_or("adapter", "");
+    if (!request.flight_code.adapter.empty())
+      require_flight_code_adapter(request.flight_code.adapter, table.where("adapter"));
     exports.push_back(request);
   }
   return exports;

@@ -17,7 +17,8 @@
 namespace quadtune {
 namespace {
 
-// Words of C99, files of an export, and names whose header would be taken for one of the C library.
+// Words of C99, names of other files of an export, and names whose header would be taken for one of
+// the C library.
 constexpr std::array kTakenNames = {
     "auto",   "break",    "case",     "char",     "const",  "double",   "else",    "enum",
     "extern", "float",    "for",      "goto",     "if",     "inline",   "int",     "long",
@@ -26,7 +27,7 @@ constexpr std::array kTakenNames = {
     "true",   "false",    "replay",   "string",   "m",      "assert",   "complex", "ctype",
     "errno",  "fenv",     "inttypes", "iso646",   "limits", "locale",   "math",    "setjmp",
     "signal", "stdarg",   "stdbool",  "stddef",   "stdint", "stdio",    "stdlib",  "tgmath",
-    "time",   "wchar",    "wctype"};
+    "time",   "wchar",    "wctype",   "adapter"};
 
 std::vector<ExportTarget>& targets() {
   const auto firmware = [](const char* name) {
@@ -36,6 +37,7 @@ std::vector<ExportTarget>& targets() {
       {.name = "uquad", .needs_gains = true, .estimator = "uquad"},
       {.name = "mambo", .estimator = "mambo"},
       {.name = "json", .takes_memory = true},
+      {.name = "mat", .takes_memory = true},
       {.name = "c", .takes_memory = true},
       firmware("px4"),
       firmware("ardupilot"),
@@ -91,6 +93,19 @@ void require_flight_code_law(const std::string& law, const std::string& where) {
   if (law != "cascaded-pid" && law != "state-feedback")
     throw InvalidInput(where, fmt::format("no law '{}', expected cascaded-pid or state-feedback",
                                           internal::printable(law)));
+}
+
+const std::vector<std::string>& flight_code_adapters() {
+  static const std::vector<std::string> all = {"main", "mambo", "crazyflie", "px4"};
+  return all;
+}
+
+void require_flight_code_adapter(const std::string& adapter, const std::string& where) {
+  const std::vector<std::string>& all = flight_code_adapters();
+  if (std::find(all.begin(), all.end(), adapter) == all.end())
+    throw InvalidInput(
+        where, fmt::format("no adapter '{}', expected {}{}", internal::printable(adapter),
+                           internal::joined(all, ", "), internal::did_you_mean(adapter, all)));
 }
 
 bool is_double_precision(const std::string& name, const std::string& where) {

@@ -6,6 +6,7 @@
 #include <cctype>
 
 #include "export_text.hpp"
+#include "flight_code/adapters.hpp"
 #include "flight_code/flight_recording.hpp"
 #include "flight_code/parameters.hpp"
 #include "flight_code/program_settings.hpp"
@@ -42,7 +43,9 @@ std::string in_comment(const std::string& name) {
   return text;
 }
 
-std::string sensors_in_words(const GeneralFilterSettings& s) {
+std::string sensors_in_words(const ProgramSettings& program) {
+  if (program.mambo) return "specific_force, rates, range, flow, vision";
+  const GeneralFilterSettings& s = *program.general;
   std::vector<std::string> words = {"specific_force", "rates"};
   const auto add = [&](bool present, const char* word) {
     if (present) words.emplace_back(word);
@@ -110,15 +113,24 @@ SourceChoices choices_of(const ProgramSettings& s, const ExportContent& content,
     if (has) c.features.insert(word);
   };
   feature(c.double_precision, "DOUBLE");
-  feature(s.estimator.has_value(), "ESTIMATOR");
+  feature(s.has_estimator(), "ESTIMATOR");
+  feature(s.general.has_value(), "GENERAL");
+  feature(s.mambo.has_value(), "MAMBO");
+  if (s.mambo && s.mambo->aligned_periods > 0) {
+    feature(true, "ALIGNED_FLOW");
+    c.sizes["MOMENTS"] = s.mambo->aligned_periods;
+  }
   feature(s.cascade(), "CASCADE");
   feature(s.motor.law == CommandLaw::speed_squared, "SQUARED_COMMANDS");
   feature(s.motor.quantum > 0, "QUANTUM");
   c.sizes["ROTORS"] = s.allocation.rotors;
   const bool squared = s.motor.law == CommandLaw::speed_squared;
-  c.words["DESCRIPTION"] = fmt::format(
-      "{}{} for the vehicle '{}'", s.cascade() ? "a cascade of PID loops" : "a state feedback",
-      s.estimator ? " with the general filter" : "", in_comment(content.vehicle.name));
+  c.words["DESCRIPTION"] = fmt::format("{}{} for the vehicle '{}'",
+                                       s.cascade() ? "a cascade of PID loops" : "a state feedback",
+                                       s.general ? " with the general filter"
+                                       : s.mambo ? " with the estimator of the Mambo"
+                                                 : "",
+                                       in_comment(content.vehicle.name));
   c.words["DT"] = fmt::format("{}", s.dt);
   c.period = c_number(s.dt, c.double_precision, "dt");
   c.words["COMMAND"] = command_in_words(s);
@@ -126,7 +138,7 @@ SourceChoices choices_of(const ProgramSettings& s, const ExportContent& content,
                             : "speed over the command [rad/s]";
   c.words["TAKE_OFF"] = s.cascade() ? "constant thrust, attitude and heading held"
                                     : "as in flight: the law is the same";
-  if (s.estimator) c.words["SENSORS"] = sensors_in_words(*s.estimator);
+  if (s.has_estimator()) c.words["SENSORS"] = sensors_in_words(s);
   if (s.cascade()) return c;
   const StateFeedbackSettings<double>& law = s.feedback();
   feature(true, input_feature(law.input_kind));
@@ -159,7 +171,8 @@ std::vector<ProgramFile> sources_of(const ProgramSettings& s, bool double_precis
       {s.cascade() ? "cascade.c" : "feedback.c", "_law.c"},
       {"rotations.c", "_rotations.c"},
       {double_precision ? "functions_double.c" : "functions_float.c", "_functions.c"}};
-  if (s.estimator) files.push_back({"estimator.c", "_estimator.c"});
+  if (s.general) files.push_back({"estimator.c", "_estimator.c"});
+  if (s.mambo) files.push_back({"mambo_estimator.c", "_estimator.c"});
   return files;
 }
 
@@ -176,7 +189,7 @@ std::string recorded_header(const ProgramSettings& s) {
       "# start: position, body velocity, rates, roll, pitch, yaw, biases of gyroscope and\n"
       "# accelerometer, offset of the barometer's height.\n",
       s.dt,
-      s.estimator
+      s.has_estimator()
           ? "whether it stands; 0, or 1, age and values of: specific force, rates, magnetic "
             "field,\n# pressure, range, flow, GPS position, GPS velocity, vision;"
           : "position, roll, pitch, yaw, body velocity, rates of the estimate;",
@@ -190,6 +203,7 @@ std::string options_text(const ExportContent& content, const std::string& name) 
   json["name"] = name;
   json["precision"] = content.flight_code.double_precision ? "double" : "float";
   json["law"] = content.flight_code.law;
+  if (!content.flight_code.adapter.empty()) json["adapter"] = content.flight_code.adapter;
   return internal::readable(json) + "\n";
 }
 
@@ -213,19 +227,22 @@ std::string flight_code_name(const std::string& name) {
 
 std::vector<FileContent> flight_code_files(const ExportContent& content) {
   using namespace exports;
+  const std::string& adapter = content.flight_code.adapter;
   const std::string name = name_of(content);
   const FlightSetup setup = recorded_setup(content);
   const ProgramSettings settings = program_settings(setup);
+  require_adapter(content, settings.dt);
   const bool double_precision = content.flight_code.double_precision;
   SourceChoices choices = choices_of(settings, content, name);
   std::vector<FileContent> files;
   std::vector<std::string> sources, headers, objects;
   const auto add = [&](const std::string& file, const std::string& text) {
-    if (file.ends_with(".c") && file != "replay.c") {
+    const bool of_program = file != "replay.c" && !file.starts_with(kAdapterPrefix);
+    if (file.ends_with(".c") && of_program) {
       sources.push_back(file);
       objects.push_back(file.substr(0, file.size() - 2) + ".o");
     }
-    if (file.ends_with(".h")) headers.push_back(file);
+    if (file.ends_with(".h") && of_program) headers.push_back(file);
     files.push_back({file, program_source(text, choices)});
   };
   for (const ProgramFile& file : sources_of(settings, double_precision))
@@ -235,6 +252,10 @@ std::vector<FileContent> flight_code_files(const ExportContent& content) {
   choices.words["HEADERS"] = internal::joined(headers, " ");
   add("replay.c", source_text("replay.c"));
   add("Makefile", source_text("Makefile"));
+  choices.words["STEPS"] = fmt::format("{:.0f}", settings.dt * 1000);
+  choices.words["PX4_SOURCES"] = internal::joined(sources, "\n\t\t");
+  for (const AdapterFile& file : adapter_files(adapter))
+    add(file.to, adapter_text(file.from, content, name, settings.dt));
   const RecordedFlight recorded = record_flight(
       setup, settings, template_program(settings, double_precision), double_precision);
   files.push_back({"flight.txt", recorded_header(settings) + recorded.text});
@@ -253,12 +274,26 @@ FlightCodeOptions read_flight_code_options(const std::filesystem::path& director
   const auto word = [&](const char* key) {
     return internal::string_from_json(internal::member(json, key, origin), origin + ": " + key);
   };
-  return {word("name"), is_double_precision(word("precision"), origin + ": precision"),
-          word("law")};
+  FlightCodeOptions options = {
+      word("name"), is_double_precision(word("precision"), origin + ": precision"), word("law")};
+  if (json.contains("adapter")) {
+    options.adapter = word("adapter");
+    require_flight_code_adapter(options.adapter, origin + ": adapter");
+  }
+  return options;
 }
 
 namespace exports {
 namespace {
+
+std::string page_of_adapter(const ExportContent& content, const std::vector<std::string>& sources) {
+  std::vector<std::string> objects;
+  for (const std::string& source : sources)
+    objects.push_back(source.substr(0, source.size() - 2) + ".o");
+  const std::string page = replaced(adapter_page(content.flight_code.adapter), "@SOURCES@",
+                                    internal::joined(sources, " "));
+  return replaced(page, "@OBJECTS_ON_BOARD@", internal::joined(objects, " "));
+}
 
 std::string readme(const ProgramSettings& s, const ExportContent& content, const std::string& name,
                    const std::vector<std::string>& sources) {
@@ -296,18 +331,20 @@ std::string readme(const ProgramSettings& s, const ExportContent& content, const
       "differ in the last bits.\nIt must not be told `-ffast-math`; the program then does not "
       "compile.\n\n"
       "`make misra` asks cppcheck for violations of MISRA C:2012. The Makefile names the "
-      "deviations.\n\n"
+      "deviations.\n\n{9}"
       "The program does not arm, watch the battery or give up: a supervisor must stop the motors "
       "where the vehicle\ntilts too far, or where `estimate.finite` is false.\n",
       name, in_comment(content.vehicle.name),
       content.flight_code.double_precision ? "double" : "float", s.dt,
-      s.estimator
-          ? "the general filter, an error-state Kalman filter of " + sensors_in_words(*s.estimator)
-          : std::string("none; the caller brings the estimate"),
+      s.general ? "the general filter, an error-state Kalman filter of " + sensors_in_words(s)
+      : s.mambo ? fmt::format("that of the Mambo, from {}; the vehicle must stand still for {} s "
+                              "after the start",
+                              sensors_in_words(s), s.mambo->calibration_time)
+                : std::string("none; the caller brings the estimate"),
       law, command_in_words(s),
-      s.estimator ? name + "_step(&state, &sensors, &reference, &output);"
-                  : name + "_control(&state, &estimate, &reference, &output);",
-      internal::joined(sources, " "));
+      s.has_estimator() ? name + "_step(&state, &sensors, &reference, &output);"
+                        : name + "_control(&state, &estimate, &reference, &output);",
+      internal::joined(sources, " "), page_of_adapter(content, sources));
 }
 
 }  // namespace

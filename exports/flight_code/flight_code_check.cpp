@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "export_text.hpp"
+#include "flight_code/adapters.hpp"
 #include "flight_code/flight_recording.hpp"
 #include "flight_code/process.hpp"
 #include "flight_code/program_settings.hpp"
@@ -19,6 +20,7 @@
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/read_gains.hpp"
+#include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/text_file.hpp"
 
 namespace quadtune {
@@ -29,17 +31,6 @@ namespace fs = std::filesystem;
 std::string last_line(std::string text) {
   while (!text.empty() && text.back() == '\n') text.pop_back();
   return text.substr(text.rfind('\n') + 1);
-}
-
-/// Which line is the first that differs; 0 where none does.
-std::size_t first_other_line(const std::string& a, const std::string& b) {
-  std::size_t line = 1;
-  const std::size_t common = std::min(a.size(), b.size());
-  for (std::size_t i = 0; i < common; ++i) {
-    if (a[i] != b[i]) return line;
-    if (a[i] == '\n') ++line;
-  }
-  return a.size() == b.size() ? 0 : line;
 }
 
 /// The files that the gains of an export and a vehicle give, without gains.json: it also contains
@@ -70,13 +61,7 @@ std::string text_difference(const fs::path& directory, const std::vector<FileCon
                      [&](const FileContent& file) { return file.name == name; }))
       return name + " belongs to another program, expected it elsewhere";
   }
-  for (const FileContent& file : expected) {
-    const std::string found = exports::export_text(directory / file.name);
-    if (const std::size_t line = first_other_line(found, file.bytes); line > 0)
-      return fmt::format("{}: line {} differs from what the gains and the vehicle give", file.name,
-                         line);
-  }
-  return "";
+  return file_difference(directory, expected, "the gains and the vehicle");
 }
 
 /// The first program that a target needs and that is not installed; empty if all are.
@@ -110,7 +95,8 @@ std::string compile(const std::vector<FileContent>& files, const fs::path& folde
                                     (folder / "replay").string()};
   if (arm) words.emplace_back("-static");
   for (const FileContent& file : files)
-    if (file.name.ends_with(".c")) words.push_back((folder / file.name).string());
+    if (file.name.ends_with(".c") && !file.name.starts_with(exports::kAdapterPrefix))
+      words.push_back((folder / file.name).string());
   words.emplace_back("-lm");
   write_files(folder, files);
   std::string said;

@@ -10,7 +10,7 @@ Exporter flight_code_exporter() {
   exporter.target = export_target("c", "exporter");
   exporter.files = flight_code_files;
   exporter.read_plain = {};
-  exporter.weights_difference = {};
+  exporter.weights_difference = {};  // written_again compares gains.json whole
   return exporter;
 }
 

@@ -7,6 +7,7 @@
 
 #include "flight_code/program_settings.hpp"
 #include "quadtune/estimation/general_filter.hpp"
+#include "quadtune/estimation/mambo_estimator.hpp"
 #include "quadtune/estimation/on_board.hpp"
 
 namespace quadtune::exports {
@@ -161,20 +162,27 @@ class FlightProgram {
       cascade_settings_ = program_cast<T>(std::get<0>(settings.law));
     else
       feedback_settings_ = program_cast<T>(settings.feedback());
-    if (!settings.estimator) return;
     StateVector<T> x;
     convert_field(x, start.x);
-    filter_ = general_filter_start(*settings.estimator, x);
     Vector3<T> rates, force;
     convert_field(rates, start.gyro_bias);
     convert_field(force, start.force_bias);
+    if (settings.mambo) {
+      mambo_settings_ = mambo_estimator_cast<T>(*settings.mambo);
+      mambo_ = mambo_estimator_start(mambo_settings_, x);
+      mambo_.attitude.gyro_bias = rates;
+      mambo_.force_bias = force;
+    }
+    if (!settings.general) return;
+    filter_ = general_filter_start(*settings.general, x);
     set_biases(filter_, rates, force);
     filter_.pressure_height = T(start.pressure_height);
   }
 
   /// One period of the estimator.
   [[nodiscard]] Estimate<T> estimate(const SensorFrame<double>& frame, bool on_ground) {
-    return step<T>(*settings_.estimator, filter_, program_cast<T>(frame), MaskOf<T>(on_ground));
+    if (settings_.mambo) return step(mambo_settings_, mambo_, program_cast<T>(frame));
+    return step<T>(*settings_.general, filter_, program_cast<T>(frame), MaskOf<T>(on_ground));
   }
 
   /// The law, the allocation and the commands of one period.
@@ -316,6 +324,8 @@ class FlightProgram {
   Allocation<T> allocation_;
   ThrustLimits<T> limits_;
   GeneralFilterState<T> filter_;
+  MamboEstimatorSettings<T> mambo_settings_;
+  MamboEstimatorState<T> mambo_;
   CascadedPidSettings<T> cascade_settings_;
   CascadedPidState<T> cascade_;
   StateFeedbackSettings<T> feedback_settings_;

@@ -14,7 +14,7 @@ class Flown {
   Flown(ProgramSettings settings, std::shared_ptr<RunningProgram> program, bool double_precision)
       : settings_(std::move(settings)),
         program_(std::move(program)),
-        lines_(settings_.estimator.has_value(), double_precision) {}
+        lines_(settings_.has_estimator(), double_precision) {}
 
   void start(const ProgramStart& start) {
     yaw_ = start.x(5);
@@ -99,8 +99,13 @@ ProgramStart start_of(const FlightSetup& setup, const ProgramSettings& settings,
   const bool moving =
       setup.mission.start.in_air || std::holds_alternative<Carried>(setup.mission.kind);
   const Sensors sensors = sensors_of(setup);
-  if (!moving || !settings.estimator || !sensors.gyroscope || !sensors.accelerometer) return start;
-  const GeneralFilterSettings& filter = *settings.estimator;
+  if (!moving || !sensors.gyroscope || !sensors.accelerometer) return start;
+  if (settings.mambo) {
+    start.gyro_bias = sensors.gyroscope->bias;
+    start.force_bias = sensors.accelerometer->bias;
+  }
+  if (!settings.general) return start;
+  const GeneralFilterSettings& filter = *settings.general;
   start.gyro_bias = sensors.gyroscope->bias.cwiseQuotient(filter.gyroscope.scale);
   start.force_bias = sensors.accelerometer->bias.cwiseQuotient(filter.accelerometer.scale);
   if (filter.pressure && sensors.barometer)

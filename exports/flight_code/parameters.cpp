@@ -227,6 +227,41 @@ void write_estimator(Structure& c, const GeneralFilterSettings& s) {
   c.close();
 }
 
+/// Control periods k with (k + 1/2) dt before the end of the calibration: the filter's own rule.
+int calibration_periods(const MamboEstimatorSettings<double>& s) {
+  int periods = 0;
+  while ((periods + 0.5) * s.dt < s.calibration_time) ++periods;
+  return periods;
+}
+
+void write_estimator(Structure& c, const MamboEstimatorSettings<double>& s) {
+  c.open("estimator");
+  c.number("gravity", s.gravity);
+  c.integer("calibration_periods", calibration_periods(s));
+  c.number("attitude_time_constant", s.attitude_time_constant);
+  c.number("force_band", s.force_band);
+  c.number("bias_time_constant", s.bias_time_constant);
+  c.number("altitude_Q", s.altitude_Q);
+  c.number("altitude_R", s.altitude_R);
+  c.number("sonar_least", s.sonar_least);
+  c.number("sonar_greatest", s.sonar_greatest);
+  c.number("sonar_jump", s.sonar_jump);
+  c.number("sonar_deviation", s.sonar_deviation);
+  c.number("sonar_recovery_time", s.sonar_recovery_time);
+  c.number("velocity_Q", s.velocity_Q);
+  c.number("velocity_R", s.velocity_R);
+  c.number("flow_scale", s.flow_scale);
+  c.numbers("flow_compensation", {s.flow_compensation_x, s.flow_compensation_y});
+  c.number("gyro_lag", s.gyro_lag);
+  c.number("flow_least_height", s.flow_least_height);
+  c.number("flow_timeout", s.flow_timeout);
+  c.boolean("hold_flow", s.hold_flow);
+  c.boolean("position_of_flow", s.position == MamboPosition::flow_velocity);
+  c.number("position_Q", s.position_Q);
+  c.number("vision_R", s.vision_R);
+  c.close();
+}
+
 void write_loop(Structure& c, const std::string& name, const PidSettings<double>& loop) {
   const PidQuadrature<double> weight = pid_quadrature<double>(loop.method);
   c.open(name);
@@ -340,7 +375,8 @@ std::string c_number(double x, bool double_precision, const std::string& where) 
 std::string parameters_text(const ProgramSettings& settings, bool double_precision) {
   Structure c(double_precision, settings.dt);
   c.open("");
-  if (settings.estimator) write_estimator(c, *settings.estimator);
+  if (settings.general) write_estimator(c, *settings.general);
+  if (settings.mambo) write_estimator(c, *settings.mambo);
   if (settings.cascade())
     write_law(c, std::get<0>(settings.law));
   else

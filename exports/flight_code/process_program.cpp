@@ -18,7 +18,7 @@ class ProcessProgram final : public RunningProgram {
                  bool double_precision)
       : name_(command.front()),
         rotors_(settings.allocation.rotors),
-        lines_(settings.estimator.has_value(), double_precision),
+        lines_(settings.has_estimator(), double_precision),
         double_(double_precision),
         process_(command) {}
 

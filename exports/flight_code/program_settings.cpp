@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "flight_code/adapters.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/flight_code_words.hpp"
 #include "quadtune/simulation/designed_controller.hpp"
@@ -64,9 +65,16 @@ FlightSetup recorded_setup(const ExportContent& content) {
   constexpr double kMostPeriods = 5000;  // each is a line
   setup.duration = std::min(setup.mission.duration, kMostPeriods * control_period(setup));
   setup.allocation = AllocationRule::prioritized;
-  const bool general = content.estimator && content.estimator->general;
-  setup.estimator = general ? EstimatorKind::general : EstimatorKind::truth;
-  if (general) setup.general_filter = content.estimator->general;
+  setup.estimator = EstimatorKind::truth;
+  if (content.estimator && !adapter_estimates(content.flight_code.adapter)) {
+    if (content.estimator->general) {
+      setup.estimator = EstimatorKind::general;
+      setup.general_filter = content.estimator->general;
+    } else if (content.estimator->name == "mambo") {
+      setup.estimator = EstimatorKind::mambo;
+      calibrate_flow(setup);
+    }
+  }
   validate(setup);
   return setup;
 }
@@ -75,8 +83,14 @@ ProgramSettings program_settings(const FlightSetup& setup) {
   ProgramSettings settings;
   const Vehicle& vehicle = setup.vehicle;
   settings.dt = control_period(setup);
-  if (setup.estimator == EstimatorKind::general)
-    settings.estimator = general_filter_settings(setup);
+  if (setup.estimator == EstimatorKind::general) settings.general = general_filter_settings(setup);
+  if (setup.estimator == EstimatorKind::mambo) {
+    settings.mambo = setup.mambo_estimator;
+    settings.mambo->dt = settings.dt;
+    settings.mambo->gravity = vehicle.gravity;
+    settings.mambo->calibration_time = setup.mission.start.start_up;
+    validate(*settings.mambo, "estimator");
+  }
   if (const auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
     CascadedPidSettings<double> law =
         cascaded_pid_settings(vehicle, cascade->gains, cascade->method, cascade->attitude_limit,

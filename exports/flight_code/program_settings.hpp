@@ -12,6 +12,7 @@
 #include "quadtune/control/limited_allocation.hpp"
 #include "quadtune/control/state_feedback_law.hpp"
 #include "quadtune/estimation/general_filter_settings.hpp"
+#include "quadtune/estimation/mambo_estimator.hpp"
 #include "quadtune/exports/content.hpp"
 #include "quadtune/simulation/flight.hpp"
 
@@ -19,14 +20,16 @@ namespace quadtune::exports {
 
 /// Estimator, control law, allocation and motors of one flight program.
 struct ProgramSettings {
-  double dt = 0;  ///< control period [s]
-  std::optional<GeneralFilterSettings> estimator;
+  double dt = 0;                                        ///< control period [s]
+  std::optional<GeneralFilterSettings> general;         ///< the general filter,
+  std::optional<MamboEstimatorSettings<double>> mambo;  ///< or the Mambo's estimator; or none
   std::variant<CascadedPidSettings<double>, StateFeedbackSettings<double>> law;
   Allocation<double> allocation;
   ThrustLimits<double> limits;
   MotorCommand motor;
   std::array<double, kMaxRotors> direction{};  ///< ±1, sign of each motor's command
 
+  [[nodiscard]] bool has_estimator() const { return general || mambo; }
   [[nodiscard]] bool cascade() const {
     return std::holds_alternative<CascadedPidSettings<double>>(law);
   }

@@ -27,12 +27,6 @@ std::string upper_case(std::string name) {
   return name;
 }
 
-std::string replaced(std::string text, const std::string& what, const std::string& with) {
-  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size())
-    text.replace(at, what.size(), with);
-  return text;
-}
-
 /// A condition that is open while lines are read.
 struct Open {
   bool resolved = false;  ///< of a feature: its own lines are not written
@@ -52,6 +46,12 @@ std::string in_double(const std::string& text) {
 }
 
 }  // namespace
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size())
+    text.replace(at, what.size(), with);
+  return text;
+}
 
 std::string with_features(const std::string& text, const std::set<std::string>& features) {
   std::istringstream lines(text);

@@ -18,6 +18,10 @@ struct SourceChoices {
   std::string period;                        ///< of `#define QT_DT 0.005f`
 };
 
+/// `text` with every `what` replaced.
+[[nodiscard]] std::string replaced(std::string text, const std::string& what,
+                                   const std::string& with);
+
 /// The lines that the features leave: `#if QT_WITH_X`, `#if !QT_WITH_X`, #else and #endif are
 /// resolved, other conditions stay.
 [[nodiscard]] std::string with_features(const std::string& text,

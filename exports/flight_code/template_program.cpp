@@ -22,7 +22,7 @@ class TemplateProgram final : public RunningProgram {
   }
 
   Estimate<double> estimate(const EstimatorInput& input) override {
-    if (settings_.estimator)
+    if (settings_.has_estimator())
       estimate_ = program_->estimate(input.sensors, input.on_ground);
     else
       convert_field(estimate_.x, input.true_state);

@@ -150,6 +150,8 @@ INSTANTIATE_TEST_SUITE_P(
         FlightCodeCase{"cascade", "crazyflie", InputKind::wrench, -1, true, true},
         FlightCodeCase{"cascade_in_double", "mambo", InputKind::wrench, -1, true, true, true, true},
         FlightCodeCase{"wrench_of_past_commands", "mambo", InputKind::wrench, 3},
+        FlightCodeCase{"mambo_filter", "mambo", InputKind::wrench, -1, true, true, true, false,
+                       "mambo"},
         FlightCodeCase{"speeds", "uquad", InputKind::rotor_speed, 2, true, false, false}),
     [](const auto& of) { return of.param.name; });
 
@@ -167,6 +169,10 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         FlightCodeCase{"cascade", "crazyflie", InputKind::wrench, -1, true, true},
         FlightCodeCase{"cascade_in_double", "mambo", InputKind::wrench, -1, true, true, true, true},
+        FlightCodeCase{"mambo_filter", "mambo", InputKind::wrench, -1, true, true, true, false,
+                       "mambo"},
+        FlightCodeCase{"mambo_filter_in_double", "mambo", InputKind::wrench, 3, true, false, true,
+                       true, "mambo"},
         FlightCodeCase{"cascade_alone", "uquad", InputKind::wrench, -1, true, true, false},
         FlightCodeCase{"wrench_of_past_commands", "mambo", InputKind::wrench, 3},
         FlightCodeCase{"wrench_of_lags", "crazyflie", InputKind::wrench, 0, true, false, false},

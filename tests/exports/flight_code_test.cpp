@@ -123,6 +123,10 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         FlightCodeCase{"cascade", "crazyflie", InputKind::wrench, -1, true, true},
         FlightCodeCase{"cascade_in_double", "mambo", InputKind::wrench, -1, true, true, true, true},
+        FlightCodeCase{"mambo_filter", "mambo", InputKind::wrench, -1, true, true, true, false,
+                       "mambo"},
+        FlightCodeCase{"mambo_filter_in_double", "mambo", InputKind::wrench, -1, true, true, true,
+                       true, "mambo"},
         FlightCodeCase{"cascade_alone", "uquad", InputKind::wrench, -1, true, true, false},
         FlightCodeCase{"wrench_of_past_commands", "crazyflie", InputKind::wrench, 3},
         FlightCodeCase{"wrench_of_lags", "crazyflie", InputKind::wrench, 0},

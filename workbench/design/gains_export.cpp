@@ -107,7 +107,14 @@ std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kin
   if (content.gains && !words.empty())
     content.gains = in_convention(*content.gains, convention(words, "--to"));
   std::vector<std::string> notes;
-  if (kind.name() == "c" && !(content.estimator && content.estimator->general))
+  const std::string& adapter = content.flight_code.adapter;
+  if (kind.name() == "c" && !adapter.empty() && adapter != "main")
+    notes.push_back(
+        fmt::format("the estimate is that of the firmware of '{}': the program does not "
+                    "include the estimator with which the law was judged",
+                    adapter));
+  else if (kind.name() == "c" && !(content.estimator && (content.estimator->general ||
+                                                         content.estimator->name == "mambo")))
     notes.push_back(fmt::format("{}: the program takes the estimate from its caller",
                                 content.estimator
                                     ? fmt::format("flight code does not include the estimator '{}'",

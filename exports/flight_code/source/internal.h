@@ -5,7 +5,7 @@
 
 #include "maths.h"
 
-#if QT_WITH_ESTIMATOR
+#if QT_WITH_GENERAL
 #define QT_INSTANT 1e-9f /* instants nearer than this are the same [s] */
 
 /* A sensor of position or velocity. */
@@ -90,6 +90,34 @@ typedef struct {
     qt_real declination; /* of magnetic north, east positive [rad] */
     qt_real row[3];      /* d(heading)/d(turn) of the expected field */
   } heading;
+} qt_estimator_parameters_t;
+
+#endif
+#if QT_WITH_MAMBO
+typedef struct {
+  qt_real gravity;                /* [m/s^2] */
+  int32_t calibration_periods;    /* in which the vehicle stands still after the start */
+  qt_real attitude_time_constant; /* of the correction by the accelerometer [s] */
+  qt_real force_band;             /* share of g by which |f| may differ until it counts nothing */
+  qt_real bias_time_constant;     /* in which a bias of the gyroscope is found [s] */
+  qt_real altitude_Q;             /* variance that vz gains in a period [m^2/s^2] */
+  qt_real altitude_R;             /* of the sonar [m^2] */
+  qt_real sonar_least;            /* shortest echo that is believed [m] */
+  qt_real sonar_greatest;         /* longest [m] */
+  qt_real sonar_jump;             /* greatest step from one echo to the next [m] */
+  qt_real sonar_deviation;        /* greatest distance from the estimated height [m] */
+  qt_real sonar_recovery_time;    /* after it a steady echo is the height [s] */
+  qt_real velocity_Q;             /* that vx and vy gain in a period [m^2/s^2] */
+  qt_real velocity_R;             /* of the flow's velocity, per axis [m^2/s^2] */
+  qt_real flow_scale;             /* correction factor of the flow */
+  qt_real flow_compensation[2];   /* how much of it the body's turning makes, for x and y */
+  qt_real gyro_lag;               /* of a reading of the gyroscope [s] */
+  qt_real flow_least_height;      /* below which the flow is not believed [m] */
+  qt_real flow_timeout;           /* after which the newest flow is not used [s] */
+  bool hold_flow;                 /* the newest flow corrects in every period until the next */
+  bool position_of_flow;          /* position is the sum of the flow's velocity */
+  qt_real position_Q;             /* that px and py gain in a period [m^2] */
+  qt_real vision_R;               /* of a position from images, per axis [m^2] */
 } qt_estimator_parameters_t;
 
 #endif

@@ -56,11 +56,13 @@ static inline qt_real qt_nearest(qt_real x) { return (x + QT_ROUNDING) - QT_ROUN
 void qt_sine_and_cosine(qt_real x, qt_real *sine, qt_real *cosine);
 /* In [-pi, pi]; 0 for x = y = 0. */
 qt_real qt_atan2(qt_real y, qt_real x);
-#if QT_WITH_ESTIMATOR
+#if QT_WITH_GENERAL
 /* Of normal numbers > 0. */
 qt_real qt_natural_logarithm(qt_real x);
 /* Of |x| <= 80. */
 qt_real qt_exponential(qt_real x);
+#endif
+#if QT_WITH_ESTIMATOR
 
 /* The angle less whole turns, in [-pi, pi] [rad]. */
 static inline qt_real qt_wrapped(qt_real angle) {
@@ -96,6 +98,8 @@ static inline void qt_transposed_times3(const qt_real M[9], const qt_real x[3], 
 static inline qt_real qt_square3(const qt_real x[3]) {
   return (x[0] * x[0]) + ((x[1] * x[1]) + (x[2] * x[2]));
 }
+#endif
+#if QT_WITH_GENERAL
 static inline qt_real qt_square4(const qt_real x[4]) {
   return ((x[0] * x[0]) + (x[1] * x[1])) + ((x[2] * x[2]) + (x[3] * x[3]));
 }

@@ -2,7 +2,7 @@
 /* Rotations from quaternions and from Euler angles. */
 #include "maths.h"
 
-#if QT_WITH_ESTIMATOR
+#if QT_WITH_GENERAL
 void qt_quaternion_product(const qt_real a[4], const qt_real b[4], qt_real c[4]) {
   c[0] = (((a[0] * b[0]) - (a[1] * b[1])) - (a[2] * b[2])) - (a[3] * b[3]);
   c[1] = (((a[0] * b[1]) + (a[1] * b[0])) + (a[2] * b[3])) - (a[3] * b[2]);

@@ -6,7 +6,7 @@
 #ifndef QT_STATE_H
 #define QT_STATE_H
 
-#if QT_WITH_ESTIMATOR
+#if QT_WITH_GENERAL
 #define QT_ERRORS 16   /* errors of the filter */
 #define QT_PACKED 136  /* entries of its covariance: the lower triangle */
 #define QT_HISTORY 40  /* control periods over which a measurement is carried back, at most */
@@ -56,6 +56,48 @@ typedef struct {
   qt_queue_t gps_velocity;
   qt_queue_t vision;
   qt_rejections_t rejections[QT_SCALARS];
+} qt_estimator_state_t;
+
+#endif
+#if QT_WITH_MAMBO
+#if QT_WITH_ALIGNED_FLOW
+#define QT_MOMENTS 32 /* control periods of flows and rates that are kept */
+
+/* Flow and rates of one control period. */
+typedef struct {
+  qt_real rates[2]; /* about body x and y [rad/s] */
+  qt_real flow[2];  /* [rad/s] */
+  qt_real age;      /* of the image when the flow came [s] */
+  bool came;
+} qt_flow_moment_t;
+
+#endif
+typedef struct {
+  qt_real angles[3];        /* roll, pitch, yaw [rad] */
+  qt_real gyro_bias[3];     /* [rad/s] */
+  qt_real gyro[3];          /* newest rates, with their bias [rad/s] */
+  qt_real force[3];         /* newest specific force [m/s^2] */
+  qt_real force_bias[3];    /* [m/s^2] */
+  qt_real height[2];        /* z and vz, predicted for the period to come [m, m/s] */
+  qt_real height_P[4];      /* covariance of their errors */
+  qt_real velocity[2];      /* vx and vy of the world, likewise [m/s] */
+  qt_real velocity_P[4];    /* covariance of their errors */
+  qt_real position[2];      /* sum of that velocity [m] */
+  qt_real flow_position[2]; /* sum of the flow's velocity [m] */
+  qt_real position_variance;
+  qt_real echo_height;     /* of the last echo in range [m] */
+  qt_real unbelieved_time; /* since an echo was believed [s] */
+  qt_real flow[2];         /* newest, the turning taken out [rad/s] */
+  qt_real flow_age;        /* [s] */
+  bool flow_seen;          /* whether any came yet */
+#if QT_WITH_ALIGNED_FLOW
+  qt_flow_moment_t moments[QT_MOMENTS]; /* newest first */
+#endif
+  int32_t periods; /* of calibration */
+  qt_real gyro_sum[3];
+  qt_real force_sum[3];
+  qt_real gyro_count;
+  qt_real force_count;
 } qt_estimator_state_t;
 
 #endif

@@ -14,6 +14,8 @@ struct FlightCodeOptions {
   bool double_precision = false;  ///< numbers are `double`; usually `float`
   /// "cascaded-pid" or "state-feedback"; empty: the one that the design has.
   std::string law = {};
+  /// "main", "mambo", "crazyflie" or "px4": files that join the program to that board; empty: none.
+  std::string adapter = {};
 
   friend bool operator==(const FlightCodeOptions&, const FlightCodeOptions&) = default;
 };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace quadtune {
 
@@ -17,5 +18,11 @@ void require_flight_code_name(const std::string& name, const std::string& where)
 
 /// @throws InvalidInput  for other words than "cascaded-pid" and "state-feedback"
 void require_flight_code_law(const std::string& law, const std::string& where);
+
+/// "main", "mambo", "crazyflie", "px4".
+[[nodiscard]] const std::vector<std::string>& flight_code_adapters();
+
+/// @throws InvalidInput  for another word, naming those that exist and the nearest
+void require_flight_code_adapter(const std::string& adapter, const std::string& where);
 
 }  // namespace quadtune

@@ -115,6 +115,7 @@ struct FlightCodeCase {
   bool cascade = false;
   bool estimator = true;
   bool double_precision = false;
+  std::string filter = "general";  ///< or "mambo", where there is an estimator
 };
 
 inline ExportContent flight_code_content(const FlightCodeCase& of) {
@@ -124,7 +125,8 @@ inline ExportContent flight_code_content(const FlightCodeCase& of) {
     content.cascade = hovering_cascade(content.vehicle, PidMethod::tustin);
   else
     content.gains = hovering_feedback(content.vehicle, of.kind, of.past, of.integrals);
-  if (of.estimator)
+  if (of.estimator && of.filter != "general") content.estimator = StoredEstimator{of.filter};
+  if (of.estimator && of.filter == "general")
     content.estimator = StoredEstimator{
         "general", general_filter_settings(content.vehicle.sensors, 0.005, content.vehicle.gravity,
                                            Environment{}.magnetic_field, GeneralFilterNoise{})};
