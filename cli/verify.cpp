@@ -23,7 +23,7 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--vehicle V", options.vehicle,
                   "the vehicle, where the manifest's is not built in");
   line.add_option("--design FILE", options.design,
-                  "the design file that the export was made from, to compare its hash");
+                  "the design file that the export was made from, to solve it again and compare");
   line.add_flag("--arm", options.arm,
                 "compile flight code for ARM as well and run it under qemu-arm");
 }

@@ -43,6 +43,7 @@ Manifest make_manifest(const Exporter& exporter, const ExportContent& content,
   manifest.versions.insert(manifest.versions.end(), content.versions.begin(),
                            content.versions.end());
   manifest.made_at = content.made_at;
+  manifest.forced = content.forced;
   for (const FileContent& file : content.inputs) manifest.inputs.push_back(listed(file));
   for (const FileContent& file : files) manifest.files.push_back(listed(file));
   manifest.gains = content.gains;
@@ -78,8 +79,25 @@ std::vector<std::string> left_behind(const std::filesystem::path& directory,
   return stale;
 }
 
-std::vector<FileContent> with_manifest(const Exporter& exporter, const ExportContent& content,
-                                       std::vector<FileContent> files) {
+/// Loops in their usual order, with the units and outputs that belong to their names: what reads
+/// the files takes both for granted.
+ExportContent in_usual_words(ExportContent content) {
+  if (!content.cascade) return content;
+  std::vector<PidLoop>& loops = content.cascade->gains.loops;
+  std::vector<PidLoop> usual;
+  for (const CascadeAxis axis : kAllCascadeAxes)
+    for (const PidLoop& loop : loops) {
+      if (loop.name != to_string(axis)) continue;
+      usual.push_back(loop);
+      usual.back().unit = cascade_loop(axis).unit;
+      usual.back().output = cascade_loop(axis).output;
+    }
+  if (usual.size() == loops.size()) loops = std::move(usual);
+  return content;
+}
+
+std::vector<FileContent> with_manifest(const Exporter& exporter, const ExportContent& content) {
+  std::vector<FileContent> files = exporter.files(content);
   const Manifest manifest = make_manifest(exporter, content, files);
   files.push_back({kManifestName, manifest_text(manifest)});
   return files;
@@ -89,11 +107,8 @@ std::vector<FileContent> with_manifest(const Exporter& exporter, const ExportCon
 
 std::vector<FileContent> export_files(const ExportKind& kind, const ExportContent& content) {
   const Exporter& exporter = exporter_of(kind, "export");
-  if (exporter.fit) {
-    const ExportContent fitted = exporter.fit(content);
-    return with_manifest(exporter, fitted, exporter.files(fitted));
-  }
-  return with_manifest(exporter, content, exporter.files(content));
+  const ExportContent usual = in_usual_words(content);
+  return with_manifest(exporter, exporter.fit ? exporter.fit(usual) : usual);
 }
 
 std::vector<ManifestFile> write_export(const std::filesystem::path& directory,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Reads the text of a file that quadtune exports.
+/// Reads a file that quadtune exports.
 #pragma once
 
 #include <filesystem>
@@ -11,17 +11,31 @@
 
 namespace quadtune::exports {
 
-/// @throws FileError     if it cannot be read, with the system's reason, or is a pipe, a socket or
-///                       a device: a program that loads its gains would wait there, or read more.
-/// @throws InvalidInput  if it is no text or larger than any export.
-inline std::string export_text(const std::filesystem::path& path) {
+/// Larger than any export [byte].
+inline constexpr std::size_t kExportLimit = std::size_t{16} << 20;
+
+/// @throws FileError  for a pipe, a socket or a device: a program that loads its gains would wait
+///                    there, or read more.
+inline void require_regular(const std::filesystem::path& path) {
   std::error_code unreadable;  // reading says why
   const std::filesystem::file_type type = std::filesystem::status(path, unreadable).type();
   if (type == std::filesystem::file_type::fifo || type == std::filesystem::file_type::socket)
     throw FileError(path.string(), "is a pipe or a socket, expected a regular file");
   if (type == std::filesystem::file_type::character || type == std::filesystem::file_type::block)
     throw FileError(path.string(), "is a device, expected a regular file");
-  return internal::read_text_file(path.string(), std::size_t{16} << 20);
+}
+
+/// @throws FileError     if it cannot be read, with the system's reason; as require_regular()
+/// @throws InvalidInput  if it is no text or larger than any export.
+inline std::string export_text(const std::filesystem::path& path) {
+  require_regular(path);
+  return internal::read_text_file(path.string(), kExportLimit);
+}
+
+/// The same of a file that need not be a text.
+inline std::string export_bytes(const std::filesystem::path& path) {
+  require_regular(path);
+  return internal::read_file(path.string(), kExportLimit);
 }
 
 /// The first character that is not blank, or '\0': what tells files with free names apart.

@@ -87,6 +87,49 @@ std::string weights_difference(const fs::path& directory, const Manifest& manife
   return same(R, manifest.R) ? "" : std::string(kGainsJsonName) + ": weights.R differs";
 }
 
+std::vector<KalmanFilter> filters_of_json(const Json& json, const std::string& origin) {
+  std::vector<KalmanFilter> filters;
+  const Json& list = internal::member(json, "filters", origin);
+  for (std::size_t i = 0; i < list.size(); ++i)
+    filters.push_back(filter_from_json(list[i], fmt::format("{}: filters[{}]", origin, i)));
+  return filters;
+}
+
+Json json_of(const fs::path& directory) {
+  const fs::path path = directory / kGainsJsonName;
+  return parse_json(export_text(path), path.string(), kGainsFormat, kGainsVersion);
+}
+
+std::vector<FileContent> written_again(const fs::path& directory, const Manifest& manifest,
+                                       const Vehicle& vehicle) {
+  const std::string origin = (directory / kGainsJsonName).string();
+  const Json json = json_of(directory);
+  ExportContent content;
+  content.vehicle = vehicle;
+  content.gains = manifest.gains;
+  content.cascade = manifest.cascade;
+  content.Q = manifest.Q;
+  content.R = manifest.R;
+  content.filters = filters_of_json(json, origin);
+  content.estimator = laws_of_json(json, origin).estimator;
+  return {{kGainsJsonName, gains_json_text(content)}};
+}
+
+/// What no other entry of the manifest says: filters and estimator.
+std::vector<NamedMatrix> numbers(const FileContent& file) {
+  if (fs::path(file.name).filename() != kGainsJsonName) return {};
+  std::vector<NamedMatrix> all;
+  const Json json = parse_json(file.bytes, file.name, kGainsFormat, kGainsVersion);
+  const auto add = [&](const std::string& name, const Json& part) {
+    all.push_back({file.name, name, {}, internal::json_text(part)});
+  };
+  const Json& filters = internal::member(json, "filters", file.name);
+  for (std::size_t i = 0; i < filters.size(); ++i) add(fmt::format("filters[{}]", i), filters[i]);
+  if (json.contains("estimator") && !json["estimator"].is_null())
+    add("estimator", json["estimator"]);
+  return all;
+}
+
 }  // namespace
 
 Exporter json_exporter() {
@@ -99,6 +142,11 @@ Exporter json_exporter() {
   exporter.read = read;
   exporter.read_plain = read_plain;
   exporter.weights_difference = weights_difference;
+  exporter.numbers = numbers;
+  exporter.written_again = written_again;
+  exporter.filters = [](const fs::path& directory) {
+    return filters_of_json(json_of(directory), (directory / kGainsJsonName).string());
+  };
   return exporter;
 }
 

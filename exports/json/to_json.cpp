@@ -281,30 +281,6 @@ Json vehicle_to_json(const Vehicle& vehicle) {
   return json;
 }
 
-Json filter_to_json(const KalmanFilter& filter) {
-  Json json;
-  json["name"] = filter.name;
-  json["dt_s"] = number_to_json(filter.model.dt, filter.name + ".dt");
-  json["states"] = signals_to_json(filter.model.states);
-  json["inputs"] = signals_to_json(filter.model.inputs);
-  json["outputs"] = signals_to_json(filter.model.outputs);
-  const auto add = [&](const char* key, const Eigen::MatrixXd& M) {
-    json[key] = matrix_to_json(M, filter.name + "." + key);
-  };
-  add("A", filter.model.A);
-  add("B", filter.model.B);
-  add("C", filter.model.C);
-  add("G", filter.G);
-  add("Q", filter.Q);
-  add("R", filter.R);
-  add("N", filter.N);
-  add("M", filter.M);
-  add("L", filter.L);
-  add("P", filter.P);
-  add("Z", filter.Z);
-  return json;
-}
-
 Json cascade_to_json(const CascadeDesign& cascade) {
   Json json;
   json["dt_s"] = number_to_json(cascade.gains.dt, "cascade.dt");

@@ -45,6 +45,9 @@ void add_weights(Json& json, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R)
 [[nodiscard]] Json vehicle_to_json(const Vehicle& vehicle);
 
 [[nodiscard]] Json filter_to_json(const KalmanFilter& filter);
+/// @param where  "file: path" for messages
+/// @throws InvalidInput  naming the JSON path, what came and what was expected.
+[[nodiscard]] KalmanFilter filter_from_json(const Json& json, const std::string& where);
 
 [[nodiscard]] Json cascade_to_json(const CascadeDesign& cascade);
 

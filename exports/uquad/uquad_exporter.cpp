@@ -14,6 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr char kKalmanQ[] = "kalman-Q.txt", kKalmanR[] = "kalman-R.txt";
+
 std::vector<FileContent> files_of(const ExportContent& content) {
   if (!content.gains)
     throw InvalidInput("uquad", "no gains came, expected a state feedback (section lqr)");
@@ -21,7 +23,7 @@ std::vector<FileContent> files_of(const ExportContent& content) {
 }
 
 std::vector<std::string> gain_files() {
-  std::vector<std::string> all = {"lqr-Q.txt", "lqr-R.txt", "kalman-Q.txt", "kalman-R.txt"};
+  std::vector<std::string> all = {"lqr-Q.txt", "lqr-R.txt", kKalmanQ, kKalmanR};
   for (const UquadFileSet& set : uquad_file_sets()) {
     all.push_back(set.proportional);
     if (!set.integral.empty()) all.push_back(set.integral);
@@ -67,19 +69,45 @@ std::optional<StoredLaws> read_plain(const fs::path& path) {
   return StoredLaws{"", read_uquad_gains(path), {}};
 }
 
-// The filter's diagonals that travel with uquad's gains.
-void read_diagonals(const fs::path& directory, const Manifest& manifest) {
+Eigen::RowVectorXd diagonal_of(const std::string& name, const std::string& text,
+                               const std::string& origin) {
+  const bool is_Q = name == kKalmanQ;
+  Eigen::RowVectorXd variances = parse_uquad_matrix(text, 1, is_Q ? 15 : 16, origin);
+  if (is_Q ? variances.minCoeff() < 0 : !(variances.minCoeff() > 0))
+    throw InvalidInput(origin,
+                       fmt::format("has a variance of {:g}, expected {}", variances.minCoeff(),
+                                   is_Q ? "0 or more" : "more than 0"));
+  return variances;
+}
+
+// The filter's diagonals that travel with uquad's gains; none where the manifest lists none.
+std::optional<UquadDiagonals> read_diagonals(const fs::path& directory, const Manifest& manifest) {
+  UquadDiagonals diagonals;
   for (const ManifestFile& file : manifest.files) {
-    const bool is_Q = file.path == "kalman-Q.txt";
-    if (!is_Q && file.path != "kalman-R.txt") continue;
+    if (file.path != kKalmanQ && file.path != kKalmanR) continue;
     const fs::path path = directory / file.path;
-    const Eigen::MatrixXd variances =
-        parse_uquad_matrix(export_text(path), 1, is_Q ? 15 : 16, path.string());
-    if (is_Q ? variances.minCoeff() < 0 : !(variances.minCoeff() > 0))
-      throw InvalidInput(path.string(),
-                         fmt::format("has a variance of {:g}, expected {}", variances.minCoeff(),
-                                     is_Q ? "0 or more" : "more than 0"));
+    (file.path == kKalmanQ ? diagonals.Q : diagonals.R) =
+        diagonal_of(file.path, export_text(path), path.string());
   }
+  if (diagonals.Q.size() == 0 && diagonals.R.size() == 0) return {};
+  if (diagonals.Q.size() == 0 || diagonals.R.size() == 0)
+    throw InvalidInput(
+        (directory / kManifestName).string(),
+        fmt::format("lists one of {} and {}, expected both or none", kKalmanQ, kKalmanR));
+  return diagonals;
+}
+
+// The manifest knows gains and weights, but not the filter's diagonals.
+std::vector<NamedMatrix> numbers(const FileContent& file) {
+  const std::string name = fs::path(file.name).filename().string();
+  if (name != kKalmanQ && name != kKalmanR) return {};
+  return {{file.name, "variances", diagonal_of(name, file.bytes, file.name), ""}};
+}
+
+std::vector<FileContent> written_again(const fs::path& directory, const Manifest& manifest,
+                                       const Vehicle& /*vehicle*/) {
+  if (!manifest.gains) return {};
+  return uquad_files(*manifest.gains, manifest.Q, manifest.R, read_diagonals(directory, manifest));
 }
 
 // The weights that travel with uquad's gains, in the same plain format.
@@ -97,7 +125,7 @@ void read_weights(const fs::path& directory, const Manifest& manifest, const Gai
 void check(const fs::path& directory, const Manifest& manifest, const Gains& gains) {
   (void)uquad_file_set(gains);  // refuses a trim that the flight program does not fly
   read_weights(directory, manifest, gains);
-  read_diagonals(directory, manifest);
+  (void)read_diagonals(directory, manifest);
 }
 
 bool same(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
@@ -134,6 +162,8 @@ Exporter uquad_exporter() {
   exporter.read_plain = read_plain;
   exporter.check = check;
   exporter.weights_difference = weights_difference;
+  exporter.numbers = numbers;
+  exporter.written_again = written_again;
   return exporter;
 }
 

@@ -118,6 +118,10 @@ std::string manifest_text(const Manifest& manifest) {
   json["kind"] = to_string(manifest.kind);
   json["vehicle"] = manifest.vehicle;
   if (!manifest.made_at.empty()) json["made_at"] = manifest.made_at;
+  if (!manifest.forced.empty()) {
+    json["forced"] = Json::array();
+    for (const std::string& reason : manifest.forced) json["forced"].push_back(Json(reason));
+  }
   json["versions"] = Json::object();
   for (const auto& [name, number] : manifest.versions) json["versions"][name] = number;
   json["inputs"] = files_to_json(manifest.inputs);
@@ -153,6 +157,14 @@ Manifest parse_manifest(const std::string& text, const std::string& origin) {
   manifest.vehicle = internal::string_from_json(member(json, "vehicle", origin), path("vehicle"));
   if (json.contains("made_at"))
     manifest.made_at = internal::string_from_json(json["made_at"], path("made_at"));
+  if (json.contains("forced")) {
+    const Json& forced = json["forced"];
+    if (!forced.is_array())
+      throw InvalidInput(path("forced"), "is no array, expected a list of reasons");
+    for (std::size_t i = 0; i < forced.size(); ++i)
+      manifest.forced.push_back(
+          internal::string_from_json(forced[i], path(fmt::format("forced[{}]", i))));
+  }
   const Json& versions = member(json, "versions", origin);
   if (!versions.is_object())
     throw InvalidInput(path("versions"), "is no object, expected a version for each program");

@@ -15,9 +15,11 @@
 #include "quadtune/exports/diff.hpp"
 #include "quadtune/exports/exporter.hpp"
 #include "quadtune/exports/read_gains.hpp"
+#include "quadtune/exports/text_difference.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "verify/written_version.hpp"
 
 namespace quadtune {
 namespace {
@@ -31,7 +33,7 @@ constexpr double kTrimTolerance = 1e-7;
 VerifyCheck check_file(const fs::path& directory, const ManifestFile& file) {
   VerifyCheck check{file.path + " matches the manifest", false, ""};
   try {
-    const std::string bytes = exports::export_text(directory / file.path);
+    const std::string bytes = exports::export_bytes(directory / file.path);
     if (bytes.size() != file.size)
       check.detail = fmt::format("has {} bytes, the manifest lists {}", bytes.size(), file.size);
     else if (sha256(bytes) != file.sha256)
@@ -239,7 +241,7 @@ VerifyCheck check_numbers(const fs::path& directory, const Manifest& manifest,
     std::vector<NamedMatrix> found;
     for (const ManifestFile& file : manifest.files)
       for (NamedMatrix& number : exporter.numbers(
-               {(directory / file.path).string(), exports::export_text(directory / file.path)})) {
+               {(directory / file.path).string(), exports::export_bytes(directory / file.path)})) {
         number.file = file.path;
         found.push_back(std::move(number));
       }
@@ -373,6 +375,12 @@ std::optional<Manifest> check_manifest(const fs::path& directory, VerifyReport& 
         fmt::format("{} export of {}, {} files{}", to_string(manifest->kind), manifest->vehicle,
                     manifest->files.size(),
                     check.ok ? "" : ", but the gains are of " + manifest->gains->vehicle);
+    const std::string text = exports::export_text(directory / kManifestName);
+    if (check.ok && exports::is_of_this_version(*manifest) && text != manifest_text(*manifest)) {
+      check.ok = false;
+      check.detail = fmt::format("line {} is not as it was written",
+                                 first_other_line(text, manifest_text(*manifest)));
+    }
   } catch (const InvalidInput& error) {
     check.detail = error.what();
   } catch (const FileError& error) {

@@ -18,6 +18,7 @@
 #include "quadtune/workbench/design/cascade_report.hpp"
 #include "quadtune/workbench/design/export_content.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
+#include "quadtune/workbench/verify/verify_design.hpp"
 #include "quadtune/workbench/verify/verify_evidence.hpp"
 
 namespace quadtune {
@@ -117,6 +118,20 @@ std::optional<CascadeDesign> cascade_of(const std::string& directory) {
   }
 }
 
+/// A design that was changed after the export fails here as well.
+VerifyCheck designed_again(const std::string& directory, const Manifest& manifest,
+                           const std::string& design) {
+  try {
+    return check_design(directory, manifest, run_design(fs::path(design)));
+  } catch (const InvalidInput& error) {
+    return {"files are what the design gives", false, error.what()};
+  } catch (const FileError& error) {
+    return {"files are what the design gives", false, error.what()};
+  } catch (const NoSolution& error) {
+    return {"files are what the design gives", false, error.what()};
+  }
+}
+
 /// A directory of exports is none itself: the message names those that are.
 void require_export(const std::string& directory) {
   std::error_code error;
@@ -153,19 +168,18 @@ VerifyReport verify_with(const std::string& directory, const Vehicle& vehicle,
     if (const auto cascade = cascade_of(directory))
       facts.cascade_plant = cascade_plant(vehicle, *cascade, directory);
     VerifyReport report = verify_export(directory, model, facts);
-    for (VerifyCheck& check : check_evidence(vehicle, manifest))
-      report.checks.push_back(std::move(check));
-    for (VerifyCheck& check :
-         checks_of(flown != nullptr ? *flown
-                                    : flown_laws(vehicle, report.gains, report.cascade,
-                                                 estimator_of(directory))))
-      report.checks.push_back(std::move(check));
-    if (manifest.kind.name() == "c")
-      for (VerifyCheck& check : flight_code_checks(directory, vehicle, targets))
-        report.checks.push_back(std::move(check));
+    const auto add = [&](std::vector<VerifyCheck> checks) {
+      for (VerifyCheck& check : checks) report.checks.push_back(std::move(check));
+    };
+    add(check_evidence(vehicle, manifest));
+    add(check_filters(directory, manifest));
+    add(written_again_checks(directory, vehicle));
+    add(checks_of(flown != nullptr ? *flown
+                                   : flown_laws(vehicle, report.gains, report.cascade,
+                                                estimator_of(directory))));
+    if (manifest.kind.name() == "c") add(flight_code_checks(directory, vehicle, targets));
     if (export_target(manifest.kind.name(), kManifestName).is_firmware)
-      for (VerifyCheck& check : firmware_checks(directory, vehicle))
-        report.checks.push_back(std::move(check));
+      add(firmware_checks(directory, vehicle));
     return report;
   } catch (const NoSolution& error) {
     // A trim that the vehicle cannot fly is an answer too.
@@ -186,8 +200,15 @@ VerifyReport verify_directory(const std::string& directory, const std::string& v
   std::vector<FlightCodeTarget> targets = {FlightCodeTarget::host};
   if (arm) targets.push_back(FlightCodeTarget::arm);
   const Vehicle vehicle = believed_vehicle(manifest, vehicle_name);
-  return verify_with(directory, vehicle, inputs_at_hand(directory, manifest, vehicle, design),
-                     nullptr, targets);
+  VerifyReport report = verify_with(
+      directory, vehicle, inputs_at_hand(directory, manifest, vehicle, design), nullptr, targets);
+  if (!manifest.forced.empty())
+    report.checks.push_back(
+        {"the design holds what it is asked for", false,
+         "written by --force although " + internal::joined(manifest.forced, "; ")});
+  if (design.ends_with(".toml"))
+    report.checks.push_back(designed_again(directory, manifest, design));
+  return report;
 }
 
 }  // namespace quadtune

@@ -51,6 +51,7 @@ struct ExportContent {
   FirmwareOptions firmware;                  ///< of exports that are a firmware's parameters
   std::vector<std::string> firmware_notes;   ///< what these change of the cascade, by Exporter::fit
   ExportEvidence evidence;
+  std::vector<std::string> forced;  ///< why it would not have been written without --force
   std::vector<FileContent> inputs;  ///< design and vehicle files: name without path, and bytes
   std::vector<std::pair<std::string, std::string>>
       versions;         ///< of further libraries: name, version

@@ -53,6 +53,16 @@ struct Exporter {
   /// How the weights in the files differ from the manifest's; "" where they do not.
   /// @throws InvalidInput, FileError
   std::function<std::string(const std::filesystem::path&, const Manifest&)> weights_difference = {};
+  /// Files of a directory, written again from the laws of its manifest and a vehicle; from the
+  /// files themselves comes only what stands nowhere else, such as an estimator's numbers. Files
+  /// that these do not determine are left out. verify_export() compares them byte by byte.
+  /// @throws InvalidInput, FileError
+  std::function<std::vector<FileContent>(const std::filesystem::path&, const Manifest&,
+                                         const Vehicle&)>
+      written_again = {};
+  /// The Kalman filters that a directory holds.
+  /// @throws InvalidInput, FileError
+  std::function<std::vector<KalmanFilter>(const std::filesystem::path&)> filters = {};
 };
 
 /// Adds an exporter, or replaces the one of its name: design files, `write_export()`, `read_laws()`

@@ -57,6 +57,7 @@ struct Manifest {
   std::string vehicle;
   std::vector<std::pair<std::string, std::string>> versions;  ///< quadtune and its libraries
   std::string made_at;                                        ///< empty unless asked for
+  std::vector<std::string> forced;                            ///< as ExportContent::forced
   std::vector<ManifestFile> inputs;
   std::vector<ManifestFile> files;  ///< all of the export but the manifest itself
   std::optional<Gains> gains;

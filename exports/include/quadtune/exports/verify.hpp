@@ -12,6 +12,7 @@
 #include "quadtune/exports/file_set.hpp"
 #include "quadtune/gains.hpp"
 #include "quadtune/lti.hpp"
+#include "quadtune/model/vehicle.hpp"
 
 namespace quadtune {
 
@@ -68,6 +69,22 @@ struct VerifyFacts {
 [[nodiscard]] VerifyReport verify_export(const std::filesystem::path& directory,
                                          const std::optional<VerifyModel>& model,
                                          const VerifyFacts& facts = {});
+
+/// Writes the files of an export again, from the laws of its manifest and the vehicle, and compares
+/// them byte by byte. Of an export that another version wrote, or for another vehicle, the detail
+/// says that nothing was compared.
+/// @return  one check; none for a kind of export that cannot be written again
+[[nodiscard]] std::vector<VerifyCheck> written_again_checks(const std::filesystem::path& directory,
+                                                            const Vehicle& vehicle);
+
+/// The first of `expected` that differs from the file of its name in `directory`, with the line;
+/// "" where none does.
+/// @param source  what the expected files were made from, for the message: "… differs from what
+///                SOURCE give"
+/// @throws FileError, InvalidInput  for a file that cannot be read
+[[nodiscard]] std::string file_difference(const std::filesystem::path& directory,
+                                          const std::vector<FileContent>& expected,
+                                          const std::string& source);
 
 /// Largest distance when each pole is paired with the nearest that is left; infinite where there
 /// are more of one than of the other.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whether what a manifest tells of its gains beyond their numbers is true: weights and evidence.
+/// Whether what an export tells of its laws and filters is true, by solving each problem again.
 #pragma once
 
+#include <filesystem>
 #include <vector>
 
 #include "quadtune/exports/manifest.hpp"
@@ -16,5 +17,11 @@ namespace quadtune {
 /// @throws NoSolution  if the vehicle has no such trim.
 [[nodiscard]] std::vector<VerifyCheck> check_evidence(const Vehicle& vehicle,
                                                       const Manifest& manifest);
+
+/// Solves the problem of each Kalman filter that the files hold anew: are gains and covariances
+/// those of its model and noise?
+/// @return  one check; none where the export has no filters
+[[nodiscard]] std::vector<VerifyCheck> check_filters(const std::filesystem::path& directory,
+                                                     const Manifest& manifest);
 
 }  // namespace quadtune

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/exports/text_difference.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+#include <vector>
+
+namespace quadtune {
+namespace {
+
+/// A line as words between numbers, and the numbers. A digit within a name belongs to the name.
+struct LineParts {
+  std::string words;
+  std::vector<double> numbers;
+};
+
+LineParts parts_of(const std::string& line) {
+  LineParts parts;
+  const auto is = [&](int (*kind)(int), std::size_t at) {
+    return at < line.size() && kind(static_cast<unsigned char>(line[at])) != 0;
+  };
+  const auto in_name = [&](std::size_t at) { return is(std::isalnum, at) || line[at] == '_'; };
+  for (std::size_t at = 0; at < line.size();) {
+    const bool digits = is(std::isdigit, at) || (line[at] == '.' && is(std::isdigit, at + 1));
+    if (!digits || (at > 0 && in_name(at - 1))) {
+      parts.words += line[at++];
+      continue;
+    }
+    char* end = nullptr;
+    parts.numbers.push_back(std::strtod(line.c_str() + at, &end));
+    parts.words += '#';
+    at = static_cast<std::size_t>(end - line.c_str());
+  }
+  return parts;
+}
+
+}  // namespace
+
+std::size_t first_other_line(const std::string& a, const std::string& b) {
+  std::size_t line = 1;
+  const std::size_t common = std::min(a.size(), b.size());
+  for (std::size_t i = 0; i < common; ++i) {
+    if (a[i] != b[i]) return line;
+    if (a[i] == '\n') ++line;
+  }
+  return a.size() == b.size() ? 0 : line;
+}
+
+std::optional<double> numbers_apart(const std::string& a, const std::string& b) {
+  std::istringstream lines_a(a), lines_b(b);
+  double worst = 0;
+  for (std::string line_a, line_b;;) {
+    const bool more_a = static_cast<bool>(std::getline(lines_a, line_a));
+    const bool more_b = static_cast<bool>(std::getline(lines_b, line_b));
+    if (more_a != more_b) return {};
+    if (!more_a) return worst;
+    if (line_a == line_b) continue;
+    const LineParts of_a = parts_of(line_a), of_b = parts_of(line_b);
+    if (of_a.words != of_b.words || of_a.numbers.size() != of_b.numbers.size()) return {};
+    double largest = 0, apart = 0;
+    for (std::size_t i = 0; i < of_a.numbers.size(); ++i) {
+      largest = std::max({largest, std::abs(of_a.numbers[i]), std::abs(of_b.numbers[i])});
+      apart = std::max(apart, std::abs(of_a.numbers[i] - of_b.numbers[i]));
+    }
+    if (apart > 0) worst = std::max(worst, apart / largest);
+  }
+}
+
+}  // namespace quadtune

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/exporter.hpp"
+#include "quadtune/synthesis/kalman.hpp"
+#include "quadtune/workbench/verify/verify_evidence.hpp"
+
+namespace quadtune {
+namespace {
+
+/// Largest difference of two matrices over the largest entry of the second; infinite for other
+/// shapes.
+double apart(const Eigen::MatrixXd& given, const Eigen::MatrixXd& solved) {
+  if (given.rows() != solved.rows() || given.cols() != solved.cols())
+    return std::numeric_limits<double>::infinity();
+  if (solved.size() == 0) return 0;
+  const double largest = solved.cwiseAbs().maxCoeff();
+  const double most = (given - solved).cwiseAbs().maxCoeff();
+  return most == 0 ? 0 : most / largest;
+}
+
+}  // namespace
+
+std::vector<VerifyCheck> check_filters(const std::filesystem::path& directory,
+                                       const Manifest& manifest) {
+  VerifyCheck check{"gains and covariances of the filters are those of their noise", true, ""};
+  // What rounding does to a filter of some states.
+  constexpr double kRounding = 1e-8;
+  try {
+    const Exporter& exporter = exporter_of(manifest.kind, kManifestName);
+    if (!exporter.filters) return {};
+    double worst = 0;
+    const std::vector<KalmanFilter> filters = exporter.filters(directory);
+    if (filters.empty()) return {};
+    for (const KalmanFilter& filter : filters) {
+      const KalmanResult solved = kalman(filter.model, {filter.G, filter.Q, filter.R, filter.N});
+      if (!solved.solved()) throw InvalidInput(filter.name, "solved anew: " + solved.culprit);
+      for (const auto& [name, given, expected] :
+           {std::tuple("M", &filter.M, &solved.M), std::tuple("L", &filter.L, &solved.L),
+            std::tuple("P", &filter.P, &solved.P), std::tuple("Z", &filter.Z, &solved.Z)}) {
+        const double distance = apart(*given, *expected);
+        worst = std::max(worst, distance);
+        if (!(distance <= kRounding) && check.ok) {
+          check.ok = false;
+          check.detail = fmt::format(
+              "{}: {} differs by {:.3g} of its largest entry from what A, C, G, Q, R and N give",
+              filter.name, name, distance);
+        }
+      }
+    }
+    if (check.ok)
+      check.detail = fmt::format(
+          "solved anew; largest difference {:.3g} of a matrix's largest entry, "
+          "at most {:.2g}",
+          worst, kRounding);
+  } catch (const InvalidInput& error) {
+    check.ok = false;
+    check.detail = error.what();
+  } catch (const FileError& error) {
+    check.ok = false;
+    check.detail = error.what();
+  }
+  return {check};
+}
+
+}  // namespace quadtune
