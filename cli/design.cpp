@@ -56,6 +56,8 @@ std::vector<WrittenExport> write_all(const DesignOutcome& outcome, const std::st
     return files;
   };
   std::vector<WrittenExport> written = write_exports(outcome, directory, write);
+  for (const WrittenExport& one : written)
+    context.notes(fmt::format("design: note: export to {}: ", to_string(one.kind)), one.notes);
   for (const FlownFlight& flight : outcome.flights) {
     const std::string name = "flight-" + flight.plan.setup.mission.name + ".html";
     write_file((std::filesystem::path(directory) / name).string(),

@@ -13,7 +13,10 @@
 #include "quadtune/export_target.hpp"
 #include "quadtune/exports/firmware.hpp"
 #include "quadtune/flight_code_words.hpp"
+#include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/workbench/design/design_verdict.hpp"
 #include "quadtune/workbench/design/export_content.hpp"
 #include "quadtune/workbench/design/gains_export.hpp"
 #include "quadtune/workbench/design/given_gains.hpp"
@@ -23,8 +26,9 @@ namespace quadtune::cli {
 namespace {
 
 struct Options {
-  std::string source, to, directory, vehicle, name, precision, law;
+  std::string source, to, directory, vehicle, name, precision, law, adapter;
   FirmwareOptions firmware;
+  bool force = false;
 
   [[nodiscard]] bool of_design() const { return source.ends_with(".toml"); }
 };
@@ -46,8 +50,15 @@ void require_complete(const Options& options) {
 ExportContent content_of(const Options& options, const Context& context) {
   if (options.of_design()) {
     const DesignOutcome outcome = run_design(options.source);
-    require_tuned(outcome, false, context);
-    return export_content(outcome);
+    require_tuned(outcome, options.force, context);
+    ExportContent content = export_content(outcome);
+    content.forced = reasons_against_export(outcome);
+    if (!content.forced.empty() && !options.force)
+      throw Refusal(
+          fmt::format("export: {}: {}, nothing was written; --force writes all the same",
+                      internal::printable(options.source), internal::joined(content.forced, "; ")),
+          options.source);
+    return content;
   }
   GivenLaws given = read_given_laws(options.source);
   require_sampled(given.laws, options.source);
@@ -59,20 +70,27 @@ ExportContent content_of(const Options& options, const Context& context) {
 }
 
 FlightCodeOptions flight_code_options(const Options& options) {
-  const std::pair<const char*, const std::string*> given[] = {
-      {"--name", &options.name}, {"--precision", &options.precision}, {"--law", &options.law}};
+  const std::pair<const char*, const std::string*> given[] = {{"--name", &options.name},
+                                                              {"--precision", &options.precision},
+                                                              {"--law", &options.law},
+                                                              {"--adapter", &options.adapter}};
   for (const auto& [option, value] : given)
     if (options.to != "c" && !value->empty())
       refuse("export", option, "{} is for --to c, expected none with --to {}", option, options.to);
   if (!options.name.empty()) require_flight_code_name(options.name, "--name");
   if (!options.law.empty()) require_flight_code_law(options.law, "--law");
+  if (!options.adapter.empty()) require_flight_code_adapter(options.adapter, "--adapter");
   return {options.name,
           !options.precision.empty() && is_double_precision(options.precision, "--precision"),
-          options.law};
+          options.law, options.adapter};
 }
 
 void require_firmware_options(const Options& options, const ExportKind& kind) {
   const bool is_firmware = export_target(kind.name(), "--to").is_firmware;
+  if (!is_firmware && options.firmware.filter_noise)
+    refuse("export", "--filter-noise",
+           "--filter-noise is for the parameters of a firmware, expected none with --to {}",
+           options.to);
   const std::pair<const char*, const std::string*> given[] = {
       {"--firmware", &options.firmware.version}, {"--setup", &options.firmware.setup}};
   for (const auto& [option, value] : given)
@@ -116,7 +134,7 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("SOURCE", options.source,
                   "an export's directory, a gain file or a design file (.toml)");
   line.add_option("--to NAME", options.to,
-                  "uquad, mambo, json, c, px4, ardupilot, betaflight or crazyflie");
+                  "uquad, mambo, json, mat, c, px4, ardupilot, betaflight or crazyflie");
   line.add_option("-o DIR", options.directory, "directory to write");
   line.add_option("--vehicle V", options.vehicle, "the vehicle, where the gains do not say");
   line.add_option("--name NAME", options.name,
@@ -124,8 +142,17 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option("--precision WORD", options.precision, "of the C program: float or double");
   line.add_option("--law LAW", options.law,
                   "of the C program, where the design has two: cascaded-pid or state-feedback");
+  line.add_option(
+      "--adapter BOARD", options.adapter,
+      "with the C program, files that join it to a board: main, mambo, crazyflie or px4");
+  line.add_flag("--force", options.force,
+                "of a design, write although its flown loop is unstable or its covariances are not "
+                "proven; the manifest says so");
   line.add_option("--firmware VERSION", options.firmware.version,
                   "of a firmware's parameters, e.g. 1.15 of px4; the newest release that is known");
+  line.add_flag("--filter-noise", options.firmware.filter_noise,
+                "of a firmware's parameters, the noise of its estimator as well, from the design's "
+                "filter");
   line.add_option("--setup NAME", options.firmware.setup,
                   "propellers of a Crazyflie: standard (default), legacy, thrust-kit or brushless");
 }

@@ -12,8 +12,7 @@ void require_tuned(const DesignOutcome& outcome, bool force, const Context& cont
   const std::string file = outcome.design.file.string();
   for (const std::string& doubt : doubtful_covariances(outcome.design)) {
     if (!force)
-      throw Refusal(
-          fmt::format("{}: {}; quadtune design --force takes it all the same", file, doubt), file);
+      throw Refusal(fmt::format("{}: {}; --force takes it all the same", file, doubt), file);
     context.note("design: warning: " + doubt);
   }
 }

@@ -106,7 +106,7 @@ TEST_F(TunedDesign, RefusesATuningThatFailed) {
   const ProgramResult refused = run_program({"design", design, "-o", path("out")});
   EXPECT_EQ(refused.status, 1);
   EXPECT_THAT(refused.err, HasSubstr("the verdict on tuned.toml of filter altitude is 'fail'; "
-                                     "quadtune design --force takes it all the same"));
+                                     "--force takes it all the same"));
   EXPECT_FALSE(std::filesystem::exists(path("out")));
   const ProgramResult exported =
       run_program({"export", design, "--to", "mambo", "-o", path("out")});
@@ -116,6 +116,14 @@ TEST_F(TunedDesign, RefusesATuningThatFailed) {
   EXPECT_EQ(forced.status, 0) << forced.err;
   EXPECT_THAT(forced.err, HasSubstr("design: warning: the verdict on tuned.toml"));
   EXPECT_THAT(folder_.read("out/estimatorVars.m"), HasSubstr("verdict fail"));
+  const ProgramResult verified = run_program({"verify", path("out")});
+  EXPECT_EQ(verified.status, 1);
+  EXPECT_THAT(verified.out, HasSubstr("FAIL the design holds what it is asked for: written by "
+                                      "--force although the verdict on tuned.toml"));
+  std::filesystem::remove_all(path("out"));
+  EXPECT_EQ(run_program({"export", design, "--to", "mambo", "-o", path("out"), "--force"}).status,
+            0);
+  EXPECT_THAT(folder_.read("out/manifest.json"), HasSubstr("\"forced\""));
 }
 
 // The simulated estimator has the covariances as well: another flight comes out.

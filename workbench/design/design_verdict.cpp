@@ -30,6 +30,13 @@ DesignFailure failure_of(const DesignOutcome& outcome, const std::vector<Written
   return verified ? DesignFailure::none : DesignFailure::verification;
 }
 
+std::vector<std::string> reasons_against_export(const DesignOutcome& outcome) {
+  std::vector<std::string> reasons = doubtful_covariances(outcome.design);
+  const DesignFailure failure = failure_of(outcome, {});
+  if (failure != DesignFailure::none) reasons.push_back(to_string(failure));
+  return reasons;
+}
+
 std::vector<std::string> design_warnings(const DesignOutcome& outcome) {
   std::vector<std::string> warnings;
   const auto add = [&](const std::string& what, const std::vector<std::string>& some) {

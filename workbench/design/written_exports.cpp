@@ -4,8 +4,11 @@
 #include <utility>
 
 #include "quadtune/errors.hpp"
+#include "quadtune/export_target.hpp"
 #include "quadtune/exports/export.hpp"
+#include "quadtune/workbench/design/design_verdict.hpp"
 #include "quadtune/workbench/design/export_content.hpp"
+#include "quadtune/workbench/design/gains_export.hpp"
 #include "quadtune/workbench/verify/verify_directory.hpp"
 
 namespace quadtune {
@@ -17,16 +20,24 @@ std::vector<WrittenExport> write_exports(const DesignOutcome& outcome, const std
   if (design.exports.empty())
     throw InvalidInput(file, "has no [[export]], expected one because of -o");
   ExportContent content = export_content(outcome);
+  content.forced = reasons_against_export(outcome);
   std::vector<InputAtHand> inputs;
   for (const FileContent& input : content.inputs) inputs.push_back({input.name, "", input.bytes});
+  std::vector<std::vector<std::string>> notes;
   for (const ExportRequest& request : design.exports) {
     content.flight_code = request.flight_code;
     content.firmware = request.firmware;
-    (void)export_files(export_kind(request.to, file), content);
+    const ExportKind kind = export_kind(request.to, file);
+    (void)export_files(kind, content);
+    // Other programs have nothing to say that the design did not ask for.
+    const bool adapts = export_target(request.to, file).is_firmware || request.to == "c";
+    ExportContent adapted = content;
+    notes.push_back(adapts ? adapt_to_program(adapted, kind) : std::vector<std::string>());
   }
   std::vector<WrittenExport> written;
   for (const ExportRequest& request : design.exports) {
     WrittenExport one;
+    one.notes = std::move(notes[written.size()]);
     content.flight_code = request.flight_code;
     content.firmware = request.firmware;
     one.kind = export_kind(request.to, file);

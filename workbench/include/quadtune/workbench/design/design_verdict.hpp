@@ -28,6 +28,10 @@ enum class DesignFailure {
 [[nodiscard]] DesignFailure failure_of(const DesignOutcome& outcome,
                                        const std::vector<WrittenExport>& written);
 
+/// Why a design should not be exported, a sentence each: covariances that logs did not prove, and
+/// failure_of() what was flown of it. Empty: nothing stands against it.
+[[nodiscard]] std::vector<std::string> reasons_against_export(const DesignOutcome& outcome);
+
 /// What a careful engineer would look at before flying: of weights, covariances, margins, cascade
 /// and flown loops, a sentence each.
 [[nodiscard]] std::vector<std::string> design_warnings(const DesignOutcome& outcome);

@@ -20,6 +20,8 @@ struct WrittenExport {
   std::string directory;
   std::vector<ManifestFile> files;
   VerifyReport verification;
+  /// What the program that it is for changes of the design, a sentence each, e.g. by rounding.
+  std::vector<std::string> notes = {};
 };
 
 /// What puts one export into its place: write_export(), or a function around it.
@@ -30,6 +32,7 @@ using ExportWriter = std::function<std::vector<ManifestFile>(
 /// into the directory itself, several into one folder each, named as the export's kind. All are
 /// made in memory first: what one of them cannot express keeps the others from being written.
 /// @throws InvalidInput  for a design without [[export]], or as export_files()
+/// @throws NoSolution    for a firmware with whose filters and delays a turn is unstable
 /// @throws FileError, Interrupted  as `write` does
 [[nodiscard]] std::vector<WrittenExport> write_exports(const DesignOutcome& outcome,
                                                        const std::string& directory,
