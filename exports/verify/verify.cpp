@@ -15,7 +15,6 @@
 #include "quadtune/exports/diff.hpp"
 #include "quadtune/exports/exporter.hpp"
 #include "quadtune/exports/read_gains.hpp"
-#include "quadtune/exports/text_difference.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -365,6 +364,13 @@ void check_cascade_loop(const std::optional<DiscreteLti>& plant, const Manifest*
                                         manifest->cascade_poles));
 }
 
+// The first member of `found` that `expected` has otherwise or not at all; "" if there is none.
+std::string other_member(const internal::Json& found, const internal::Json& expected) {
+  for (const std::string& key : found.keys())
+    if (!expected.contains(key) || !(found[key] == expected[key])) return internal::printable(key);
+  return "";
+}
+
 std::optional<Manifest> check_manifest(const fs::path& directory, VerifyReport& report) {
   VerifyCheck check{"manifest", false, ""};
   std::optional<Manifest> manifest;
@@ -375,11 +381,12 @@ std::optional<Manifest> check_manifest(const fs::path& directory, VerifyReport& 
         fmt::format("{} export of {}, {} files{}", to_string(manifest->kind), manifest->vehicle,
                     manifest->files.size(),
                     check.ok ? "" : ", but the gains are of " + manifest->gains->vehicle);
-    const std::string text = exports::export_text(directory / kManifestName);
-    if (check.ok && exports::is_of_this_version(*manifest) && text != manifest_text(*manifest)) {
-      check.ok = false;
-      check.detail = fmt::format("line {} is not as it was written",
-                                 first_other_line(text, manifest_text(*manifest)));
+    if (check.ok && exports::is_of_this_version(*manifest)) {
+      const std::string member = other_member(
+          internal::Json::parse(exports::export_text(directory / kManifestName)),
+          internal::Json::parse(manifest_text(*manifest)));
+      check.ok = member.empty();
+      if (!check.ok) check.detail = fmt::format("'{}' is not as an export has it", member);
     }
   } catch (const InvalidInput& error) {
     check.detail = error.what();

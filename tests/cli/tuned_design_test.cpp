@@ -170,8 +170,14 @@ TEST_F(TunedDesign, WritesTheUquadsDiagonals) {
       Pointwise(DoubleNear(1e-15), std::vector<double>{0.25, 0.25, 0.05, 0.1, 0.1, 0.1, 4e-4, 4e-4,
                                                        4e-4, 0.25, 1., 1., 1., 0.1, 0.1, 0.1}));
   EXPECT_THAT(folder_.read("out/manifest.json"), HasSubstr("uquad.toml"));
+  // The diagonals are right; that a mission failed was known when it was forced.
   const ProgramResult verified = run_program({"verify", path("out")});
-  EXPECT_EQ(verified.status, 0) << verified.out;
+  EXPECT_EQ(verified.status, 1);
+  const std::size_t fail = verified.out.find("FAIL ");
+  EXPECT_EQ(verified.out.substr(fail, verified.out.find('\n', fail) - fail),
+            "FAIL the design holds what it is asked for: written by --force although a mission "
+            "failed");
+  EXPECT_EQ(verified.out.rfind("FAIL "), fail) << verified.out;
 }
 
 TEST_F(TunedDesign, FliesTheUquadsFilterWithThem) {
