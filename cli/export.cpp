@@ -47,6 +47,14 @@ void require_complete(const Options& options) {
            options.directory);
 }
 
+/// What the manifest of an export says of its design; nothing of other sources.
+std::vector<std::string> forced_of(const std::string& source) {
+  std::error_code ignored;
+  const std::filesystem::path folder = source;
+  if (!std::filesystem::is_regular_file(folder / kManifestName, ignored)) return {};
+  return read_manifest(folder).forced;
+}
+
 ExportContent content_of(const Options& options, const Context& context) {
   if (options.of_design()) {
     const DesignOutcome outcome = run_design(options.source);
@@ -60,13 +68,26 @@ ExportContent content_of(const Options& options, const Context& context) {
           options.source);
     return content;
   }
+  const std::vector<std::string> forced = forced_of(options.source);
+  if (forced.empty() && options.force)
+    refuse("export", "--force", "--force came, but nothing stands against the export of {}",
+           internal::printable(options.source));
+  if (!forced.empty() && !options.force)
+    throw Refusal(
+        fmt::format("export: {}: was written by --force although {}, nothing was written; "
+                    "--force writes all the same",
+                    internal::printable(options.source),
+                    internal::printable(internal::joined(forced, "; "))),
+        options.source);
   GivenLaws given = read_given_laws(options.source);
   require_sampled(given.laws, options.source);
   const std::string vehicle = options.vehicle.empty() ? given.laws.vehicle : options.vehicle;
   if (vehicle.empty())
     refuse("export", "--vehicle",
            "the gains do not say for which vehicle they are, expected --vehicle V");
-  return export_content(std::move(given.laws), vehicle, options.source);
+  ExportContent content = export_content(std::move(given.laws), vehicle, options.source);
+  content.forced = forced;
+  return content;
 }
 
 FlightCodeOptions flight_code_options(const Options& options) {
@@ -111,12 +132,13 @@ void run_export(const Options& options, Context& context) {
   content.firmware = options.firmware;
   context.notes("export: note: ", adapt_to_program(content, kind));
   // Gains that do not hold the vehicle are not written.
-  if (const std::string problem = unstable_loop(content); !problem.empty())
+  if (const std::string problem = unstable_loop(content);
+      !problem.empty() && !(options.of_design() && options.force))
     throw Refusal(fmt::format("export: {}, nothing was written", problem), content.vehicle.name);
   if (!options.of_design())
     context.note(
-        "export: note: gains, trim, cascade and vehicle are carried over; weights and filters come "
-        "from a design file only");
+        "export: note: gains, trim, cascade, estimator and vehicle are carried over; weights and "
+        "Kalman filters come from a design file only");
   std::vector<ManifestFile> files;
   {
     const WritingFiles writing;
@@ -145,9 +167,10 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option(
       "--adapter BOARD", options.adapter,
       "with the C program, files that join it to a board: main, mambo, crazyflie or px4");
-  line.add_flag("--force", options.force,
-                "of a design, write although its flown loop is unstable or its covariances are not "
-                "proven; the manifest says so");
+  line.add_flag(
+      "--force", options.force,
+      "write although the design's loop is unstable or its covariances are not proven; the "
+      "manifest says so");
   line.add_option("--firmware VERSION", options.firmware.version,
                   "of a firmware's parameters, e.g. 1.15 of px4; the newest release that is known");
   line.add_flag("--filter-noise", options.firmware.filter_noise,

@@ -8,6 +8,7 @@
 #include <cctype>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "flight_code/source_text.hpp"
 #include "quadtune/errors.hpp"
@@ -20,7 +21,7 @@ namespace {
 /// The place of a motor, seen from above: signs of x forward and y right, and its sense of turning.
 struct MotorPlace {
   int x, y;
-  Spin spin;
+  std::optional<Spin> spin;  ///< none: either
 };
 
 // Crazyflie: M1 front right, M2 back right, M3 back left, M4 front left.
@@ -28,34 +29,42 @@ constexpr std::array<MotorPlace, 4> kCrazyflieMotors = {{{1, 1, Spin::counter_cl
                                                          {-1, 1, Spin::clockwise},
                                                          {-1, -1, Spin::counter_clockwise},
                                                          {1, -1, Spin::clockwise}}};
-// PX4, quadrotor X: 1 front right, 2 back left, 3 front left, 4 back right.
-constexpr std::array<MotorPlace, 4> kPx4Motors = {{{1, 1, Spin::counter_clockwise},
-                                                   {-1, -1, Spin::counter_clockwise},
-                                                   {1, -1, Spin::clockwise},
-                                                   {-1, 1, Spin::clockwise}}};
+// Mambo: 1 front left, 2 front right, 3 back right, 4 back left.
+constexpr std::array<MotorPlace, 4> kMamboMotors = {{{1, -1, Spin::clockwise},
+                                                     {1, 1, Spin::counter_clockwise},
+                                                     {-1, 1, Spin::clockwise},
+                                                     {-1, -1, Spin::counter_clockwise}}};
+// PX4, quadrotor X: 1 front right, 2 back left, 3 front left, 4 back right. The senses are those of
+// the airframe's parameters, whatever they are.
+constexpr std::array<MotorPlace, 4> kPx4Motors = {
+    {{1, 1, {}}, {-1, -1, {}}, {1, -1, {}}, {-1, 1, {}}}};
 
-/// The rotor that stands in each motor's place; empty unless each place has one.
+/// The rotor that stands in each motor's place; empty unless each place has exactly one.
 std::vector<std::size_t> by_place(const std::array<MotorPlace, 4>& motors, const Vehicle& vehicle) {
   std::vector<std::size_t> rotors;
   if (vehicle.rotors.size() != motors.size()) return {};
-  for (const MotorPlace& motor : motors)
-    for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
-      const Rotor& rotor = vehicle.rotors[i];
-      if (rotor.position.x() * motor.x > 0 && rotor.position.y() * motor.y > 0 &&
-          rotor.spin == motor.spin)
-        rotors.push_back(i);
-    }
-  return rotors.size() == motors.size() ? rotors : std::vector<std::size_t>();
+  for (const MotorPlace& motor : motors) {
+    const auto is_there = [&](const Rotor& rotor) {
+      return rotor.position.x() * motor.x > 0 && rotor.position.y() * motor.y > 0 &&
+             (!motor.spin || rotor.spin == *motor.spin);
+    };
+    if (std::count_if(vehicle.rotors.begin(), vehicle.rotors.end(), is_there) != 1) return {};
+    const auto at = std::find_if(vehicle.rotors.begin(), vehicle.rotors.end(), is_there);
+    rotors.push_back(static_cast<std::size_t>(at - vehicle.rotors.begin()));
+  }
+  return rotors;
 }
 
 /// For each motor of the firmware the rotor of the vehicle in its place, from 0: "2, 0, 3, 1".
 /// @throws InvalidInput  for a vehicle that the firmware has no motors for
 std::string rotors_of_motors(const std::string& adapter, const Vehicle& vehicle) {
-  std::vector<std::size_t> rotors =
-      by_place(adapter == "crazyflie" ? kCrazyflieMotors : kPx4Motors, vehicle);
-  if (rotors.empty() && adapter == "crazyflie")
+  const auto& motors = adapter == "crazyflie" ? kCrazyflieMotors
+                       : adapter == "mambo"   ? kMamboMotors
+                                              : kPx4Motors;
+  std::vector<std::size_t> rotors = by_place(motors, vehicle);
+  if (rotors.empty() && adapter != "px4")
     throw InvalidInput(
-        "adapter crazyflie",
+        "adapter " + adapter,
         fmt::format("the rotors of '{}' are not those of its firmware, expected four in X: front "
                     "right counter-clockwise, back right clockwise, back left counter-clockwise, "
                     "front left clockwise",
@@ -104,7 +113,7 @@ std::string adapter_text(const std::string& from, const ExportContent& content,
                          const std::string& name, double dt) {
   std::string text = source_text(from);
   const std::string& adapter = content.flight_code.adapter;
-  if (adapter == "crazyflie" || adapter == "px4")
+  if (adapter != "main")
     text = replaced(text, "QT_ROTORS_OF_MOTORS", rotors_of_motors(adapter, content.vehicle));
   text = replaced(text, "QT_STEPS_PER_PERIOD", fmt::format("{:.0f}u", dt * 1000));
   return replaced(text, "QtModule", class_name(name) + "Module");
@@ -123,14 +132,13 @@ void require_adapter(const ExportContent& content, double dt) {
     constexpr std::array<double, 3> kPeriods = {0.002, 0.004, 0.01};
     if (std::none_of(kPeriods.begin(), kPeriods.end(),
                      [&](double period) { return std::abs(dt - period) < 1e-9; }))
-      throw InvalidInput(where, fmt::format("the law's period is {} s, expected 0.002, 0.004 or "
-                                            "0.01 s, because the firmware has no other rate",
-                                            dt));
-    (void)rotors_of_motors(adapter, content.vehicle);
+      throw InvalidInput(where,
+                         fmt::format("the law's period is {} s, expected 0.002, 0.004 or "
+                                     "0.01 s, because the firmware schedules 500, 250 or 100 "
+                                     "periods a second and not 200",
+                                     dt));
   }
-  if (adapter == "mambo" && content.vehicle.rotors.size() != 4)
-    throw InvalidInput(
-        where, fmt::format("the vehicle has {} rotors, expected 4", content.vehicle.rotors.size()));
+  if (adapter != "main") (void)rotors_of_motors(adapter, content.vehicle);
   if (adapter == "px4" && content.vehicle.rotors.size() > 12)
     throw InvalidInput(where, fmt::format("the vehicle has {} rotors, expected at most 12",
                                           content.vehicle.rotors.size()));
@@ -157,22 +165,27 @@ std::string adapter_page(const std::string& adapter) {
   if (adapter == "crazyflie")
     return "## In the firmware of the Crazyflie\n\n"
            "[adapter_crazyflie.c](adapter_crazyflie.c) is an out-of-tree controller; the estimate "
-           "is the "
-           "firmware's. In a folder of an app, with\nthe program's files in `src/`:\n\n"
-           "    app-config:  CONFIG_APP_ENABLE=y  CONFIG_APP_PRIORITY=1  CONFIG_APP_STACKSIZE=350  "
-           "CONFIG_CONTROLLER_OOT=y\n"
+           "is the firmware's. In a folder of an\napp, with the program's files in `src/`:\n\n"
+           "    app-config:  CONFIG_APP_ENABLE=y\n"
+           "                 CONFIG_APP_PRIORITY=1\n"
+           "                 CONFIG_APP_STACKSIZE=350\n"
+           "                 CONFIG_CONTROLLER_OOT=y\n"
            "    Kbuild:      obj-y += src/\n"
-           "    src/Kbuild:  obj-y += adapter_crazyflie.o @OBJECTS_ON_BOARD@\n\n"
+           "    src/Kbuild:  ccflags-y += -ffp-contract=off\n"
+           "                 obj-y += adapter_crazyflie.o @OBJECTS_ON_BOARD@\n\n"
            "and a Makefile that sets `CRAZYFLIE_BASE` and `OOT_CONFIG` and includes "
-           "`$(CRAZYFLIE_BASE)/tools/make/oot.mk`.\nFly it tethered first: one motor in a wrong "
+           "`$(CRAZYFLIE_BASE)/tools/make/oot.mk`.\nThe vehicle's file should not give a motor "
+           "more "
+           "thrust than the firmware's `THRUST_MAX`. Fly it tethered first: one\nmotor in a wrong "
            "place or sense turns the vehicle over at once.\n\n";
   if (adapter == "px4")
     return "## In PX4\n\n"
            "[adapter_px4.cpp](adapter_px4.cpp) is a module for `src/modules`, with "
-           "[CMakeLists.txt](CMakeLists.txt) and [Kconfig](Kconfig).\nThe estimate is PX4's. "
-           "mc_rate_control, mc_att_control, mc_pos_control and control_allocator must not run "
-           "beside it.\nCompare the order of the motors with your airframe, without "
-           "propellers.\n\n";
+           "[CMakeLists.txt](CMakeLists.txt) and [Kconfig](Kconfig);\n`@NAME@ start` starts it. "
+           "The "
+           "estimate is PX4's. Its head says what must be stopped and set before.\nThe motors of a "
+           "quadrotor in X are numbered as PX4 does; those of another frame as the vehicle's file: "
+           "compare them with your\nairframe, without propellers.\n\n";
   return "";
 }
 

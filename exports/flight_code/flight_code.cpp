@@ -292,7 +292,8 @@ std::string page_of_adapter(const ExportContent& content, const std::vector<std:
     objects.push_back(source.substr(0, source.size() - 2) + ".o");
   const std::string page = replaced(adapter_page(content.flight_code.adapter), "@SOURCES@",
                                     internal::joined(sources, " "));
-  return replaced(page, "@OBJECTS_ON_BOARD@", internal::joined(objects, " "));
+  return replaced(replaced(page, "@OBJECTS_ON_BOARD@", internal::joined(objects, " ")), "@NAME@",
+                  name_of(content));
 }
 
 std::string readme(const ProgramSettings& s, const ExportContent& content, const std::string& name,

@@ -87,9 +87,17 @@ std::string weights_difference(const fs::path& directory, const Manifest& manife
   return same(R, manifest.R) ? "" : std::string(kGainsJsonName) + ": weights.R differs";
 }
 
+const Json& filter_list(const Json& json, const std::string& origin) {
+  const Json& filters = internal::member(json, "filters", origin);
+  if (!filters.is_array())
+    throw InvalidInput(origin + ": filters",
+                       fmt::format("is {}, expected a list", filters.type_name()));
+  return filters;
+}
+
 std::vector<KalmanFilter> filters_of_json(const Json& json, const std::string& origin) {
   std::vector<KalmanFilter> filters;
-  const Json& list = internal::member(json, "filters", origin);
+  const Json& list = filter_list(json, origin);
   for (std::size_t i = 0; i < list.size(); ++i)
     filters.push_back(filter_from_json(list[i], fmt::format("{}: filters[{}]", origin, i)));
   return filters;
@@ -123,7 +131,7 @@ std::vector<NamedMatrix> numbers(const FileContent& file) {
   const auto add = [&](const std::string& name, const Json& part) {
     all.push_back({file.name, name, {}, internal::json_text(part)});
   };
-  const Json& filters = internal::member(json, "filters", file.name);
+  const Json& filters = filter_list(json, file.name);
   for (std::size_t i = 0; i < filters.size(); ++i) add(fmt::format("filters[{}]", i), filters[i]);
   if (json.contains("estimator") && !json["estimator"].is_null())
     add("estimator", json["estimator"]);

@@ -93,7 +93,7 @@ Exporter mambo_exporter() {
   Exporter exporter;
   exporter.target = export_target("mambo", "exporter");
   exporter.convention = "mambo";
-  exporter.gain_files = {"vehicleVars.m", kControllerVars, kEstimatorVars, "sensorsVars.m"};
+  exporter.gain_files = {"vehicleVars.m", kControllerVars, kEstimatorVars};
   exporter.always_has_cascade = true;
   exporter.files = mambo_files;
   exporter.numbers = [](const FileContent& file) { return parse_m_file(file.bytes, file.name); };

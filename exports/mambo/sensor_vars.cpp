@@ -39,6 +39,9 @@ std::string sensor_vars(const Vehicle& vehicle) {
   const Sensors& sensors = vehicle.sensors;
   MFile m;
   m.comment("sensorsVars.m: " + vehicle.name + ", written by quadtune. SI units, body axes.");
+  m.comment(
+      "The names are quadtune's. Compare them with those of your model before you replace its "
+      "file.");
   m.comment("A sample is the truth, through the response, times scale, plus bias, plus noise.");
   if (sensors.accelerometer) add_faults(m, "accelerometer", *sensors.accelerometer, 3, "m/s^2");
   if (sensors.gyroscope) add_faults(m, "gyroscope", *sensors.gyroscope, 3, "rad/s");

@@ -39,7 +39,7 @@ Exporter mat_exporter() {
   const Exporter json = json_exporter();
   Exporter exporter = json;
   exporter.target = export_target("mat", "exporter");
-  exporter.gain_files = {kGainsMatName};
+  exporter.gain_files = {};  // no flight program reads a MAT file
   exporter.files = [json](const ExportContent& content) { return with_mat(json.files(content)); };
   exporter.read_plain = {};
   exporter.written_again = [json](const fs::path& directory, const Manifest& manifest,

@@ -24,15 +24,24 @@ LineParts parts_of(const std::string& line) {
   };
   const auto in_name = [&](std::size_t at) { return is(std::isalnum, at) || line[at] == '_'; };
   for (std::size_t at = 0; at < line.size();) {
-    const bool digits = is(std::isdigit, at) || (line[at] == '.' && is(std::isdigit, at + 1));
+    // A sign belongs to the number: rounding turns small numbers around.
+    const std::size_t first = line[at] == '-' || line[at] == '+' ? at + 1 : at;
+    const bool digits = is(std::isdigit, first) ||
+                        (first < line.size() && line[first] == '.' && is(std::isdigit, first + 1));
     if (!digits || (at > 0 && in_name(at - 1))) {
       parts.words += line[at++];
       continue;
     }
     char* end = nullptr;
-    parts.numbers.push_back(std::strtod(line.c_str() + at, &end));
-    parts.words += '#';
-    at = static_cast<std::size_t>(end - line.c_str());
+    const double number = std::strtod(line.c_str() + at, &end);
+    const auto stop = static_cast<std::size_t>(end - line.c_str());
+    if (std::isfinite(number)) {
+      parts.numbers.push_back(number);
+      parts.words += '#';
+    } else {
+      parts.words += line.substr(at, stop - at);
+    }
+    at = stop;
   }
   return parts;
 }

@@ -13,6 +13,7 @@
 #include "json/to_json.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/diff.hpp"
+#include "quadtune/exports/export.hpp"
 #include "quadtune/exports/exporter.hpp"
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/internal/joined.hpp"
@@ -64,6 +65,14 @@ VerifyCheck check_no_others(const fs::path& directory, const Manifest& manifest)
         std::none_of(manifest.files.begin(), manifest.files.end(),
                      [&](const ManifestFile& file) { return file.path == name; }))
       others.push_back(name);
+  const std::vector<std::string>& own = exporter_of(manifest.kind, kManifestName).gain_files;
+  for (const std::string& name : all_gain_files())
+    if (name != kGainsJsonName && std::find(own.begin(), own.end(), name) == own.end() &&
+        std::any_of(manifest.files.begin(), manifest.files.end(),
+                    [&](const ManifestFile& file) { return file.path == name; }))
+      return {"no other gain files", false,
+              fmt::format("{} is listed in the manifest, but an export to {} has no such file",
+                          name, manifest.kind.name())};
   if (others.empty()) return {"no other gain files", true, "none"};
   return {"no other gain files", false,
           fmt::format("{} not listed in the manifest, but a flight program would load it",
@@ -260,7 +269,8 @@ VerifyCheck check_numbers(const fs::path& directory, const Manifest& manifest,
         return check;
       }
     }
-    check.ok = found.size() == manifest.numbers.size();
+    // An older version listed fewer of them.
+    check.ok = found.size() == manifest.numbers.size() || !exports::is_of_this_version(manifest);
     check.detail =
         fmt::format("{} in the files, {} in the manifest", found.size(), manifest.numbers.size());
   } catch (const InvalidInput& error) {
@@ -382,9 +392,9 @@ std::optional<Manifest> check_manifest(const fs::path& directory, VerifyReport& 
                     manifest->files.size(),
                     check.ok ? "" : ", but the gains are of " + manifest->gains->vehicle);
     if (check.ok && exports::is_of_this_version(*manifest)) {
-      const std::string member = other_member(
-          internal::Json::parse(exports::export_text(directory / kManifestName)),
-          internal::Json::parse(manifest_text(*manifest)));
+      const std::string member =
+          other_member(internal::Json::parse(exports::export_text(directory / kManifestName)),
+                       internal::Json::parse(manifest_text(*manifest)));
       check.ok = member.empty();
       if (!check.ok) check.detail = fmt::format("'{}' is not as an export has it", member);
     }

@@ -6,6 +6,7 @@
 #include "quadtune/exports/exporter.hpp"
 #include "quadtune/exports/text_difference.hpp"
 #include "quadtune/exports/verify.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "verify/written_version.hpp"
 
 namespace quadtune {
@@ -29,7 +30,10 @@ std::vector<VerifyCheck> written_again_checks(const std::filesystem::path& direc
     if (!exporter.written_again) return {};
     check.ok = true;
     if (vehicle.name != manifest.vehicle) {
-      check.detail = fmt::format("not compared: the export is for '{}'", manifest.vehicle);
+      check.ok = false;
+      check.detail =
+          fmt::format("the export is for '{}', the vehicle is '{}'",
+                      internal::printable(manifest.vehicle), internal::printable(vehicle.name));
     } else if (!exports::is_of_this_version(manifest)) {
       check.detail = "not compared: another version of quadtune wrote them";
     } else {
@@ -41,6 +45,9 @@ std::vector<VerifyCheck> written_again_checks(const std::filesystem::path& direc
             fmt::format("{} file{}, byte by byte", files.size(), files.size() == 1 ? "" : "s");
     }
   } catch (const InvalidInput& error) {
+    check.ok = false;
+    check.detail = error.what();
+  } catch (const NoSolution& error) {
     check.ok = false;
     check.detail = error.what();
   } catch (const FileError& error) {

@@ -13,7 +13,9 @@
 #include "quadtune/exports/firmware.hpp"
 #include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/text_difference.hpp"
+#include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/workbench/design/design_verdict.hpp"
 #include "quadtune/workbench/design/export_content.hpp"
 #include "quadtune/workbench/design/gains_export.hpp"
 
@@ -24,8 +26,8 @@ namespace fs = std::filesystem;
 
 constexpr char kName[] = "files are what the design gives";
 constexpr std::size_t kFileLimit = std::size_t{16} << 20;
-/// Two machines solve one problem to about 1e-12.
-constexpr double kRounding = 1e-9;
+/// Two machines solve one problem to about 1e-12; a search, as for a cascade, ends within 1e-8.
+constexpr double kDesignRounding = 1e-7;
 
 /// With the options of the export, which its files tell.
 ExportContent content_of(const fs::path& directory, const Manifest& manifest,
@@ -42,52 +44,98 @@ ExportContent content_of(const fs::path& directory, const Manifest& manifest,
   return content;
 }
 
-/// A manifest without what differs from one writing to the next: times and versions; hashes, which
-/// follow from the files; and estimates of rounding errors, which check_evidence() judges.
+/// A manifest without what differs from one writing to the next: times, versions, hashes, which
+/// follow from the files, and what other checks judge better: estimates of rounding errors, and
+/// poles, which another machine may put in another order.
 std::string comparable(Manifest manifest) {
   manifest.made_at.clear();
   manifest.versions.clear();
+  manifest.forced.clear();
   manifest.evidence.residual = manifest.evidence.rcond = std::numeric_limits<double>::quiet_NaN();
+  manifest.evidence.iterations = 0;
+  manifest.evidence.poles.resize(0);
+  manifest.closed_loop_poles.resize(0);
+  manifest.cascade_poles.resize(0);
   for (ManifestFile& file : manifest.files) file = {file.path, "", 0};
   return manifest_text(manifest);
 }
 
 struct Comparison {
-  std::string difference;  ///< what differs; empty: nothing but rounding
+  std::string difference;  ///< a sentence; empty: nothing differs but by rounding
   double rounding = 0;     ///< the largest difference of two numbers
+
+  /// @param place  of the difference, e.g. "gains.json, line 7"
+  void add(const std::string& place, const std::string& found, const std::string& expected) {
+    if (found == expected || !difference.empty()) return;
+    const std::optional<double> apart = numbers_apart(found, expected);
+    if (!apart)
+      difference = fmt::format("{}, differs from what the design file gives", place);
+    else if (*apart > kDesignRounding)
+      difference = fmt::format(
+          "{}, has numbers that differ by {:.3g} of its largest from what the "
+          "design file gives",
+          place, *apart);
+    else
+      rounding = std::max(rounding, *apart);
+  }
 };
+
+void compare_manifests(const std::string& found, const std::string& expected,
+                       Comparison& comparison) {
+  const internal::Json a = internal::Json::parse(found), b = internal::Json::parse(expected);
+  for (const std::string& key : b.keys())
+    comparison.add(fmt::format("{}, member '{}'", kManifestName, key),
+                   a.contains(key) ? internal::json_text(a[key]) : "", internal::json_text(b[key]));
+  for (const std::string& key : a.keys())
+    if (!b.contains(key))
+      comparison.add(fmt::format("{}, member '{}'", kManifestName, internal::printable(key)),
+                     internal::json_text(a[key]), "");
+}
+
+/// What is made from numbers that differ by rounding may differ by more, and is compared with them
+/// by other checks: flight code with a recorded flight, and binary files.
+bool follows_from_gains(const FileContent& file, const std::string& kind) {
+  if (kind == "c") return file.name != kGainsJsonName && file.name != kFlightCodeName;
+  return file.bytes.find('\0') != std::string::npos;
+}
 
 Comparison compare(const fs::path& directory, const Manifest& manifest,
                    const std::vector<FileContent>& files) {
   Comparison result;
-  const auto compare_text = [&](const std::string& name, const std::string& found,
-                                const std::string& expected) {
-    if (found == expected || !result.difference.empty()) return;
-    const std::optional<double> apart = numbers_apart(found, expected);
-    if (!apart)
-      result.difference =
-          fmt::format("{}: line {} differs", name, first_other_line(found, expected));
-    else if (*apart > kRounding)
-      result.difference = fmt::format("{}: line {} differs, numbers by up to {:.3g}", name,
-                                      first_other_line(found, expected), *apart);
-    else
-      result.rounding = std::max(result.rounding, *apart);
+  const auto read = [&](const FileContent& file) {
+    return internal::read_file((directory / file.name).string(), kFileLimit);
+  };
+  const auto add = [&](const FileContent& file) {
+    const std::string found = read(file);
+    result.add(fmt::format("{}, line {}", file.name, first_other_line(found, file.bytes)), found,
+               file.bytes);
   };
   std::size_t listed = 0;
   for (const FileContent& file : files) {
-    if (file.name == kManifestName) {
-      compare_text(kManifestName, comparable(manifest),
-                   comparable(parse_manifest(file.bytes, kManifestName)));
-      continue;
-    }
-    ++listed;
-    compare_text(file.name, internal::read_file((directory / file.name).string(), kFileLimit),
-                 file.bytes);
+    if (file.name == kManifestName)
+      compare_manifests(comparable(manifest), comparable(parse_manifest(file.bytes, kManifestName)),
+                        result);
+    else if (!follows_from_gains(file, manifest.kind.name()))
+      add(file);
+    listed += file.name == kManifestName ? 0 : 1;
   }
+  for (const FileContent& file : files)
+    if (file.name != kManifestName && follows_from_gains(file, manifest.kind.name()) &&
+        result.rounding == 0)
+      add(file);
   if (result.difference.empty() && listed != manifest.files.size())
-    result.difference = fmt::format("the manifest lists {} files, the design gives {}",
+    result.difference = fmt::format("the manifest lists {} files, the design file gives {}",
                                     manifest.files.size(), listed);
   return result;
+}
+
+/// Reasons against the export that the manifest should have.
+std::string missing_reason(const Manifest& manifest, const DesignOutcome& outcome) {
+  for (const std::string& reason : reasons_against_export(outcome))
+    if (std::find(manifest.forced.begin(), manifest.forced.end(), reason) == manifest.forced.end())
+      return fmt::format("the manifest does not say that it was written by --force although {}",
+                         reason);
+  return "";
 }
 
 }  // namespace
@@ -104,8 +152,8 @@ VerifyCheck check_design(const fs::path& directory, const Manifest& manifest,
       const Comparison adapted = compare(directory, manifest, export_files(manifest.kind, content));
       if (adapted.difference.empty()) found = adapted;
     }
-    if (!found.difference.empty())
-      return {kName, false, found.difference + " from what the design file gives"};
+    if (found.difference.empty()) found.difference = missing_reason(manifest, outcome);
+    if (!found.difference.empty()) return {kName, false, found.difference};
     return {kName, true,
             found.rounding > 0
                 ? fmt::format("designed again; numbers apart by rounding, {:.2g}", found.rounding)

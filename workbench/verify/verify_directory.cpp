@@ -203,11 +203,14 @@ VerifyReport verify_directory(const std::string& directory, const std::string& v
   VerifyReport report = verify_with(
       directory, vehicle, inputs_at_hand(directory, manifest, vehicle, design), nullptr, targets);
   if (!manifest.forced.empty())
-    report.checks.push_back(
-        {"the design holds what it is asked for", false,
-         "written by --force although " + internal::joined(manifest.forced, "; ")});
-  if (design.ends_with(".toml"))
-    report.checks.push_back(designed_again(directory, manifest, design));
+    report.checks.push_back({kForcedCheck, false,
+                             "written by --force although " +
+                                 internal::printable(internal::joined(manifest.forced, "; "))});
+  // The vehicle, or covariances, can be named as well, to compare their hashes.
+  const bool is_design = !manifest.inputs.empty() && !design.empty() &&
+                         fs::path(design).filename() == manifest.inputs.front().path &&
+                         manifest.inputs.front().path != vehicle_file_name(vehicle);
+  if (is_design) report.checks.push_back(designed_again(directory, manifest, design));
   return report;
 }
 

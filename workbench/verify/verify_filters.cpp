@@ -6,6 +6,7 @@
 
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/exporter.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/synthesis/kalman.hpp"
 #include "quadtune/workbench/verify/verify_evidence.hpp"
 
@@ -29,7 +30,7 @@ std::vector<VerifyCheck> check_filters(const std::filesystem::path& directory,
                                        const Manifest& manifest) {
   VerifyCheck check{"gains and covariances of the filters are those of their noise", true, ""};
   // What rounding does to a filter of some states.
-  constexpr double kRounding = 1e-8;
+  constexpr double kFilterRounding = 1e-8;
   try {
     const Exporter& exporter = exporter_of(manifest.kind, kManifestName);
     if (!exporter.filters) return {};
@@ -38,17 +39,18 @@ std::vector<VerifyCheck> check_filters(const std::filesystem::path& directory,
     if (filters.empty()) return {};
     for (const KalmanFilter& filter : filters) {
       const KalmanResult solved = kalman(filter.model, {filter.G, filter.Q, filter.R, filter.N});
-      if (!solved.solved()) throw InvalidInput(filter.name, "solved anew: " + solved.culprit);
+      if (!solved.solved())
+        throw InvalidInput(internal::printable(filter.name), "solved anew: " + solved.culprit);
       for (const auto& [name, given, expected] :
            {std::tuple("M", &filter.M, &solved.M), std::tuple("L", &filter.L, &solved.L),
             std::tuple("P", &filter.P, &solved.P), std::tuple("Z", &filter.Z, &solved.Z)}) {
         const double distance = apart(*given, *expected);
         worst = std::max(worst, distance);
-        if (!(distance <= kRounding) && check.ok) {
+        if (!(distance <= kFilterRounding) && check.ok) {
           check.ok = false;
           check.detail = fmt::format(
               "{}: {} differs by {:.3g} of its largest entry from what A, C, G, Q, R and N give",
-              filter.name, name, distance);
+              internal::printable(filter.name), name, distance);
         }
       }
     }
@@ -56,8 +58,11 @@ std::vector<VerifyCheck> check_filters(const std::filesystem::path& directory,
       check.detail = fmt::format(
           "solved anew; largest difference {:.3g} of a matrix's largest entry, "
           "at most {:.2g}",
-          worst, kRounding);
+          worst, kFilterRounding);
   } catch (const InvalidInput& error) {
+    check.ok = false;
+    check.detail = error.what();
+  } catch (const NoSolution& error) {
     check.ok = false;
     check.detail = error.what();
   } catch (const FileError& error) {

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The estimator of the Parrot Mambo, one call a control period.
+ * The estimator of the Parrot Mambo, one call a control period:
  *
- *   attitude   complementary filter: the gyroscope's rates are integrated, the accelerometer's tilt
- *              corrects roll and pitch
- *   height     Kalman filter of [z, vz], driven by the vertical acceleration, corrected by the
- * sonar velocity   Kalman filter of [vx, vy] of the world, driven by the horizontal acceleration,
- *              corrected by the optical flow, from which the body's turning is taken out
- *   position   sum of the velocity; corrected by positions from images, if there are any
+ * - Attitude, by a complementary filter: the rates of the gyroscope are integrated; the tilt that
+ * the accelerometer shows corrects roll and pitch.
+ * - Height, by a Kalman filter of [z, vz]: driven by the vertical acceleration, corrected by the
+ * sonar.
+ * - Velocity, by a Kalman filter of [vx, vy] in the world: driven by the horizontal acceleration,
+ *   corrected by the optical flow, from which the body's turning is taken out.
+ * - Position, the sum of the velocity, corrected by positions from images, if there are any.
  *
- * Kalman filters correct, x = x + K (y - C x), P = (I - K C) P (I - K C)' + K R K' with
+ * The Kalman filters correct, x = x + K (y - C x), P = (I - K C) P (I - K C)' + K R K' with
  * K = P C' (C P C' + R)^-1, give their estimate, and predict the next period.
  */
 #include "internal.h"
@@ -283,7 +284,8 @@ static bool correct_velocity(const qt_estimator_parameters_t *p, qt_estimator_st
                              const qt_flow_sample_t *flow, const qt_real rates[3],
                              const qt_real R[9], bool upright, qt_real measured[2],
                              qt_estimate_t *estimate) {
-  const bool fresh = flow->fresh && qt_is_finite(flow->value[0]) && qt_is_finite(flow->value[1]);
+  const bool fresh = flow->fresh && (flow->age >= 0.0f) && qt_is_finite(flow->value[0]) &&
+                     qt_is_finite(flow->value[1]);
   qt_real translation[2] = {0.0f, 0.0f};
   bool valid;
 #if QT_WITH_ALIGNED_FLOW
@@ -310,7 +312,7 @@ static bool correct_velocity(const qt_estimator_parameters_t *p, qt_estimator_st
 /* By images, carried over the time that the image took to be read. */
 static void correct_position(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                              const qt_vector_sample_t *vision) {
-  if (vision->fresh && qt_all_finite(vision->value)) {
+  if (vision->fresh && (vision->age >= 0.0f) && qt_all_finite(vision->value)) {
     const qt_real variance = s->position_variance;
     const qt_real gain = variance / (variance + p->vision_R);
     for (int i = 0; i < 2; ++i) {

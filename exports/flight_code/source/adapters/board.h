@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What adapter_main.c needs of your board. Units and axes: @NAME@.h. */
-#ifndef BOARD_H
-#define BOARD_H
+#ifndef ADAPTER_BOARD_H
+#define ADAPTER_BOARD_H
 
 #include "program.h"
 
@@ -27,4 +27,4 @@ void board_send(const qt_output_t *output);
 /* A control period took longer than @DT@ s. */
 void board_late(void);
 
-#endif /* BOARD_H */
+#endif /* ADAPTER_BOARD_H */

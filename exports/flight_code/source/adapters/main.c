@@ -6,6 +6,9 @@
  */
 #define _POSIX_C_SOURCE 200809L
 
+#include <errno.h>
+#include <signal.h>
+#include <string.h>
 #include <time.h>
 
 #include "adapter_board.h"
@@ -14,6 +17,14 @@
 
 static qt_state_t state;
 static qt_output_t output;
+
+/* Ctrl-C and a request to end stop the motors, as the end of a flight does. */
+static volatile sig_atomic_t asked_to_end;
+
+static void end(int signal_number) {
+  (void)signal_number;
+  asked_to_end = 1;
+}
 
 static struct timespec later(struct timespec t) {
   t.tv_nsec += (long)((QT_DT * 1e9f) + 0.5f);
@@ -38,10 +49,16 @@ int main(void) {
 #endif
   struct timespec next;
   struct timespec now;
+  struct sigaction action;
+  (void)memset(&action, 0, sizeof action);
+  action.sa_handler = end;
+  (void)sigaction(SIGINT, &action, NULL);
+  (void)sigaction(SIGTERM, &action, NULL);
   board_start(&start);
   qt_initialize(&state, &start);
+  output.estimate.finite = true; /* nothing speaks against the first period */
   (void)clock_gettime(CLOCK_MONOTONIC, &next);
-  while (board_flies(&output)) {
+  while ((asked_to_end == 0) && board_flies(&output)) {
 #if QT_WITH_ESTIMATOR
     board_read(&sensors, &reference);
     qt_step(&state, &sensors, &reference, &output);
@@ -56,7 +73,10 @@ int main(void) {
       next = now; /* the period was exceeded: the next one begins at once */
       board_late();
     } else {
-      (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, NULL);
+      while ((clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, NULL) == EINTR) &&
+             (asked_to_end == 0)) {
+        /* A signal that does not end the flight. */
+      }
     }
   }
   qt_terminate(&state, &output);

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The control law behind the interface of the Mambo's model project: the functions and global
- * structures that Embedded Coder gives a model `flightController`, whose input is a reference and
- * the states of the model project's own estimator.
+ * structures that Embedded Coder gives a model `flightController` (but for flightController_M,
+ * which tells of errors and time), whose input is a reference and the states of the model project's
+ * own estimator.
  */
-#ifndef MAMBO_H
-#define MAMBO_H
+#ifndef ADAPTER_MAMBO_H
+#define ADAPTER_MAMBO_H
 
 #include <stdint.h>
 
@@ -44,4 +45,4 @@ void flightController_initialize(void);
 void flightController_step(void); /* every @DT@ s */
 void flightController_terminate(void);
 
-#endif /* MAMBO_H */
+#endif /* ADAPTER_MAMBO_H */

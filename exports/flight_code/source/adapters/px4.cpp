@@ -3,20 +3,30 @@
  * The control law as a module of PX4 (written for v1.15). PX4's own estimator gives the states; the
  * thrusts of the rotors go to `actuator_motors`.
  *
- * Before it flies: stop mc_rate_control, mc_att_control, mc_pos_control and control_allocator,
- * which publish the same topics; and compare the order of the motors in rotor_of_motor with the
- * CA_ROTOR parameters of your airframe. A control of 1 means the thrust of a rotor at its greatest
- * command; THR_MDL_FAC must describe how your motors' thrust depends on their signal (0 where it is
- * proportional to it).
+ * Before it flies:
+ * - stop mc_rate_control, mc_att_control, mc_pos_control and control_allocator;
+ * - compare the order of the motors in rotor_of_motor with the CA_ROTOR parameters of the airframe;
+ * - set COM_DISARM_LAND and COM_DISARM_PRFLT to -1 until you have seen that the land detector,
+ * which judges by vehicle_thrust_setpoint, does not take your hover for standing on the ground.
+ *
+ * A control of 1 means the thrust of a rotor at its greatest command; THR_MDL_FAC must describe how
+ * your motors' thrust depends on their signal (0 where it is proportional to it).
+ *
+ * It follows trajectory_setpoint, in whatever mode. Where none came in the last half second, or
+ * since arming, it stays where it is; on the ground it waits with idle motors until a climb is
+ * asked for. Sticks do not act by themselves.
  */
-#include <lib/mathlib/mathlib.h>
+#include <drivers/drv_hrt.h>
 #include <px4_platform_common/module.h>
 #include <uORB/topics/actuator_armed.h>
 #include <uORB/topics/actuator_motors.h>
 #include <uORB/topics/trajectory_setpoint.h>
 #include <uORB/topics/vehicle_angular_velocity.h>
 #include <uORB/topics/vehicle_attitude.h>
+#include <uORB/topics/vehicle_land_detected.h>
 #include <uORB/topics/vehicle_local_position.h>
+#include <uORB/topics/vehicle_thrust_setpoint.h>
+#include <uORB/topics/vehicle_torque_setpoint.h>
 
 #include <cmath>
 #include <cstring>
@@ -31,6 +41,17 @@ extern "C" {
 /* Rotor of the law for each motor of the airframe. */
 static constexpr int rotor_of_motor[QT_ROTORS] = {QT_ROTORS_OF_MOTORS};
 
+/* Ages beyond which a message does not count [us]. */
+static constexpr hrt_abstime kRatesAge = 20000;
+static constexpr hrt_abstime kAttitudeAge = 50000;
+static constexpr hrt_abstime kPositionAge = 500000;
+static constexpr hrt_abstime kSetpointAge = 500000;
+/* For so long the last commands bridge what is missing [us]. */
+static constexpr hrt_abstime kBridge = 100000;
+/* A reference that moves stays this near to the vehicle, whatever holds it [m], [rad]. */
+static constexpr qt_real kPositionLeash = 1.0f;
+static constexpr qt_real kYawLeash = 1.0f;
+
 class QtModule : public ModuleBase<QtModule>, public px4::ScheduledWorkItem {
  public:
   QtModule() : ScheduledWorkItem(MODULE_NAME, px4::wq_configurations::rate_ctrl) { initialize(); }
@@ -44,11 +65,9 @@ class QtModule : public ModuleBase<QtModule>, public px4::ScheduledWorkItem {
     (void)argc;
     (void)argv;
     QtModule *instance = new QtModule();
-
     if (instance == nullptr) {
       return PX4_ERROR;
     }
-
     _object.store(instance);
     _task_id = task_id_is_work_queue;
     return instance->init() ? PX4_OK : PX4_ERROR;
@@ -64,8 +83,7 @@ class QtModule : public ModuleBase<QtModule>, public px4::ScheduledWorkItem {
     if (reason != nullptr) {
       PX4_WARN("%s", reason);
     }
-
-    PRINT_MODULE_DESCRIPTION("Flight program @NAME@: @DESCRIPTION@.");
+    PRINT_MODULE_DESCRIPTION("Flight program @NAME@ of quadtune.");
     PRINT_MODULE_USAGE_NAME("@NAME@", "controller");
     PRINT_MODULE_USAGE_COMMAND("start");
     PRINT_MODULE_USAGE_DEFAULT_COMMANDS();
@@ -75,28 +93,62 @@ class QtModule : public ModuleBase<QtModule>, public px4::ScheduledWorkItem {
  private:
   void Run() override {
     if (should_exit()) {
+      stop();
       ScheduleClear();
       exit_and_cleanup();
       return;
     }
-
+    const hrt_abstime now = hrt_absolute_time();
     actuator_armed_s armed{};
-    _armed_sub.copy(&armed);
-
-    if (!armed.armed || armed.lockdown) {
+    (void)_armed_sub.copy(&armed);
+    if (!armed.armed || armed.lockdown || armed.manual_lockdown || armed.force_failsafe) {
       initialize();
       stop();
+      _armed_at = now;
       return;
     }
-
-    if (!read_estimate()) {
+    if (read_estimate(now)) {
+      _good_at = now;
+      fly(now);
+      publish();
+    } else if ((now - _good_at) < kBridge) {
+      publish(); /* the last commands once more */
+    } else {
+      initialize();
       stop();
-      return;
     }
+  }
 
-    read_reference();
+  void fly(hrt_abstime now) {
+    trajectory_setpoint_s asked{};
+    const bool has = _setpoint_sub.copy(&asked) && (asked.timestamp >= _armed_at) &&
+                     ((now - asked.timestamp) < kSetpointAge);
+    if (!_flying) {
+      hold_here();
+    }
+    if (on_ground() && !(has && asks_to_climb(asked))) {
+      const qt_estimate_t here = _estimate;
+      initialize();
+      _estimate = here;
+      _reference.phase = QT_IDLE; /* with commands of 0 */
+    } else {
+      _flying = true;
+      _reference.phase = QT_FLYING;
+      read_reference(has ? &asked : nullptr);
+    }
     qt_control(&_law, &_estimate, &_reference, &_output);
-    publish();
+  }
+
+  bool on_ground() {
+    vehicle_land_detected_s land{};
+    return _land_sub.copy(&land) && land.landed;
+  }
+
+  bool asks_to_climb(const trajectory_setpoint_s &asked) const {
+    return (PX4_ISFINITE(asked.position[2]) &&
+            (asked.position[2] < (_estimate.position[2] - 0.2f))) ||
+           (!PX4_ISFINITE(asked.position[2]) && PX4_ISFINITE(asked.velocity[2]) &&
+            (asked.velocity[2] < -0.1f));
   }
 
   void initialize() {
@@ -106,23 +158,33 @@ class QtModule : public ModuleBase<QtModule>, public px4::ScheduledWorkItem {
     _reference = {};
     _flying = false;
     _placed = false;
+    _high = false;
+  }
+
+  void hold_here() {
+    memcpy(_reference.position, _estimate.position, sizeof _reference.position);
+    _reference.yaw = _estimate.yaw;
+    for (Asked &asked : _asked) {
+      asked = Asked::nothing;
+    }
   }
 
   /*
-   * World north-east-down and body forward-right-down, as the law has them. Without a position on
-   * the map the law flies level; without a height it keeps its thrust near that of hover. returns:
-   * false without an attitude or rates
+   * World north-east-down and body forward-right-down, as the law has them. Without a place on the
+   * map the law flies level; without a height it holds the last one, with the climb rate taken for
+   * 0. returns: false without a present attitude or rates
    */
-  bool read_estimate() {
-    vehicle_attitude_s attitude;
-    vehicle_angular_velocity_s rates;
+  bool read_estimate(hrt_abstime now) {
+    vehicle_attitude_s attitude{};
+    vehicle_angular_velocity_s rates{};
     vehicle_local_position_s position{};
-
-    if (!_attitude_sub.copy(&attitude) || !_rates_sub.copy(&rates)) {
+    if (!_attitude_sub.copy(&attitude) || ((now - attitude.timestamp) > kAttitudeAge) ||
+        !_rates_sub.copy(&rates) || ((now - rates.timestamp) > kRatesAge)) {
       return false;
     }
-
-    (void)_position_sub.copy(&position);
+    const bool fresh = _position_sub.copy(&position) && ((now - position.timestamp) < kPositionAge);
+    const bool placed = fresh && position.xy_valid && position.v_xy_valid;
+    const bool high = fresh && position.z_valid && position.v_z_valid;
     const qt_real w = attitude.q[0];
     const qt_real x = attitude.q[1];
     const qt_real y = attitude.q[2];
@@ -133,96 +195,140 @@ class QtModule : public ModuleBase<QtModule>, public px4::ScheduledWorkItem {
                           2.0f * ((x * z) - (w * y)),          2.0f * ((y * z) + (w * x)),
                           1.0f - (2.0f * ((x * x) + (y * y)))};
     qt_real velocity[3] = {0.0f, 0.0f, 0.0f};
-    const bool placed = position.xy_valid && position.v_xy_valid;
-
+    qt_estimate_t next = _estimate;
     if (placed) {
-      _estimate.position[0] = position.x;
-      _estimate.position[1] = position.y;
+      next.position[0] = position.x;
+      next.position[1] = position.y;
       velocity[0] = position.vx;
       velocity[1] = position.vy;
     }
-
-    if (position.z_valid && position.v_z_valid) {
-      _estimate.position[2] = position.z;
+    if (high) {
+      next.position[2] = position.z;
       velocity[2] = position.vz;
     }
-
-    if (placed && !_placed) { /* the reference begins where the vehicle is */
-      _reference.position[0] = _estimate.position[0];
-      _reference.position[1] = _estimate.position[1];
-    }
-
-    _placed = placed;
-    _estimate.roll = atan2f(R[7], R[8]);
-    _estimate.pitch = -asinf(qt_clamp(R[6], -1.0f, 1.0f));
-    _estimate.yaw = near_to(atan2f(R[3], R[0]), _estimate.yaw);
-
+    next.roll = atan2f(R[7], R[8]);
+    next.pitch = -asinf(qt_clamp(R[6], -1.0f, 1.0f));
+    next.yaw = near_to(atan2f(R[3], R[0]), _estimate.yaw);
     for (int i = 0; i < 3; ++i) { /* the transpose takes world axes to body axes */
-      _estimate.velocity[i] =
-          (R[i] * velocity[0]) + (R[3 + i] * velocity[1]) + (R[6 + i] * velocity[2]);
-      _estimate.rates[i] = rates.xyz[i];
+      next.velocity[i] = (R[i] * velocity[0]) + (R[3 + i] * velocity[1]) + (R[6 + i] * velocity[2]);
+      next.rates[i] = rates.xyz[i];
     }
-
-    _estimate.finite = true;
+    next.finite = true;
+    if (!qt_is_finite(w + x + y + z) || !qt_is_finite(next.yaw) || !qt_all_finite(next.position) ||
+        !qt_all_finite(next.velocity) || !qt_all_finite(next.rates)) {
+      return false;
+    }
+    _estimate = next;
+    follow_resets(position, placed, high);
     return true;
   }
 
-  /* Position, velocity and heading that are not finite are not asked for: the vehicle keeps its
-   * own. */
-  void read_reference() {
-    trajectory_setpoint_s asked;
-
-    if (!_flying) {
-      memcpy(_reference.position, _estimate.position, sizeof _reference.position);
-      _reference.yaw = _estimate.yaw;
-      _flying = true;
-    }
-
-    _reference.phase = QT_FLYING;
-    _reference.track_position = _placed;
-
-    if (!_setpoint_sub.copy(&asked)) {
-      return;
-    }
-
-    for (int i = 0; i < 3; ++i) {
-      const bool moves = PX4_ISFINITE(asked.velocity[i]);
-      _reference.velocity[i] = moves ? asked.velocity[i] : 0.0f;
-
-      if (PX4_ISFINITE(asked.position[i])) {
-        _reference.position[i] = asked.position[i];
-
-      } else if (moves) {
-        _reference.position[i] += asked.velocity[i] * QT_DT;
+  /* Where the estimator jumps, what is held jumps with it. Where it begins to know a place or a
+   * height, the reference begins there. */
+  void follow_resets(const vehicle_local_position_s &position, bool placed, bool high) {
+    for (int i = 0; i < 2; ++i) {
+      if (placed && !_placed) {
+        _reference.position[i] = _estimate.position[i];
+      } else if (placed && (position.xy_reset_counter != _xy_resets)) {
+        _reference.position[i] += position.delta_xy[i];
       }
     }
+    if (high && !_high) {
+      _reference.position[2] = _estimate.position[2];
+    } else if (high && (position.z_reset_counter != _z_resets)) {
+      _reference.position[2] += position.delta_z;
+    }
+    if (_placed && (position.heading_reset_counter != _heading_resets)) {
+      _reference.yaw += position.delta_heading;
+    }
+    _placed = placed;
+    _high = high;
+    _xy_resets = position.xy_reset_counter;
+    _z_resets = position.z_reset_counter;
+    _heading_resets = position.heading_reset_counter;
+  }
 
-    if (PX4_ISFINITE(asked.yaw)) {
+  enum class Asked { nothing, value, rate };
+
+  static Asked kind_of(bool has, float value, float rate) {
+    return (has && PX4_ISFINITE(value))  ? Asked::value
+           : (has && PX4_ISFINITE(rate)) ? Asked::rate
+                                         : Asked::nothing;
+  }
+
+  /* One axis of the position: as asked for, or moved on by the velocity that is asked for. */
+  void follow(Asked asked, float value, float rate, bool known, int axis) {
+    qt_real &to = _reference.position[axis];
+    const qt_real here = _estimate.position[axis];
+    if ((asked != _asked[axis]) || !known) {
+      to = here; /* an older goal does not count any more */
+    }
+    _asked[axis] = asked;
+    _reference.velocity[axis] = 0.0f;
+    if (!known || (asked == Asked::nothing)) {
+      return;
+    }
+    if (PX4_ISFINITE(rate)) {
+      _reference.velocity[axis] = rate;
+    }
+    to = (asked == Asked::value)
+             ? value
+             : qt_clamp(to + (rate * QT_DT), here - kPositionLeash, here + kPositionLeash);
+  }
+
+  void read_reference(const trajectory_setpoint_s *from) {
+    const trajectory_setpoint_s none{};
+    const trajectory_setpoint_s &asked = (from != nullptr) ? *from : none;
+    const bool has = from != nullptr;
+    _reference.track_position = _placed;
+    for (int i = 0; i < 3; ++i) {
+      follow(kind_of(has, asked.position[i], asked.velocity[i]), asked.position[i],
+             asked.velocity[i], (i < 2) ? _placed : _high, i);
+    }
+    const Asked turn = kind_of(has, asked.yaw, asked.yawspeed);
+    if (turn != _asked[3]) {
+      _reference.yaw = _estimate.yaw;
+    }
+    _asked[3] = turn;
+    if (turn == Asked::value) {
       _reference.yaw = near_to(asked.yaw, _estimate.yaw);
-
-    } else if (PX4_ISFINITE(asked.yawspeed)) {
-      _reference.yaw += asked.yawspeed * QT_DT;
+    } else if (turn == Asked::rate) {
+      _reference.yaw = qt_clamp(_reference.yaw + (asked.yawspeed * QT_DT),
+                                _estimate.yaw - kYawLeash, _estimate.yaw + kYawLeash);
     }
   }
 
   void publish() {
     const qt_motors_t &motors = qt_parameters.motors;
     actuator_motors_s out{};
-
+    qt_real all = 0.0f;
+    qt_real most = 0.0f;
     for (int m = 0; m < actuator_motors_s::NUM_CONTROLS; ++m) {
       out.control[m] = NAN; /* no such motor */
     }
-
     for (int m = 0; m < QT_ROTORS; ++m) {
       const int i = rotor_of_motor[m];
       const qt_real w = _output.speed[i];
       const qt_real thrust = ((motors.a2[i] * w) + motors.a1[i]) * w;
+      all += thrust;
+      most += motors.greatest[i];
       out.control[m] =
           _output.estimate.finite ? qt_clamp(thrust / motors.greatest[i], 0.0f, 1.0f) : NAN;
     }
-
-    out.timestamp = out.timestamp_sample = hrt_absolute_time();
+    out.timestamp = hrt_absolute_time();
+    out.timestamp_sample = out.timestamp;
     _motors_pub.publish(out);
+    /* What the land detector and the logs look at. */
+    vehicle_thrust_setpoint_s thrust{};
+    vehicle_torque_setpoint_s torque{};
+    thrust.timestamp = torque.timestamp = out.timestamp;
+    thrust.timestamp_sample = torque.timestamp_sample = out.timestamp;
+    thrust.xyz[2] = -all / most;
+    for (int i = 0; i < 3; ++i) {
+      torque.xyz[i] = _output.wrench[1 + i];
+    }
+    _thrust_pub.publish(thrust);
+    _torque_pub.publish(torque);
   }
 
   void stop() {
@@ -239,15 +345,25 @@ class QtModule : public ModuleBase<QtModule>, public px4::ScheduledWorkItem {
   qt_estimate_t _estimate;
   qt_reference_t _reference;
   qt_output_t _output;
+  Asked _asked[4]{}; /* of the axes x, y, z and of the heading */
   bool _flying{false};
   bool _placed{false}; /* whether the place on the map is known */
+  bool _high{false};   /* whether the height is */
+  uint8_t _xy_resets{0};
+  uint8_t _z_resets{0};
+  uint8_t _heading_resets{0};
+  hrt_abstime _armed_at{0};
+  hrt_abstime _good_at{0};
 
   uORB::Subscription _armed_sub{ORB_ID(actuator_armed)};
   uORB::Subscription _attitude_sub{ORB_ID(vehicle_attitude)};
+  uORB::Subscription _land_sub{ORB_ID(vehicle_land_detected)};
   uORB::Subscription _position_sub{ORB_ID(vehicle_local_position)};
   uORB::Subscription _rates_sub{ORB_ID(vehicle_angular_velocity)};
   uORB::Subscription _setpoint_sub{ORB_ID(trajectory_setpoint)};
   uORB::Publication<actuator_motors_s> _motors_pub{ORB_ID(actuator_motors)};
+  uORB::Publication<vehicle_thrust_setpoint_s> _thrust_pub{ORB_ID(vehicle_thrust_setpoint)};
+  uORB::Publication<vehicle_torque_setpoint_s> _torque_pub{ORB_ID(vehicle_torque_setpoint)};
 };
 
 extern "C" __EXPORT int qt_main(int argc, char *argv[]) { return QtModule::main(argc, argv); }

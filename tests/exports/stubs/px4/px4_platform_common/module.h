@@ -16,18 +16,17 @@
 #define MODULE_NAME "module"
 #define __EXPORT
 
-inline uint64_t hrt_absolute_time() { return 1; }
-
 template <class T>
 class ModuleBase {
  public:
   static int main(int argc, char *argv[]) { return T::task_spawn(argc, argv); }
+  static inline bool asked_to_exit = false;
   static T *instance() { return _object.load(); }
 
  protected:
   static constexpr int task_id_is_work_queue = -2;
   static inline std::atomic<T *> _object{nullptr};
   static inline int _task_id = -1;
-  bool should_exit() const { return false; }
+  bool should_exit() const { return asked_to_exit; }
   static void exit_and_cleanup() {}
 };

@@ -11,8 +11,10 @@
 namespace quadtune {
 
 /// Makes the export of a solved design again and compares every file, comments included, and what
-/// the manifest says of laws, weights, evidence, poles and numbers. Numbers that differ by
-/// rounding, as those of another machine may, are accepted.
+/// the manifest says of laws, weights and numbers. Numbers that differ by up to 1e-7 of the largest
+/// of their line, as those of another machine may, are accepted, and what is made from such numbers
+/// is left to the other checks. The options of the export (precision, firmware, adapter) are taken
+/// from its files.
 ///
 /// @param outcome  of the design file that the manifest names
 [[nodiscard]] VerifyCheck check_design(const std::filesystem::path& directory,

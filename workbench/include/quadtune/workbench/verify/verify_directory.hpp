@@ -12,10 +12,14 @@
 
 namespace quadtune {
 
+/// The check that an export which was written by --force fails.
+inline constexpr char kForcedCheck[] = "the design holds what it is asked for";
+
 /// Re-reads the export with the vehicle that its manifest names.
 /// @param vehicle  another vehicle or its file; empty: that of the manifest
-/// @param design   the design file that it was made from; empty: one of that name where it is
-///                 likely to lie
+/// @param design   the design file that it was made from, which is solved again and compared, or
+///                 another of the manifest's inputs, whose hash is; empty: only the hashes of files
+///                 of these names where they are likely to lie
 /// @throws FileError, InvalidInput  for what is no export, or a vehicle that is not built in
 /// @param arm      runs flight code under an emulator of ARM as well
 /// @throws OptionError              for a design that is none of the manifest's inputs, and for
