@@ -29,7 +29,10 @@ LineParts parts_of(const std::string& line) {
     const bool digits = is(std::isdigit, first) ||
                         (first < line.size() && line[first] == '.' && is(std::isdigit, first + 1));
     if (!digits || (at > 0 && in_name(at - 1))) {
-      parts.words += line[at++];
+      // Columns of numbers are filled up with blanks.
+      const bool blank = line[at] == ' ' && parts.words.ends_with(' ');
+      if (!blank) parts.words += line[at];
+      ++at;
       continue;
     }
     char* end = nullptr;
