@@ -206,7 +206,8 @@ static bool aligned_flow(const qt_estimator_parameters_t *p, qt_estimator_state_
     const qt_real ago = ((moment->age - p->gyro_lag) / QT_DT) + (qt_real)j;
     const bool covered = ago > -1e-6f;
     if (moment->came && covered && ((j == 0) || !(ago > 0.999999f))) {
-      const qt_real back = qt_clamp(ago, 0.0f, (qt_real)(QT_MOMENTS - 1));
+      const int last = QT_MOMENTS - 1;
+      const qt_real back = qt_clamp(ago, 0.0f, (qt_real)last);
       qt_real turning[2] = {0.0f, 0.0f};
       for (int i = 0; i < QT_MOMENTS; ++i) {
         /* Linear interpolation between two readings. */
