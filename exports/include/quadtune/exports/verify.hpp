@@ -71,8 +71,8 @@ struct VerifyFacts {
                                          const VerifyFacts& facts = {});
 
 /// Writes the files of an export again, from the laws of its manifest and the vehicle, and compares
-/// them byte by byte. An export for a vehicle of another name is not right. Of an export that another
-/// version wrote the detail says that nothing was compared.
+/// them byte by byte. An export for a vehicle of another name is not right. Of an export that
+/// another version wrote the detail says that nothing was compared.
 /// @return  one check; none for a kind of export that cannot be written again
 [[nodiscard]] std::vector<VerifyCheck> written_again_checks(const std::filesystem::path& directory,
                                                             const Vehicle& vehicle);
