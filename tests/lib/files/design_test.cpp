@@ -358,9 +358,10 @@ INSTANTIATE_TEST_SUITE_P(
                 "d.toml:5: key 'speed_m_per_s' in [trim] is not known"},
         Refusal{"NoRadius", 4, "at = 'circle'\nspeed_m_per_s = 1",
                 "d.toml:3: [trim] has no key 'radius_m'"},
-        Refusal{"Export", 16, "to = 'uqad'",
-                "d.toml:16: no export to 'uqad', expected uquad, "
-                "mambo, json, mat, c, px4, ardupilot, betaflight, crazyflie; did you mean 'uquad'?"},
+        Refusal{
+            "Export", 16, "to = 'uqad'",
+            "d.toml:16: no export to 'uqad', expected uquad, "
+            "mambo, json, mat, c, px4, ardupilot, betaflight, crazyflie; did you mean 'uquad'?"},
         Refusal{"FlightCodeName", 16, "to = 'c'\nname = '9x'",
                 "d.toml:17: '9x' cannot be the prefix of a C program"},
         Refusal{"FlightCodeLaw", 16, "to = 'c'\nlaw = 'lqr'",
