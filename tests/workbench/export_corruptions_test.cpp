@@ -41,8 +41,8 @@ using testing::TemporaryDirectory;
 using Random = std::mt19937_64;
 using Files = std::map<std::string, std::string>;  // name, bytes
 
-constexpr int kExports = testing::kSanitized ? 40 : 400;
-constexpr int kCorruptions = testing::kSanitized ? 40 : 400;
+constexpr int kExports = testing::kSanitized ? 15 : 400;
+constexpr int kCorruptions = testing::kSanitized ? 15 : 400;
 
 constexpr char kParametersDesign[] = R"(
 name = "parameters"
