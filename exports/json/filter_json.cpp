@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A Kalman filter with its model and noise, as gains.json holds it.
+#include "filter_matrices.hpp"
 #include "json/to_json.hpp"
 #include "quadtune/internal/json.hpp"
 
@@ -16,20 +17,9 @@ Json filter_to_json(const KalmanFilter& filter) {
   json["states"] = signals_to_json(filter.model.states);
   json["inputs"] = signals_to_json(filter.model.inputs);
   json["outputs"] = signals_to_json(filter.model.outputs);
-  const auto add = [&](const char* key, const Eigen::MatrixXd& M) {
+  each_matrix(filter, [&](const char* key, const Eigen::MatrixXd& M) {
     json[key] = matrix_to_json(M, filter.name + "." + key);
-  };
-  add("A", filter.model.A);
-  add("B", filter.model.B);
-  add("C", filter.model.C);
-  add("G", filter.G);
-  add("Q", filter.Q);
-  add("R", filter.R);
-  add("N", filter.N);
-  add("M", filter.M);
-  add("L", filter.L);
-  add("P", filter.P);
-  add("Z", filter.Z);
+  });
   return json;
 }
 
@@ -44,20 +34,9 @@ KalmanFilter filter_from_json(const Json& json, const std::string& where) {
   filter.model.states = internal::signals_from_json(at("states"), path("states"));
   filter.model.inputs = internal::signals_from_json(at("inputs"), path("inputs"));
   filter.model.outputs = internal::signals_from_json(at("outputs"), path("outputs"));
-  const auto matrix = [&](const char* key) {
-    return internal::matrix_from_json(at(key), path(key));
-  };
-  filter.model.A = matrix("A");
-  filter.model.B = matrix("B");
-  filter.model.C = matrix("C");
-  filter.G = matrix("G");
-  filter.Q = matrix("Q");
-  filter.R = matrix("R");
-  filter.N = matrix("N");
-  filter.M = matrix("M");
-  filter.L = matrix("L");
-  filter.P = matrix("P");
-  filter.Z = matrix("Z");
+  each_matrix(filter, [&](const char* key, Eigen::MatrixXd& M) {
+    M = internal::matrix_from_json(at(key), path(key));
+  });
   return filter;
 }
 

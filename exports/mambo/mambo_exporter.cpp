@@ -3,6 +3,7 @@
 
 #include "built_in_exporters.hpp"
 #include "export_text.hpp"
+#include "filter_matrices.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/mambo.hpp"
 
@@ -71,17 +72,7 @@ std::vector<KalmanFilter> filters_of(const fs::path& directory) {
     const Eigen::MatrixXd dt = matrix("Ts");
     if (dt.size() != 1) throw InvalidInput(path.string(), std::string(prefix) + "Ts is no number");
     filter.model.dt = dt(0, 0);
-    filter.model.A = matrix("A");
-    filter.model.B = matrix("B");
-    filter.model.C = matrix("C");
-    filter.G = matrix("G");
-    filter.Q = matrix("Q");
-    filter.R = matrix("R");
-    filter.N = matrix("N");
-    filter.M = matrix("M");
-    filter.L = matrix("L");
-    filter.P = matrix("P");
-    filter.Z = matrix("Z");
+    each_matrix(filter, [&](const char* key, Eigen::MatrixXd& M) { M = matrix(key); });
     filters.push_back(std::move(filter));
   }
   return filters;
