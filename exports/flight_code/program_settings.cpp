@@ -7,11 +7,21 @@
 
 #include "flight_code/adapters.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/exports/included_estimator.hpp"
 #include "quadtune/flight_code_words.hpp"
 #include "quadtune/simulation/designed_controller.hpp"
 #include "quadtune/simulation/mission.hpp"
 
-namespace quadtune::exports {
+namespace quadtune {
+
+std::string included_estimator(const std::optional<StoredEstimator>& estimator,
+                               const std::string& adapter) {
+  if (!estimator || exports::adapter_estimates(adapter)) return "";
+  if (estimator->general) return "general";
+  return estimator->name == "mambo" ? "mambo" : "";
+}
+
+namespace exports {
 namespace {
 
 // From the ground to 1 m, then to another place, height and heading at once: errors are large, and
@@ -66,14 +76,13 @@ FlightSetup recorded_setup(const ExportContent& content) {
   setup.duration = std::min(setup.mission.duration, kMostPeriods * control_period(setup));
   setup.allocation = AllocationRule::prioritized;
   setup.estimator = EstimatorKind::truth;
-  if (content.estimator && !adapter_estimates(content.flight_code.adapter)) {
-    if (content.estimator->general) {
-      setup.estimator = EstimatorKind::general;
-      setup.general_filter = content.estimator->general;
-    } else if (content.estimator->name == "mambo") {
-      setup.estimator = EstimatorKind::mambo;
-      calibrate_flow(setup);
-    }
+  const std::string estimator = included_estimator(content.estimator, content.flight_code.adapter);
+  if (estimator == "general") {
+    setup.estimator = EstimatorKind::general;
+    setup.general_filter = content.estimator->general;
+  } else if (estimator == "mambo") {
+    setup.estimator = EstimatorKind::mambo;
+    calibrate_flow(setup);
   }
   validate(setup);
   return setup;
@@ -111,4 +120,5 @@ ProgramSettings program_settings(const FlightSetup& setup) {
   return settings;
 }
 
-}  // namespace quadtune::exports
+}  // namespace exports
+}  // namespace quadtune

@@ -11,6 +11,7 @@
 #include "quadtune/exports/convert.hpp"
 #include "quadtune/exports/exporter.hpp"
 #include "quadtune/exports/firmware.hpp"
+#include "quadtune/exports/included_estimator.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/workbench/design/cascade_report.hpp"
 #include "quadtune/workbench/design/export_content.hpp"
@@ -113,8 +114,7 @@ std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kin
         fmt::format("the estimate is that of the firmware of '{}': the program does not "
                     "include the estimator with which the law was judged",
                     adapter));
-  else if (kind.name() == "c" && !(content.estimator && (content.estimator->general ||
-                                                         content.estimator->name == "mambo")))
+  else if (kind.name() == "c" && included_estimator(content.estimator, adapter).empty())
     notes.push_back(fmt::format("{}: the program takes the estimate from its caller",
                                 content.estimator
                                     ? fmt::format("flight code does not include the estimator '{}'",

@@ -10,6 +10,7 @@
 
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/flight_code.hpp"
+#include "quadtune/exports/included_estimator.hpp"
 #include "quadtune/exports/read_gains.hpp"
 
 namespace quadtune {
@@ -64,7 +65,9 @@ std::vector<FlownFlight> fly_seeds(const PlannedFlight& plan, std::uint32_t coun
 
 void take_program(FlightOptions& options) {
   const StoredLaws laws = read_laws(options.gains);
-  const std::string asked = read_flight_code_options(options.gains).law;
+  const FlightCodeOptions program = read_flight_code_options(options.gains);
+  const std::string& asked = program.law;
+  const std::string estimator = included_estimator(laws.estimator, program.adapter);
   const bool cascade = asked.empty() ? laws.cascade.has_value() : asked == "cascaded-pid";
   const auto take = [](const char* option, std::string& word, const std::string& of_program) {
     if (!word.empty() && word != of_program)
@@ -74,8 +77,7 @@ void take_program(FlightOptions& options) {
     word = of_program;
   };
   take("controller", options.controller, cascade ? "cascaded-pid" : "state-feedback");
-  take("estimator", options.estimator,
-       laws.estimator && laws.estimator->general ? "general" : "truth");
+  take("estimator", options.estimator, estimator.empty() ? "truth" : estimator);
   if (!options.integrator.empty())
     throw OptionError("integrator", "integrator is not for a compiled program, expected none");
 }

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Which estimator a program of flight code includes.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "quadtune/exports/stored_estimator.hpp"
+
+namespace quadtune {
+
+/// @param estimator  that the law was judged with
+/// @param adapter    FlightCodeOptions::adapter
+/// @return           "general" or "mambo"; empty if the program takes the estimate from its caller:
+///                   for other estimators, and for adapters whose firmware has its own
+[[nodiscard]] std::string included_estimator(const std::optional<StoredEstimator>& estimator,
+                                             const std::string& adapter);
+
+}  // namespace quadtune
