@@ -82,6 +82,10 @@ FlightSetup recorded_setup(const ExportContent& content) {
     setup.general_filter = content.estimator->general;
   } else if (estimator == "mambo") {
     setup.estimator = EstimatorKind::mambo;
+    // The filter finds the offsets of its sensors while the vehicle stands, here as long as in the
+    // built-in missions.
+    constexpr double kCalibration = 0.5;  // [s]
+    setup.mission.start.start_up = kCalibration;
     calibrate_flow(setup);
   }
   validate(setup);
