@@ -11,6 +11,7 @@
 #include "plants/flight_code_designs.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/flight_code.hpp"
+#include "quadtune/exports/included_estimator.hpp"
 #include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
@@ -140,6 +141,18 @@ TEST(Adapters, FindEachMotorByItsPlaceAndSense) {
   EXPECT_EQ(order(), "1, 2, 3, 0");  // front left is the first of the file, M1 front right
   std::swap(content.vehicle.rotors[0], content.vehicle.rotors[2]);
   EXPECT_EQ(order(), "1, 0, 3, 2");
+}
+
+TEST(Adapters, LeaveTheEstimatorOutWhereTheirFirmwareHasOne) {
+  const StoredEstimator general{"general", GeneralFilterSettings()}, mambo{"mambo"};
+  for (const char* adapter : {"", "main"}) {
+    EXPECT_EQ(included_estimator(general, adapter), "general");
+    EXPECT_EQ(included_estimator(mambo, adapter), "mambo");
+    EXPECT_EQ(included_estimator(StoredEstimator{"uquad"}, adapter), "");
+    EXPECT_EQ(included_estimator({}, adapter), "");
+  }
+  for (const char* adapter : {"mambo", "crazyflie", "px4"})
+    EXPECT_EQ(included_estimator(general, adapter), "");
 }
 
 TEST(Adapters, AreReadBackFromAnExport) {
