@@ -141,6 +141,7 @@ std::string gains_json_text(const ExportContent& content) {
   if (version >= 2)
     json["estimator"] =
         content.estimator ? exports::estimator_to_json(*content.estimator) : Json(nullptr);
+  if (content.parameters) json["parameters"] = exports::parameters_to_json(*content.parameters);
   exports::add_weights(json, content.Q, content.R);
   return internal::readable(json) + "\n";
 }

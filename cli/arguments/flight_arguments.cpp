@@ -9,12 +9,13 @@ namespace quadtune::cli {
 void add_flight_options(CommandLine& line, FlightOptions& options) {
   line.add_option("--mission NAME", options.mission,
                   "a built-in mission or a mission file (docs/formats.md); hover");
-  line.add_option(
-      "--controller KIND", options.controller,
-      "cascaded-pid (or pid), state-feedback (or lqr); what --gains holds, or cascaded-pid");
+  line.add_option("--controller KIND", options.controller,
+                  "cascaded-pid (or pid), state-feedback (or lqr), or firmware, the loops of an "
+                  "autopilot; what "
+                  "--gains holds, or cascaded-pid");
   line.add_option("--gains WHICH", options.gains,
                   "designed (default), published, a design file, an export, a gain schedule, or "
-                  "what lqr or pid wrote as JSON");
+                  "what lqr, pid or import wrote as JSON");
   line.add_option("--integrator NAME", options.integrator,
                   "of the PID: euler (default), backward-euler or tustin");
   line.add_option("--estimator NAME", options.estimator,

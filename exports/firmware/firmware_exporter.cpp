@@ -144,6 +144,16 @@ Exporter firmware_exporter(FirmwareKind kind) {
   exporter.gain_files = {parameter_file_name(kind)};
   exporter.files = [kind](const ExportContent& content) { return firmware_files(content, kind); };
   exporter.fit = [kind](ExportContent content) { return fitted(std::move(content), kind); };
+  exporter.read = [kind, laws = exporter.read](const fs::path& directory,
+                                               const Manifest& manifest) {
+    StoredLaws stored = laws(directory, manifest);
+    const fs::path path = directory / parameter_file_name(kind);
+    const std::string text = exports::export_text(path);
+    const FirmwareOptions options = written_options(kind, text, path.string());
+    const Firmware target = firmware(kind, options, path.string());
+    stored.parameters = {target, parse_parameters(target, text, path.string()).values};
+    return stored;
+  };
   exporter.read_plain = {};
   exporter.weights_difference = {};
   exporter.written_again = [kind](const fs::path& directory, const Manifest& manifest,

@@ -45,6 +45,8 @@ StoredLaws laws_of_json(const Json& json, const std::string& origin) {
   } else if (json.contains("estimator")) {
     laws.estimator = estimator_from_json(json["estimator"], origin + ": estimator");
   }
+  if (json.contains("parameters"))
+    laws.parameters = parameters_from_json(json["parameters"], origin + ": parameters");
   require_one_period(laws, origin);
   if (laws.vehicle.empty() && json.contains("vehicle")) {
     const Json& vehicle = json["vehicle"];

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "quadtune/design.hpp"
+#include "quadtune/exports/firmware_names.hpp"
 #include "quadtune/exports/stored_estimator.hpp"
 #include "quadtune/filter.hpp"
 #include "quadtune/gains.hpp"
@@ -62,6 +63,11 @@ void add_weights(Json& json, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R)
 [[nodiscard]] Json estimator_to_json(const StoredEstimator& estimator);
 /// @throws InvalidInput  naming the JSON path, what came and what was expected.
 [[nodiscard]] StoredEstimator estimator_from_json(const Json& json, const std::string& where);
+
+/// The parameters of an autopilot, by name.
+[[nodiscard]] Json parameters_to_json(const StoredParameters& parameters);
+/// @throws InvalidInput  naming the JSON path, what came and what was expected.
+[[nodiscard]] StoredParameters parameters_from_json(const Json& json, const std::string& where);
 
 /// "format" of a manifest.
 inline constexpr char kManifestFormat[] = "quadtune-export";

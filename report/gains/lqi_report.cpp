@@ -192,7 +192,8 @@ std::string to_text(const LqgReport& report) {
 
 void add_laws(internal::Json& json, const ExportContent& content) {
   const internal::Json stored = internal::Json::parse(gains_json_text(content));
-  for (const char* key : {"format", "format_version", "gains", "cascade", "estimator"})
+  for (const char* key :
+       {"format", "format_version", "gains", "cascade", "estimator", "parameters"})
     if (stored.contains(key)) json[key] = stored[key];
 }
 

@@ -287,6 +287,12 @@ class PlanMaker {
     arguments.integrator = design.integrator;
     const ChosenLaw law =
         option_of_file(design.where, [&] { return choose_law(arguments, vehicle, "campaign"); });
+    if (law.on_board)
+      throw InvalidInput(design.where + ": controller",
+                         fmt::format("{} has the loops of an autopilot, which a campaign cannot "
+                                     "fly, expected controller = \"cascaded-pid\", the cascade "
+                                     "that stands for them",
+                                     design.gains));
     entry["law"] = law.words;
     Controller controller = law.controller;
     if (law.estimator) {

@@ -10,12 +10,14 @@
 
 #include "quadtune/control/scheduled_feedback.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/exports/firmware.hpp"
 #include "quadtune/exports/schedule_table.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/given_gains.hpp"
 #include "quadtune/workbench/design/near_hover.hpp"
 #include "quadtune/workbench/design/standard_lqr.hpp"
+#include "quadtune/workbench/firmware/firmware_law.hpp"
 #include "quadtune/workbench/flown/flown_gains.hpp"
 #include "quadtune/workbench/flown/flown_lqi.hpp"
 
@@ -103,6 +105,10 @@ ChosenLaw designed_feedback(const Vehicle& vehicle, const std::string& who) {
 /// What is known by a word alone: gains designed or published.
 ChosenLaw law_of_word(const FlightOptions& options, const Vehicle& vehicle, bool cascade,
                       const std::string& who) {
+  if (options.controller == kFirmware)
+    throw OptionError("controller",
+                      "controller firmware needs gains, a file of `quadtune import -o` or an "
+                      "export of parameters; expected such a file");
   const bool designed = options.gains == "designed";
   if (cascade) return designed ? designed_cascade(options, vehicle) : published_cascade(vehicle);
   if (designed) return designed_feedback(vehicle, who);
@@ -122,6 +128,28 @@ bool flies_cascade(const GivenLaws& given, const FlightOptions& options) {
                        cascade ? "holds a state feedback and no PID cascade, expected one"
                                : "holds a PID cascade and no state feedback, expected one");
   return cascade;
+}
+
+/// Whether the loops of an autopilot fly: where the file has its parameters, unless something else
+/// is asked for.
+bool flies_firmware(const StoredLaws& laws, const FlightOptions& options) {
+  if (options.controller == kFirmware && !laws.parameters)
+    throw InvalidInput(options.gains,
+                       "holds no parameters of an autopilot, expected what `quadtune import -o` or "
+                       "an export of parameters writes");
+  return laws.parameters && (options.controller.empty() || options.controller == kFirmware);
+}
+
+ChosenLaw law_of_parameters(const StoredLaws& laws, const Vehicle& vehicle,
+                            const std::string& path) {
+  const Firmware& firmware = laws.parameters->firmware;
+  ChosenLaw law;
+  law.controller = firmware_controller(vehicle, *laws.parameters,
+                                       laws.cascade ? laws.cascade->gains : CascadeGains());
+  law.words = fmt::format("loops of {} {} with the parameters of {}", to_string(firmware.kind),
+                          firmware.version, path);
+  law.on_board = true;
+  return law;
 }
 
 ChosenLaw law_of_schedule(const FlightOptions& options, const Vehicle& vehicle) {
@@ -144,6 +172,8 @@ ChosenLaw law_of_file(const FlightOptions& options, const Vehicle& vehicle) {
   if (is_schedule(options.gains)) return law_of_schedule(options, vehicle);
   const GivenLaws given = read_given_laws(options.gains);
   require_vehicle(given.laws, vehicle, options.gains);
+  if (flies_firmware(given.laws, options))
+    return law_of_parameters(given.laws, vehicle, options.gains);
   if (!flies_cascade(given, options)) {
     const bool matrix = given.design && given.design->matrix;
     return {feedback_controller(*given.laws.gains, kUsualPeriod),
@@ -164,13 +194,15 @@ ChosenLaw law_of_file(const FlightOptions& options, const Vehicle& vehicle) {
 }  // namespace
 
 std::string controller_kind(const std::string& word) {
-  if (word.empty() || word == kCascadedPid || word == kStateFeedback) return word;
+  if (word.empty() || word == kCascadedPid || word == kStateFeedback || word == kFirmware)
+    return word;
   if (word == "pid") return kCascadedPid;
   if (word == "lqr") return kStateFeedback;
-  throw OptionError("controller",
-                    fmt::format("controller is '{}', expected {} (or pid) or {} (or lqr){}",
-                                internal::printable(word), kCascadedPid, kStateFeedback,
-                                internal::did_you_mean(word, {kCascadedPid, kStateFeedback})));
+  throw OptionError(
+      "controller",
+      fmt::format("controller is '{}', expected {} (or pid), {} (or lqr) or {}{}",
+                  internal::printable(word), kCascadedPid, kStateFeedback, kFirmware,
+                  internal::did_you_mean(word, {kCascadedPid, kStateFeedback, kFirmware})));
 }
 
 ChosenLaw choose_law(FlightOptions options, const Vehicle& vehicle, const std::string& who) {

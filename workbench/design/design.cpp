@@ -145,7 +145,8 @@ void complete(MissionRequest& mission, const Design& design) {
   mission.controller = controller_kind(mission.controller);
   if (mission.controller.empty())
     mission.controller = design.cascade ? kCascadedPid : kStateFeedback;
-  if (mission.controller == kCascadedPid ? !design.cascade : !has_feedback(design))
+  if (mission.controller == kFirmware ||
+      (mission.controller == kCascadedPid ? !design.cascade : !has_feedback(design)))
     throw OptionError("controller",
                       fmt::format("controller of the mission '{}' is {}, expected the law that is "
                                   "designed",

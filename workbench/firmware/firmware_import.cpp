@@ -42,12 +42,13 @@ void note_left_out(const FirmwareTurn& turn, std::vector<std::string>& notes) {
   if (const double D = turn.gains.derivative(); D != 0)
     notes.push_back(fmt::format(
         "{}: D acts as {:.3g} kg m^2 more inertia, {:.0f} % of the vehicle's: it is in the margins "
-        "of this table, and not in the cascade that is flown and written",
+        "of this table and in flights, and not in the cascade, which other verbs take",
         to_string(turn.gains.axis), D, 100 * D / turn.inertia));
   if (turn.gains.double_integral() != 0)
     notes.push_back(
         fmt::format("{}: both of its controllers integrate: the product of the two "
-                    "integrals is not in the cascade that is flown and written",
+                    "integrals is in the margins of this table and in flights, and not in the "
+                    "cascade, which other verbs take",
                     to_string(turn.gains.axis)));
 }
 
@@ -101,9 +102,9 @@ FirmwareImport import_parameters(const Firmware& firmware, const Vehicle& vehicl
   result.turns = firmware_turns(firmware, vehicle, values);
   if (firmware.kind == FirmwareKind::ardupilot)
     result.notes.emplace_back(
-        "altitude: the firmware's loop of the vertical acceleration is taken as ideal, and it "
-        "gives "
-        "about half of what is asked for at once: the height is damped less than here");
+        "altitude: the firmware's loop of the vertical acceleration is in flights; the cascade, "
+        "which other verbs take, has it as ideal, though it gives about half of what is asked for "
+        "at once: the height is damped less than there");
   CascadeGains pilot;
   for (const FirmwareLoop& loop : result.loops) {
     if (!loop.flies && pilot.loops.empty()) {
@@ -124,6 +125,7 @@ FirmwareImport import_parameters(const Firmware& firmware, const Vehicle& vehicl
   for (const FirmwareTurn& turn : result.turns) note_left_out(turn, result.notes);
   result.content =
       content_of(vehicle, cascade_of(result.loops, pilot, dt > 0 ? dt : kFirmwarePeriod));
+  result.content.parameters = StoredParameters{firmware, values};
   const CascadeDesign& cascade = *result.content.cascade;
   try {
     result.flown = flown_loop(hover_under(vehicle, cascade_controller(cascade, cascade.gains),

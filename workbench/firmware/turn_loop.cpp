@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "firmware/loop_filters.hpp"
 #include "firmware/turn_parts.hpp"
 #include "quadtune/workbench/firmware/firmware_import.hpp"
 
@@ -28,80 +29,36 @@ VectorXd sum(const VectorXd& a, const VectorXd& b) {
 VectorXd power_of_s(Index n) { return VectorXd::Unit(n + 1, 0); }
 VectorXd one() { return VectorXd::Ones(1); }
 
-/// Denominator of a low pass whose numerator is 1; 1 where the cut-off is 0, off.
-VectorXd first_order(double cutoff_Hz) {
-  if (!(cutoff_Hz > 0)) return one();
-  return Eigen::Vector2d(1 / (2 * std::numbers::pi * cutoff_Hz), 1);
-}
-VectorXd butterworth(double cutoff_Hz) {
-  if (!(cutoff_Hz > 0)) return one();
-  const double w = 2 * std::numbers::pi * cutoff_Hz;
-  return Eigen::Vector3d(1 / (w * w), std::numbers::sqrt2 / w, 1);
+/// Denominator of filters whose numerators are 1.
+VectorXd denominator(const internal::LowPasses& filters) {
+  VectorXd result = one();
+  for (const internal::LowPass& filter : filters) {
+    const double w = 2 * std::numbers::pi * filter.cutoff;
+    if (filter.order == 2)
+      result = product(result, Eigen::Vector3d(1 / (w * w), std::numbers::sqrt2 / w, 1));
+    else
+      result = product(result, Eigen::Vector2d(1 / w, 1));
+  }
+  return result;
 }
 
-/// What a firmware does to its rates, as denominators.
+/// LoopFilters as denominators.
 struct Filters {
-  VectorXd gyroscope = one();
-  VectorXd derivative = one();  ///< of D, beside the gyroscope's
-  VectorXd error = one();       ///< of the error of P and I
-  VectorXd target = one();      ///< of what the loop of the angle asks for
-  VectorXd output = one();
+  VectorXd gyroscope, error, target, output;
+  VectorXd derivative;  ///< of D, beside the gyroscope's
 };
 
-Filters filters_of(const Firmware& firmware, CascadeAxis axis, const ParameterValues& value) {
-  Filters filters;
-  const bool yaw = axis == CascadeAxis::yaw;
-  switch (firmware.kind) {
-    case FirmwareKind::px4:
-      filters.gyroscope = butterworth(value("IMU_GYRO_CUTOFF"));
-      filters.derivative = first_order(value("IMU_DGYRO_CUTOFF"));
-      if (yaw && value.has("MC_YAW_TQ_CUTOFF"))
-        filters.output = first_order(value("MC_YAW_TQ_CUTOFF"));
-      break;
-    case FirmwareKind::ardupilot: {
-      const std::string rate = std::string("ATC_RAT_") +
-                               (yaw                         ? "YAW"
-                                : axis == CascadeAxis::roll ? "RLL"
-                                                            : "PIT") +
-                               "_";
-      filters.gyroscope = butterworth(value("INS_GYRO_FILTER"));
-      filters.error = first_order(value(rate + "FLTE"));
-      filters.target = first_order(value(rate + "FLTT"));
-      filters.derivative = product(filters.error, first_order(value(rate + "FLTD")));
-      break;
-    }
-    case FirmwareKind::betaflight: {
-      constexpr double kYawLowPass = 100;  // [Hz] of P of the yaw
-      // Where a cut-off moves with the throttle, its lower end.
-      const auto first = [&](const std::string& name) {
-        const double least = value(name + "_dyn_min_hz");
-        return first_order(least > 0 ? least : value(name + "_static_hz"));
-      };
-      filters.gyroscope = product(first("gyro_lpf1"), first_order(value("gyro_lpf2_static_hz")));
-      filters.derivative = product(first("dterm_lpf1"), first_order(value("dterm_lpf2_static_hz")));
-      if (yaw) filters.error = first_order(kYawLowPass);
-      break;
-    }
-    case FirmwareKind::crazyflie:
-      constexpr double kGyroscope = 80;  // [Hz]
-      filters.gyroscope = butterworth(kGyroscope);
-      break;
-  }
-  return filters;
-}
-
-double rate_of(const Firmware& firmware, const ParameterValues& value) {
-  switch (firmware.kind) {
-    case FirmwareKind::px4:
-      return value("IMU_GYRO_RATEMAX");
-    case FirmwareKind::ardupilot:
-      return value("SCHED_LOOP_RATE");
-    case FirmwareKind::betaflight:
-      return 4000;  // of the usual boards
-    case FirmwareKind::crazyflie:
-      return 500;
-  }
-  return 0;
+Filters filters_of(const Firmware& firmware, const FirmwareLoop& loop,
+                   const ParameterValues& value) {
+  const internal::LoopFilters filters = internal::loop_filters(firmware, loop.axis, value);
+  Filters result;
+  result.gyroscope = denominator(filters.rate);
+  result.error = denominator(filters.error);
+  result.target = denominator(filters.target);
+  result.output = denominator(filters.output);
+  result.derivative = denominator(filters.derivative);
+  if (loop.of_error) result.derivative = product(result.error, result.derivative);
+  return result;
 }
 
 /// By how long the torque about z leads the rotors' speed [s]: that of the air, Q(w), and the
@@ -123,7 +80,7 @@ double firmware_delay(const Firmware& firmware, const Vehicle& vehicle,
                       const std::vector<Parameter>& values) {
   // A sample to compute, half of one because the output is held.
   const ParameterValues value(firmware, values);
-  return 1.5 / rate_of(firmware, value) + vehicle.motor.delay +
+  return 1.5 / internal::loop_rates(firmware, value).rate + vehicle.motor.delay +
          (vehicle.sensors.gyroscope ? vehicle.sensors.gyroscope->delay : 0);
 }
 
@@ -131,7 +88,7 @@ ContinuousTransferFunction firmware_turn_loop(const Firmware& firmware, const Ve
                                               const FirmwareLoop& loop,
                                               const std::vector<Parameter>& values, bool angle) {
   const ParameterValues value(firmware, values);
-  Filters f = filters_of(firmware, loop.axis, value);
+  Filters f = filters_of(firmware, loop, value);
   // τ/scale = (P + I/s) E R + FF R' + D s Fd X, each times the rate, with
   //   a = (Oo s + Oi)/s^k T     the loop of the angle, T the target's filter
   //   R = (1 + Od) F + a,  R' = Od F + a

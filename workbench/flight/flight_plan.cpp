@@ -10,6 +10,7 @@
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/workbench/firmware/firmware_law.hpp"
 #include "quadtune/workbench/flight/sensor_words.hpp"
 
 namespace quadtune {
@@ -191,6 +192,18 @@ void note_drifts(PlannedFlight& flight) {
                   lacks, flight.bound->horizontal_end, number(duration)));
 }
 
+/// An autopilot has its own estimator, which a general filter stands for.
+void put_on_board(const FlightOptions& options, FlightSetup& setup, PlannedFlight& flight) {
+  const bool truth = setup.estimator == EstimatorKind::truth;
+  if (!options.estimator.empty() && !truth && options.estimator != "general")
+    throw OptionError("estimator",
+                      fmt::format("estimator is {}, expected general or truth with the loops of an "
+                                  "autopilot, whose own estimator is a filter of that kind",
+                                  options.estimator));
+  if (!truth && setup.estimator != EstimatorKind::general) set_estimator("general", setup, flight);
+  fly_on_board(setup);
+}
+
 }  // namespace
 
 std::string why_no_estimator(const Vehicle& vehicle) {
@@ -291,6 +304,7 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
     throw InvalidInput(law.words, error.what());
   }
   if (law.estimator && estimator == "general") setup.general_filter = law.estimator->general;
+  if (law.on_board) put_on_board(options, setup, flight);
   if (options.estimator.empty() && estimator == "truth") {
     const std::string why = why_no_estimator(vehicle);
     if (setup.real_sensors && !why.empty())

@@ -11,6 +11,7 @@
 
 #include "quadtune/design.hpp"
 #include "quadtune/exports/file_set.hpp"
+#include "quadtune/exports/firmware_names.hpp"
 #include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/stored_estimator.hpp"
 #include "quadtune/exports/uquad.hpp"
@@ -49,6 +50,7 @@ struct ExportContent {
   std::optional<StoredEstimator> estimator;  ///< that the laws were judged with
   FlightCodeOptions flight_code;             ///< of exports that are flight code
   FirmwareOptions firmware;                  ///< of exports that are a firmware's parameters
+  std::optional<StoredParameters> parameters;  ///< of a board, for which `cascade` stands
   std::vector<std::string> firmware_notes;   ///< what these change of the cascade, by Exporter::fit
   ExportEvidence evidence;
   std::vector<std::string> forced;  ///< why it would not have been written without --force

@@ -14,25 +14,17 @@
 #include "quadtune/cascade.hpp"
 #include "quadtune/estimation/general_filter_settings.hpp"
 #include "quadtune/exports/content.hpp"
+#include "quadtune/exports/firmware_names.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/firmware_options.hpp"
 #include "quadtune/model/vehicle.hpp"
 
 namespace quadtune {
 
-enum class FirmwareKind { px4, ardupilot, betaflight, crazyflie };
-
 /// "px4", "ardupilot", "betaflight", "crazyflie": the names of the exports, too.
 [[nodiscard]] std::string to_string(FirmwareKind kind);
 /// @throws InvalidInput  naming the word, those that exist, and the nearest
 [[nodiscard]] FirmwareKind firmware_kind(const std::string& name, const std::string& where);
-
-/// A firmware in one version, with the propellers where its scale depends on them.
-struct Firmware {
-  FirmwareKind kind = FirmwareKind::px4;
-  std::string version;  ///< one of firmware_versions()
-  std::string setup;    ///< one of firmware_setups(); empty where there are none
-};
 
 /// The versions whose parameters are known, the newest first. A release belongs to the newest one
 /// that is not above it: PX4 1.14.4 to "1.14".
@@ -62,12 +54,6 @@ struct ParameterFacts {
 
 /// The parameters that these loops consist of, in the order in which they are written.
 [[nodiscard]] std::vector<ParameterFacts> parameter_facts(const Firmware& firmware);
-
-/// A parameter with its value.
-struct Parameter {
-  std::string name;
-  double value = 0;
-};
 
 /// Values by name, with the firmware's defaults behind them.
 class ParameterValues {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "quadtune/design.hpp"
+#include "quadtune/exports/firmware_names.hpp"
 #include "quadtune/exports/stored_estimator.hpp"
 #include "quadtune/gains.hpp"
 
@@ -18,6 +19,8 @@ struct StoredLaws {
   std::optional<Gains> gains;                     ///< a state feedback
   std::optional<CascadeDesign> cascade;           ///< with its gains, all six loops
   std::optional<StoredEstimator> estimator = {};  ///< that the laws were judged with
+  /// Of an autopilot, whose loops `cascade` stands for: firmware_controller() flies them.
+  std::optional<StoredParameters> parameters = {};
 };
 
 /// Reads the laws of an export or of a file.

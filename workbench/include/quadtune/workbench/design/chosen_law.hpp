@@ -21,6 +21,7 @@ namespace quadtune {
 /// The kinds of law by name, as controller_kind() gives them.
 inline constexpr char kCascadedPid[] = "cascaded-pid";
 inline constexpr char kStateFeedback[] = "state-feedback";
+inline constexpr char kFirmware[] = "firmware";  ///< the loops of an autopilot, of its parameters
 
 /// Control period of laws that come with none [s]: that of the Mambo's program.
 inline constexpr double kUsualPeriod = 0.005;
@@ -39,9 +40,10 @@ struct ChosenLaw {
   std::optional<MarginsReport> margins = {};  ///< of its loops, where its design computed them
   double position_bandwidth = 0;  ///< of the slower loop of x and y [rad/s]; 0: not known
   std::optional<StoredEstimator> estimator = {};  ///< that its file names
+  bool on_board = false;  ///< the law is an autopilot's: fly_on_board() makes its flights
 };
 
-/// "cascaded-pid" or "state-feedback", also for "pid" and "lqr"; "" stays.
+/// "cascaded-pid", "state-feedback" or "firmware", also for "pid" and "lqr"; "" stays.
 /// @throws OptionError  for other words
 [[nodiscard]] std::string controller_kind(const std::string& word);
 

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// An autopilot's parameters as JSON: those that a file gave, by name.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "json/to_json.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/firmware.hpp"
+#include "quadtune/internal/json.hpp"
+
+namespace quadtune::exports {
+
+Json parameters_to_json(const StoredParameters& parameters) {
+  const Firmware& firmware = parameters.firmware;
+  Json json = {{"firmware", to_string(firmware.kind)},
+               {"version", firmware.version},
+               {"setup", firmware.setup},
+               {"values", Json::object()}};
+  for (const Parameter& parameter : parameters.values)
+    json["values"][parameter.name] =
+        internal::number_to_json(parameter.value, "parameters." + parameter.name);
+  return json;
+}
+
+StoredParameters parameters_from_json(const Json& json, const std::string& where) {
+  const auto word = [&](const char* key) {
+    return internal::string_from_json(internal::member(json, key, where), where + "." + key);
+  };
+  StoredParameters parameters;
+  parameters.firmware =
+      firmware(firmware_kind(word("firmware"), where + ".firmware"),
+               FirmwareOptions{.version = word("version"), .setup = word("setup")}, where);
+  const Json& values = internal::member(json, "values", where);
+  if (!values.is_object())
+    throw InvalidInput(where + ".values",
+                       fmt::format("is {}, expected parameters by name", values.type_name()));
+  const ParameterValues known(parameters.firmware, {});
+  for (const std::string& name : values.keys()) {
+    const std::string place = where + ".values." + internal::printable(name);
+    if (!known.has(name))
+      throw InvalidInput(
+          place, fmt::format("is no parameter of the loops of {} {}, expected one",
+                             to_string(parameters.firmware.kind), parameters.firmware.version));
+    const double number = internal::number_from_json(values[name], place);
+    if (!std::isfinite(number))
+      throw InvalidInput(place, fmt::format("is {}, expected a finite number", number));
+    parameters.values.push_back({name, number});
+  }
+  return parameters;
+}
+
+}  // namespace quadtune::exports

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+// The loops of autopilots as they fly, against their parameters by hand and against the margins
+// that are computed from the same loops in continuous time.
+#include "quadtune/workbench/firmware/firmware_law.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "plants/firmware_vehicles.hpp"
+#include "quadtune/errors.hpp"
+#include "quadtune/exports/firmware.hpp"
+#include "quadtune/workbench/design/vehicle_cascade.hpp"
+#include "quadtune/workbench/firmware/firmware_import.hpp"
+#include "quadtune/workbench/flight/fly.hpp"
+#include "source_folder.hpp"
+
+namespace quadtune {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::array<CascadeAxis, 3> kTurningAxes = {CascadeAxis::roll, CascadeAxis::pitch,
+                                                     CascadeAxis::yaw};
+constexpr std::array<FirmwareKind, 4> kFirmwares = {
+    FirmwareKind::px4, FirmwareKind::ardupilot, FirmwareKind::betaflight, FirmwareKind::crazyflie};
+
+Vehicle vehicle_of_file(const std::string& name) {
+  return load_vehicle(testing::source_folder() + "/vehicles/" + name + ".toml");
+}
+
+StoredParameters defaults_of(FirmwareKind kind) { return {firmware(kind, {}, "test"), {}}; }
+
+/// Of the loops that only Betaflight leaves to its pilot.
+CascadeGains pilot_of(const Vehicle& vehicle, const StoredParameters& parameters) {
+  if (parameters.firmware.kind != FirmwareKind::betaflight) return {};
+  return vehicle_cascade(vehicle, {}, vehicle.name).content.cascade->gains;
+}
+
+std::unique_ptr<FlightLaw> law_of(const Vehicle& vehicle, const StoredParameters& parameters,
+                                  const CascadeGains& pilot = {}) {
+  return firmware_controller(vehicle, parameters, pilot).make(vehicle);
+}
+
+Estimate<double> at(const StateVector<double>& x) {
+  Estimate<double> estimate;
+  estimate.x = x;
+  return estimate;
+}
+
+Reference<double> level() {
+  Reference<double> reference;
+  reference.track_position = false;
+  return reference;
+}
+
+/// Whether a turn about one axis by the firmware's law dies out. The axis is integrated by itself:
+/// the torque is held over a sample and follows with the rotors' lag.
+bool dies_out(const Vehicle& vehicle, const StoredParameters& parameters, const CascadeGains& pilot,
+              int axis, double inertia, double lag) {
+  const OwnController controller = firmware_controller(vehicle, parameters, pilot);
+  const std::unique_ptr<FlightLaw> law = controller.make(vehicle);
+  constexpr int kParts = 4;
+  constexpr double kTime = 30;
+  const double h = controller.dt / kParts;
+  double angle = 1e-5, rate = 0, torque = 0, early = 0, late = 0;
+  for (double t = 0; t < kTime; t += controller.dt) {
+    StateVector<double> x = StateVector<double>::Zero();
+    x(3 + axis) = angle;
+    x(9 + axis) = rate;
+    const double asked = law->command(at(x), level())(1 + axis);
+    for (int i = 0; i < kParts; ++i) {
+      const double before = torque;
+      torque = asked + (torque - asked) * std::exp(-h / lag);
+      const double acceleration = 0.5 * (before + torque) / inertia;
+      angle += h * (rate + 0.5 * h * acceleration);
+      rate += h * acceleration;
+    }
+    double& greatest = t > 0.5 * kTime ? late : early;
+    if (t > 0.9 * kTime || (t > 0.1 * kTime && t < 0.2 * kTime))
+      greatest = std::max(greatest, std::abs(angle));
+  }
+  return late < 0.7 * early;  // one that grows ends where its limits hold it
+}
+
+// The gain margin of the loop in continuous time is the factor by which the inertia may shrink
+// before the sampled law with its filters shakes.
+TEST(FirmwareLaw, ShakesWhereTheGainMarginEnds) {
+  int compared = 0;
+  for (const std::string name : {"quad-450", "crazyflie"}) {
+    Vehicle vehicle = vehicle_of_file(name);
+    vehicle.motor.delay = 0;
+    if (vehicle.sensors.gyroscope) vehicle.sensors.gyroscope->delay = 0;
+    for (const FirmwareKind kind : kFirmwares) {
+      const StoredParameters parameters = defaults_of(kind);
+      const CascadeGains pilot = pilot_of(vehicle, parameters);
+      for (const FirmwareTurn& turn : firmware_turns(parameters.firmware, vehicle, {})) {
+        const auto axis =
+            static_cast<int>(std::find(kTurningAxes.begin(), kTurningAxes.end(), turn.gains.axis) -
+                             kTurningAxes.begin());
+        if (!turn.whole.stable || !std::isfinite(turn.whole.gain_margin)) continue;
+        // In yaw the rotors' inertia acts, too, and Betaflight's has the pilot's loop around it.
+        if (turn.gains.axis == CascadeAxis::yaw) continue;
+        ++compared;
+        const auto holds = [&](double factor) {
+          return dies_out(vehicle, parameters, pilot, axis, turn.inertia / factor, turn.lag);
+        };
+        EXPECT_TRUE(holds(0.95 * turn.whole.gain_margin))
+            << name << " " << to_string(kind) << " " << to_string(turn.gains.axis);
+        EXPECT_FALSE(holds(1.05 * turn.whole.gain_margin))
+            << name << " " << to_string(kind) << " " << to_string(turn.gains.axis);
+      }
+    }
+  }
+  EXPECT_GE(compared, 14);
+}
+
+// From rest the filters stand at their inputs and the integrals at 0: P A e, and what FF adds.
+TEST(FirmwareLaw, FirstTorqueIsThatOfTheGains) {
+  const Vehicle vehicle = testing::crazyflie_vehicle();
+  for (const FirmwareKind kind : kFirmwares) {
+    const StoredParameters parameters = defaults_of(kind);
+    for (const FirmwareLoop& loop : firmware_loops(parameters.firmware, vehicle, {})) {
+      if (loop.axis == CascadeAxis::x || loop.axis == CascadeAxis::y ||
+          loop.axis == CascadeAxis::altitude)
+        continue;
+      const int axis = loop.axis == CascadeAxis::roll ? 0 : loop.axis == CascadeAxis::pitch ? 1 : 2;
+      const std::unique_ptr<FlightLaw> law = law_of(vehicle, parameters);
+      StateVector<double> x = StateVector<double>::Zero();
+      x(3 + axis) = -0.01;
+      x(9 + axis) = 0.02;
+      const Eigen::VectorXd wrench = law->command(at(x), level());
+      const double asked = loop.outer * 0.01;
+      EXPECT_NEAR(wrench(1 + axis), loop.scale * (loop.P * (asked - 0.02) + loop.forward * asked),
+                  1e-12 * loop.scale * loop.P)
+          << to_string(kind) << " " << to_string(loop.axis);
+    }
+  }
+}
+
+// A torque acts one sample after what it answers, as the margins have it.
+TEST(FirmwareLaw, TorqueComesOneSampleLate) {
+  const Vehicle vehicle = testing::crazyflie_vehicle();
+  const std::unique_ptr<FlightLaw> law = law_of(vehicle, defaults_of(FirmwareKind::crazyflie));
+  const StateVector<double> rest = StateVector<double>::Zero();
+  StateVector<double> tilted = rest;
+  tilted(3) = 0.01;
+  (void)law->command(at(rest), level());
+  EXPECT_EQ(law->command(at(tilted), level())(1), 0);
+  EXPECT_LT(law->command(at(tilted), level())(1), 0);
+}
+
+// Signs: below its place the vehicle lifts, south of it it pitches its nose down, which is
+// negative, west of it it rolls to the right, and it turns towards its heading the short way.
+TEST(FirmwareLaw, PushesTowardsItsPlace) {
+  const Vehicle vehicle = vehicle_of_file("quad-450");
+  for (const FirmwareKind kind : kFirmwares) {
+    const StoredParameters parameters = defaults_of(kind);
+    const CascadeGains pilot = pilot_of(vehicle, parameters);
+    const auto wrench_at = [&](int state, double value, double yaw_reference = 0) {
+      const std::unique_ptr<FlightLaw> law = law_of(vehicle, parameters, pilot);
+      StateVector<double> x = StateVector<double>::Zero();
+      x(state) = value;
+      Reference<double> reference;
+      reference.yaw = yaw_reference;
+      return Eigen::VectorXd(law->command(at(x), reference));
+    };
+    const double rest = wrench_at(0, 0)(0);
+    EXPECT_GT(wrench_at(2, 0.5)(0), rest) << to_string(kind);
+    EXPECT_LT(wrench_at(2, -0.5)(0), rest) << to_string(kind);
+    EXPECT_LT(wrench_at(0, -0.5)(2), 0) << to_string(kind);
+    EXPECT_GT(wrench_at(1, -0.5)(1), 0) << to_string(kind);
+    EXPECT_GT(wrench_at(5, -0.2)(3), 0) << to_string(kind);
+    EXPECT_LT(wrench_at(5, -3, 3)(3), 0) << to_string(kind) << ": -3 to 3 is 0.28 to the left";
+    // Along the heading: turned to the east, a place in the east lies ahead.
+    const std::unique_ptr<FlightLaw> law = law_of(vehicle, parameters, pilot);
+    StateVector<double> x = StateVector<double>::Zero();
+    x(5) = std::numbers::pi / 2;
+    Reference<double> east;
+    east.position = {0, 0.5, 0};
+    east.yaw = x(5);
+    const Eigen::VectorXd wrench = law->command(at(x), east);
+    EXPECT_LT(wrench(2), 0) << to_string(kind);
+    EXPECT_NEAR(wrench(1), 0, 1e-12) << to_string(kind);
+  }
+}
+
+// A rate that does not follow fills the integral: I e t, up to the firmware's limit.
+TEST(FirmwareLaw, IntegralGrowsToItsLimit) {
+  const Vehicle vehicle = testing::sih_vehicle();
+  const StoredParameters parameters = {
+      firmware(FirmwareKind::px4, {"1.15", ""}, "test"),
+      {{"MC_ROLL_P", 0}, {"MC_ROLLRATE_P", 0}, {"MC_ROLLRATE_D", 0}, {"MC_ROLLRATE_I", 0.5}}};
+  const double scale = std::sqrt(8.0);  // N m per unit: 2 √2 · 0.2 m · 5 N
+  const auto torque_after = [&](int samples, double excess) {
+    const std::unique_ptr<FlightLaw> law = law_of(vehicle, parameters);
+    StateVector<double> x = StateVector<double>::Zero();
+    x(9) = -0.1;
+    double torque = 0;
+    for (int i = 0; i < samples; ++i) {
+      const Eigen::VectorXd asked = law->command(at(x), level());
+      torque = asked(1);
+      Eigen::VectorXd made = asked;
+      made(1) -= excess;
+      law->carried_out(asked, made);
+    }
+    return torque;
+  };
+  // 802 samples of 1/800 s; the last two do not show yet.
+  EXPECT_NEAR(torque_after(802, 0), scale * 0.5 * 0.1 * 1.0, 1e-9);
+  EXPECT_NEAR(torque_after(80000, 0), scale * 0.3, 1e-9);
+  // What the motors do not make stops it in its direction, and in no other.
+  EXPECT_NEAR(torque_after(802, 0.01), scale * 0.5 * 0.1 / 800, 1e-9);
+  EXPECT_NEAR(torque_after(802, -0.01), scale * 0.5 * 0.1, 1e-9);
+}
+
+// Full flights: what has margins passes with five seeds, what is unstable does not.
+TEST(FirmwareLaw, FliesWhereItsMarginsAre) {
+  const struct {
+    FirmwareKind kind;
+    const char* vehicle;
+    bool flies;
+  } cases[] = {
+      {FirmwareKind::px4, "quad-450", true},         {FirmwareKind::px4, "racer-250", false},
+      {FirmwareKind::ardupilot, "quad-450", true},   {FirmwareKind::ardupilot, "racer-250", false},
+      {FirmwareKind::betaflight, "racer-250", true}, {FirmwareKind::crazyflie, "crazyflie", true},
+      {FirmwareKind::crazyflie, "mambo", false}};
+  for (const auto& one : cases) {
+    const Vehicle vehicle = vehicle_of_file(one.vehicle);
+    const StoredParameters parameters = defaults_of(one.kind);
+    const CascadeGains pilot = pilot_of(vehicle, parameters);
+    ChosenLaw law{firmware_controller(vehicle, parameters, pilot), "test"};
+    law.on_board = true;
+    for (const char* mission : {"hover", "step-north"}) {
+      const PlannedFlight plan = plan_flight({}, vehicle, load_mission(mission), law);
+      const FlownFlight worst = worst_of(fly_seeds(plan, 3));
+      int passed = 0;
+      for (const SeedVerdict& seed : worst.seeds) passed += seed.passed ? 1 : 0;
+      EXPECT_EQ(passed, one.flies ? 3 : 0)
+          << to_string(one.kind) << " on " << one.vehicle << ", " << mission;
+    }
+  }
+}
+
+// The filter that runs at 200 Hz on means of the board's readings knows as much as one that runs in
+// every period of a law of 5 ms: the readings have the density of the file.
+TEST(FirmwareLaw, BoardsFilterKnowsAsMuch) {
+  const Vehicle vehicle = vehicle_of_file("quad-450");
+  const auto error_of = [&](const ChosenLaw& law) {
+    double sum = 0;
+    const std::vector<FlownFlight> flights =
+        fly_seeds(plan_flight({}, vehicle, load_mission("hover"), law), 8);
+    for (const FlownFlight& flight : flights)
+      sum += std::pow(flight.result.metrics[Metric::estimate_rms], 2);
+    return std::sqrt(sum / 8);
+  };
+  const StoredParameters parameters = defaults_of(FirmwareKind::px4);
+  ChosenLaw board{firmware_controller(vehicle, parameters, {}), "test"};
+  board.on_board = true;
+  const double usual = error_of(choose_law({}, vehicle, "test"));
+  EXPECT_GT(usual, 0.01);
+  EXPECT_NEAR(error_of(board) / usual, 1, 0.1);
+}
+
+TEST(FirmwareLaw, OtherEstimatorsAreRefused) {
+  const Vehicle vehicle = vehicle_of_file("mambo");
+  ChosenLaw law{firmware_controller(vehicle, defaults_of(FirmwareKind::px4), {}), "test"};
+  law.on_board = true;
+  FlightOptions options;
+  options.estimator = "mambo";
+  try {
+    (void)plan_flight(options, vehicle, load_mission("hover"), law);
+    FAIL() << "the estimator mambo was accepted";
+  } catch (const OptionError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("expected general or truth"));
+  }
+  options.estimator = "truth";
+  EXPECT_EQ(plan_flight(options, vehicle, load_mission("hover"), law).setup.estimator,
+            EstimatorKind::truth);
+}
+
+TEST(FirmwareLaw, NeedsParameters) {
+  FlightOptions options;
+  options.controller = "firmware";
+  EXPECT_THROW((void)choose_law(options, vehicle_of_file("quad-450"), "test"), OptionError);
+}
+
+}  // namespace
+}  // namespace quadtune

@@ -1,0 +1,495 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quadtune/workbench/firmware/firmware_law.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <utility>
+
+#include "firmware/loop_filters.hpp"
+#include "quadtune/control/cascaded_pid.hpp"
+#include "quadtune/exports/firmware.hpp"
+
+namespace quadtune {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kGravity = 9.80665;  // [m/s²] that firmware computes with
+
+/// A low pass as firmware computes it: of first order y += dt/(dt + 1/(2πf)) (x - y), of second
+/// order the bilinear transform of Butterworth's, which leaves cut-offs above half of the sample
+/// rate out. It starts at its first value.
+class DiscreteLowPass {
+ public:
+  DiscreteLowPass(const internal::LowPass& filter, double dt) : order_(filter.order) {
+    if (order_ == 1) {
+      const double rise = 1 / (2 * std::numbers::pi * filter.cutoff);
+      share_ = dt / (dt + rise);
+      return;
+    }
+    passes_ = filter.cutoff * dt >= 0.5;
+    const double w = std::tan(std::numbers::pi * filter.cutoff * dt);
+    const double c = 1 + std::numbers::sqrt2 * w + w * w;
+    b_ = w * w / c;
+    a1_ = 2 * (w * w - 1) / c;
+    a2_ = (1 - std::numbers::sqrt2 * w + w * w) / c;
+  }
+
+  double operator()(double x) {
+    if (passes_) return x;
+    if (!started_) {
+      started_ = true;
+      y_ = x1_ = x2_ = y2_ = x;
+      return x;
+    }
+    if (order_ == 1) return y_ += share_ * (x - y_);
+    const double y = b_ * (x + 2 * x1_ + x2_) - a1_ * y_ - a2_ * y2_;
+    x2_ = std::exchange(x1_, x);
+    y2_ = std::exchange(y_, y);
+    return y;
+  }
+
+ private:
+  int order_;
+  bool passes_ = false, started_ = false;
+  double share_ = 0, b_ = 0, a1_ = 0, a2_ = 0;
+  double x1_ = 0, x2_ = 0, y_ = 0, y2_ = 0;
+};
+
+class FilterChain {
+ public:
+  FilterChain(const internal::LowPasses& filters, double dt) {
+    for (const internal::LowPass& filter : filters) chain_.emplace_back(filter, dt);
+  }
+  double operator()(double x) {
+    for (DiscreteLowPass& filter : chain_) x = filter(x);
+    return x;
+  }
+
+ private:
+  std::vector<DiscreteLowPass> chain_;
+};
+
+/// What a firmware limits in one loop.
+struct LoopLimits {
+  double outer_integral = kInfinite;  ///< of its part of the target
+  double target_min = -kInfinite, target_max = kInfinite;
+  double integral = kInfinite;  ///< of its part of the output [output]
+  double output = kInfinite;    ///< [output]
+};
+
+/// One loop: an outer controller of the value gives the target of an inner one of its rate.
+class FirmwareAxis {
+ public:
+  FirmwareAxis() = default;
+  FirmwareAxis(const FirmwareLoop& loop, const internal::LoopFilters& filters,
+               const LoopLimits& limits, double outer_dt, double inner_dt)
+      : loop_(loop), limits_(limits), filters_(filters), outer_dt_(outer_dt), inner_dt_(inner_dt) {
+    reset();
+  }
+
+  /// As when the firmware is switched into a mode that flies this loop.
+  void reset() {
+    outer_integral_ = integral_ = target_ = measured_ = differentiated_ = 0;
+    started_ = false;
+    rate_filter_ = {filters_.rate, inner_dt_};
+    derivative_filter_ = {filters_.derivative, inner_dt_};
+    error_filter_ = {filters_.error, inner_dt_};
+    target_filter_ = {filters_.target, inner_dt_};
+    output_filter_ = {filters_.output, inner_dt_};
+  }
+
+  /// The outer controller.
+  /// @param forward  added to the target: the rate of the reference
+  void aim(double error, double forward = 0) {
+    target_ = std::clamp(
+        loop_.outer * error + outer_integral_ - loop_.outer_derivative * measured_ + forward,
+        limits_.target_min, limits_.target_max);
+    outer_integral_ = std::clamp(outer_integral_ + loop_.outer_integral * error * outer_dt_,
+                                 -limits_.outer_integral, limits_.outer_integral);
+  }
+
+  /// The inner controller, in SI units.
+  /// @param blocked  the sign of the output that cannot grow: the integral does not grow in it
+  /// @param stands   on the ground, where the integral would only wind up
+  [[nodiscard]] double drive(double rate, double blocked, bool stands = false) {
+    measured_ = rate_filter_(rate);
+    const double target = target_filter_(target_);
+    const double error = error_filter_(target - measured_);
+    const double of_D = loop_.of_error ? error : -measured_;
+    if (!started_) differentiated_ = of_D;
+    started_ = true;
+    const double slope = derivative_filter_((of_D - differentiated_) / inner_dt_);
+    differentiated_ = of_D;
+    const double output =
+        output_filter_(loop_.P * error + integral_ + loop_.D * slope + loop_.forward * target);
+    const double growth = loop_.I * error * inner_dt_;
+    if (!stands && !(growth * blocked > 0))
+      integral_ = std::clamp(integral_ + growth, -limits_.integral, limits_.integral);
+    return loop_.scale * std::clamp(output, -limits_.output, limits_.output);
+  }
+
+ private:
+  FirmwareLoop loop_;
+  LoopLimits limits_;
+  internal::LoopFilters filters_;
+  double outer_dt_ = 0, inner_dt_ = 0;
+  double outer_integral_ = 0, integral_ = 0, target_ = 0;
+  double measured_ = 0;        ///< the rate behind its filters
+  double differentiated_ = 0;  ///< what D differentiates, one sample ago
+  bool started_ = false;
+  FilterChain rate_filter_{{}, 1}, derivative_filter_{{}, 1}, error_filter_{{}, 1},
+      target_filter_{{}, 1}, output_filter_{{}, 1};
+};
+
+/// What a firmware does beside its loops.
+struct FirmwareHabits {
+  double tilt = 0;                 ///< greatest that is asked for [rad]
+  bool velocity_forward = false;   ///< whether the velocity of the reference is added to the target
+  bool tilt_compensation = false;  ///< whether the thrust is divided by the cosine of the tilt
+  bool guards = true;              ///< whether integrals stop where the motors are at their limits
+  double mass = 0;                 ///< [kg]
+  double weight = 0;               ///< thrust that is fed forward [N]
+  double least_thrust = 0;         ///< [N]
+  /// ArduPilot's loop of the vertical acceleration: thrust per error [N s²/m] and its integral.
+  double acceleration_P = 0, acceleration_I = 0, acceleration_integral = 0;
+};
+
+FirmwareHabits habits_of(const Firmware& firmware, const Vehicle& vehicle,
+                         const ParameterValues& value, const FirmwareScale& scale) {
+  FirmwareHabits habits;
+  habits.mass = vehicle.mass;
+  habits.weight = vehicle.mass * vehicle.gravity;
+  switch (firmware.kind) {
+    case FirmwareKind::px4:
+      habits.tilt = 45 * kDegree;  // MPC_TILTMAX_AIR
+      habits.velocity_forward = true;
+      habits.tilt_compensation = true;
+      break;
+    case FirmwareKind::ardupilot: {
+      habits.tilt = 30 * kDegree;  // ANGLE_MAX
+      habits.velocity_forward = true;
+      habits.tilt_compensation = true;
+      // Throttle per m/s²; up to 4.6 in thousandths per cm/s².
+      const bool renamed = value.has("PSC_D_ACC_P");
+      const double unit = scale.thrust * (renamed ? 1 : 0.1);
+      habits.acceleration_P = unit * value(renamed ? "PSC_D_ACC_P" : "PSC_ACCZ_P");
+      habits.acceleration_I = unit * value(renamed ? "PSC_D_ACC_I" : "PSC_ACCZ_I");
+      habits.acceleration_integral = 0.8 * scale.thrust;  // PSC_ACCZ_IMAX
+      break;
+    }
+    case FirmwareKind::betaflight:
+      habits.tilt = 0.5;  // the pilot's
+      habits.velocity_forward = true;
+      break;
+    case FirmwareKind::crazyflie:
+      habits.tilt = 20 * kDegree;  // posCtlPid.rLimit, pLimit
+      habits.guards = false;
+      habits.weight = scale.thrust * value("posCtlPid.thrustBase");
+      habits.least_thrust = scale.thrust * value("posCtlPid.thrustMin");
+      break;
+  }
+  return habits;
+}
+
+LoopLimits px4_limits(CascadeAxis axis) {
+  LoopLimits limits;
+  switch (axis) {
+    case CascadeAxis::roll:
+    case CascadeAxis::pitch:
+    case CascadeAxis::yaw:  // MC_ROLLRATE_MAX, …, MC_RR_INT_LIM, …
+      limits.target_max = (axis == CascadeAxis::yaw ? 200 : 220) * kDegree;
+      limits.target_min = -limits.target_max;
+      limits.integral = 0.3;
+      break;
+    case CascadeAxis::altitude:  // downward; MPC_Z_VEL_MAX_DN, MPC_Z_VEL_MAX_UP
+      limits.target_max = 1.5;
+      limits.target_min = -3;
+      limits.integral = kGravity;
+      break;
+    case CascadeAxis::x:
+    case CascadeAxis::y:  // MPC_XY_VEL_MAX
+      limits.target_max = 12;
+      limits.target_min = -12;
+      limits.integral = kGravity;
+      break;
+  }
+  return limits;
+}
+
+LoopLimits ardupilot_limits(CascadeAxis axis) {
+  LoopLimits limits;
+  switch (axis) {
+    case CascadeAxis::roll:
+    case CascadeAxis::pitch:
+    case CascadeAxis::yaw:  // ATC_RAT_RLL_IMAX, …
+      limits.integral = 0.5;
+      limits.output = 1;
+      break;
+    case CascadeAxis::altitude:  // downward; WPNAV_SPEED_DN, WPNAV_SPEED_UP
+      limits.target_max = 1.5;
+      limits.target_min = -2.5;
+      break;
+    case CascadeAxis::x:
+    case CascadeAxis::y:  // WPNAV_SPEED, PSC_VELXY_IMAX
+      limits.target_max = 10;
+      limits.target_min = -10;
+      limits.integral = 10;
+      break;
+  }
+  return limits;
+}
+
+LoopLimits betaflight_limits(CascadeAxis axis) {
+  LoopLimits limits;
+  if (axis != CascadeAxis::roll && axis != CascadeAxis::pitch && axis != CascadeAxis::yaw)
+    return limits;
+  limits.integral = 400;                                 // iterm_limit
+  limits.output = axis == CascadeAxis::yaw ? 400 : 500;  // pidsum_limit, pidsum_limit_yaw
+  return limits;
+}
+
+LoopLimits crazyflie_limits(CascadeAxis axis, const FirmwareLoop& loop) {
+  LoopLimits limits;
+  const bool yaw = axis == CascadeAxis::yaw;
+  switch (axis) {
+    case CascadeAxis::roll:
+    case CascadeAxis::pitch:
+    case CascadeAxis::yaw:  // of the integrals of the errors: deg s and deg
+      limits.outer_integral = loop.outer_integral * (yaw ? 360 : 20) * kDegree;
+      limits.integral = loop.I * (yaw ? 166.7 : 33.3) * kDegree;
+      limits.output = 32767;
+      break;
+    case CascadeAxis::altitude:
+    case CascadeAxis::x:
+    case CascadeAxis::y:  // posCtlPid.xVelMax, …
+      limits.target_max = 1;
+      limits.target_min = -1;
+      break;
+  }
+  return limits;
+}
+
+LoopLimits limits_of(const Firmware& firmware, const FirmwareLoop& loop) {
+  switch (firmware.kind) {
+    case FirmwareKind::px4:
+      return px4_limits(loop.axis);
+    case FirmwareKind::ardupilot:
+      return ardupilot_limits(loop.axis);
+    case FirmwareKind::betaflight:
+      return betaflight_limits(loop.axis);
+    case FirmwareKind::crazyflie:
+      return crazyflie_limits(loop.axis, loop);
+  }
+  return {};
+}
+
+/// A pilot's loop in the same form: with |Kd| as P, Kp/|Kd| outside and Ki/|Kd| as its integral.
+FirmwareLoop pilots_loop(CascadeAxis axis, const CascadeGains& pilot) {
+  FirmwareLoop result;
+  result.axis = axis;
+  result.flies = false;
+  result.scale = 1;
+  for (const PidLoop& loop : pilot.loops) {
+    if (loop.name != to_string(axis) || loop.Kd == 0) continue;
+    result.P = std::abs(loop.Kd);
+    result.outer = std::abs(loop.Kp / loop.Kd);
+    result.outer_integral = std::abs(loop.Ki / loop.Kd);
+  }
+  return result;
+}
+
+/// Everything that is set once.
+struct FirmwareSettings {
+  double dt = 0;  ///< of the rates [s]
+  int attitude_every = 1, position_every = 1;
+  FirmwareHabits habits;
+  CascadedPidSettings<double> frame;  ///< its thrusts
+  std::array<FirmwareAxis, kCascadeAxes> axes;
+};
+
+FirmwareSettings settings_of(const Vehicle& vehicle, const StoredParameters& parameters,
+                             const CascadeGains& pilot) {
+  const Firmware& firmware = parameters.firmware;
+  const ParameterValues value(firmware, parameters.values);
+  const internal::LoopRates rates = internal::loop_rates(firmware, value);
+  const auto every = [&](double rate) {
+    return std::max(1, static_cast<int>(std::lround(rates.rate / rate)));
+  };
+  FirmwareSettings settings;
+  settings.dt = 1 / rates.rate;
+  settings.attitude_every = every(rates.attitude);
+  settings.position_every = every(rates.position);
+  settings.habits =
+      habits_of(firmware, vehicle, value, firmware_scale(firmware, vehicle, parameters.values));
+  CascadeGains none;
+  none.dt = settings.dt;
+  settings.frame =
+      cascaded_pid_settings(vehicle, none, PidMethod::forward_euler, settings.habits.tilt, 0, 0);
+  for (FirmwareLoop loop : firmware_loops(firmware, vehicle, parameters.values)) {
+    const bool turns = loop.axis == CascadeAxis::roll || loop.axis == CascadeAxis::pitch ||
+                       loop.axis == CascadeAxis::yaw;
+    if (!loop.flies) loop = pilots_loop(loop.axis, pilot);
+    // A heading that the firmware does not hold is the pilot's to hold.
+    if (loop.axis == CascadeAxis::yaw && loop.outer == 0 && loop.outer_integral == 0)
+      loop.outer = pilots_loop(loop.axis, pilot).outer;
+    const double position_dt = settings.dt * settings.position_every;
+    settings.axes[index_of(loop.axis)] = FirmwareAxis(
+        loop, internal::loop_filters(firmware, loop.axis, value), limits_of(firmware, loop),
+        turns ? settings.dt * settings.attitude_every : position_dt,
+        turns ? settings.dt : position_dt);
+  }
+  return settings;
+}
+
+/// An angle within half a turn.
+double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+
+class FirmwareLaw final : public FlightLaw {
+ public:
+  explicit FirmwareLaw(FirmwareSettings settings) : s_(std::move(settings)) {}
+
+  [[nodiscard]] Eigen::VectorXd command(const Estimate<double>& estimate,
+                                        const Reference<double>& reference) override {
+    const StateVector<double>& x = estimate.x;
+    const bool takes_off = reference.phase == FlightPhase::take_off;
+    if (count_ % s_.position_every == 0) steer(x, reference, takes_off);
+    if (count_ % s_.attitude_every == 0) aim_turns(x, reference);
+    ++count_;
+    Eigen::Vector4d wrench;
+    wrench(0) = takes_off ? s_.frame.take_off_thrust : thrust_;
+    for (int i = 0; i < 3; ++i)
+      wrench(1 + i) =
+          axis(kTurns[static_cast<std::size_t>(i)]).drive(x(9 + i), excess_(1 + i), takes_off);
+    const Eigen::Vector4d now = started_ ? late_ : wrench;
+    started_ = true;
+    late_ = wrench;
+    return now;
+  }
+
+  void carried_out(const Eigen::VectorXd& asked, const Eigen::VectorXd& made) override {
+    if (!s_.habits.guards) return;
+    constexpr double kRounding = 1e-9;
+    for (int i = 0; i < 4; ++i) {
+      const double left = asked(i) - made(i);
+      excess_(i) = std::abs(left) > kRounding * std::abs(asked(i)) ? left : 0;
+    }
+  }
+
+ private:
+  static constexpr std::array<CascadeAxis, 3> kTurns = {CascadeAxis::roll, CascadeAxis::pitch,
+                                                        CascadeAxis::yaw};
+  FirmwareAxis& axis(CascadeAxis which) { return s_.axes[index_of(which)]; }
+
+  /// Position and velocity: what tilt and thrust they ask for.
+  void steer(const StateVector<double>& x, const Reference<double>& reference, bool takes_off) {
+    if (takes_off) {
+      for (const CascadeAxis which : {CascadeAxis::x, CascadeAxis::y, CascadeAxis::altitude})
+        axis(which).reset();
+      acceleration_integral_ = 0;
+      has_speed_ = false;
+    }
+    const Eigen::Vector3d velocity =
+        rotation_of_euler(x(3), x(4), x(5)) * Eigen::Vector3d(x.segment<3>(kVelocity));
+    roll_ = reference.roll;
+    pitch_ = reference.pitch;
+    if (reference.track_position && !takes_off) steer_level(x, velocity, reference);
+    const double tilt = s_.habits.tilt;
+    roll_ = std::clamp(roll_, -tilt, tilt);
+    pitch_ = std::clamp(pitch_, -tilt, tilt);
+    if (!takes_off) lift(x, velocity, reference);
+  }
+
+  /// Along and across the heading.
+  void steer_level(const StateVector<double>& x, const Eigen::Vector3d& velocity,
+                   const Reference<double>& reference) {
+    const double c = std::cos(x(5)), s = std::sin(x(5));
+    const auto turned = [&](double north, double east) {
+      return Eigen::Vector2d(c * north + s * east, c * east - s * north);
+    };
+    const Eigen::Vector2d error =
+        turned(reference.position(0) - x(0), reference.position(1) - x(1));
+    const Eigen::Vector2d speed = turned(velocity(0), velocity(1));
+    const Eigen::Vector2d forward = s_.habits.velocity_forward
+                                        ? turned(reference.velocity(0), reference.velocity(1))
+                                        : Eigen::Vector2d(Eigen::Vector2d::Zero());
+    const auto tilt_for = [&](int i, CascadeAxis which) {
+      axis(which).aim(error(i), forward(i));
+      const double tilt = axis(which).drive(speed(i), s_.habits.guards ? tilted_out_(i) : 0);
+      tilted_out_(i) = tilt - std::clamp(tilt, -s_.habits.tilt, s_.habits.tilt);
+      return tilt;
+    };
+    pitch_ = -tilt_for(0, CascadeAxis::x);  // nose down, which is negative, to go ahead
+    roll_ = tilt_for(1, CascadeAxis::y);
+  }
+
+  /// The thrust. Down is positive in the loop and negative in the thrust.
+  void lift(const StateVector<double>& x, const Eigen::Vector3d& velocity,
+            const Reference<double>& reference) {
+    FirmwareAxis& altitude = axis(CascadeAxis::altitude);
+    altitude.aim(reference.position(2) - x(2),
+                 s_.habits.velocity_forward ? reference.velocity(2) : 0);
+    double force = altitude.drive(velocity(2), -excess_(0));
+    if (s_.habits.acceleration_P > 0) force = by_acceleration(force, velocity(2));
+    const double tilt = std::cos(x(3)) * std::cos(x(4));
+    const double share = s_.habits.tilt_compensation ? std::max(tilt, 0.5) : 1.0;
+    thrust_ = std::clamp((s_.habits.weight - force) / share, s_.habits.least_thrust,
+                         s_.frame.greatest_thrust);
+  }
+
+  /// What ArduPilot's loop of the acceleration makes of a force that is asked for.
+  [[nodiscard]] double by_acceleration(double force, double speed) {
+    const double dt = s_.dt * s_.position_every;
+    const double measured = has_speed_ ? (speed - speed_) / dt : 0;
+    speed_ = speed;
+    has_speed_ = true;
+    const double error = acceleration_filter_(force / s_.habits.mass - measured);
+    const double result = s_.habits.acceleration_P * error + acceleration_integral_;
+    const double growth = s_.habits.acceleration_I * error * dt;
+    if (!(growth * -excess_(0) > 0))
+      acceleration_integral_ =
+          std::clamp(acceleration_integral_ + growth, -s_.habits.acceleration_integral,
+                     s_.habits.acceleration_integral);
+    return result;
+  }
+
+  /// Angles: what rates they ask for.
+  void aim_turns(const StateVector<double>& x, const Reference<double>& reference) {
+    axis(CascadeAxis::roll).aim(roll_ - x(3));
+    axis(CascadeAxis::pitch).aim(pitch_ - x(4));
+    axis(CascadeAxis::yaw).aim(wrapped(reference.yaw - x(5)));
+  }
+
+  FirmwareSettings s_;
+  long count_ = 0;
+  bool started_ = false;
+  double roll_ = 0, pitch_ = 0, thrust_ = 0;  // asked of the inner loops
+  Eigen::Vector4d late_ = Eigen::Vector4d::Zero();
+  Eigen::Vector4d excess_ = Eigen::Vector4d::Zero();  // asked less made
+  Eigen::Vector2d tilted_out_ = Eigen::Vector2d::Zero();
+  bool has_speed_ = false;
+  double speed_ = 0, acceleration_integral_ = 0;
+  DiscreteLowPass acceleration_filter_{{1, 20}, s_.dt* s_.position_every};  // PSC_ACCZ_FLTE
+};
+
+}  // namespace
+
+OwnController firmware_controller(const Vehicle& vehicle, const StoredParameters& parameters,
+                                  const CascadeGains& pilot) {
+  OwnController controller;
+  controller.name = to_string(parameters.firmware.kind);
+  controller.dt = settings_of(vehicle, parameters, pilot).dt;
+  controller.input_kind = InputKind::wrench;
+  controller.make = [parameters, pilot](const Vehicle& believed) {
+    return std::make_unique<FirmwareLaw>(settings_of(believed, parameters, pilot));
+  };
+  return controller;
+}
+
+}  // namespace quadtune

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/loop_filters.hpp"
+
+#include <string>
+
+namespace quadtune::internal {
+namespace {
+
+/// A cut-off of 0 switches a filter off.
+LowPasses filter_of(int order, double cutoff_Hz) {
+  if (!(cutoff_Hz > 0)) return {};
+  return {{order, cutoff_Hz}};
+}
+
+LowPasses series(LowPasses first, const LowPasses& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
+bool turns(CascadeAxis axis) {
+  return axis == CascadeAxis::roll || axis == CascadeAxis::pitch || axis == CascadeAxis::yaw;
+}
+
+LoopFilters px4_filters(CascadeAxis axis, const ParameterValues& value) {
+  LoopFilters filters;
+  if (!turns(axis)) {
+    constexpr double kVelocityDerivative = 5;  // MPC_VELD_LP
+    filters.derivative = filter_of(1, kVelocityDerivative);
+    return filters;
+  }
+  filters.rate = filter_of(2, value("IMU_GYRO_CUTOFF"));
+  filters.derivative = filter_of(1, value("IMU_DGYRO_CUTOFF"));
+  if (axis == CascadeAxis::yaw && value.has("MC_YAW_TQ_CUTOFF"))
+    filters.output = filter_of(1, value("MC_YAW_TQ_CUTOFF"));
+  return filters;
+}
+
+LoopFilters ardupilot_filters(CascadeAxis axis, const ParameterValues& value) {
+  LoopFilters filters;
+  if (!turns(axis)) {
+    constexpr double kVelocity = 5;  // PSC_VELXY_FLTE and FLTD, and those of PSC_VELZ
+    filters.error = filter_of(1, kVelocity);
+    filters.derivative = filter_of(1, kVelocity);
+    return filters;
+  }
+  const std::string rate = std::string("ATC_RAT_") +
+                           (axis == CascadeAxis::yaw    ? "YAW"
+                            : axis == CascadeAxis::roll ? "RLL"
+                                                        : "PIT") +
+                           "_";
+  filters.rate = filter_of(2, value("INS_GYRO_FILTER"));
+  filters.error = filter_of(1, value(rate + "FLTE"));
+  filters.target = filter_of(1, value(rate + "FLTT"));
+  filters.derivative = filter_of(1, value(rate + "FLTD"));
+  return filters;
+}
+
+LoopFilters betaflight_filters(CascadeAxis axis, const ParameterValues& value) {
+  if (!turns(axis)) return {};
+  constexpr double kYawLowPass = 100;  // [Hz] of P of the yaw
+  // Where a cut-off moves with the throttle, its lower end.
+  const auto first = [&](const std::string& name) {
+    const double least = value(name + "_dyn_min_hz");
+    return filter_of(1, least > 0 ? least : value(name + "_static_hz"));
+  };
+  LoopFilters filters;
+  filters.rate = series(first("gyro_lpf1"), filter_of(1, value("gyro_lpf2_static_hz")));
+  filters.derivative = series(first("dterm_lpf1"), filter_of(1, value("dterm_lpf2_static_hz")));
+  if (axis == CascadeAxis::yaw) filters.error = filter_of(1, kYawLowPass);
+  return filters;
+}
+
+LoopFilters crazyflie_filters(CascadeAxis axis) {
+  constexpr double kGyroscope = 80, kVelocityDerivative = 20;  // [Hz]
+  LoopFilters filters;
+  if (turns(axis))
+    filters.rate = filter_of(2, kGyroscope);
+  else
+    filters.derivative = filter_of(2, kVelocityDerivative);
+  return filters;
+}
+
+}  // namespace
+
+LoopFilters loop_filters(const Firmware& firmware, CascadeAxis axis, const ParameterValues& value) {
+  switch (firmware.kind) {
+    case FirmwareKind::px4:
+      return px4_filters(axis, value);
+    case FirmwareKind::ardupilot:
+      return ardupilot_filters(axis, value);
+    case FirmwareKind::betaflight:
+      return betaflight_filters(axis, value);
+    case FirmwareKind::crazyflie:
+      return crazyflie_filters(axis);
+  }
+  return {};
+}
+
+LoopRates loop_rates(const Firmware& firmware, const ParameterValues& value) {
+  switch (firmware.kind) {
+    case FirmwareKind::px4:
+      return {value("IMU_GYRO_RATEMAX"), 200, 100};
+    case FirmwareKind::ardupilot: {
+      const double rate = value("SCHED_LOOP_RATE");
+      return {rate, rate, rate};
+    }
+    case FirmwareKind::betaflight:
+      return {4000, 4000, 250};  // of the usual boards; the pilot's loops as kFirmwarePeriod
+    case FirmwareKind::crazyflie:
+      return {500, 500, 100};
+  }
+  return {};
+}
+
+}  // namespace quadtune::internal
