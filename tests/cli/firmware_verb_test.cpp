@@ -94,6 +94,33 @@ TEST_F(FirmwareVerb, DefaultsOfEachFirmwareFlyInTheSimulationAsAFileOfGains) {
   EXPECT_EQ(margins.status, 0) << margins.err;
 }
 
+// The file of `import` and an export of parameters fly the firmware's loops, and the same ones.
+TEST_F(FirmwareVerb, FlightsAreThoseOfTheFirmwaresLoops) {
+  const std::string out = path("flown");
+  ASSERT_EQ(run_program({"export", path("gains.json"), "--to", "crazyflie", "--vehicle", vehicle(),
+                         "-o", out})
+                .status,
+            0);
+  ASSERT_EQ(run_program({"import", "crazyflie", out + "/crazyflie.yaml", "--vehicle", vehicle(),
+                         "--quiet", "-o", path("flown.json")})
+                .status,
+            0);
+  const auto flown = [](std::vector<std::string> more) {
+    std::vector<std::string> words = {"fly", vehicle(), "--mission", "step-north", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProgramResult result = run_program(words);
+    EXPECT_EQ(result.status, 0) << result.err;
+    return SortedJson::parse(result.out);
+  };
+  const SortedJson board = flown({"--gains", out}), file = flown({"--gains", path("flown.json")});
+  EXPECT_THAT(board["law"].get<std::string>(), HasSubstr("loops of crazyflie 2026.08"));
+  EXPECT_EQ(board["metrics"], file["metrics"]);
+  EXPECT_EQ(board["verdict"], "pass");
+  const SortedJson cascade = flown({"--gains", out, "--controller", "cascaded-pid"});
+  EXPECT_THAT(cascade["law"].get<std::string>(), HasSubstr("cascaded PID"));
+  EXPECT_NE(cascade["metrics"], board["metrics"]);
+}
+
 TEST_F(FirmwareVerb, MistakesAreToldInOneLine) {
   const auto refused = [](const std::vector<std::string>& words, int status, const char* message) {
     const ProgramResult result = run_program(words);
@@ -108,6 +135,9 @@ TEST_F(FirmwareVerb, MistakesAreToldInOneLine) {
           "--firmware is for the parameters of a firmware");
   refused({"import", "px5", "--defaults", "--vehicle", "mambo"}, 3, "no firmware 'px5'");
   refused({"import", "px4", "--vehicle", "mambo"}, 2, "a file of its parameters or --defaults");
+  refused({"fly", "mambo", "--controller", "firmware"}, 2, "controller firmware needs gains");
+  refused({"fly", vehicle(), "--gains", gains, "--controller", "firmware"}, 3,
+          "holds no parameters of an autopilot");
   refused({"pid", "mambo", "--structure", "pi"}, 2, "no structure 'pi', expected pid");
   EXPECT_FALSE(std::filesystem::exists(out));
 }
