@@ -18,10 +18,6 @@
 namespace quadtune {
 namespace {
 
-bool turns(CascadeAxis axis) {
-  return axis == CascadeAxis::roll || axis == CascadeAxis::pitch || axis == CascadeAxis::yaw;
-}
-
 FirmwareTurn turn_of(const Firmware& firmware, const Vehicle& vehicle, const FirmwareLoop& loop,
                      const std::vector<Parameter>& values) {
   FirmwareTurn turn;
@@ -88,7 +84,7 @@ std::vector<FirmwareTurn> firmware_turns(const Firmware& firmware, const Vehicle
                                          const std::vector<Parameter>& values) {
   std::vector<FirmwareTurn> result;
   for (const FirmwareLoop& loop : firmware_loops(firmware, vehicle, values))
-    if (turns(loop.axis)) result.push_back(turn_of(firmware, vehicle, loop, values));
+    if (internal::turns(loop.axis)) result.push_back(turn_of(firmware, vehicle, loop, values));
   return result;
 }
 

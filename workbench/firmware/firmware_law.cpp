@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "firmware/loop_filters.hpp"
+#include "firmware/turn_parts.hpp"
 #include "quadtune/control/cascaded_pid.hpp"
 #include "quadtune/exports/firmware.hpp"
 
@@ -248,8 +249,7 @@ LoopLimits ardupilot_limits(CascadeAxis axis) {
 
 LoopLimits betaflight_limits(CascadeAxis axis) {
   LoopLimits limits;
-  if (axis != CascadeAxis::roll && axis != CascadeAxis::pitch && axis != CascadeAxis::yaw)
-    return limits;
+  if (!internal::turns(axis)) return limits;
   limits.integral = 400;                                 // iterm_limit
   limits.output = axis == CascadeAxis::yaw ? 400 : 500;  // pidsum_limit, pidsum_limit_yaw
   return limits;
@@ -333,8 +333,7 @@ FirmwareSettings settings_of(const Vehicle& vehicle, const StoredParameters& par
   settings.frame =
       cascaded_pid_settings(vehicle, none, PidMethod::forward_euler, settings.habits.tilt, 0, 0);
   for (FirmwareLoop loop : firmware_loops(firmware, vehicle, parameters.values)) {
-    const bool turns = loop.axis == CascadeAxis::roll || loop.axis == CascadeAxis::pitch ||
-                       loop.axis == CascadeAxis::yaw;
+    const bool turns = internal::turns(loop.axis);
     if (!loop.flies) loop = pilots_loop(loop.axis, pilot);
     // A heading that the firmware does not hold is the pilot's to hold.
     if (loop.axis == CascadeAxis::yaw && loop.outer == 0 && loop.outer_integral == 0)

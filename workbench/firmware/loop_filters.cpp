@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "firmware/turn_parts.hpp"
+
 namespace quadtune::internal {
 namespace {
 
@@ -15,10 +17,6 @@ LowPasses filter_of(int order, double cutoff_Hz) {
 LowPasses series(LowPasses first, const LowPasses& second) {
   first.insert(first.end(), second.begin(), second.end());
   return first;
-}
-
-bool turns(CascadeAxis axis) {
-  return axis == CascadeAxis::roll || axis == CascadeAxis::pitch || axis == CascadeAxis::yaw;
 }
 
 LoopFilters px4_filters(CascadeAxis axis, const ParameterValues& value) {

@@ -11,6 +11,11 @@
 
 namespace quadtune::internal {
 
+/// Whether a loop is one of the angles.
+[[nodiscard]] inline bool turns(CascadeAxis axis) {
+  return axis == CascadeAxis::roll || axis == CascadeAxis::pitch || axis == CascadeAxis::yaw;
+}
+
 /// The body axis of a turning loop.
 [[nodiscard]] inline Eigen::Index body_axis(CascadeAxis axis) {
   return axis == CascadeAxis::roll ? 0 : axis == CascadeAxis::pitch ? 1 : 2;

@@ -47,11 +47,11 @@ struct ExportContent {
   std::vector<KalmanFilter> filters;  ///< "altitude" and "velocity" for the Mambo
   std::optional<UquadDiagonals> uquad_filter;
   std::optional<CascadeDesign> cascade;
-  std::optional<StoredEstimator> estimator;  ///< that the laws were judged with
-  FlightCodeOptions flight_code;             ///< of exports that are flight code
-  FirmwareOptions firmware;                  ///< of exports that are a firmware's parameters
+  std::optional<StoredEstimator> estimator;    ///< that the laws were judged with
+  FlightCodeOptions flight_code;               ///< of exports that are flight code
+  FirmwareOptions firmware;                    ///< of exports that are a firmware's parameters
   std::optional<StoredParameters> parameters;  ///< of a board, for which `cascade` stands
-  std::vector<std::string> firmware_notes;   ///< what these change of the cascade, by Exporter::fit
+  std::vector<std::string> firmware_notes;  ///< what these change of the cascade, by Exporter::fit
   ExportEvidence evidence;
   std::vector<std::string> forced;  ///< why it would not have been written without --force
   std::vector<FileContent> inputs;  ///< design and vehicle files: name without path, and bytes
