@@ -12,9 +12,13 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "plants/flight_code_designs.hpp"
 #include "quadtune/exports/flight_code.hpp"
+#include "source_folder.hpp"
 #include "temporary_directory.hpp"
 
 namespace quadtune {
@@ -154,6 +158,92 @@ INSTANTIATE_TEST_SUITE_P(
                        "mambo"},
         FlightCodeCase{"speeds", "uquad", InputKind::rotor_speed, 2, true, false, false}),
     [](const auto& of) { return of.param.name; });
+
+/// How many instructions a function, or two that make up a step, took in a recorded flight.
+struct InstructionCount {
+  double calls = 0, sum = 0, most = 0;
+  [[nodiscard]] double mean() const { return sum / calls; }
+};
+
+/// A program, and limits of its instructions: the mean of a step, and the most of the law alone.
+struct Measured {
+  FlightCodeCase program;
+  double step, law;
+};
+
+/// A program `prog` on the processor itself, without an operating system.
+class FlightCodeOnCortexM : public ::testing::TestWithParam<Measured> {
+ protected:
+  void SetUp() override {
+    if (!installed("arm-none-eabi-gcc") || !installed("qemu-system-arm"))
+      GTEST_SKIP() << "arm-none-eabi-gcc or qemu-system-arm is not installed here";
+    ExportContent content = flight_code_content(GetParam().program);
+    content.flight_code.name = "prog";
+    write_files(folder_.path(), flight_code_files(content));
+  }
+
+  /// Replays the recorded flight on an emulated board, where each instruction takes 2^8 ns, and
+  /// counts the instructions of functions. Objects that are there already are linked as they are.
+  [[nodiscard]] InstructionCount replay(const std::string& board, const std::string& processor,
+                                        const std::vector<std::string>& functions) const {
+    const std::string flags = processor + " -mthumb -mfloat-abi=hard";
+    std::string link = flags + " --specs=rdimon.specs count.o -Wl,--section-start=.vectors=0";
+    for (const std::string& function : functions) link += ",--wrap=prog_" + function;
+    EXPECT_EQ(run_in(folder_.path(),
+                     fmt::format("arm-none-eabi-gcc {0} -std=c99 -O2 -Wall -Wextra -Werror -c "
+                                 "'{1}/tests/exports/stubs/cortex_m/count.c' && rm -f replay && "
+                                 "make -s CC=arm-none-eabi-gcc CFLAGS='-O2 {0}' LDFLAGS='{2}' && "
+                                 "timeout 60 qemu-system-arm -M {3} -icount shift=8 -display none "
+                                 "-monitor none -serial none -semihosting-config "
+                                 "enable=on,target=native,arg=replay,arg=flight.txt -kernel replay",
+                                 flags, testing::source_folder(), link, board)),
+              0)
+        << folder_.read("log");
+    std::istringstream said(folder_.read("log"));
+    std::string line;
+    std::getline(said, line);
+    EXPECT_THAT(line, HasSubstr("control periods, all equal bit by bit"));
+    InstructionCount count;
+    double ticks = 0;
+    said >> count.calls >> count.sum >> count.most >> ticks;
+    // The clock has 25 MHz, so 300,000 instructions are this many ticks if time goes by them.
+    EXPECT_NEAR(ticks, 300'000 * 256e-9 * 25e6, 2);
+    EXPECT_GT(count.calls, 400);
+    return count;
+  }
+
+  const TemporaryDirectory folder_;
+};
+
+TEST_P(FlightCodeOnCortexM, RepeatsTheFlightInFewInstructions) {
+  for (const auto& [board, processor] :
+       {std::pair{"mps2-an386", "-mcpu=cortex-m4 -mfpu=fpv4-sp-d16"},
+        {"mps2-an500", "-mcpu=cortex-m7 -mfpu=fpv5-sp-d16"}}) {
+    ASSERT_EQ(run_in(folder_.path(), "make -s clean"), 0);
+    const InstructionCount step = replay(board, processor, {"estimate", "control"});
+    const InstructionCount law = replay(board, processor, {"law_step"});
+    RecordProperty(board, fmt::format("step {:.0f}, at most {}; law {:.0f}, at most {}",
+                                      step.mean(), step.most, law.mean(), law.most));
+    EXPECT_GT(law.mean(), 500);
+    EXPECT_LE(law.most, GetParam().law);
+    EXPECT_GT(step.mean(), law.mean());
+    EXPECT_LE(step.mean(), GetParam().step);
+    EXPECT_LE(step.most, 200'000);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Programs, FlightCodeOnCortexM,
+    ::testing::Values(
+        Measured{{"cascade", "crazyflie", InputKind::wrench, -1, true, true}, 25'000, 1'500},
+        Measured{{"mambo_filter", "mambo", InputKind::wrench, -1, true, true, true, false, "mambo"},
+                 5'000,
+                 1'500},
+        Measured{{"feedback", "mambo", InputKind::wrench, -1, false, false, false}, 2'500, 1'500},
+        Measured{{"feedback_of_past_commands", "mambo", InputKind::wrench, 3, true, false, false},
+                 4'500,
+                 3'000}),
+    [](const auto& of) { return of.param.program.name; });
 
 class FlightCodeByTheRules : public ::testing::TestWithParam<FlightCodeCase> {};
 
