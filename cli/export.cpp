@@ -12,6 +12,7 @@
 #include "program/refusal.hpp"
 #include "quadtune/export_target.hpp"
 #include "quadtune/exports/firmware.hpp"
+#include "quadtune/exports/imu_calibration_file.hpp"
 #include "quadtune/flight_code_words.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
@@ -26,7 +27,7 @@ namespace quadtune::cli {
 namespace {
 
 struct Options {
-  std::string source, to, directory, vehicle, name, precision, law, adapter;
+  std::string source, to, directory, vehicle, name, precision, law, adapter, imu_calibration;
   FirmwareOptions firmware;
   bool force = false;
 
@@ -127,9 +128,14 @@ void run_export(const Options& options, Context& context) {
   const ExportKind kind = export_kind(options.to, "--to");
   const FlightCodeOptions flight_code = flight_code_options(options);
   require_firmware_options(options, kind);
+  if (!options.imu_calibration.empty() && options.to != "uquad")
+    refuse("export", "--imu-calibration",
+           "--imu-calibration is for --to uquad, expected none with --to {}", options.to);
   ExportContent content = content_of(options, context);
   content.flight_code = flight_code;
   content.firmware = options.firmware;
+  if (!options.imu_calibration.empty())
+    content.imu_calibration = read_imu_calibration(options.imu_calibration);
   context.notes("export: note: ", adapt_to_program(content, kind));
   // Gains that do not hold the vehicle are not written.
   if (const std::string problem = unstable_loop(content);
@@ -167,6 +173,10 @@ void add_options(CommandLine& line, Options& options) {
   line.add_option(
       "--adapter BOARD", options.adapter,
       "with the C program, files that join it to a board: main, mambo, crazyflie or px4");
+  line.add_option(
+      "--imu-calibration FILE", options.imu_calibration,
+      "of the uquad's sensors, as `quadtune calibrate imu -o` writes it, to go with the "
+      "gains");
   line.add_flag(
       "--force", options.force,
       "write although the design's loop is unstable or its covariances are not proven; the "

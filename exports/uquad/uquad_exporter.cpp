@@ -7,6 +7,7 @@
 #include "built_in_exporters.hpp"
 #include "export_text.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/exports/imu_calibration_file.hpp"
 #include "quadtune/exports/uquad.hpp"
 
 namespace quadtune::exports {
@@ -19,11 +20,21 @@ constexpr char kKalmanQ[] = "kalman-Q.txt", kKalmanR[] = "kalman-R.txt";
 std::vector<FileContent> files_of(const ExportContent& content) {
   if (!content.gains)
     throw InvalidInput("uquad", "no gains came, expected a state feedback (section lqr)");
-  return uquad_files(*content.gains, content.Q, content.R, content.uquad_filter);
+  std::vector<FileContent> files =
+      uquad_files(*content.gains, content.Q, content.R, content.uquad_filter);
+  if (content.imu_calibration)
+    files.push_back({kImuCalibrationName, imu_calibration_text(*content.imu_calibration)});
+  return files;
+}
+
+bool lists(const Manifest& manifest, const char* name) {
+  return std::any_of(manifest.files.begin(), manifest.files.end(),
+                     [name](const ManifestFile& file) { return file.path == name; });
 }
 
 std::vector<std::string> gain_files() {
-  std::vector<std::string> all = {"lqr-Q.txt", "lqr-R.txt", kKalmanQ, kKalmanR};
+  std::vector<std::string> all = {"lqr-Q.txt", "lqr-R.txt", kKalmanQ, kKalmanR,
+                                  kImuCalibrationName};
   for (const UquadFileSet& set : uquad_file_sets()) {
     all.push_back(set.proportional);
     if (!set.integral.empty()) all.push_back(set.integral);
@@ -107,7 +118,14 @@ std::vector<NamedMatrix> numbers(const FileContent& file) {
 std::vector<FileContent> written_again(const fs::path& directory, const Manifest& manifest,
                                        const Vehicle& /*vehicle*/) {
   if (!manifest.gains) return {};
-  return uquad_files(*manifest.gains, manifest.Q, manifest.R, read_diagonals(directory, manifest));
+  ExportContent content;
+  content.gains = manifest.gains;
+  content.Q = manifest.Q;
+  content.R = manifest.R;
+  content.uquad_filter = read_diagonals(directory, manifest);
+  if (lists(manifest, kImuCalibrationName))
+    content.imu_calibration = read_imu_calibration((directory / kImuCalibrationName).string());
+  return files_of(content);
 }
 
 // The weights that travel with uquad's gains, in the same plain format.
@@ -126,6 +144,8 @@ void check(const fs::path& directory, const Manifest& manifest, const Gains& gai
   (void)uquad_file_set(gains);  // refuses a trim that the flight program does not fly
   read_weights(directory, manifest, gains);
   (void)read_diagonals(directory, manifest);
+  if (lists(manifest, kImuCalibrationName))
+    (void)read_imu_calibration((directory / kImuCalibrationName).string());
 }
 
 bool same(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {

@@ -62,6 +62,40 @@ TEST_F(VerifyManifest, PassesWhatWasWritten) {
   }
 }
 
+// A calibration of the sensors goes with the gains, and nothing but its own hash holds it.
+TEST_F(VerifyManifest, SensorsCalibrationGoesWithUquadsGains) {
+  (void)exported("uquad-hover");
+  const std::string design = (folder_.path() / "uquad-hover.toml").string();
+  const std::string file = (folder_.path() / "imu.txt").string();
+  const std::string out = (folder_.path() / "out").string();
+  ASSERT_EQ(run_program({"calibrate", "imu", "--simulate", "--quiet", "-o", file}).status, 0);
+  const std::vector<std::string> words = {"export", design, "--to",    "uquad",
+                                          "-o",     out,    "--quiet", "--imu-calibration"};
+  const auto with = [&](const std::string& path) {
+    std::vector<std::string> all = words;
+    all.push_back(path);
+    return run_program(all);
+  };
+  ASSERT_EQ(with(file).status, 0);
+  EXPECT_EQ(folder_.read("out/imu_calib.txt"), folder_.read("imu.txt"));
+  EXPECT_EQ(run_program({"verify", out}).status, 0);
+  EXPECT_EQ(run_program({"verify", out, "--design", design}).status, 0);
+  std::string text = folder_.read("out/imu_calib.txt");
+  text[text.find_first_of("123456789")] = '0';
+  folder_.write("out/imu_calib.txt", text);
+  EXPECT_EQ(run_program({"verify", out}).status, 1);
+
+  const std::string short_file = folder_.write("short.txt", "1 0 0 0 1 0\n").string();
+  const ProgramResult refused = with(short_file);
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_THAT(refused.err, HasSubstr("ends after 6 numbers, expected 36"));
+  EXPECT_EQ(with((folder_.path() / "none.txt").string()).status, 5);
+  const ProgramResult other =
+      run_program({"export", design, "--to", "json", "-o", out + "2", "--imu-calibration", file});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_THAT(other.err, HasSubstr("--imu-calibration is for --to uquad"));
+}
+
 TEST_F(VerifyManifest, NoticesSwappedInputs) {
   for (const char* design : {"uquad-hover", "mambo-hover"}) {
     const std::string out = exported(design);

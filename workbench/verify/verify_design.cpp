@@ -12,6 +12,7 @@
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/firmware.hpp"
 #include "quadtune/exports/flight_code.hpp"
+#include "quadtune/exports/imu_calibration_file.hpp"
 #include "quadtune/exports/text_difference.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -35,6 +36,9 @@ ExportContent content_of(const fs::path& directory, const Manifest& manifest,
   ExportContent content = export_content(outcome);
   const std::string& kind = manifest.kind.name();
   if (kind == "c") content.flight_code = read_flight_code_options(directory);
+  for (const ManifestFile& file : manifest.files)
+    if (kind == "uquad" && file.path == kImuCalibrationName)
+      content.imu_calibration = read_imu_calibration((directory / file.path).string());
   if (export_target(kind, kManifestName).is_firmware) {
     const FirmwareKind firmware = firmware_kind(kind, kManifestName);
     const fs::path path = directory / parameter_file_name(firmware);

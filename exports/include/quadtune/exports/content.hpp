@@ -13,6 +13,7 @@
 #include "quadtune/exports/file_set.hpp"
 #include "quadtune/exports/firmware_names.hpp"
 #include "quadtune/exports/flight_code.hpp"
+#include "quadtune/exports/imu_calibration_file.hpp"
 #include "quadtune/exports/stored_estimator.hpp"
 #include "quadtune/exports/uquad.hpp"
 #include "quadtune/filter.hpp"
@@ -46,6 +47,7 @@ struct ExportContent {
                       ///< computer sees them; its closed loop goes into the manifest likewise
   std::vector<KalmanFilter> filters;  ///< "altitude" and "velocity" for the Mambo
   std::optional<UquadDiagonals> uquad_filter;
+  std::optional<ImuCalibrationFile> imu_calibration;  ///< of the uquad's sensors
   std::optional<CascadeDesign> cascade;
   std::optional<StoredEstimator> estimator;    ///< that the laws were judged with
   FlightCodeOptions flight_code;               ///< of exports that are flight code

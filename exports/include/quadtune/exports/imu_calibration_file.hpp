@@ -7,6 +7,9 @@
 
 namespace quadtune {
 
+/// The file's name, by which the flight program finds it.
+inline constexpr char kImuCalibrationName[] = "imu_calib.txt";
+
 /// The numbers of imu_calib.txt. A sensor's reading is M (raw - b + d (t - t0)), M = T K⁻¹.
 struct ImuCalibrationFile {
   /// One three-axis sensor.
