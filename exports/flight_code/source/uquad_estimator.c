@@ -16,7 +16,8 @@
  */
 #include "internal.h"
 
-#define AT_POSITION 0
+/* Where the parts of x begin; the position is first. */
+#define AT_HEIGHT 2 /* of the position */
 #define AT_ATTITUDE 3
 #define AT_VELOCITY 6
 #define AT_RATES 9
@@ -143,7 +144,7 @@ static void motion(const qt_estimator_parameters_t *p, const qt_real x[QT_STATES
   E[7] = sr / cp;
   E[8] = cr / cp;
   /* p' = R v, angles' = E w */
-  qt_times3(R, v, &f[AT_POSITION]);
+  qt_times3(R, v, f);
   qt_times3(E, w, &f[AT_ATTITUDE]);
   /* v' = F/m + R' g - w x v */
   free_fall[0] = (R[6] * p->gravity) + ((w[2] * v[1]) - (w[1] * v[2]));
@@ -293,7 +294,7 @@ static void advance(const jacobian_t *A, qt_real h, qt_real M[QT_STATES * QT_STA
     qt_times3(A->position_attitude, a, by_a);
     qt_times3(A->position_velocity, v, by_v);
     for (int i = 0; i < 3; ++i) {
-      M[((AT_POSITION + i) * below) + (j * beside)] += (by_a[i] + by_v[i]) * h;
+      M[(i * below) + (j * beside)] += (by_a[i] + by_v[i]) * h;
     }
     qt_times3(A->attitude_attitude, a, by_a);
     qt_times3(A->attitude_rates, w, by_w);
@@ -325,7 +326,7 @@ static void clear(qt_estimator_state_t *s, int i) {
 static void leave_out(const qt_estimator_parameters_t *p, qt_estimator_state_t *s) {
   if (!p->position) {
     for (int i = 0; i < 2; ++i) {
-      clear(s, AT_POSITION + i);
+      clear(s, i);
       clear(s, AT_VELOCITY + i);
       s->x[AT_VELOCITY + i] = 0.0f;
     }
@@ -527,16 +528,14 @@ static bool correct(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
     (void)use_states(p, s, AT_RATES, m->rates, p->rates_R, estimate);
   }
   if (m->height_fresh) {
-    const row_t C = of_state(AT_POSITION + 2);
-    estimate->height_used =
-        use(p, s, &C, -m->height - s->x[AT_POSITION + 2], p->height_R, estimate);
+    const row_t C = of_state(AT_HEIGHT);
+    estimate->height_used = use(p, s, &C, -m->height - s->x[AT_HEIGHT], p->height_R, estimate);
   }
   if (p->position && is_fresh(&sensors->gps_position)) {
-    by_gps =
-        use_states(p, s, AT_POSITION, sensors->gps_position.value, p->gps_position_R, estimate);
+    by_gps = use_states(p, s, 0, sensors->gps_position.value, p->gps_position_R, estimate);
   }
   if (p->position && m->vision_fresh) {
-    by_vision = use_states(p, s, AT_POSITION, m->vision, p->vision_R, estimate);
+    by_vision = use_states(p, s, 0, m->vision, p->vision_R, estimate);
   }
   if (p->position && is_fresh(&sensors->gps_velocity)) {
     by_velocity = use_gps_velocity(p, s, sensors->gps_velocity.value, estimate);
@@ -713,7 +712,7 @@ void qt_estimator_initialize(const qt_estimator_parameters_t *p, qt_estimator_st
                              const qt_start_t *start) {
   (void)memset(s, 0, sizeof *s);
   for (int i = 0; i < 3; ++i) {
-    s->x[AT_POSITION + i] = start->position[i];
+    s->x[i] = start->position[i];
     s->x[AT_VELOCITY + i] = start->velocity[i];
     s->x[AT_RATES + i] = start->rates[i];
     s->x[AT_BIAS + i] = start->force_bias[i];
@@ -751,7 +750,7 @@ void qt_estimator_step(const qt_estimator_parameters_t *p, qt_estimator_state_t 
     s->gps_age = believed ? 0.0f : (s->gps_age + QT_DT);
     use_rest(p, s, sensors->on_ground);
   }
-  (void)memcpy(estimate->position, &s->x[AT_POSITION], sizeof estimate->position);
+  (void)memcpy(estimate->position, s->x, sizeof estimate->position);
   estimate->roll = s->x[AT_ATTITUDE];
   estimate->pitch = s->x[AT_ATTITUDE + 1];
   estimate->yaw = s->x[AT_ATTITUDE + 2];
