@@ -8,6 +8,7 @@
 #include "quadtune/scalar.hpp"
 #define QT_WITH_ESTIMATOR 1
 #define QT_WITH_GENERAL 1
+#define QT_WITH_LOGARITHM 1
 extern "C" {
 #include "flight_code/source/maths.h"
 }

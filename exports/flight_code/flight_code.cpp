@@ -45,6 +45,9 @@ std::string in_comment(const std::string& name) {
 
 std::string sensors_in_words(const ProgramSettings& program) {
   if (program.mambo) return "specific_force, rates, range, flow, vision";
+  if (program.uquad)
+    return std::string("specific_force, rates, magnetic_field, pressure") +
+           (program.uquad->filter.position ? ", gps_position, gps_velocity, vision" : "");
   const GeneralFilterSettings& s = *program.general;
   std::vector<std::string> words = {"specific_force", "rates"};
   const auto add = [&](bool present, const char* word) {
@@ -58,6 +61,19 @@ std::string sensors_in_words(const ProgramSettings& program) {
   add(s.gps_velocity.has_value(), "gps_velocity");
   add(s.vision.has_value(), "vision");
   return internal::joined(words, ", ");
+}
+
+std::string estimator_in_words(const ProgramSettings& s) {
+  if (!s.has_estimator()) return "none; the caller brings the estimate";
+  const std::string sensors = sensors_in_words(s);
+  if (s.general) return "the general filter, an error-state Kalman filter of " + sensors;
+  const auto calibrated = [](double time) {
+    return fmt::format("; the vehicle must stand still for {} s after the start", time);
+  };
+  if (s.mambo) return "that of the Mambo, from " + sensors + calibrated(s.mambo->calibration_time);
+  return "the filter of the uquad, an extended Kalman filter of " + sensors +
+         " and the rotors' speeds, by the vehicle's own equations of motion" +
+         calibrated(s.uquad->filter.calibration_time);
 }
 
 std::string command_in_words(const ProgramSettings& s) {
@@ -116,6 +132,8 @@ SourceChoices choices_of(const ProgramSettings& s, const ExportContent& content,
   feature(s.has_estimator(), "ESTIMATOR");
   feature(s.general.has_value(), "GENERAL");
   feature(s.mambo.has_value(), "MAMBO");
+  feature(s.uquad.has_value(), "UQUAD");
+  feature(s.general || s.uquad, "LOGARITHM");
   if (s.mambo && s.mambo->aligned_periods > 0) {
     feature(true, "ALIGNED_FLOW");
     c.sizes["MOMENTS"] = s.mambo->aligned_periods;
@@ -129,6 +147,7 @@ SourceChoices choices_of(const ProgramSettings& s, const ExportContent& content,
                                        s.cascade() ? "a cascade of PID loops" : "a state feedback",
                                        s.general ? " with the general filter"
                                        : s.mambo ? " with the estimator of the Mambo"
+                                       : s.uquad ? " with the filter of the uquad"
                                                  : "",
                                        in_comment(content.vehicle.name));
   c.words["DT"] = fmt::format("{}", s.dt);
@@ -173,6 +192,7 @@ std::vector<ProgramFile> sources_of(const ProgramSettings& s, bool double_precis
       {double_precision ? "functions_double.c" : "functions_float.c", "_functions.c"}};
   if (s.general) files.push_back({"estimator.c", "_estimator.c"});
   if (s.mambo) files.push_back({"mambo_estimator.c", "_estimator.c"});
+  if (s.uquad) files.push_back({"uquad_estimator.c", "_estimator.c"});
   return files;
 }
 
@@ -336,13 +356,8 @@ std::string readme(const ProgramSettings& s, const ExportContent& content, const
       "The program does not arm, watch the battery or give up: a supervisor must stop the motors "
       "where the vehicle\ntilts too far, or where `estimate.finite` is false.\n",
       name, in_comment(content.vehicle.name),
-      content.flight_code.double_precision ? "double" : "float", s.dt,
-      s.general ? "the general filter, an error-state Kalman filter of " + sensors_in_words(s)
-      : s.mambo ? fmt::format("that of the Mambo, from {}; the vehicle must stand still for {} s "
-                              "after the start",
-                              sensors_in_words(s), s.mambo->calibration_time)
-                : std::string("none; the caller brings the estimate"),
-      law, command_in_words(s),
+      content.flight_code.double_precision ? "double" : "float", s.dt, estimator_in_words(s), law,
+      command_in_words(s),
       s.has_estimator() ? name + "_step(&state, &sensors, &reference, &output);"
                         : name + "_control(&state, &estimate, &reference, &output);",
       internal::joined(sources, " "), page_of_adapter(content, sources));

@@ -9,6 +9,7 @@
 #include "quadtune/estimation/general_filter.hpp"
 #include "quadtune/estimation/mambo_estimator.hpp"
 #include "quadtune/estimation/on_board.hpp"
+#include "quadtune/estimation/uquad_filter.hpp"
 
 namespace quadtune::exports {
 
@@ -173,6 +174,13 @@ class FlightProgram {
       mambo_.attitude.gyro_bias = rates;
       mambo_.force_bias = force;
     }
+    if (settings.uquad) {
+      uquad_settings_ = uquad_filter_cast<T>(settings.uquad->filter);
+      uquad_ = uquad_filter_start(uquad_settings_, x);
+      uquad_.gyro_offset = rates;
+      uquad_.kalman.x.template tail<3>() = force;
+      speeds_ = settings.uquad->hover.cast<T>();
+    }
     if (!settings.general) return;
     filter_ = general_filter_start(*settings.general, x);
     set_biases(filter_, rates, force);
@@ -182,6 +190,9 @@ class FlightProgram {
   /// One period of the estimator.
   [[nodiscard]] Estimate<T> estimate(const SensorFrame<double>& frame, bool on_ground) {
     if (settings_.mambo) return step(mambo_settings_, mambo_, program_cast<T>(frame));
+    if (settings_.uquad)
+      return step(uquad_settings_, uquad_, program_cast<T>(frame), settings_.uquad->body, speeds_,
+                  MaskOf<T>(on_ground));
     return step<T>(*settings_.general, filter_, program_cast<T>(frame), MaskOf<T>(on_ground));
   }
 
@@ -189,36 +200,36 @@ class FlightProgram {
   [[nodiscard]] ProgramOutput control(const Estimate<T>& estimate,
                                       const Reference<double>& reference) {
     ProgramOutput output = output_of(estimate);
+    speeds_.setConstant(allocation_.rotors, T(0));
     if (!output.finite) return output;
     const Reference<T> to = program_cast<T>(reference);
-    RotorSpeeds<T> speeds;
     if (settings_.cascade()) {
       const Eigen::Matrix<T, 4, 1> asked = step(cascade_settings_, cascade_, estimate, to);
       const LimitedWrench<T> made = prioritized(allocation_, limits_, asked);
       output.limited = any(made.limited);
-      speeds = speeds_of_wrench(allocation_, made.wrench);
-      drive(speeds, output.commands);
+      speeds_ = speeds_of_wrench(allocation_, made.wrench);
+      drive(speeds_, output.commands);
       carried_out(cascade_settings_, cascade_, asked, made.wrench);
       return output;
     }
     const Inputs asked = step(feedback_settings_, feedback_, estimate, to);
-    output.limited = make_speeds(asked, speeds);
-    drive(speeds, output.commands);
+    output.limited = make_speeds(asked, speeds_);
+    drive(speeds_, output.commands);
     carried_out(feedback_settings_, feedback_, asked,
-                output.limited ? inputs_of_speeds(speeds) : asked);
+                output.limited ? inputs_of_speeds(speeds_) : asked);
     return output;
   }
 
   /// One period in which the motors get these commands, whatever the law says.
   [[nodiscard]] ProgramOutput idle(const Estimate<T>& estimate, const Eigen::VectorXd& commands) {
     ProgramOutput output = output_of(estimate);
+    speeds_.setConstant(allocation_.rotors, T(0));
     if (!output.finite) return output;
     convert_field(output.commands, commands);
+    for (Eigen::Index i = 0; i < speeds_.size(); ++i)
+      speeds_(i) = speed_of(greater(direction(i) * T(commands(i)), T(0)));
     if (settings_.cascade() || !feedback_settings_.remembers) return output;
-    RotorSpeeds<T> speeds(allocation_.rotors);
-    for (Eigen::Index i = 0; i < speeds.size(); ++i)
-      speeds(i) = speed_of(greater(direction(i) * T(commands(i)), T(0)));
-    const Inputs told = inputs_of_speeds(speeds);
+    const Inputs told = inputs_of_speeds(speeds_);
     carried_out(feedback_settings_, feedback_, told, told);
     return output;
   }
@@ -326,6 +337,9 @@ class FlightProgram {
   GeneralFilterState<T> filter_;
   MamboEstimatorSettings<T> mambo_settings_;
   MamboEstimatorState<T> mambo_;
+  UquadFilterSettings<T> uquad_settings_;
+  UquadFilterState<T> uquad_;
+  RotorSpeeds<T> speeds_;  ///< of the last commands [rad/s]
   CascadedPidSettings<T> cascade_settings_;
   CascadedPidState<T> cascade_;
   StateFeedbackSettings<T> feedback_settings_;

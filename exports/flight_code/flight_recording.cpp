@@ -104,6 +104,7 @@ ProgramStart start_of(const FlightSetup& setup, const ProgramSettings& settings,
     start.gyro_bias = sensors.gyroscope->bias;
     start.force_bias = sensors.accelerometer->bias;
   }
+  if (settings.uquad) start.gyro_bias = sensors.gyroscope->bias;
   if (!settings.general) return start;
   const GeneralFilterSettings& filter = *settings.general;
   start.gyro_bias = sensors.gyroscope->bias.cwiseQuotient(filter.gyroscope.scale);

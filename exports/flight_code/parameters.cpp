@@ -227,8 +227,8 @@ void write_estimator(Structure& c, const GeneralFilterSettings& s) {
   c.close();
 }
 
-/// Control periods k with (k + 1/2) dt before the end of the calibration: the filter's own rule.
-int calibration_periods(const MamboEstimatorSettings<double>& s) {
+/// Control periods k with (k + 1/2) dt before the end of the calibration: the filters' own rule.
+int calibration_periods(const auto& s) {
   int periods = 0;
   while ((periods + 0.5) * s.dt < s.calibration_time) ++periods;
   return periods;
@@ -259,6 +259,63 @@ void write_estimator(Structure& c, const MamboEstimatorSettings<double>& s) {
   c.boolean("position_of_flow", s.position == MamboPosition::flow_velocity);
   c.number("position_Q", s.position_Q);
   c.number("vision_R", s.vision_R);
+  c.close();
+}
+
+/// The vehicle as the uquad's filter predicts it.
+void write_body(Structure& c, const RigidBody& body) {
+  const auto each = [&](const char* name, const auto& number) {
+    Numbers numbers;
+    for (int i = 0; i < body.rotor_count; ++i)
+      numbers.push_back(number(body.rotors[static_cast<std::size_t>(i)]));
+    c.numbers(name, numbers);
+  };
+  using Rotor = BasicRotor<double>;
+  c.number("gravity", body.gravity);
+  c.number("inverse_mass", body.inverse_mass);
+  c.numbers("J", of(body.J.transpose().reshaped()));
+  c.numbers("J_inverse", of(body.J_inv.transpose().reshaped()));
+  c.numbers("drag", of(Eigen::Vector3d(body.air_density * body.cda)));
+  c.numbers("linear_drag", of(body.linear_drag));
+  each("rotor_x", [](const Rotor& rotor) { return rotor.position.x(); });
+  each("rotor_y", [](const Rotor& rotor) { return rotor.position.y(); });
+  each("spin", [](const Rotor& rotor) { return rotor.spin; });
+  each("thrust_a2", [](const Rotor& rotor) { return rotor.thrust_a2; });
+  each("thrust_a1", [](const Rotor& rotor) { return rotor.thrust_a1; });
+  each("torque_d2", [](const Rotor& rotor) { return rotor.torque_d2; });
+  each("torque_d1", [](const Rotor& rotor) { return rotor.torque_d1; });
+  each("spin_inertia", [](const Rotor& rotor) { return rotor.spin * rotor.inertia; });
+}
+
+void write_estimator(Structure& c, const UquadProgram& program) {
+  const UquadFilterSettings<double>& s = program.filter;
+  c.open("estimator");
+  c.integer("calibration_periods", calibration_periods(s));
+  c.numbers("Q", of(s.Q));
+  c.numbers("start_variance", of(s.P0));
+  c.number("tilt_R", s.R_tilt);
+  c.number("yaw_R", s.R_yaw);
+  c.number("force_R", s.R_force);
+  c.number("rates_R", s.R_rates);
+  c.number("height_R", s.R_height);
+  c.number("gps_position_R", s.R_gps_position);
+  c.number("gps_velocity_R", s.R_gps_velocity);
+  c.number("vision_R", s.R_vision);
+  c.number("gate", s.gate);
+  c.boolean("position", s.position);
+  c.boolean("biases", s.biases);
+  c.boolean("yaw_by_estimated_tilt", s.yaw_by_estimated_tilt);
+  c.boolean("dynamic_covariance", s.dynamic_covariance);
+  c.number("force_band", s.force_band);
+  c.number("field_band", s.field_band);
+  c.number("field_norm", s.field_norm);
+  c.number("declination", s.declination);
+  c.number("reference_pressure", s.reference_pressure);
+  c.number("gps_timeout", s.gps_timeout);
+  c.number("still_variance", s.still_variance);
+  c.number("standing_variance", s.standing_variance);
+  write_body(c, program.body);
+  c.numbers("hover_speed", of(program.hover));
   c.close();
 }
 
@@ -377,6 +434,7 @@ std::string parameters_text(const ProgramSettings& settings, bool double_precisi
   c.open("");
   if (settings.general) write_estimator(c, *settings.general);
   if (settings.mambo) write_estimator(c, *settings.mambo);
+  if (settings.uquad) write_estimator(c, *settings.uquad);
   if (settings.cascade())
     write_law(c, std::get<0>(settings.law));
   else

@@ -11,6 +11,7 @@
 #include "quadtune/flight_code_words.hpp"
 #include "quadtune/simulation/designed_controller.hpp"
 #include "quadtune/simulation/mission.hpp"
+#include "quadtune/simulation/uquad_flight.hpp"
 
 namespace quadtune {
 
@@ -18,7 +19,7 @@ std::string included_estimator(const std::optional<StoredEstimator>& estimator,
                                const std::string& adapter) {
   if (!estimator || exports::adapter_estimates(adapter)) return "";
   if (estimator->general) return "general";
-  return estimator->name == "mambo" ? "mambo" : "";
+  return estimator->name == "mambo" || estimator->name == "uquad" ? estimator->name : "";
 }
 
 namespace exports {
@@ -77,17 +78,21 @@ FlightSetup recorded_setup(const ExportContent& content) {
   setup.allocation = AllocationRule::prioritized;
   setup.estimator = EstimatorKind::truth;
   const std::string estimator = included_estimator(content.estimator, content.flight_code.adapter);
-  if (estimator == "general") {
-    setup.estimator = EstimatorKind::general;
-    setup.general_filter = content.estimator->general;
-  } else if (estimator == "mambo") {
-    setup.estimator = EstimatorKind::mambo;
-    // The filter finds the offsets of its sensors while the vehicle stands, here as long as in the
+  if (!estimator.empty()) setup.estimator = estimator_kind(estimator, "flight code");
+  if (estimator == "mambo" || estimator == "uquad") {
+    if (!feed_estimator(setup.vehicle.sensors, estimator))
+      throw InvalidInput("flight code",
+                         fmt::format("the sensors of '{}' do not feed the estimator '{}', expected "
+                                     "those that it needs at least",
+                                     setup.vehicle.name, estimator));
+    // These find the offsets of their sensors while the vehicle stands, here as long as in the
     // built-in missions.
     constexpr double kCalibration = 0.5;  // [s]
     setup.mission.start.start_up = kCalibration;
     calibrate_flow(setup);
+    setup.uquad_filter = uquad_filter_for(setup.vehicle.sensors);
   }
+  if (!estimator.empty()) take_numbers(*content.estimator, setup);
   validate(setup);
   return setup;
 }
@@ -104,6 +109,11 @@ ProgramSettings program_settings(const FlightSetup& setup) {
     settings.mambo->calibration_time = setup.mission.start.start_up;
     validate(*settings.mambo, "estimator");
   }
+  settings.allocation = allocation(vehicle);
+  if (setup.estimator == EstimatorKind::uquad)
+    settings.uquad = {uquad_filter_settings(setup, vehicle.sensors, setup.mission.start.start_up),
+                      RigidBody(vehicle),
+                      speeds_of_wrench(settings.allocation, settings.allocation.wrench0)};
   if (const auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
     CascadedPidSettings<double> law =
         cascaded_pid_settings(vehicle, cascade->gains, cascade->method, cascade->attitude_limit,
@@ -115,7 +125,6 @@ ProgramSettings program_settings(const FlightSetup& setup) {
     const auto& feedback = std::get<StateFeedbackController>(setup.controller);
     settings.law = state_feedback_settings(vehicle, feedback.gains, feedback.dt, feedback.guards);
   }
-  settings.allocation = allocation(vehicle);
   settings.limits = thrust_limits(vehicle);
   settings.motor = vehicle.motor;
   settings.direction.fill(1);

@@ -13,23 +13,32 @@
 #include "quadtune/control/state_feedback_law.hpp"
 #include "quadtune/estimation/general_filter_settings.hpp"
 #include "quadtune/estimation/mambo_estimator.hpp"
+#include "quadtune/estimation/uquad_filter.hpp"
 #include "quadtune/exports/content.hpp"
 #include "quadtune/simulation/flight.hpp"
 
 namespace quadtune::exports {
 
+/// The uquad's filter, and the vehicle that it predicts.
+struct UquadProgram {
+  UquadFilterSettings<double> filter;
+  RigidBody body;
+  RotorSpeeds<double> hover;  ///< speeds before the first command [rad/s]
+};
+
 /// Estimator, control law, allocation and motors of one flight program.
 struct ProgramSettings {
   double dt = 0;                                        ///< control period [s]
   std::optional<GeneralFilterSettings> general;         ///< the general filter,
-  std::optional<MamboEstimatorSettings<double>> mambo;  ///< or the Mambo's estimator; or none
+  std::optional<MamboEstimatorSettings<double>> mambo;  ///< or the Mambo's estimator,
+  std::optional<UquadProgram> uquad;                    ///< or the uquad's filter; or none
   std::variant<CascadedPidSettings<double>, StateFeedbackSettings<double>> law;
   Allocation<double> allocation;
   ThrustLimits<double> limits;
   MotorCommand motor;
   std::array<double, kMaxRotors> direction{};  ///< ±1, sign of each motor's command
 
-  [[nodiscard]] bool has_estimator() const { return general || mambo; }
+  [[nodiscard]] bool has_estimator() const { return general || mambo || uquad; }
   [[nodiscard]] bool cascade() const {
     return std::holds_alternative<CascadedPidSettings<double>>(law);
   }

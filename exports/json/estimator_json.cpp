@@ -158,14 +158,30 @@ void each_field(Archive& archive, Settings& settings) {
   archive.number("jerk_m_per_s3", settings.jerk);
 }
 
+/// Of the uquad's filter what logs can tell.
+template <class Archive, class Settings>
+void each_covariance(Archive& archive, Settings& settings) {
+  archive.number("dt_s", settings.dt);
+  archive.vector("Q_per_period", settings.Q);
+  archive.number("R_tilt_rad2", settings.R_tilt);
+  archive.number("R_yaw_rad2", settings.R_yaw);
+  archive.number("R_force_m2_per_s4", settings.R_force);
+  archive.number("R_rates_rad2_per_s2", settings.R_rates);
+  archive.number("R_height_m2", settings.R_height);
+  archive.number("R_gps_position_m2", settings.R_gps_position);
+  archive.number("R_gps_velocity_m2_per_s2", settings.R_gps_velocity);
+  archive.number("R_vision_m2", settings.R_vision);
+}
+
 }  // namespace
 
 Json estimator_to_json(const StoredEstimator& estimator) {
   Json json;
   json["name"] = estimator.name;
-  if (!estimator.general) return json;
-  json["dt_s"] = internal::number_to_json(estimator.general->dt, "estimator.dt_s");
   Writing writing(json, "estimator");
+  if (estimator.uquad) each_covariance(writing, *estimator.uquad);
+  if (!estimator.general) return json;
+  writing.number("dt_s", estimator.general->dt);
   each_field(writing, *estimator.general);
   return json;
 }
@@ -179,9 +195,14 @@ StoredEstimator estimator_from_json(const Json& json, const std::string& where) 
         named,
         fmt::format("is '{}', expected one of {}{}", estimator.name, internal::joined(kNames, ", "),
                     internal::did_you_mean(estimator.name, {kNames.begin(), kNames.end()})));
+  Reading reading(json, where);
+  if (estimator.name == "uquad" && json.contains("dt_s")) {
+    estimator.uquad = uquad_filter_in_si<double>();
+    each_covariance(reading, *estimator.uquad);
+    validate(*estimator.uquad, where);
+  }
   if (estimator.name != "general") return estimator;
   GeneralFilterSettings& settings = estimator.general.emplace();
-  Reading reading(json, where);
   reading.number("dt_s", settings.dt);
   each_field(reading, settings);
   validate(settings, where);

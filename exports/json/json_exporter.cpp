@@ -18,8 +18,9 @@ using internal::Json;
 
 /// The filter's numbers are of its period, which is that of the law.
 void require_one_period(const StoredLaws& laws, const std::string& origin) {
-  if (!laws.estimator || !laws.estimator->general) return;
-  const double dt = laws.estimator->general->dt;
+  if (!laws.estimator || !(laws.estimator->general || laws.estimator->uquad)) return;
+  const double dt =
+      laws.estimator->general ? laws.estimator->general->dt : laws.estimator->uquad->dt;
   const double of_law = laws.gains ? laws.gains->dt : laws.cascade ? laws.cascade->gains.dt : dt;
   if (std::abs(dt - of_law) > 1e-9 * of_law)
     throw InvalidInput(

@@ -181,6 +181,20 @@ TEST(DynamicGains, AreRefusedInAFileOfVersionOne) {
   }
 }
 
+/// The uquad's filter with other covariances than those of the library.
+StoredEstimator tuned_uquad(double dt) {
+  StoredEstimator estimator{"uquad"};
+  UquadFilterSettings<double>& settings = estimator.uquad.emplace(uquad_filter_in_si<double>());
+  settings.dt = dt;
+  settings.Q = UquadVector<double>::LinSpaced(1e-3, 1.5e-2);
+  double R = 0.1;
+  for (double* variance :
+       {&settings.R_tilt, &settings.R_yaw, &settings.R_force, &settings.R_rates, &settings.R_height,
+        &settings.R_gps_position, &settings.R_gps_velocity, &settings.R_vision})
+    *variance = R += 0.3;
+  return estimator;
+}
+
 TEST(StoredEstimator, ReadsBackAsWritten) {
   const TemporaryDirectory directory;
   ExportContent content = testing::mambo_content();
@@ -208,6 +222,27 @@ TEST(StoredEstimator, ReadsBackAsWritten) {
   content.estimator = StoredEstimator{"mambo"};
   const std::filesystem::path named = directory.write("named.json", gains_json_text(content));
   EXPECT_EQ(*read_laws(named).estimator, *content.estimator);
+
+  content.estimator = tuned_uquad(content.gains->dt);
+  const std::filesystem::path tuned = directory.write("tuned.json", gains_json_text(content));
+  EXPECT_EQ(*read_laws(tuned).estimator, *content.estimator);
+}
+
+TEST(StoredEstimator, GivesItsNumbersToAFlightThatHasIt) {
+  FlightSetup setup;
+  setup.uquad_filter = uquad_filter_in_si<double>();
+  const FlightSetup before = setup;
+  take_numbers(StoredEstimator{"uquad"}, setup);
+  EXPECT_EQ(setup.uquad_filter, before.uquad_filter);
+  setup.uquad_filter.position = false;
+  const StoredEstimator tuned = tuned_uquad(0.01);
+  take_numbers(tuned, setup);
+  EXPECT_EQ(setup.uquad_filter.Q, tuned.uquad->Q);
+  EXPECT_EQ(setup.uquad_filter.R_vision, tuned.uquad->R_vision);
+  EXPECT_FALSE(setup.uquad_filter.position);
+  EXPECT_FALSE(setup.general_filter);
+  take_numbers(every_number(), setup);
+  EXPECT_EQ(setup.general_filter, every_number().general);
 }
 
 TEST(StoredEstimator, IsRefusedWithAMistake) {
@@ -234,6 +269,22 @@ TEST(StoredEstimator, IsRefusedWithAMistake) {
   refusal([](Json& json) { json["gate"] = 0; }, "gate is 0, expected");
   refusal([](Json& json) { json["gate"] = "25"; }, "estimator.gate");
   refusal([](Json& json) { json["vision"]["variance_m2"] = -1; }, "vision");
+
+  const auto of_uquad = [&](auto&& change, const std::string& message) {
+    refusal(
+        [&](Json& json) {
+          ExportContent content = testing::mambo_content();
+          content.estimator = tuned_uquad(content.gains->dt);
+          json = json_of(content)["estimator"];
+          change(json);
+        },
+        message);
+  };
+  of_uquad([](Json& json) { json["Q_per_period"] = {1, 2}; }, "has 2 numbers, expected 15");
+  of_uquad([](Json& json) { json.erase("R_yaw_rad2"); }, "estimator: has no \"R_yaw_rad2\"");
+  of_uquad([](Json& json) { json["R_tilt_rad2"] = 0; }, "R_tilt is 0 rad2");
+  of_uquad([](Json& json) { json["dt_s"] = 0.5; },
+           "expected 0.005 s, the sample period of the law");
 }
 
 }  // namespace

@@ -144,11 +144,11 @@ TEST(Adapters, FindEachMotorByItsPlaceAndSense) {
 }
 
 TEST(Adapters, LeaveTheEstimatorOutWhereTheirFirmwareHasOne) {
-  const StoredEstimator general{"general", GeneralFilterSettings()}, mambo{"mambo"};
+  const StoredEstimator general{"general", GeneralFilterSettings()}, mambo{"mambo"}, uquad{"uquad"};
   for (const char* adapter : {"", "main"}) {
     EXPECT_EQ(included_estimator(general, adapter), "general");
     EXPECT_EQ(included_estimator(mambo, adapter), "mambo");
-    EXPECT_EQ(included_estimator(StoredEstimator{"uquad"}, adapter), "");
+    EXPECT_EQ(included_estimator(uquad, adapter), "uquad");
     EXPECT_EQ(included_estimator({}, adapter), "");
   }
   for (const char* adapter : {"mambo", "crazyflie", "px4"})

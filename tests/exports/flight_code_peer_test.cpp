@@ -156,6 +156,10 @@ INSTANTIATE_TEST_SUITE_P(
         FlightCodeCase{"wrench_of_past_commands", "mambo", InputKind::wrench, 3},
         FlightCodeCase{"mambo_filter", "mambo", InputKind::wrench, -1, true, true, true, false,
                        "mambo"},
+        FlightCodeCase{"uquad_filter", "uquad", InputKind::wrench, -1, true, true, true, false,
+                       "uquad"},
+        FlightCodeCase{"uquad_filter_in_double", "uquad", InputKind::wrench, 3, true, false, true,
+                       true, "uquad"},
         FlightCodeCase{"speeds", "uquad", InputKind::rotor_speed, 2, true, false, false}),
     [](const auto& of) { return of.param.name; });
 
@@ -263,6 +267,10 @@ INSTANTIATE_TEST_SUITE_P(
                        "mambo"},
         FlightCodeCase{"mambo_filter_in_double", "mambo", InputKind::wrench, 3, true, false, true,
                        true, "mambo"},
+        FlightCodeCase{"uquad_filter", "uquad", InputKind::wrench, -1, true, true, true, false,
+                       "uquad"},
+        FlightCodeCase{"uquad_filter_in_double", "uquad", InputKind::wrench, 3, true, false, true,
+                       true, "uquad"},
         FlightCodeCase{"cascade_alone", "uquad", InputKind::wrench, -1, true, true, false},
         FlightCodeCase{"wrench_of_past_commands", "mambo", InputKind::wrench, 3},
         FlightCodeCase{"wrench_of_lags", "crazyflie", InputKind::wrench, 0, true, false, false},

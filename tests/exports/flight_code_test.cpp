@@ -127,6 +127,12 @@ INSTANTIATE_TEST_SUITE_P(
                        "mambo"},
         FlightCodeCase{"mambo_filter_in_double", "mambo", InputKind::wrench, -1, true, true, true,
                        true, "mambo"},
+        FlightCodeCase{"uquad_filter", "uquad", InputKind::wrench, -1, true, true, true, false,
+                       "uquad"},
+        FlightCodeCase{"uquad_filter_in_double", "uquad", InputKind::wrench, -1, true, true, true,
+                       true, "uquad"},
+        FlightCodeCase{"uquad_filter_of_speeds", "uquad", InputKind::rotor_speed, 2, true, false,
+                       true, false, "uquad"},
         FlightCodeCase{"cascade_alone", "uquad", InputKind::wrench, -1, true, true, false},
         FlightCodeCase{"wrench_of_past_commands", "crazyflie", InputKind::wrench, 3},
         FlightCodeCase{"wrench_of_lags", "crazyflie", InputKind::wrench, 0},
@@ -136,6 +142,60 @@ INSTANTIATE_TEST_SUITE_P(
         FlightCodeCase{"thrusts", "mambo", InputKind::rotor_thrust, -1},
         FlightCodeCase{"commands", "mambo", InputKind::command, 1}),
     [](const auto& of) { return of.param.name; });
+
+TEST(FlightCode, HasTheUquadsFilterForOtherSensorsAndBodies) {
+  if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
+  const auto content_of = [](bool double_precision, const auto& change) {
+    ExportContent content = flight_code_content(
+        {"", "uquad", InputKind::wrench, -1, true, true, true, double_precision, "uquad"});
+    change(content.vehicle);
+    return content;
+  };
+  const auto repeats = [&](bool double_precision, const auto& change) {
+    const ExportContent content = content_of(double_precision, change);
+    const TemporaryDirectory folder;
+    write_files(folder.path(), flight_code_files(content));
+    EXPECT_EQ(make_test(folder.path()), 0) << folder.read("log");
+  };
+  for (const bool double_precision : {false, true}) {
+    // 8 states, without what only GPS sees.
+    repeats(double_precision, [](Vehicle& vehicle) { vehicle.sensors.gps.reset(); });
+    // Each of the measurements and of the terms of the model.
+    repeats(double_precision, [](Vehicle& vehicle) {
+      vehicle.sensors.vision = SensorFaults{.rate = 10, .delay = 0.05};
+      vehicle.inertia(0, 1) = vehicle.inertia(1, 0) = 0.1 * vehicle.inertia(0, 0);
+      vehicle.inertia(0, 2) = vehicle.inertia(2, 0) = -0.05 * vehicle.inertia(0, 0);
+      vehicle.drag.cda = Eigen::Vector3d(0.01, 0.015, 0.02);
+      vehicle.drag.linear = Eigen::Vector3d(0.1, 0.2, 0.3);
+      for (Rotor& rotor : vehicle.rotors) {
+        rotor.thrust_a1 += 1e-4;
+        rotor.torque_d1 += 1e-5;
+        rotor.inertia = 1e-4;
+      }
+    });
+  }
+  EXPECT_THAT(
+      [&] {
+        (void)flight_code_files(
+            content_of(false, [](Vehicle& vehicle) { vehicle.sensors.barometer.reset(); }));
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("do not feed the estimator 'uquad'")));
+}
+
+TEST(FlightCode, HasTheCovariancesThatAreStoredWithTheDesign) {
+  ExportContent content =
+      flight_code_content({"", "uquad", InputKind::wrench, -1, true, true, true, false, "uquad"});
+  const auto numbers = [&] {
+    return exports::parameters_text(exports::program_settings(exports::recorded_setup(content)),
+                                    false);
+  };
+  EXPECT_THAT(numbers(), HasSubstr(".tilt_R = 0.25f,"));
+  UquadFilterSettings<double>& tuned =
+      content.estimator->uquad.emplace(uquad_filter_in_si<double>());
+  tuned.dt = 0.005;
+  tuned.R_tilt = 0.75;
+  EXPECT_THAT(numbers(), HasSubstr(".tilt_R = 0.75f,"));
+}
 
 TEST(FlightCode, ThatIsChangedDoesNotRepeatIt) {
   if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";

@@ -65,6 +65,11 @@ ExportContent export_content(const DesignOutcome& outcome) {
                     : content.cascade                      ? content.cascade->gains.dt
                                                            : 0;
   if (dt > 0) content.estimator = stored_estimator(design.vehicle, program_estimator(design), dt);
+  if (content.estimator && content.estimator->name == "uquad" && design.estimator) {
+    content.estimator->uquad = uquad_filter_in_si<double>();
+    content.estimator->uquad->dt = dt;
+    take_noise(design.estimator->model, design.file.string(), *content.estimator->uquad);
+  }
   content.versions = library_versions();
   // What was made in memory has no bytes to be known again by.
   if (!design.file.empty())

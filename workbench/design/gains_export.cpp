@@ -115,11 +115,8 @@ std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kin
                     "include the estimator with which the law was judged",
                     adapter));
   else if (kind.name() == "c" && included_estimator(content.estimator, adapter).empty())
-    notes.push_back(fmt::format("{}: the program takes the estimate from its caller",
-                                content.estimator
-                                    ? fmt::format("flight code does not include the estimator '{}'",
-                                                  content.estimator->name)
-                                    : "the gains name no estimator"));
+    notes.emplace_back(
+        "the gains name no estimator: the program takes the estimate from its caller");
   if (!content.gains || !(content.gains->dt > 0)) return notes;
   const VerifyModel model = model_of(content.vehicle, *content.gains);
   content.plant = model.plant;

@@ -10,6 +10,7 @@
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
+#include "quadtune/simulation/uquad_flight.hpp"
 #include "quadtune/workbench/firmware/firmware_law.hpp"
 #include "quadtune/workbench/flight/sensor_words.hpp"
 
@@ -87,8 +88,7 @@ void set_estimator(const std::string& name, FlightSetup& setup, PlannedFlight& f
   } else {
     need(sensors.barometer.has_value(), "barometer");
     need(sensors.magnetometer.has_value(), "magnetometer");
-    setup.uquad_filter = uquad_filter_in_si<double>();
-    setup.uquad_filter.position = sensors.gps || sensors.vision;
+    setup.uquad_filter = uquad_filter_for(sensors);
   }
 }
 
@@ -303,7 +303,7 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
     if (!of_law) throw;
     throw InvalidInput(law.words, error.what());
   }
-  if (law.estimator && estimator == "general") setup.general_filter = law.estimator->general;
+  if (law.estimator && estimator == law.estimator->name) take_numbers(*law.estimator, setup);
   if (law.on_board) put_on_board(options, setup, flight);
   if (options.estimator.empty() && estimator == "truth") {
     const std::string why = why_no_estimator(vehicle);

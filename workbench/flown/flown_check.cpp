@@ -35,21 +35,6 @@ FlownLaw analysed(const Vehicle& vehicle, const Controller& controller,
 
 }  // namespace
 
-bool feed_estimator(const Sensors& sensors, const std::string& estimator) {
-  switch (estimator_kind(estimator, "exporter")) {
-    case EstimatorKind::mambo:
-      return sensors.sonar.has_value();
-    case EstimatorKind::uquad:
-      return sensors.barometer && sensors.magnetometer;
-    case EstimatorKind::general:
-      return general_filter_lacks(sensors).empty();
-    case EstimatorKind::truth:
-    case EstimatorKind::own:
-      break;
-  }
-  return true;
-}
-
 std::string estimator_of_program(const Vehicle& vehicle, const std::string& convention) {
   for (const Exporter& exporter : exporters()) {
     const std::string& estimator = exporter.target.estimator;

@@ -690,12 +690,6 @@ static void use_range(const qt_estimator_parameters_t *p, qt_estimator_state_t *
   }
 }
 
-/* The height at which the standard atmosphere has this pressure, above that at which it has
- * `zero` [m]. */
-static qt_real barometric_height(qt_real pressure, qt_real zero) {
-  return 44330.0f * (1.0f - qt_exponential(0.190295f * qt_natural_logarithm(pressure / zero)));
-}
-
 /* Barometer: height plus its offset. */
 static void use_pressure(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
                          qt_real sample, qt_real ago, qt_estimate_t *seen) {
@@ -705,7 +699,7 @@ static void use_pressure(const qt_estimator_parameters_t *p, qt_estimator_state_
   if (pressure > 0.0f) {
     const qt_real height = p->pressure.linear
                                ? ((pressure - p->pressure.zero) * p->pressure.inverse_fall)
-                               : barometric_height(pressure, p->pressure.zero);
+                               : qt_barometric_height(pressure, p->pressure.zero);
     const qt_real expected_offset = s->pressure_height;
     row_t row = {{0}, BY_POSITION | BY_PRESSURE};
     past_motion(p, s, ago, &past);

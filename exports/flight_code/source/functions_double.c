@@ -11,7 +11,7 @@ static uint64_t bits_of(qt_real x) {
   (void)memcpy(&bits, &x, sizeof bits);
   return bits;
 }
-#if QT_WITH_GENERAL
+#if QT_WITH_LOGARITHM
 static qt_real real_of(uint64_t bits) {
   qt_real x;
   (void)memcpy(&x, &bits, sizeof x);
@@ -93,7 +93,7 @@ qt_real qt_atan2(qt_real y, qt_real x) {
   return (ay <= QT_INFINITY) && (ax <= QT_INFINITY) ? ((y < 0.0) ? -angle : angle)
                                                     : (y + x); /* NaN stays NaN */
 }
-#if QT_WITH_GENERAL
+#if QT_WITH_LOGARITHM
 
 /* Natural logarithm of normal numbers > 0. */
 qt_real qt_natural_logarithm(qt_real x) {

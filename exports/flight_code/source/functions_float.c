@@ -9,7 +9,7 @@ static uint32_t bits_of(qt_real x) {
   (void)memcpy(&bits, &x, sizeof bits);
   return bits;
 }
-#if QT_WITH_GENERAL
+#if QT_WITH_LOGARITHM
 static qt_real real_of(uint32_t bits) {
   qt_real x;
   (void)memcpy(&x, &bits, sizeof x);
@@ -71,7 +71,7 @@ qt_real qt_atan2(qt_real y, qt_real x) {
                                                     : (y + x); /* NaN stays NaN */
 }
 
-#if QT_WITH_GENERAL
+#if QT_WITH_LOGARITHM
 /* Natural logarithm of normal numbers > 0. */
 qt_real qt_natural_logarithm(qt_real x) {
   const uint32_t bits = bits_of(x);

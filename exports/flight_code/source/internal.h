@@ -121,6 +121,53 @@ typedef struct {
 } qt_estimator_parameters_t;
 
 #endif
+#if QT_WITH_UQUAD
+typedef struct {
+  int32_t calibration_periods; /* in which the vehicle stands still after the start */
+  qt_real Q[QT_STATES];        /* variances that the states gain in a period */
+  qt_real start_variance[QT_STATES];
+  qt_real tilt_R;             /* of roll and pitch by the accelerometer [rad^2] */
+  qt_real yaw_R;              /* by the magnetometer [rad^2] */
+  qt_real force_R;            /* of the specific force, per axis [m^2/s^4] */
+  qt_real rates_R;            /* of the gyroscope, per axis [rad^2/s^2] */
+  qt_real height_R;           /* by the barometer [m^2] */
+  qt_real gps_position_R;     /* per axis [m^2] */
+  qt_real gps_velocity_R;     /* per axis [m^2/s^2] */
+  qt_real vision_R;           /* of positions from images, per axis [m^2] */
+  qt_real gate;               /* e^2/S above which a measurement is rejected */
+  bool position;              /* false: px, py, u and v stand as they are, without error */
+  bool biases;                /* whether those of the accelerometer are estimated */
+  bool yaw_by_estimated_tilt; /* the field is turned level by the estimate, or by the force */
+  /* Variances of tilt and yaw times 1 + (d/band)^2, d the relative distance of |f| from g, for the
+   * yaw also that of the field from its norm. */
+  bool dynamic_covariance;
+  qt_real force_band;
+  qt_real field_band;
+  qt_real field_norm;         /* [uT]; 0: the mean while the vehicle stands */
+  qt_real declination;        /* of magnetic north, east positive [rad] */
+  qt_real reference_pressure; /* at z = 0, unless there is a mean while the vehicle stands [Pa] */
+  qt_real gps_timeout;        /* without GPS and images, after which u and v are held at 0 [s] */
+  qt_real still_variance;     /* of that [m^2/s^2] */
+  qt_real standing_variance;  /* of the velocity 0 while the vehicle stands [m^2/s^2] */
+  /* The vehicle. */
+  qt_real gravity;              /* [m/s^2] */
+  qt_real inverse_mass;         /* [1/kg] */
+  qt_real J[9];                 /* inertia, row by row [kg m^2] */
+  qt_real J_inverse[9];         /* [1/(kg m^2)] */
+  qt_real drag[3];              /* density of the air times area and coefficient, per axis [kg/m] */
+  qt_real linear_drag[3];       /* per axis [N s/m] */
+  qt_real rotor_x[QT_ROTORS];   /* of the hub, forward of the centre of mass [m] */
+  qt_real rotor_y[QT_ROTORS];   /* to the right of it [m] */
+  qt_real spin[QT_ROTORS];      /* 1 or -1: which way it turns about body z */
+  qt_real thrust_a2[QT_ROTORS]; /* thrust = a2 w^2 + a1 w [N s^2/rad^2] */
+  qt_real thrust_a1[QT_ROTORS]; /* [N s/rad] */
+  qt_real torque_d2[QT_ROTORS]; /* drag torque = d2 w^2 + d1 w [N m s^2/rad^2] */
+  qt_real torque_d1[QT_ROTORS]; /* [N m s/rad] */
+  qt_real spin_inertia[QT_ROTORS]; /* of the turning parts, times the spin [kg m^2] */
+  qt_real hover_speed[QT_ROTORS];  /* [rad/s] */
+} qt_estimator_parameters_t;
+
+#endif
 #if QT_WITH_CASCADE
 typedef struct {
   qt_real dt;               /* control period [s] */

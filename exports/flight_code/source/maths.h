@@ -56,11 +56,17 @@ static inline qt_real qt_nearest(qt_real x) { return (x + QT_ROUNDING) - QT_ROUN
 void qt_sine_and_cosine(qt_real x, qt_real *sine, qt_real *cosine);
 /* In [-pi, pi]; 0 for x = y = 0. */
 qt_real qt_atan2(qt_real y, qt_real x);
-#if QT_WITH_GENERAL
+#if QT_WITH_LOGARITHM
 /* Of normal numbers > 0. */
 qt_real qt_natural_logarithm(qt_real x);
 /* Of |x| <= 80. */
 qt_real qt_exponential(qt_real x);
+
+/* The height at which the standard atmosphere has this pressure, above that at which it has
+ * `zero` [m]. */
+static inline qt_real qt_barometric_height(qt_real pressure, qt_real zero) {
+  return 44330.0f * (1.0f - qt_exponential(0.190295f * qt_natural_logarithm(pressure / zero)));
+}
 #endif
 #if QT_WITH_ESTIMATOR
 

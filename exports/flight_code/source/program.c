@@ -86,6 +86,9 @@ void qt_control(qt_state_t *state, const qt_estimate_t *estimate, const qt_refer
       fly(state, &used, reference, output);
     }
   }
+#if QT_WITH_UQUAD
+  (void)memcpy(state->estimator.speeds, output->speed, sizeof state->estimator.speeds);
+#endif
 }
 #if QT_WITH_ESTIMATOR
 

@@ -26,9 +26,15 @@ typedef float qt_real;
 /* ---- what goes in ---- */
 
 #if QT_WITH_ESTIMATOR
+#if QT_WITH_UQUAD
+/* The newest sample of a sensor. `fresh` is true in the one control period in which it came; `age`
+ * is the time since it was measured [s], of which this program reads that of the vision. A sample
+ * is not used if a number of it is not finite. */
+#else
 /* The newest sample of a sensor. `fresh` is true in the one control period in which it came; `age`
  * is the time since it was measured [s]. A sample is not used if a number of it is not finite or
  * its age is negative. */
+#endif
 typedef struct {
   qt_real value[3];
   qt_real age;
@@ -131,7 +137,11 @@ void qt_initialize(qt_state_t *state, const qt_start_t *start);
 void qt_step(qt_state_t *state, const qt_sensors_t *sensors, const qt_reference_t *reference,
              qt_output_t *output);
 
+#if QT_WITH_UQUAD
+/* The estimator alone. It predicts by the speeds of the last qt_control(). */
+#else
 /* The estimator alone. */
+#endif
 void qt_estimate(qt_state_t *state, const qt_sensors_t *sensors, qt_estimate_t *estimate);
 
 /* Control law, allocation and motor commands from an estimate of your own. */

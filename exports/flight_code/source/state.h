@@ -101,6 +101,38 @@ typedef struct {
 } qt_estimator_state_t;
 
 #endif
+#if QT_WITH_UQUAD
+#define QT_STATES 15 /* of the filter */
+
+/* A sum over control periods, and over how many. */
+typedef struct {
+  qt_real sum[3];
+  qt_real count;
+} qt_mean_t;
+
+typedef struct {
+  /* Position [m], roll, pitch, yaw [rad], body velocity [m/s], rates [rad/s], biases of the
+   * accelerometer [m/s^2]. */
+  qt_real x[QT_STATES];
+  qt_real P[QT_STATES * QT_STATES]; /* covariance of their errors, row by row */
+  qt_real speeds[QT_ROTORS];        /* of the last commands [rad/s] */
+  qt_real gyro_offset[3];           /* [rad/s] */
+  qt_real pressure_zero;            /* [Pa] at the height -start_z */
+  qt_real start_z;                  /* [m] */
+  qt_real field_norm;               /* of the earth's field [uT]; 0: not known */
+  qt_real tilt_roll;                /* newest of the accelerometer [rad] */
+  qt_real tilt_pitch;
+  qt_real force_excess; /* newest ||f|/g - 1| */
+  qt_real gps_age;      /* since GPS or an image was believed [s] */
+  int32_t periods;      /* of calibration */
+  qt_mean_t gyro;
+  qt_mean_t force;
+  qt_mean_t field;
+  qt_real pressure_sum;
+  qt_real pressure_count;
+} qt_estimator_state_t;
+
+#endif
 #if QT_WITH_CASCADE
 typedef struct {
   qt_real integral; /* Ki times the integral of the error [unit of the output] */

@@ -18,6 +18,7 @@
 #include "quadtune/estimation/general_filter.hpp"
 #include "quadtune/simulation/flight.hpp"
 #include "quadtune/simulation/pack_math.hpp"
+#include "quadtune/simulation/uquad_flight.hpp"
 
 namespace quadtune::internal {
 
@@ -93,17 +94,10 @@ class UquadEstimation {
  public:
   using P = Pack<N>;
 
-  explicit UquadEstimation(const EstimatorSetup<N>& from) : body_(from.common().vehicle) {
-    const Eigen::Vector3d& field = from.common().environment.magnetic_field;
-    UquadFilterSettings<double> settings = from.common().uquad_filter;
-    settings.dt = from.dt;
-    settings.calibration_time = from.calibration_time();
-    if (settings.field_norm == 0) settings.field_norm = field.norm();
-    settings.declination = std::atan2(field.y(), field.x());
-    if (from.sensors[0].barometer)
-      settings.reference_pressure = from.sensors[0].barometer->ground_pressure;
-    validate(settings, "estimator");
-    settings_ = uquad_filter_cast<P>(settings);
+  explicit UquadEstimation(const EstimatorSetup<N>& from)
+      : settings_(uquad_filter_cast<P>(
+            uquad_filter_settings(from.common(), from.sensors[0], from.calibration_time()))),
+        body_(from.common().vehicle) {
     state_ = uquad_filter_start(settings_, from.state);
     if (from.starts_moving && from.sensors[0].gyroscope)
       for (int i = 0; i < 3; ++i)

@@ -115,7 +115,7 @@ struct FlightCodeCase {
   bool cascade = false;
   bool estimator = true;
   bool double_precision = false;
-  std::string filter = "general";  ///< or "mambo", where there is an estimator
+  std::string filter = "general";  ///< or "mambo" or "uquad", where there is an estimator
 };
 
 inline ExportContent flight_code_content(const FlightCodeCase& of) {

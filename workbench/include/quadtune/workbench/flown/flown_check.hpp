@@ -44,10 +44,6 @@ struct FlownLaw {
 /// One check for each law: the detail names the mode of the largest |z|, and the problem.
 [[nodiscard]] std::vector<VerifyCheck> checks_of(const std::vector<FlownLaw>& laws);
 
-/// Whether sensors are those that an estimator needs at least.
-/// @throws InvalidInput  if there is no such estimator
-[[nodiscard]] bool feed_estimator(const Sensors& sensors, const std::string& estimator);
-
 /// The estimator of the flight program that reads gains of a convention, as its exporter names it
 /// (ExportTarget::estimator), if the vehicle has the sensors that it needs; otherwise empty.
 [[nodiscard]] std::string estimator_of_program(const Vehicle& vehicle,
