@@ -29,7 +29,7 @@ namespace {
 struct Options {
   std::string source, to, directory, vehicle, name, precision, law, adapter, imu_calibration;
   FirmwareOptions firmware;
-  bool force = false;
+  bool force = false, constants = false;
 
   [[nodiscard]] bool of_design() const { return source.ends_with(".toml"); }
 };
@@ -131,9 +131,13 @@ void run_export(const Options& options, Context& context) {
   if (!options.imu_calibration.empty() && options.to != "uquad")
     refuse("export", "--imu-calibration",
            "--imu-calibration is for --to uquad, expected none with --to {}", options.to);
+  if (options.constants && options.to != "uquad")
+    refuse("export", "--constants", "--constants is for --to uquad, expected none with --to {}",
+           options.to);
   ExportContent content = content_of(options, context);
   content.flight_code = flight_code;
   content.firmware = options.firmware;
+  content.uquad_constants = options.constants;
   if (!options.imu_calibration.empty())
     content.imu_calibration = read_imu_calibration(options.imu_calibration);
   context.notes("export: note: ", adapt_to_program(content, kind));
@@ -177,6 +181,8 @@ void add_options(CommandLine& line, Options& options) {
       "--imu-calibration FILE", options.imu_calibration,
       "of the uquad's sensors, as `quadtune calibrate imu -o` writes it, to go with the "
       "gains");
+  line.add_flag("--constants", options.constants,
+                "of the uquad, a C header of the vehicle's constants as well");
   line.add_flag(
       "--force", options.force,
       "write although the design's loop is unstable or its covariances are not proven; the "

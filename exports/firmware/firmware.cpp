@@ -35,7 +35,7 @@ Versions versions_of(FirmwareKind kind) {
     case FirmwareKind::betaflight:
       return {{"2026.6", "2025.12", "4.5"}, "2026.6"};
     case FirmwareKind::crazyflie:
-      return {{"2026.08", "2025.12.1", "2025.09", "2023.11"}, "2026.08"};
+      return {{"2026.08", "2025.12.1", "2025.12", "2025.09", "2023.11"}, "2026.08"};
   }
   return {};
 }

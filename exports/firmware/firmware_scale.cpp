@@ -118,10 +118,11 @@ void require_frame(const Firmware& firmware, const Vehicle& vehicle) {
 /// Thrust per motor at full output, 65535, in N.
 double crazyflie_full_thrust(const Firmware& firmware) {
   const bool kit = firmware.setup == "thrust-kit", brushless = firmware.setup == "brushless";
-  if (exports::is_from(firmware, "2025.12.1")) return brushless ? 0.20 : kit ? 0.18 : 0.12;
+  if (brushless && exports::is_from(firmware, "2025.12")) return 0.20;
+  if (exports::is_from(firmware, "2025.12.1")) return kit ? 0.18 : 0.12;
   if (brushless)
     throw InvalidInput("crazyflie",
-                       fmt::format("set-up 'brushless' came with version {}, expected 2025.12.1 or "
+                       fmt::format("set-up 'brushless' came with version {}, expected 2025.12 or "
                                    "newer, because the thrust of earlier ones is not calibrated",
                                    firmware.version));
   if (exports::is_from(firmware, "2025.09")) return kit ? 0.1625 : 0.1125;

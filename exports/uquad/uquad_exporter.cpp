@@ -24,6 +24,9 @@ std::vector<FileContent> files_of(const ExportContent& content) {
       uquad_files(*content.gains, content.Q, content.R, content.uquad_filter);
   if (content.imu_calibration)
     files.push_back({kImuCalibrationName, imu_calibration_text(*content.imu_calibration)});
+  if (content.uquad_constants)
+    files.push_back(
+        {kUquadConstantsName, uquad_constants_text(content.vehicle, content.gains->dt)});
   return files;
 }
 
@@ -116,9 +119,11 @@ std::vector<NamedMatrix> numbers(const FileContent& file) {
 }
 
 std::vector<FileContent> written_again(const fs::path& directory, const Manifest& manifest,
-                                       const Vehicle& /*vehicle*/) {
+                                       const Vehicle& vehicle) {
   if (!manifest.gains) return {};
   ExportContent content;
+  content.vehicle = vehicle;
+  content.uquad_constants = lists(manifest, kUquadConstantsName);
   content.gains = manifest.gains;
   content.Q = manifest.Q;
   content.R = manifest.R;

@@ -69,8 +69,8 @@ TEST_F(VerifyManifest, SensorsCalibrationGoesWithUquadsGains) {
   const std::string file = (folder_.path() / "imu.txt").string();
   const std::string out = (folder_.path() / "out").string();
   ASSERT_EQ(run_program({"calibrate", "imu", "--simulate", "--quiet", "-o", file}).status, 0);
-  const std::vector<std::string> words = {"export", design, "--to",    "uquad",
-                                          "-o",     out,    "--quiet", "--imu-calibration"};
+  const std::vector<std::string> words = {
+      "export", design, "--to", "uquad", "-o", out, "--quiet", "--constants", "--imu-calibration"};
   const auto with = [&](const std::string& path) {
     std::vector<std::string> all = words;
     all.push_back(path);
@@ -78,6 +78,10 @@ TEST_F(VerifyManifest, SensorsCalibrationGoesWithUquadsGains) {
   };
   ASSERT_EQ(with(file).status, 0);
   EXPECT_EQ(folder_.read("out/imu_calib.txt"), folder_.read("imu.txt"));
+  const std::string header = folder_.read("out/uquad_constants.h");
+  EXPECT_THAT(header, HasSubstr("#define UQUAD_MASS 1.7410000000000001 /* kg */"));
+  EXPECT_THAT(header, HasSubstr("#define UQUAD_SAMPLE_PERIOD 0.01 /* s */"));
+  EXPECT_THAT(header, HasSubstr("#define UQUAD_HOVER_SPEED 316."));
   EXPECT_EQ(run_program({"verify", out}).status, 0);
   EXPECT_EQ(run_program({"verify", out, "--design", design}).status, 0);
   std::string text = folder_.read("out/imu_calib.txt");

@@ -133,8 +133,10 @@ TEST(Firmware, CrazyflieScaleChangesWithVersionAndPropellers) {
   expect_share(roll_of("2025.02", "standard") / now, 1.2262);
   expect_share(roll_of("2025.12", "standard") / now, 0.9375);
   expect_share(roll_of("2025.12.1", "thrust-kit") / now, 1.5);
+  expect_share(roll_of("2025.12", "brushless") / now, 0.20 / 0.12);
+  expect_share(roll_of("2026.08", "brushless") / now, 0.20 / 0.12);
   EXPECT_THAT([&] { (void)roll_of("2025.09", "brushless"); },
-              ThrowsMessage<InvalidInput>(HasSubstr("expected 2025.12.1 or newer")));
+              ThrowsMessage<InvalidInput>(HasSubstr("expected 2025.12 or newer")));
   const auto loops = firmware_loops(newest(FirmwareKind::crazyflie), vehicle, {});
   const FirmwareLoop& roll = loop_of(loops, CascadeAxis::roll);
   expect_share(roll.scale * roll.P, 1.706253e-3);
@@ -391,7 +393,7 @@ TEST(Firmware, FilesOfOtherProgramsAreRead) {
 
 TEST(Firmware, VersionsAndSetupsAreRefusedByName) {
   EXPECT_EQ(firmware(FirmwareKind::px4, {"1.15.4", ""}, "here").version, "1.15");
-  EXPECT_EQ(firmware(FirmwareKind::crazyflie, {"2025.12", ""}, "here").version, "2025.09");
+  EXPECT_EQ(firmware(FirmwareKind::crazyflie, {"2025.10", ""}, "here").version, "2025.09");
   EXPECT_EQ(firmware(FirmwareKind::crazyflie, {"2025.12.1", ""}, "here").version, "2025.12.1");
   for (const char* version : {"1.13", "x", "1..15", "1.15.4.2.1"})
     EXPECT_THAT(

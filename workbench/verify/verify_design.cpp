@@ -36,9 +36,11 @@ ExportContent content_of(const fs::path& directory, const Manifest& manifest,
   ExportContent content = export_content(outcome);
   const std::string& kind = manifest.kind.name();
   if (kind == "c") content.flight_code = read_flight_code_options(directory);
-  for (const ManifestFile& file : manifest.files)
+  for (const ManifestFile& file : manifest.files) {
     if (kind == "uquad" && file.path == kImuCalibrationName)
       content.imu_calibration = read_imu_calibration((directory / file.path).string());
+    if (kind == "uquad" && file.path == kUquadConstantsName) content.uquad_constants = true;
+  }
   if (export_target(kind, kManifestName).is_firmware) {
     const FirmwareKind firmware = firmware_kind(kind, kManifestName);
     const fs::path path = directory / parameter_file_name(firmware);

@@ -48,6 +48,7 @@ struct ExportContent {
   std::vector<KalmanFilter> filters;  ///< "altitude" and "velocity" for the Mambo
   std::optional<UquadDiagonals> uquad_filter;
   std::optional<ImuCalibrationFile> imu_calibration;  ///< of the uquad's sensors
+  bool uquad_constants = false;  ///< whether a header of its vehicle's constants is written
   std::optional<CascadeDesign> cascade;
   std::optional<StoredEstimator> estimator;    ///< that the laws were judged with
   FlightCodeOptions flight_code;               ///< of exports that are flight code

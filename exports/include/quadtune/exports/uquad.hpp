@@ -58,6 +58,15 @@ struct UquadFileSet {
     const Gains& gains, const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R,
     const std::optional<UquadDiagonals>& filter = {});
 
+/// The file of uquad_constants_text().
+inline constexpr char kUquadConstantsName[] = "uquad_constants.h";
+
+/// A C header with what the program's model knows of a vehicle: mass, inertia, arm, curves of a
+/// rotor, its speeds at hover and at the limits, and the period. The names are quadtune's.
+/// @param dt  sample period [s]
+/// @throws InvalidInput  for rotors that differ or are not four, and for numbers that are not known
+[[nodiscard]] std::string uquad_constants_text(const Vehicle& vehicle, double dt);
+
 /// Rows of numbers as the flight program scans them: "%24.16e", which reads back to the same
 /// double, a dot whatever the locale, no header.
 /// @throws InvalidInput  naming the first entry that is not finite.
