@@ -11,6 +11,7 @@
 
 #include "quadtune/exports/file_set.hpp"
 #include "quadtune/gains.hpp"
+#include "quadtune/model/vehicle.hpp"
 
 namespace quadtune {
 
