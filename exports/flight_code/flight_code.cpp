@@ -8,6 +8,7 @@
 #include "export_text.hpp"
 #include "flight_code/adapters.hpp"
 #include "flight_code/flight_recording.hpp"
+#include "flight_code/kalman_module.hpp"
 #include "flight_code/parameters.hpp"
 #include "flight_code/program_settings.hpp"
 #include "flight_code/source_text.hpp"
@@ -17,7 +18,6 @@
 #include "quadtune/flight_code_words.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
-#include "quadtune/internal/text_file.hpp"
 
 namespace quadtune {
 namespace exports {
@@ -33,14 +33,6 @@ std::string name_of(const ExportContent& content) {
       name, asked.empty() ? "flight code is named after the vehicle unless --name is given"
                           : "flight code");
   return name;
-}
-
-/// A name of the user's as it can stand in a comment of C and in a page.
-std::string in_comment(const std::string& name) {
-  std::string text = internal::printable(name);
-  for (std::size_t at = 0; (at = text.find("*/", at)) != std::string::npos;)
-    text.insert(at + 1, " ");
-  return text;
 }
 
 std::string sensors_in_words(const ProgramSettings& program) {
@@ -254,6 +246,7 @@ std::vector<FileContent> flight_code_files(const ExportContent& content) {
   require_adapter(content, settings.dt);
   const bool double_precision = content.flight_code.double_precision;
   SourceChoices choices = choices_of(settings, content, name);
+  choose_kalman(content.filters, choices);
   std::vector<FileContent> files;
   std::vector<std::string> sources, headers, objects;
   const auto add = [&](const std::string& file, const std::string& text) {
@@ -267,7 +260,10 @@ std::vector<FileContent> flight_code_files(const ExportContent& content) {
   };
   for (const ProgramFile& file : sources_of(settings, double_precision))
     add(name + file.suffix, source_text(file.from));
-  add(name + "_parameters.c", parameters_text(settings, double_precision));
+  if (!content.filters.empty())
+    for (const char* kind : {".h", ".c"})
+      add(name + "_kalman" + kind, source_text(std::string("kalman") + kind));
+  add(name + "_parameters.c", parameters_text(settings, content.filters, double_precision));
   choices.words["OBJECTS"] = internal::joined(objects, " ");
   choices.words["HEADERS"] = internal::joined(headers, " ");
   add("replay.c", source_text("replay.c"));
@@ -279,6 +275,8 @@ std::vector<FileContent> flight_code_files(const ExportContent& content) {
   const RecordedFlight recorded = record_flight(
       setup, settings, template_program(settings, double_precision), double_precision);
   files.push_back({"flight.txt", recorded_header(settings) + recorded.text});
+  if (!content.filters.empty())
+    files.push_back({"filters.txt", kalman_recording(content.filters, double_precision)});
   files.push_back({"README.md", readme(settings, content, name, sources)});
   files.push_back({kFlightCodeName, options_text(content, name)});
   files.push_back({kGainsJsonName, gains_json_text(content)});
@@ -334,7 +332,7 @@ std::string readme(const ProgramSettings& s, const ExportContent& content, const
       "- Law: {5}.\n"
       "- Allocation: the nearest wrench that the rotors can produce; yaw torque gives way first, "
       "then thrust,\n  roll and pitch torque last.\n"
-      "- Commands: {6}.\n\n"
+      "- Commands: {6}.\n{10}\n"
       "[{0}.h]({0}.h) has the entry points, with units and axes:\n\n"
       "```c\n"
       "static {0}_state_t state;\n"
@@ -360,7 +358,13 @@ std::string readme(const ProgramSettings& s, const ExportContent& content, const
       command_in_words(s),
       s.has_estimator() ? name + "_step(&state, &sensors, &reference, &output);"
                         : name + "_control(&state, &estimate, &reference, &output);",
-      internal::joined(sources, " "), page_of_adapter(content, sources));
+      internal::joined(sources, " "), page_of_adapter(content, sources),
+      content.filters.empty()
+          ? ""
+          : fmt::format("- Steady Kalman filters of the design, for an estimate of your own: "
+                        "[{0}_kalman.h]({0}_kalman.h).\n  `make test` replays "
+                        "[filters.txt](filters.txt) as well.\n",
+                        name));
 }
 
 }  // namespace

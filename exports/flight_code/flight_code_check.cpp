@@ -18,6 +18,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/content.hpp"
 #include "quadtune/exports/export.hpp"
+#include "quadtune/exports/exporter.hpp"
 #include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/exports/verify.hpp"
@@ -34,7 +35,7 @@ std::string last_line(std::string text) {
 }
 
 /// The files that the gains of an export and a vehicle give, without gains.json: it also contains
-/// weights and filters, and verify_export() compares it with the manifest.
+/// weights, and verify_export() compares it with the manifest.
 struct MadeAnew {
   ExportContent content;
   std::vector<FileContent> files;
@@ -45,6 +46,7 @@ struct MadeAnew {
     content.gains = std::move(laws.gains);
     content.cascade = std::move(laws.cascade);
     content.estimator = std::move(laws.estimator);
+    content.filters = exporter_of(ExportKind("c"), "verify").filters(directory);
     content.flight_code = read_flight_code_options(directory);
     files = flight_code_files(content);
     std::erase_if(files, [](const FileContent& file) { return file.name == kGainsJsonName; });
@@ -105,12 +107,18 @@ std::string compile(const std::vector<FileContent>& files, const fs::path& folde
                      internal::printable(last_line(said)));
 }
 
+/// Replays what was recorded: the flight, and the run of the Kalman filters where there are any.
 void replay_in(const fs::path& folder, FlightCodeTarget target, VerifyCheck& check) {
-  std::string said;
-  check.ok =
-      exports::Process(command_of(folder, target, (folder / "flight.txt").string())).finish(said) ==
-      0;
-  check.detail = internal::printable(last_line(said));
+  check.ok = true;
+  for (const char* recorded : {"flight.txt", "filters.txt"}) {
+    if (!check.ok || !fs::exists(folder / recorded)) continue;
+    std::string said;
+    check.ok =
+        exports::Process(command_of(folder, target, (folder / recorded).string())).finish(said) ==
+        0;
+    if (!check.detail.empty()) check.detail += "; filters: ";
+    check.detail += internal::printable(last_line(said));
+  }
 }
 
 /// Replays the recorded flight.

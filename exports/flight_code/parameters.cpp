@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "flight_code/kalman_module.hpp"
 #include "quadtune/control/pid.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/estimation/general_filter.hpp"
@@ -414,6 +415,32 @@ void write_motors(Structure& c, const ProgramSettings& s) {
   c.close();
 }
 
+std::string filters_text(const std::vector<KalmanFilter>& filters, bool double_precision,
+                         double dt) {
+  const KalmanSizes most = kalman_sizes(filters);
+  Structure c(double_precision, dt);
+  c.open("");
+  for (const KalmanFilter& filter : filters) {
+    const auto whole = [&](const char* name, const Eigen::MatrixXd& of, int rows, int columns) {
+      Eigen::MatrixXd all = Eigen::MatrixXd::Zero(rows, columns);
+      all.topLeftCorner(of.rows(), of.cols()) = of;
+      c.matrix(name, all);
+    };
+    c.open("");
+    c.integer("states", static_cast<int>(filter.model.A.rows()));
+    c.integer("inputs", static_cast<int>(filter.model.B.cols()));
+    c.integer("measurements", static_cast<int>(filter.model.C.rows()));
+    whole("A", filter.model.A, most.states, most.states);
+    whole("B", filter.model.B, most.states, most.inputs);
+    whole("C", filter.model.C, most.measurements, most.states);
+    whole("M", filter.M, most.states, most.measurements);
+    whole("L", filter.L, most.states, most.measurements);
+    c.close();
+  }
+  c.close();
+  return c.text();
+}
+
 }  // namespace
 
 std::string c_number(double x, bool double_precision, const std::string& where) {
@@ -429,7 +456,8 @@ std::string c_number(double x, bool double_precision, const std::string& where) 
   return double_precision ? text : text + "f";
 }
 
-std::string parameters_text(const ProgramSettings& settings, bool double_precision) {
+std::string parameters_text(const ProgramSettings& settings,
+                            const std::vector<KalmanFilter>& filters, bool double_precision) {
   Structure c(double_precision, settings.dt);
   c.open("");
   if (settings.general) write_estimator(c, *settings.general);
@@ -441,10 +469,16 @@ std::string parameters_text(const ProgramSettings& settings, bool double_precisi
     write_law(c, settings.feedback(), settings.dt);
   write_motors(c, settings);
   c.close();
-  return "/* SPDX-License-Identifier: Apache-2.0 */\n"
-         "/* The numbers of the design; \"internal.h\" says what each is, and its unit. */\n"
-         "#include \"internal.h\"\n\nconst qt_parameters_t qt_parameters = " +
-         c.text();
+  std::string text =
+      "/* SPDX-License-Identifier: Apache-2.0 */\n"
+      "/* The numbers of the design; \"internal.h\" says what each is, and its unit. */\n"
+      "#include \"internal.h\"\n";
+  if (!filters.empty()) text += "#include \"kalman.h\"\n";
+  text += "\nconst qt_parameters_t qt_parameters = " + c.text();
+  if (!filters.empty())
+    text += "\nconst qt_kalman_t qt_kalman[QT_KALMAN_FILTERS] = " +
+            filters_text(filters, double_precision, settings.dt);
+  return text;
 }
 
 }  // namespace quadtune::exports

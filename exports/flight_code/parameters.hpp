@@ -3,8 +3,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "flight_code/program_settings.hpp"
+#include "quadtune/filter.hpp"
 
 namespace quadtune::exports {
 
@@ -15,7 +17,10 @@ namespace quadtune::exports {
 [[nodiscard]] std::string c_number(double x, bool double_precision, const std::string& where);
 
 /// The source parameters.c, with the prefix qt.
+/// @param filters  steady Kalman filters of the design, or none
 /// @throws InvalidInput  as c_number()
-[[nodiscard]] std::string parameters_text(const ProgramSettings& settings, bool double_precision);
+[[nodiscard]] std::string parameters_text(const ProgramSettings& settings,
+                                          const std::vector<KalmanFilter>& filters,
+                                          bool double_precision);
 
 }  // namespace quadtune::exports

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "quadtune/internal/built_in.hpp"
+#include "quadtune/internal/text_file.hpp"
 
 namespace quadtune::internal {
 /// The files of exports/flight_code/source, embedded by lib/embed_files.cmake.
@@ -53,6 +54,13 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
+std::string in_comment(const std::string& name) {
+  std::string text = internal::printable(name);
+  for (std::size_t at = 0; (at = text.find("*/", at)) != std::string::npos;)
+    text.insert(at + 1, " ");
+  return text;
+}
+
 std::string with_features(const std::string& text, const std::set<std::string>& features) {
   std::istringstream lines(text);
   std::string result;
@@ -89,8 +97,8 @@ std::string program_source(const std::string& text, const SourceChoices& choices
   result = replaced(result, "#define QT_DT 0.005f", "#define QT_DT @PERIOD@");
   if (choices.double_precision) result = in_double(result);
   // The program's own names come last: they may look like those of the sources.
-  result =
-      std::regex_replace(result, std::regex("\"(state|internal|maths)\\.h\""), "\"@NAME@_$1.h\"");
+  result = std::regex_replace(result, std::regex("\"(state|internal|maths|kalman)\\.h\""),
+                              "\"@NAME@_$1.h\"");
   result = replaced(result, "\"program.h\"", "\"@NAME@.h\"");
   result = std::regex_replace(result, std::regex("\\bqt(_|`)"), "@NAME@$1");
   result = std::regex_replace(result, std::regex("\\bQT_"), "@UPPER_NAME@_");

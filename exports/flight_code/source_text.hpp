@@ -22,6 +22,9 @@ struct SourceChoices {
 [[nodiscard]] std::string replaced(std::string text, const std::string& what,
                                    const std::string& with);
 
+/// A name of the user's as it can stand in a comment of C and in a page.
+[[nodiscard]] std::string in_comment(const std::string& name);
+
 /// The lines that the features leave: `#if QT_WITH_X`, `#if !QT_WITH_X`, #else and #endif are
 /// resolved, other conditions stay.
 [[nodiscard]] std::string with_features(const std::string& text,

@@ -160,6 +160,10 @@ INSTANTIATE_TEST_SUITE_P(
                        "uquad"},
         FlightCodeCase{"uquad_filter_in_double", "uquad", InputKind::wrench, 3, true, false, true,
                        true, "uquad"},
+        FlightCodeCase{"steady_filters", "uquad", InputKind::wrench, -1, true, true, false, false,
+                       "", true},
+        FlightCodeCase{"steady_filters_in_double", "uquad", InputKind::wrench, -1, true, true,
+                       false, true, "", true},
         FlightCodeCase{"speeds", "uquad", InputKind::rotor_speed, 2, true, false, false}),
     [](const auto& of) { return of.param.name; });
 
@@ -276,6 +280,10 @@ INSTANTIATE_TEST_SUITE_P(
         FlightCodeCase{"wrench_of_lags", "crazyflie", InputKind::wrench, 0, true, false, false},
         FlightCodeCase{"wrench_without_state", "mambo", InputKind::wrench, -1, false, false, false},
         FlightCodeCase{"wrench_in_double", "uquad", InputKind::wrench, 2, true, false, true, true},
+        FlightCodeCase{"steady_filters", "uquad", InputKind::wrench, -1, true, true, false, false,
+                       "", true},
+        FlightCodeCase{"steady_filters_in_double", "uquad", InputKind::wrench, -1, true, true,
+                       false, true, "", true},
         FlightCodeCase{"speeds", "uquad", InputKind::rotor_speed, 2, true, false, false},
         FlightCodeCase{"thrusts", "mambo", InputKind::rotor_thrust, -1, true, false, false},
         FlightCodeCase{"commands", "mambo", InputKind::command, 1, true, false, false}),

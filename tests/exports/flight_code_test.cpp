@@ -134,6 +134,8 @@ INSTANTIATE_TEST_SUITE_P(
         FlightCodeCase{"uquad_filter_of_speeds", "uquad", InputKind::rotor_speed, 2, true, false,
                        true, false, "uquad"},
         FlightCodeCase{"cascade_alone", "uquad", InputKind::wrench, -1, true, true, false},
+        FlightCodeCase{"steady_filters", "uquad", InputKind::wrench, -1, true, true, false, false,
+                       "", true},
         FlightCodeCase{"wrench_of_past_commands", "crazyflie", InputKind::wrench, 3},
         FlightCodeCase{"wrench_of_lags", "crazyflie", InputKind::wrench, 0},
         FlightCodeCase{"wrench_without_state", "mambo", InputKind::wrench, -1, false},
@@ -186,7 +188,7 @@ TEST(FlightCode, HasTheCovariancesThatAreStoredWithTheDesign) {
   ExportContent content =
       flight_code_content({"", "uquad", InputKind::wrench, -1, true, true, true, false, "uquad"});
   const auto numbers = [&] {
-    return exports::parameters_text(exports::program_settings(exports::recorded_setup(content)),
+    return exports::parameters_text(exports::program_settings(exports::recorded_setup(content)), {},
                                     false);
   };
   EXPECT_THAT(numbers(), HasSubstr(".tilt_R = 0.25f,"));
@@ -195,6 +197,46 @@ TEST(FlightCode, HasTheCovariancesThatAreStoredWithTheDesign) {
   tuned.dt = 0.005;
   tuned.R_tilt = 0.75;
   EXPECT_THAT(numbers(), HasSubstr(".tilt_R = 0.75f,"));
+}
+
+TEST(FlightCode, HasTheSteadyKalmanFiltersOfTheDesign) {
+  if (!has_compiler()) GTEST_SKIP() << "cc is not installed here";
+  const TemporaryDirectory folder;
+  const ExportContent content =
+      flight_code_content({"", "uquad", InputKind::wrench, -1, true, true, false, true, "", true});
+  (void)write_export(folder.path(), export_kind("c", "test"), content);
+  EXPECT_THAT(folder.read("uquad_kalman.h"),
+              HasSubstr("0 'height', every 0.005 s:\n *   x = (z [m], vz [m/s])\n"
+                        " *   u = (az [m/s^2])\n *   y = (z_sonar [m])\n * 1 'a * / name'"));
+  EXPECT_EQ(make_test(folder.path()), 0) << folder.read("log");
+  EXPECT_THAT(folder.read("log"), HasSubstr("\n200 control periods, all equal bit by bit"));
+  const auto checks = [&] {
+    return flight_code_checks(folder.path(), content.vehicle, {FlightCodeTarget::host});
+  };
+  ASSERT_EQ(checks().size(), 2U) << checks().front().detail;
+  EXPECT_TRUE(checks().back().ok) << checks().back().detail;
+  EXPECT_THAT(checks().back().detail, HasSubstr("filters: 200 control periods"));
+  // One number of a filter.
+  std::string numbers = folder.read("uquad_parameters.c");
+  const std::size_t at = numbers.find("0.0262414206418703");
+  ASSERT_NE(at, std::string::npos);
+  folder.write("uquad_parameters.c", numbers.replace(at + 5, 1, "3"));
+  EXPECT_NE(make_test(folder.path()), 0);
+  EXPECT_THAT(folder.read("log"), HasSubstr("expected"));
+  EXPECT_FALSE(checks().front().ok);
+}
+
+TEST(FlightCode, RefusesFiltersWhoseMatricesAreNotOfOneFilter) {
+  const auto refusal = [](const auto& change, const char* message) {
+    ExportContent content = flight_code_content(
+        {"", "uquad", InputKind::wrench, -1, true, true, false, false, "", true});
+    change(content.filters.front());
+    EXPECT_THAT([&] { (void)flight_code_files(content); },
+                ThrowsMessage<InvalidInput>(HasSubstr(message)));
+  };
+  refusal([](KalmanFilter& f) { f.L(0, 0) = kNaN; }, "filter 'height': L has nan at (1,1)");
+  refusal([](KalmanFilter& f) { f.M = f.L.transpose().eval(); }, "M is 1x2, expected 2x1");
+  refusal([](KalmanFilter& f) { f.model.A(0, 1) = 1e39; }, "A: is 1e+39");
 }
 
 TEST(FlightCode, ThatIsChangedDoesNotRepeatIt) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Replays a recorded flight through the flight program, on a computer with an operating system.
+ * A recorded run of the Kalman filters is replayed likewise.
  *
  *   replay flight.txt   compares every command and every estimate with those of the file, bit by
  *                       bit; exit status 0 if all are equal, 1 if not, 2 if the file is no flight
@@ -15,6 +16,9 @@
 #include <string.h>
 
 #include "program.h"
+#if QT_WITH_KALMAN
+#include "kalman.h"
+#endif
 
 #if QT_WITH_DOUBLE
 #define FORMAT "%.17g"
@@ -174,18 +178,48 @@ static void print(const qt_real *x, int count) {
 }
 
 /* Compares the results of one period with those of the line. */
-static bool repeats(const qt_real results[RESULTS]) {
+static bool repeats(const qt_real *results, int count) {
   bool equal = true;
-  for (int i = 0; (i < RESULTS) && equal; ++i) {
+  for (int i = 0; (i < count) && equal; ++i) {
     const qt_real expected = number();
     equal = broken || same(results[i], expected);
     if (!equal) {
       (void)printf("replay: line %ld, result %d of %d: " FORMAT ", expected " FORMAT "\n",
-                   number_of_line, i + 1, RESULTS, (double)results[i], (double)expected);
+                   number_of_line, i + 1, count, (double)results[i], (double)expected);
     }
   }
   return equal;
 }
+#if QT_WITH_KALMAN
+
+static const qt_kalman_t *filter = NULL; /* that the lines are of; NULL: they are of a flight */
+static qt_kalman_state_t filter_state;
+
+/* The line `filter`, its number, and the states it starts with. */
+static bool start_filter(void) {
+  qt_real x[QT_KALMAN_STATES];
+  const qt_real index = number();
+  const bool is_there = (index >= 0.0f) && (index < (qt_real)QT_KALMAN_FILTERS);
+  if (is_there) {
+    filter = &qt_kalman[(int)index];
+    numbers(x, filter->states);
+    qt_kalman_initialize(filter, &filter_state, x);
+  }
+  return is_there;
+}
+
+/* Measurements, inputs, and the estimate to compare. */
+static bool filter_repeats(void) {
+  qt_real y[QT_KALMAN_MEASUREMENTS];
+  qt_real u[QT_KALMAN_INPUTS];
+  qt_real estimate[QT_KALMAN_STATES];
+  numbers(y, filter->measurements);
+  numbers(u, filter->inputs);
+  (void)qt_kalman_correct(filter, &filter_state, y, estimate);
+  qt_kalman_predict(filter, &filter_state, u);
+  return repeats(estimate, filter->states);
+}
+#endif
 
 /* Replays a flight, or is flown; the exit status. */
 static int replay(FILE *file, bool flown) {
@@ -200,6 +234,15 @@ static int replay(FILE *file, bool flown) {
       read_start(&start);
       qt_initialize(&state, &start);
       started = true;
+#if QT_WITH_KALMAN
+      filter = NULL;
+    } else if (strncmp(line, "filter ", 7) == 0) {
+      rest = &line[7];
+      started = start_filter();
+    } else if (filter != NULL) {
+      status = filter_repeats() ? 0 : 1;
+      ++periods;
+#endif
     } else {
       estimate();
       results_of(&output, results);
@@ -212,7 +255,7 @@ static int replay(FILE *file, bool flown) {
       results_of(&output, results);
       if (flown) {
         print(results, RESULTS);
-      } else if (!repeats(results)) {
+      } else if (!repeats(results, RESULTS)) {
         status = 1;
       } else {
         /* The period is as it was recorded. */

@@ -105,6 +105,40 @@ inline CascadeDesign hovering_cascade(const Vehicle& vehicle, PidMethod method) 
   return design;
 }
 
+/// Steady filters whose matrices have every shape; the second has noises in common, so that L is
+/// not A M, and no inputs.
+inline std::vector<KalmanFilter> steady_filters() {
+  KalmanFilter height;
+  height.name = "height";
+  height.model.A = Eigen::MatrixXd{{1, 0.005}, {0, 1}};
+  height.model.B = Eigen::MatrixXd{{0}, {0.005}};
+  height.model.C = Eigen::MatrixXd{{1, 0}};
+  height.model.dt = 0.005;
+  height.model.states = {{"z", "m"}, {"vz", "m/s"}};
+  height.model.inputs = {{"az", "m/s^2"}};
+  height.model.outputs = {{"z_sonar", "m"}};
+  height.R = Eigen::MatrixXd{{0.1}};
+  height.M = Eigen::MatrixXd{{0.0262414206418703}, {0.0697767360714920}};
+  height.L = height.model.A * height.M;
+  KalmanFilter other;
+  other.name = "a */ name";
+  other.model.A = Eigen::MatrixXd{{0.9, 0.1, 0}, {-0.1, 0.8, 0.05}, {0, 0, 0.7}};
+  other.model.B = Eigen::MatrixXd(3, 0);
+  other.model.C = Eigen::MatrixXd{{1, 0, 0}, {0, 1, 1}};
+  other.model.dt = 0.02;
+  other.model.states = {{"a", ""}, {"b", ""}, {"c", "rad"}};
+  other.model.outputs = {{"ya", ""}, {"yb", ""}};
+  other.R = Eigen::MatrixXd{{0.2, 0.05}, {0.05, 0.3}};
+  other.M = Eigen::MatrixXd{{0.3, 0.01}, {0.02, 0.2}, {0, 0.1}};
+  other.L = Eigen::MatrixXd{{0.25, 0.03}, {-0.01, 0.15}, {0.01, 0.05}};
+  for (KalmanFilter* filter : {&height, &other}) {
+    const Eigen::Index states = filter->model.A.rows();
+    filter->G = filter->Q = filter->P = filter->Z = Eigen::MatrixXd::Identity(states, states);
+    filter->N = Eigen::MatrixXd::Zero(states, filter->model.C.rows());
+  }
+  return {height, other};
+}
+
 /// A kind of exported flight code.
 struct FlightCodeCase {
   std::string name;
@@ -116,6 +150,7 @@ struct FlightCodeCase {
   bool estimator = true;
   bool double_precision = false;
   std::string filter = "general";  ///< or "mambo" or "uquad", where there is an estimator
+  bool steady_filters = false;     ///< whether the design has Kalman filters
 };
 
 inline ExportContent flight_code_content(const FlightCodeCase& of) {
@@ -130,6 +165,7 @@ inline ExportContent flight_code_content(const FlightCodeCase& of) {
     content.estimator = StoredEstimator{
         "general", general_filter_settings(content.vehicle.sensors, 0.005, content.vehicle.gravity,
                                            Environment{}.magnetic_field, GeneralFilterNoise{})};
+  if (of.steady_filters) content.filters = steady_filters();
   content.flight_code.double_precision = of.double_precision;
   return content;
 }

@@ -11,8 +11,8 @@ namespace quadtune {
 
 /// @param estimator  that the law was judged with
 /// @param adapter    FlightCodeOptions::adapter
-/// @return           "general" or "mambo"; empty if the program takes the estimate from its caller:
-///                   for other estimators, and for adapters whose firmware has its own
+/// @return           "general", "mambo" or "uquad"; empty if the program takes the estimate from
+///                   its caller: where there is none, and for adapters whose firmware has its own
 [[nodiscard]] std::string included_estimator(const std::optional<StoredEstimator>& estimator,
                                              const std::string& adapter);
 

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A Kalman filter with its steady gains, as it runs on board. Theory: "Kalman filter".
+#pragma once
+
+#include <Eigen/Core>
+
+#include "quadtune/filter.hpp"
+#include "quadtune/scalar.hpp"
+
+namespace quadtune {
+
+/// What is kept from one period to the next. A copy of it resumes identically.
+template <class T>
+struct SteadyFilterState {
+  Eigen::Matrix<T, Eigen::Dynamic, 1> x;  ///< predicted for the measurement to come
+  Eigen::Matrix<T, Eigen::Dynamic, 1> e;  ///< innovation of the measurement since; 0: none came
+};
+
+template <class T>
+[[nodiscard]] SteadyFilterState<T> steady_filter_start(
+    const KalmanFilter& filter, const Eigen::Matrix<T, Eigen::Dynamic, 1>& x) {
+  return {x, Eigen::Matrix<T, Eigen::Dynamic, 1>::Constant(filter.model.C.rows(), T(0))};
+}
+
+/// The estimate with the measurement of now, e = y - C x, x + M e. An entry of y that is not finite
+/// is not used.
+template <class T>
+[[nodiscard]] Eigen::Matrix<T, Eigen::Dynamic, 1> correct(
+    const KalmanFilter& filter, SteadyFilterState<T>& state,
+    const Eigen::Matrix<T, Eigen::Dynamic, 1>& y) {
+  for (Eigen::Index i = 0; i < y.size(); ++i) {
+    T e = y(i);
+    for (Eigen::Index j = 0; j < state.x.size(); ++j) e -= T(filter.model.C(i, j)) * state.x(j);
+    state.e(i) = select(is_finite(e), e, T(0));
+  }
+  Eigen::Matrix<T, Eigen::Dynamic, 1> estimate = state.x;
+  for (Eigen::Index i = 0; i < estimate.size(); ++i)
+    for (Eigen::Index j = 0; j < y.size(); ++j) estimate(i) += T(filter.M(i, j)) * state.e(j);
+  return estimate;
+}
+
+/// One period on, x ← A x + B u + L e: from the estimate x + M e, and by what the noises of process
+/// and measurement have in common. An entry of u that is not finite counts as 0.
+template <class T>
+void predict(const KalmanFilter& filter, SteadyFilterState<T>& state,
+             const Eigen::Matrix<T, Eigen::Dynamic, 1>& u) {
+  const Eigen::Matrix<T, Eigen::Dynamic, 1> x = state.x;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    T next = T(0);
+    for (Eigen::Index j = 0; j < x.size(); ++j) next += T(filter.model.A(i, j)) * x(j);
+    for (Eigen::Index j = 0; j < u.size(); ++j)
+      next += T(filter.model.B(i, j)) * select(is_finite(u(j)), u(j), T(0));
+    for (Eigen::Index j = 0; j < state.e.size(); ++j) next += T(filter.L(i, j)) * state.e(j);
+    state.x(i) = next;
+  }
+  state.e.setConstant(T(0));
+}
+
+}  // namespace quadtune
