@@ -15,6 +15,7 @@
 #include "quadtune/exports/stored_estimator.hpp"
 #include "quadtune/exports/uquad.hpp"
 #include "quadtune/filter.hpp"
+#include "quadtune/gain_schedule.hpp"
 #include "quadtune/gains.hpp"
 #include "quadtune/lti.hpp"
 #include "quadtune/model/vehicle.hpp"
@@ -46,6 +47,7 @@ struct ExportContent {
   std::vector<KalmanFilter> filters;  ///< "altitude" and "velocity" for the Mambo
   std::optional<UquadDiagonals> uquad_filter;
   std::optional<CascadeDesign> cascade;
+  std::optional<GainSchedule> schedule;      ///< in the place of laws; flight code alone holds one
   std::optional<StoredEstimator> estimator;  ///< that the laws were judged with
   FlightCodeOptions flight_code;             ///< of exports that are flight code
   FirmwareOptions firmware;                  ///< of exports that are a firmware's parameters
