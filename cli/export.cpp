@@ -13,6 +13,7 @@
 #include "quadtune/export_target.hpp"
 #include "quadtune/exports/firmware.hpp"
 #include "quadtune/exports/imu_calibration_file.hpp"
+#include "quadtune/exports/schedule_table.hpp"
 #include "quadtune/flight_code_words.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
@@ -31,7 +32,8 @@ struct Options {
   FirmwareOptions firmware;
   bool force = false, constants = false;
 
-  [[nodiscard]] bool of_design() const { return source.ends_with(".toml"); }
+  [[nodiscard]] bool of_schedule() const { return is_schedule(source); }
+  [[nodiscard]] bool of_design() const { return source.ends_with(".toml") && !of_schedule(); }
 };
 
 void require_complete(const Options& options) {
@@ -56,7 +58,25 @@ std::vector<std::string> forced_of(const std::string& source) {
   return read_manifest(folder).forced;
 }
 
+/// A schedule is no whole program, and its loops are not judged.
+void require_schedule_options(const Options& options) {
+  if (options.to != kFlightCodeTarget)
+    throw InvalidInput(options.source,
+                       fmt::format("is a gain schedule, expected --to {} because no other export "
+                                   "holds one, or the gains of one law",
+                                   kFlightCodeTarget));
+  const std::pair<const char*, bool> given[] = {{"--law", !options.law.empty()},
+                                                {"--adapter", !options.adapter.empty()},
+                                                {"--force", options.force}};
+  for (const auto& [option, came] : given)
+    if (came)
+      refuse("export", option, "{} came with a gain schedule, expected none because {}", option,
+             options.force ? "nothing stands against its export"
+                           : "the program holds the schedule alone");
+}
+
 ExportContent content_of(const Options& options, const Context& context) {
+  if (options.of_schedule()) return schedule_content(options.source, options.vehicle);
   if (options.of_design()) {
     const DesignOutcome outcome = run_design(options.source);
     require_tuned(outcome, options.force, context);
@@ -134,6 +154,7 @@ void run_export(const Options& options, Context& context) {
   if (options.constants && options.to != "uquad")
     refuse("export", "--constants", "--constants is for --to uquad, expected none with --to {}",
            options.to);
+  if (options.of_schedule()) require_schedule_options(options);
   ExportContent content = content_of(options, context);
   content.flight_code = flight_code;
   content.firmware = options.firmware;
@@ -145,7 +166,7 @@ void run_export(const Options& options, Context& context) {
   if (const std::string problem = unstable_loop(content);
       !problem.empty() && !(options.of_design() && options.force))
     throw Refusal(fmt::format("export: {}, nothing was written", problem), content.vehicle.name);
-  if (!options.of_design())
+  if (!options.of_design() && !options.of_schedule())
     context.note(
         "export: note: gains, trim, cascade, estimator and vehicle are carried over; weights and "
         "Kalman filters come from a design file only");
@@ -164,7 +185,8 @@ void run_export(const Options& options, Context& context) {
 
 void add_options(CommandLine& line, Options& options) {
   line.add_option("SOURCE", options.source,
-                  "an export's directory, a gain file or a design file (.toml)");
+                  "an export's directory, a gain file, a design file (.toml) or, with --to c, a "
+                  "gain schedule");
   line.add_option("--to NAME", options.to,
                   "uquad, mambo, json, mat, c, px4, ardupilot, betaflight or crazyflie");
   line.add_option("-o DIR", options.directory, "directory to write");

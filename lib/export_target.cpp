@@ -20,14 +20,14 @@ namespace {
 // Words of C99, names of other files of an export, and names whose header would be taken for one of
 // the C library.
 constexpr std::array kTakenNames = {
-    "auto",   "break",    "case",     "char",     "const",  "double",   "else",    "enum",
-    "extern", "float",    "for",      "goto",     "if",     "inline",   "int",     "long",
-    "main",   "register", "return",   "short",    "signed", "sizeof",   "static",  "struct",
-    "switch", "typedef",  "union",    "unsigned", "void",   "volatile", "while",   "bool",
-    "true",   "false",    "replay",   "string",   "m",      "assert",   "complex", "ctype",
-    "errno",  "fenv",     "inttypes", "iso646",   "limits", "locale",   "math",    "setjmp",
-    "signal", "stdarg",   "stdbool",  "stddef",   "stdint", "stdio",    "stdlib",  "tgmath",
-    "time",   "wchar",    "wctype",   "adapter"};
+    "auto",   "break",    "case",     "char",     "const",       "double",   "else",    "enum",
+    "extern", "float",    "for",      "goto",     "if",          "inline",   "int",     "long",
+    "main",   "register", "return",   "short",    "signed",      "sizeof",   "static",  "struct",
+    "switch", "typedef",  "union",    "unsigned", "void",        "volatile", "while",   "bool",
+    "true",   "false",    "replay",   "string",   "m",           "assert",   "complex", "ctype",
+    "errno",  "fenv",     "inttypes", "iso646",   "limits",      "locale",   "math",    "setjmp",
+    "signal", "stdarg",   "stdbool",  "stddef",   "stdint",      "stdio",    "stdlib",  "tgmath",
+    "time",   "wchar",    "wctype",   "adapter",  "replay_lines"};
 
 std::vector<ExportTarget>& targets() {
   const auto firmware = [](const char* name) {

@@ -41,7 +41,7 @@ Words takers_of(FileKind kind) {
         "campaign init"}},
       {FileKind::requirements, {"tune pid --requirements", "tune lqr --requirements"}},
       {FileKind::filter_model, {"tune kalman --model"}},
-      {FileKind::schedule, {"fly --gains", "compare", "compare --gains"}},
+      {FileKind::schedule, {"fly --gains", "compare", "compare --gains", "export"}},
       {FileKind::log, {"log", "tune kalman --log", "calibrate imu --log", "allan --log"}},
       {FileKind::calibration, {"calibrate imu --base"}}};
   const auto found = takers.find(kind);

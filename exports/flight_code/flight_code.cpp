@@ -11,6 +11,7 @@
 #include "flight_code/kalman_module.hpp"
 #include "flight_code/parameters.hpp"
 #include "flight_code/program_settings.hpp"
+#include "flight_code/schedule_program.hpp"
 #include "flight_code/source_text.hpp"
 #include "json/to_json.hpp"
 #include "quadtune/errors.hpp"
@@ -176,6 +177,7 @@ std::vector<ProgramFile> sources_of(const ProgramSettings& s, bool double_precis
       {"program.h", ".h"},
       {"state.h", "_state.h"},
       {"internal.h", "_internal.h"},
+      {"arithmetic.h", "_arithmetic.h"},
       {"maths.h", "_maths.h"},
       {"program.c", ".c"},
       {"motors.c", "_motors.c"},
@@ -208,7 +210,7 @@ std::string recorded_header(const ProgramSettings& s) {
       s.allocation.rotors, s.allocation.rotors);
 }
 
-std::string options_text(const ExportContent& content, const std::string& name) {
+FileContent options_file(const ExportContent& content, const std::string& name) {
   internal::Json json;
   json["format"] = kFlightCodeFormat;
   json["format_version"] = kFlightCodeVersion;
@@ -216,7 +218,7 @@ std::string options_text(const ExportContent& content, const std::string& name) 
   json["precision"] = content.flight_code.double_precision ? "double" : "float";
   json["law"] = content.flight_code.law;
   if (!content.flight_code.adapter.empty()) json["adapter"] = content.flight_code.adapter;
-  return internal::readable(json) + "\n";
+  return {kFlightCodeName, internal::readable(json) + "\n"};
 }
 
 std::string readme(const ProgramSettings& s, const ExportContent& content, const std::string& name,
@@ -239,6 +241,11 @@ std::string flight_code_name(const std::string& name) {
 
 std::vector<FileContent> flight_code_files(const ExportContent& content) {
   using namespace exports;
+  if (content.schedule) {
+    std::vector<FileContent> files = schedule_program_files(content);
+    files.push_back(options_file(content, schedule_program_name(content)));
+    return files;
+  }
   const std::string& adapter = content.flight_code.adapter;
   const std::string name = name_of(content);
   const FlightSetup setup = recorded_setup(content);
@@ -250,7 +257,7 @@ std::vector<FileContent> flight_code_files(const ExportContent& content) {
   std::vector<FileContent> files;
   std::vector<std::string> sources, headers, objects;
   const auto add = [&](const std::string& file, const std::string& text) {
-    const bool of_program = file != "replay.c" && !file.starts_with(kAdapterPrefix);
+    const bool of_program = !file.starts_with("replay") && !file.starts_with(kAdapterPrefix);
     if (file.ends_with(".c") && of_program) {
       sources.push_back(file);
       objects.push_back(file.substr(0, file.size() - 2) + ".o");
@@ -266,7 +273,8 @@ std::vector<FileContent> flight_code_files(const ExportContent& content) {
   add(name + "_parameters.c", parameters_text(settings, content.filters, double_precision));
   choices.words["OBJECTS"] = internal::joined(objects, " ");
   choices.words["HEADERS"] = internal::joined(headers, " ");
-  add("replay.c", source_text("replay.c"));
+  choices.words["RECORDING"] = kRecordedFlight;
+  for (const char* file : {"replay.c", "replay_lines.h"}) add(file, source_text(file));
   add("Makefile", source_text("Makefile"));
   choices.words["STEPS"] = fmt::format("{:.0f}", settings.dt * 1000);
   choices.words["PX4_SOURCES"] = internal::joined(sources, "\n\t\t");
@@ -274,13 +282,21 @@ std::vector<FileContent> flight_code_files(const ExportContent& content) {
     add(file.to, adapter_text(file.from, content, name, settings.dt));
   const RecordedFlight recorded = record_flight(
       setup, settings, template_program(settings, double_precision), double_precision);
-  files.push_back({"flight.txt", recorded_header(settings) + recorded.text});
+  files.push_back({kRecordedFlight, recorded_header(settings) + recorded.text});
   if (!content.filters.empty())
     files.push_back({"filters.txt", kalman_recording(content.filters, double_precision)});
   files.push_back({"README.md", readme(settings, content, name, sources)});
-  files.push_back({kFlightCodeName, options_text(content, name)});
+  files.push_back(options_file(content, name));
   files.push_back({kGainsJsonName, gains_json_text(content)});
   return files;
+}
+
+bool holds_schedule(const std::filesystem::path& directory) {
+  const auto has = [&](const char* name) {
+    std::error_code unknown;
+    return std::filesystem::exists(directory / name, unknown);
+  };
+  return has(kScheduleJsonName) && has(kFlightCodeName) && !has(kGainsJsonName);
 }
 
 FlightCodeOptions read_flight_code_options(const std::filesystem::path& directory) {

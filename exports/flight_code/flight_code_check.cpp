@@ -13,6 +13,7 @@
 #include "flight_code/flight_recording.hpp"
 #include "flight_code/process.hpp"
 #include "flight_code/program_settings.hpp"
+#include "flight_code/schedule_program.hpp"
 #include "flight_code/scratch_folder.hpp"
 #include "json/to_json.hpp"
 #include "quadtune/errors.hpp"
@@ -21,6 +22,7 @@
 #include "quadtune/exports/exporter.hpp"
 #include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/read_gains.hpp"
+#include "quadtune/exports/schedule_table.hpp"
 #include "quadtune/exports/verify.hpp"
 #include "quadtune/internal/text_file.hpp"
 
@@ -34,19 +36,23 @@ std::string last_line(std::string text) {
   return text.substr(text.rfind('\n') + 1);
 }
 
-/// The files that the gains of an export and a vehicle give, without gains.json: it also contains
-/// weights, and verify_export() compares it with the manifest.
+/// The files that the gains of an export, or its schedule, and a vehicle give, without gains.json:
+/// it also contains weights, and verify_export() compares it with the manifest.
 struct MadeAnew {
   ExportContent content;
   std::vector<FileContent> files;
 
   MadeAnew(const fs::path& directory, const Vehicle& vehicle) {
-    StoredLaws laws = read_laws(directory);
     content.vehicle = vehicle;
-    content.gains = std::move(laws.gains);
-    content.cascade = std::move(laws.cascade);
-    content.estimator = std::move(laws.estimator);
-    content.filters = exporter_of(ExportKind("c"), "verify").filters(directory);
+    if (holds_schedule(directory)) {
+      content.schedule = read_schedule(directory / kScheduleJsonName);
+    } else {
+      StoredLaws laws = read_laws(directory);
+      content.gains = std::move(laws.gains);
+      content.cascade = std::move(laws.cascade);
+      content.estimator = std::move(laws.estimator);
+      content.filters = exporter_of(ExportKind("c"), "verify").filters(directory);
+    }
     content.flight_code = read_flight_code_options(directory);
     files = flight_code_files(content);
     std::erase_if(files, [](const FileContent& file) { return file.name == kGainsJsonName; });
@@ -55,15 +61,18 @@ struct MadeAnew {
 
 /// How the files of a directory differ from those of the program; empty if they do not. The numbers
 /// of another program must not lie there: a board's build that takes every file would find both.
-std::string text_difference(const fs::path& directory, const std::vector<FileContent>& expected) {
+std::string text_difference(const fs::path& directory, const MadeAnew& made) {
+  const std::vector<FileContent>& expected = made.files;
   for (const fs::directory_entry& entry : fs::directory_iterator(directory)) {
     const std::string name = entry.path().filename().string();
-    if (name.ends_with("_parameters.c") &&
+    if ((name.ends_with("_parameters.c") || name.ends_with(exports::kTableEnd)) &&
         std::none_of(expected.begin(), expected.end(),
                      [&](const FileContent& file) { return file.name == name; }))
       return name + " belongs to another program, expected it elsewhere";
   }
-  return file_difference(directory, expected, "the gains and the vehicle");
+  return file_difference(
+      directory, expected,
+      made.content.schedule ? "the schedule and its options" : "the gains and the vehicle");
 }
 
 /// The first program that a target needs and that is not installed; empty if all are.
@@ -107,10 +116,11 @@ std::string compile(const std::vector<FileContent>& files, const fs::path& folde
                      internal::printable(last_line(said)));
 }
 
-/// Replays what was recorded: the flight, and the run of the Kalman filters where there are any.
-void replay_in(const fs::path& folder, FlightCodeTarget target, VerifyCheck& check) {
+/// Replays what was recorded, and the run of the Kalman filters where there is one.
+void replay_in(const fs::path& folder, FlightCodeTarget target, const std::string& recording,
+               VerifyCheck& check) {
   check.ok = true;
-  for (const char* recorded : {"flight.txt", "filters.txt"}) {
+  for (const std::string& recorded : {recording, std::string("filters.txt")}) {
     if (!check.ok || !fs::exists(folder / recorded)) continue;
     std::string said;
     check.ok =
@@ -121,11 +131,13 @@ void replay_in(const fs::path& folder, FlightCodeTarget target, VerifyCheck& che
   }
 }
 
-/// Replays the recorded flight.
-VerifyCheck check_replay(const std::vector<FileContent>& files, FlightCodeTarget target) {
+/// Replays the recorded flight, or points.
+VerifyCheck check_replay(const MadeAnew& made, FlightCodeTarget target) {
   const bool arm = target == FlightCodeTarget::arm;
+  const bool schedule = made.content.schedule.has_value();
   VerifyCheck check{
-      arm ? "the program for ARM repeats its flight" : "the compiled program repeats its flight",
+      fmt::format("the {} repeats its {}", arm ? "program for ARM" : "compiled program",
+                  schedule ? "points" : "flight"),
       false, ""};
   if (const std::string missing = missing_program(target); !missing.empty()) {
     check.ok = !arm;
@@ -134,8 +146,10 @@ VerifyCheck check_replay(const std::vector<FileContent>& files, FlightCodeTarget
   }
   try {
     const exports::ScratchFolder scratch;
-    check.detail = compile(files, scratch.path(), target);
-    if (check.detail.empty()) replay_in(scratch.path(), target, check);
+    check.detail = compile(made.files, scratch.path(), target);
+    if (check.detail.empty())
+      replay_in(scratch.path(), target,
+                schedule ? exports::kRecordedPoints : exports::kRecordedFlight, check);
   } catch (const FileError& error) {
     check.detail = error.what();
   }
@@ -146,20 +160,20 @@ VerifyCheck check_replay(const std::vector<FileContent>& files, FlightCodeTarget
 
 std::vector<VerifyCheck> flight_code_checks(const fs::path& directory, const Vehicle& vehicle,
                                             const std::vector<FlightCodeTarget>& targets) {
-  constexpr char kName[] = "C is what the gains give";
+  const std::string name =
+      fmt::format("C is what the {}", holds_schedule(directory) ? "schedule gives" : "gains give");
   std::vector<VerifyCheck> checks;
   try {
     const MadeAnew made(directory, vehicle);
-    const std::string difference = text_difference(directory, made.files);
-    checks.push_back({kName, difference.empty(), difference});
+    const std::string difference = text_difference(directory, made);
+    checks.push_back({name, difference.empty(), difference});
     if (!difference.empty()) return checks;
     checks.back().detail = fmt::format("{} files, byte by byte", made.files.size());
-    for (const FlightCodeTarget target : targets)
-      checks.push_back(check_replay(made.files, target));
+    for (const FlightCodeTarget target : targets) checks.push_back(check_replay(made, target));
   } catch (const InvalidInput& error) {
-    checks.push_back({kName, false, error.what()});
+    checks.push_back({name, false, error.what()});
   } catch (const FileError& error) {
-    checks.push_back({kName, false, error.what()});
+    checks.push_back({name, false, error.what()});
   }
   return checks;
 }
@@ -175,7 +189,10 @@ CompiledProgram::CompiledProgram(const fs::path& directory, const Vehicle& vehic
                                  FlightCodeTarget target)
     : parts_(std::make_unique<Parts>()) {
   const MadeAnew made(directory, vehicle);
-  if (const std::string difference = text_difference(directory, made.files); !difference.empty())
+  if (made.content.schedule)
+    throw InvalidInput(directory.string(),
+                       "is the program of a gain schedule, expected one that flies");
+  if (const std::string difference = text_difference(directory, made); !difference.empty())
     throw InvalidInput(directory.string(), difference + "; `quadtune verify` tells more");
   if (const std::string missing = missing_program(target); !missing.empty())
     throw FileError(missing,

@@ -1,8 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <utility>
+
 #include "built_in_exporters.hpp"
 #include "quadtune/exports/flight_code.hpp"
+#include "quadtune/exports/schedule_table.hpp"
 
 namespace quadtune::exports {
+namespace {
+
+/// A schedule is no law: what reads laws finds none, and what reads gains.json is not asked.
+void add_schedules(Exporter& exporter) {
+  exporter.read = [read = std::move(exporter.read)](const std::filesystem::path& directory,
+                                                    const Manifest& manifest) -> StoredLaws {
+    if (!holds_schedule(directory)) return read(directory, manifest);
+    return {read_schedule(directory / kScheduleJsonName).vehicle, {}, {}};
+  };
+  exporter.written_again = [again = std::move(exporter.written_again)](
+                               const std::filesystem::path& directory, const Manifest& manifest,
+                               const Vehicle& vehicle) -> std::vector<FileContent> {
+    if (!holds_schedule(directory)) return again(directory, manifest, vehicle);
+    return {{kScheduleJsonName,
+             schedule_text(read_schedule(directory / kScheduleJsonName), TableFormat::json)}};
+  };
+  exporter.filters = [filters = std::move(exporter.filters)](
+                         const std::filesystem::path& directory) -> std::vector<KalmanFilter> {
+    if (!holds_schedule(directory)) return filters(directory);
+    return {};
+  };
+}
+
+}  // namespace
 
 Exporter flight_code_exporter() {
   // The C is not parsed: the laws are read from the gains.json that is exported with it.
@@ -11,6 +38,7 @@ Exporter flight_code_exporter() {
   exporter.files = flight_code_files;
   exporter.read_plain = {};
   exporter.weights_difference = {};  // written_again compares gains.json whole
+  add_schedules(exporter);
   return exporter;
 }
 

@@ -10,6 +10,9 @@
 
 namespace quadtune::exports {
 
+/// The file of the flight that `replay` repeats.
+inline constexpr char kRecordedFlight[] = "flight.txt";
+
 /// A flight program as it runs: the library's templates, or a process.
 class RunningProgram {
  public:

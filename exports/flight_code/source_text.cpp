@@ -97,7 +97,8 @@ std::string program_source(const std::string& text, const SourceChoices& choices
   result = replaced(result, "#define QT_DT 0.005f", "#define QT_DT @PERIOD@");
   if (choices.double_precision) result = in_double(result);
   // The program's own names come last: they may look like those of the sources.
-  result = std::regex_replace(result, std::regex("\"(state|internal|maths|kalman)\\.h\""),
+  result = std::regex_replace(result,
+                              std::regex("\"(state|internal|maths|arithmetic|table|kalman)\\.h\""),
                               "\"@NAME@_$1.h\"");
   result = replaced(result, "\"program.h\"", "\"@NAME@.h\"");
   result = std::regex_replace(result, std::regex("\\bqt(_|`)"), "@NAME@$1");
@@ -106,6 +107,20 @@ std::string program_source(const std::string& text, const SourceChoices& choices
   result = replaced(result, "@PERIOD@", choices.period);
   result = replaced(result, "@UPPER_NAME@", upper_case(choices.name));
   return replaced(result, "@NAME@", choices.name);
+}
+
+std::string in_comment(const std::string& name) {
+  std::string text = internal::printable(name);
+  for (const char* mark : {"*/", "/*"})
+    for (std::size_t at = 0; (at = text.find(mark, at)) != std::string::npos;)
+      text.insert(at + 1, " ");
+  return text;
+}
+
+std::string with_own_names(std::string text, const std::string& name) {
+  text = replaced(std::move(text), "qt_", name + "_");
+  text = replaced(std::move(text), "QT_", upper_case(name) + "_");
+  return replaced(std::move(text), "\"table.h\"", "\"" + name + "_table.h\"");
 }
 
 const std::string& source_text(const std::string& name) {

@@ -15,6 +15,7 @@
 #include "quadtune/exports/diff.hpp"
 #include "quadtune/exports/export.hpp"
 #include "quadtune/exports/exporter.hpp"
+#include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/json.hpp"
@@ -133,7 +134,8 @@ void check_readable(const fs::path& directory, const Manifest* manifest, VerifyR
     if (laws.gains && manifest != nullptr)
       if (const auto& check_files = exporter_of(manifest->kind, kManifestName).check)
         check_files(directory, *manifest, *laws.gains);
-    check.detail = in_words(laws);
+    check.detail = !laws.gains && !laws.cascade && holds_schedule(directory) ? "a gain schedule"
+                                                                             : in_words(laws);
     check.ok = true;
     report.gains = std::move(laws.gains);
     report.cascade = std::move(laws.cascade);

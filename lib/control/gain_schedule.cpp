@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/enum_names.hpp"
+#include "quadtune/internal/grid_cell.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/suggest.hpp"
 
@@ -44,44 +46,14 @@ void check_axis(const ScheduleAxis& axis, const std::string& where) {
                                           *std::next(fall), *fall));
 }
 
-/// Where a value lies on an axis: between the values `low` and low + 1, at `share` of the way.
-struct Place {
-  Eigen::Index low = 0;
-  double share = 0;
-  bool inside = false;
-};
-
-Place place_on(const std::vector<double>& grid, double value) {
+/// None beyond the axis.
+std::optional<internal::GridPlace<double>> place_on(const std::vector<double>& grid, double value) {
   const double first = grid.front();
   const double last = grid.back();
   const double slack =
       kRounding * (grid.size() > 1 ? last - first : std::max(1.0, std::abs(first)));
   if (!(value >= first - slack && value <= last + slack)) return {};
-  if (grid.size() == 1) return {0, 0, true};
-  const double clamped = std::clamp(value, first, last);
-  const auto above = std::upper_bound(grid.begin() + 1, grid.end() - 1, clamped);
-  const auto low = static_cast<std::size_t>(above - grid.begin()) - 1;
-  return {static_cast<Eigen::Index>(low), (clamped - grid[low]) / (grid[low + 1] - grid[low]),
-          true};
-}
-
-/// A corner of the cell that the values lie in, with its weight; bit a of `corner` says which end
-/// of axis a.
-struct Corner {
-  Eigen::Index point = 0;
-  double weight = 1;
-};
-
-Corner corner_of(const std::vector<ScheduleAxis>& axes, const std::vector<Place>& places,
-                 unsigned corner) {
-  Corner result;
-  for (std::size_t a = 0; a < axes.size(); ++a) {
-    const bool high = (corner >> a & 1u) != 0;
-    const auto length = static_cast<Eigen::Index>(axes[a].values.size());
-    result.weight *= high ? places[a].share : 1 - places[a].share;
-    result.point = result.point * length + std::min(places[a].low + (high ? 1 : 0), length - 1);
-  }
-  return result;
+  return internal::place_on_axis(grid, std::clamp(value, first, last));
 }
 
 template <class M>
@@ -199,12 +171,14 @@ ScheduledGain GainSchedule::at(const Eigen::Ref<const Eigen::VectorXd>& values) 
     throw InvalidInput("schedule", fmt::format("{} values came, expected {}, one for each axis",
                                                values.size(), axes.size()));
   ScheduledGain result;
-  std::vector<Place> places;
+  std::vector<internal::GridPlace<double>> places;
   places.reserve(axes.size());
   for (std::size_t a = 0; a < axes.size(); ++a) {
     const double value = values(static_cast<Eigen::Index>(a));
-    places.push_back(place_on(axes[a].values, value));
-    if (places[a].inside) continue;
+    if (const auto place = place_on(axes[a].values, value)) {
+      places.push_back(*place);
+      continue;
+    }
     result.culprit = fmt::format("{} is {:.6g}, the grid reaches from {:.6g} to {:.6g}",
                                  to_string(axes[a].quantity), value, axes[a].values.front(),
                                  axes[a].values.back());
@@ -215,7 +189,7 @@ ScheduledGain GainSchedule::at(const Eigen::Ref<const Eigen::VectorXd>& values) 
   Eigen::VectorXd x0_sum = Eigen::VectorXd::Zero(x0.rows());
   Eigen::VectorXd u0_sum = Eigen::VectorXd::Zero(u0.rows());
   for (unsigned c = 0; c < 1u << axes.size(); ++c) {
-    const Corner corner = corner_of(axes, places, c);
+    const auto corner = internal::corner_of_cell(places, c);
     if (corner.weight == 0) continue;
     if (!solved(corner.point)) {
       result.status = LookupStatus::infeasible;

@@ -70,6 +70,44 @@ TEST_F(FlightCodeVerb, FliesTheCompiledProgramAsTheLaw) {
     EXPECT_NEAR(found["metrics"][metric], double(expected["metrics"][metric]), 0.02) << metric;
 }
 
+TEST_F(FlightCodeVerb, ExportsAGainScheduleThatItVerifies) {
+  const std::string table = path("schedule.toml"), code = path("schedule-code");
+  const ProgramResult solved =
+      run_program({"lqr", "uquad", "--schedule", "speed=0:1:2, mass=0.9:0.1:1.1", "--R", "0.01",
+                   "--quiet", "-o", table});
+  ASSERT_EQ(solved.status, 0) << solved.err;
+  const ProgramResult exported = run_program({"export", table, "--to", "c", "-o", code});
+  EXPECT_EQ(exported.status, 0) << exported.err;
+  EXPECT_THAT(exported.out, HasSubstr("uquad_schedule_table.c"));
+  const ProgramResult verified = run_program({"verify", code, "--design", table, "--json"});
+  EXPECT_EQ(verified.status, 0) << verified.out;
+  EXPECT_THAT(verified.out, HasSubstr("C is what the schedule gives"));
+  EXPECT_THAT(verified.out, HasSubstr("uquad.toml, schedule.toml as listed"));
+  // The table in it flies.
+  const ProgramResult flown =
+      run_program({"fly", "uquad", "--mission", "hover", "--duration", "2", "--gains", code});
+  EXPECT_THAT(flown.out, HasSubstr("schedule-code/schedule.json, 9 points")) << flown.err;
+
+  const auto refused = [&](std::vector<std::string> words, int status, const char* message) {
+    words.insert(words.begin(), {"export", table, "-o", path("none")});
+    const ProgramResult result = run_program(words);
+    EXPECT_EQ(result.status, status) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(message));
+    EXPECT_FALSE(std::filesystem::exists(path("none")));
+  };
+  refused({"--to", "json"}, 3, "is a gain schedule, expected --to c");
+  refused({"--to", "c", "--law", "state-feedback"}, 2, "--law came with a gain schedule");
+  refused({"--to", "c", "--adapter", "px4"}, 2, "--adapter came with a gain schedule");
+  refused({"--to", "c", "--force"}, 2, "--force came with a gain schedule");
+  refused({"--to", "c", "--name", "9x"}, 2, "cannot be the prefix of a C program");
+  refused({"--to", "c", "--precision", "half"}, 2, "no precision 'half'");
+  refused({"--to", "c", "--vehicle", "mambo"}, 3, "for the vehicle 'uquad', expected 'mambo'");
+  EXPECT_THAT(run_program({"export", code, "--to", "json", "-o", path("none")}).err,
+              HasSubstr("holds gains of many flights, expected those of one law"));
+  EXPECT_THAT(run_program({"fly", "uquad", "--gains", code, "--compiled"}).err,
+              HasSubstr("is the program of a gain schedule, expected one that flies"));
+}
+
 TEST_F(FlightCodeVerb, RefusesInOneLine) {
   const auto refused = [](const std::vector<std::string>& words, int status, const char* message) {
     const ProgramResult result = run_program(words);

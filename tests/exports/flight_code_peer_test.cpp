@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "plants/flight_code_designs.hpp"
+#include "plants/schedules.hpp"
 #include "quadtune/exports/flight_code.hpp"
 #include "source_folder.hpp"
 #include "temporary_directory.hpp"
@@ -27,6 +28,10 @@ namespace {
 using testing::flight_code_content;
 using testing::FlightCodeCase;
 using ::testing::HasSubstr;
+using testing::random_schedule;
+using testing::schedule_cases;
+using testing::schedule_content_of;
+using testing::ScheduleCase;
 using testing::TemporaryDirectory;
 
 /// The exit status of a shell command in a folder; what it says goes to the file `log` there.
@@ -311,6 +316,85 @@ TEST(FlightCode, ThatBreaksRulesOfMisraIsFound) {
               HasSubstr("misra-c2012-2.5"));
   EXPECT_THAT(findings("uquad_motors.c", "\n#include <stdio.h>\n"), HasSubstr("misra-c2012-20.1"));
 }
+
+class ScheduleCompiled : public ::testing::TestWithParam<ScheduleCase> {
+ protected:
+  void write(bool double_precision) {
+    write_files(folder_.path(), flight_code_files(schedule_content_of(random_schedule(GetParam()),
+                                                                      double_precision)));
+  }
+
+  const TemporaryDirectory folder_;
+};
+
+TEST_P(ScheduleCompiled, ByClangAndWithSanitizersRepeatsThePoints) {
+  for (const bool double_precision : {false, true}) {
+    write(double_precision);
+    EXPECT_EQ(run_in(folder_.path(),
+                     "make clean && make CC=cc CFLAGS='-O1 -fsanitize=undefined,address "
+                     "-fno-sanitize-recover=all' LDFLAGS=-fsanitize=undefined,address test"),
+              0)
+        << folder_.read("log");
+    if (!installed("clang")) continue;
+    EXPECT_EQ(run_in(folder_.path(),
+                     "make clean && make CC=clang CFLAGS='-O2 -Wconversion -Wdouble-promotion "
+                     "-Wshadow -Werror' test"),
+              0)
+        << folder_.read("log");
+  }
+}
+
+TEST_P(ScheduleCompiled, ForArmRepeatsThePoints) {
+  if (!installed("arm-linux-gnueabihf-gcc") || !installed("qemu-arm"))
+    GTEST_SKIP() << "arm-linux-gnueabihf-gcc or qemu-arm is not installed here";
+  write(false);
+  EXPECT_EQ(
+      run_in(folder_.path(),
+             "make CC=arm-linux-gnueabihf-gcc CFLAGS='-O2 -mcpu=cortex-a9' LDFLAGS=-static all "
+             "&& qemu-arm ./replay points.txt"),
+      0)
+      << folder_.read("log");
+}
+
+TEST_P(ScheduleCompiled, ForCortexMHasItsTableInConstants) {
+  if (!installed("arm-none-eabi-gcc")) GTEST_SKIP() << "arm-none-eabi-gcc is not installed here";
+  write(false);
+  ASSERT_EQ(run_in(folder_.path(),
+                   "arm-none-eabi-gcc -mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -mthumb -mfloat-abi=hard "
+                   "-std=c99 -O2 -Wall -Wextra -Wdouble-promotion -Werror -fcallgraph-info=su -c "
+                   "uquad_schedule*.c && arm-none-eabi-size -A uquad_schedule.o "
+                   "uquad_schedule_table.o | awk '/^\\.text/ { code += $2 } /^\\.rodata/ "
+                   "{ table += $2 } /^\\.(data|bss)/ { data += $2 } "
+                   "END { print code, table, data }'"),
+            0)
+      << folder_.read("log");
+  std::istringstream said(folder_.read("log"));
+  int code = 0, table = 0, data = -1;
+  said >> code >> table >> data;
+  EXPECT_GT(code, 200);
+  EXPECT_LE(code, 2'000);
+  EXPECT_THAT(folder_.read("README.md"), HasSubstr(fmt::format("{} bytes of constants", table)));
+  EXPECT_EQ(data, 0);
+  CallGraph calls;
+  for (const auto& file : std::filesystem::directory_iterator(folder_.path()))
+    if (file.path().extension() == ".ci") calls.read(file.path());
+  EXPECT_GT(calls.deepest("uquad_schedule_gains"), 20);
+  EXPECT_LE(calls.deepest("uquad_schedule_gains"), 600);
+}
+
+TEST_P(ScheduleCompiled, ByTheRulesOfMisraHasNoFindingBesideTheDeviations) {
+  if (!installed("cppcheck")) GTEST_SKIP() << "cppcheck is not installed here";
+  for (const bool double_precision : {false, true}) {
+    write(double_precision);
+    EXPECT_EQ(run_in(folder_.path(), "make -s misra"), 0) << folder_.read("log");
+  }
+}
+
+// One value, two axes and integrals, and points without a gain.
+INSTANTIATE_TEST_SUITE_P(Schedules, ScheduleCompiled,
+                         ::testing::Values(schedule_cases()[2], schedule_cases()[3],
+                                           schedule_cases()[5]),
+                         [](const auto& of) { return of.param.name; });
 
 }  // namespace
 }  // namespace quadtune

@@ -11,6 +11,7 @@
 #include "quadtune/control/scheduled_feedback.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/firmware.hpp"
+#include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/schedule_table.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
@@ -170,6 +171,11 @@ ChosenLaw law_of_schedule(const FlightOptions& options, const Vehicle& vehicle) 
 
 ChosenLaw law_of_file(const FlightOptions& options, const Vehicle& vehicle) {
   if (is_schedule(options.gains)) return law_of_schedule(options, vehicle);
+  if (holds_schedule(options.gains)) {
+    FlightOptions of_table = options;
+    of_table.gains = (std::filesystem::path(options.gains) / kScheduleJsonName).string();
+    return law_of_schedule(of_table, vehicle);
+  }
   const GivenLaws given = read_given_laws(options.gains);
   require_vehicle(given.laws, vehicle, options.gains);
   if (flies_firmware(given.laws, options))

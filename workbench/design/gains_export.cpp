@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <numbers>
 #include <utility>
 
@@ -12,9 +13,12 @@
 #include "quadtune/exports/exporter.hpp"
 #include "quadtune/exports/firmware.hpp"
 #include "quadtune/exports/included_estimator.hpp"
+#include "quadtune/exports/schedule_table.hpp"
 #include "quadtune/exports/verify.hpp"
+#include "quadtune/internal/text_file.hpp"
 #include "quadtune/workbench/design/cascade_report.hpp"
 #include "quadtune/workbench/design/export_content.hpp"
+#include "quadtune/workbench/design/given_gains.hpp"
 #include "quadtune/workbench/firmware/firmware_import.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
 
@@ -93,8 +97,25 @@ ExportContent export_content(StoredLaws laws, const std::string& vehicle, const 
   return content;
 }
 
+ExportContent schedule_content(const std::string& path, const std::string& vehicle) {
+  const std::string text = internal::read_text_file(path, kScheduleTableLimit);
+  GainSchedule schedule = parse_schedule(text, path, table_format(path, path));
+  ExportContent content = export_content({}, vehicle.empty() ? schedule.vehicle : vehicle, path);
+  require_vehicle({schedule.vehicle, {}, {}}, content.vehicle, path);
+  content.schedule = std::move(schedule);
+  content.inputs.push_back({std::filesystem::path(path).filename().string(), text});
+  return content;
+}
+
 std::vector<std::string> adapt_to_program(ExportContent& content, ExportKind kind) {
   const Exporter& exporter = exporter_of(kind, "--to");
+  if (content.schedule) {
+    const Eigen::Index points = content.schedule->size();
+    const Eigen::Index none = points - content.schedule->solved_count();
+    if (none == 0) return {};
+    return {fmt::format("{} of {} points have no gain; the program's status says where one counts",
+                        none, points)};
+  }
   if (exporter.target.is_firmware) {
     const ExportContent before = content;
     content = exporter.fit(std::move(content));

@@ -8,6 +8,7 @@
 #include "quadtune/convention.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/convert.hpp"
+#include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/read_gains.hpp"
 #include "quadtune/exports/schedule_table.hpp"
 #include "quadtune/internal/joined.hpp"
@@ -43,7 +44,7 @@ Gains published_gains(const Design& design, const std::string& path) {
 
 /// A schedule is flown as it is; every other use is of one law.
 void refuse_schedule(const std::string& path) {
-  if (is_schedule(path))
+  if (is_schedule(path) || holds_schedule(path))
     throw InvalidInput(path, "holds gains of many flights, expected those of one law");
 }
 

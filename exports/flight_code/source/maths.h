@@ -7,30 +7,18 @@
 #ifndef QT_MATHS_H
 #define QT_MATHS_H
 
-#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
-#include "program.h"
+#include "arithmetic.h"
 
-/* (x + QT_ROUNDING) - QT_ROUNDING must be computed as it stands, and in no wider type. */
-#if defined(__FAST_MATH__)
-#error "expected a compiler without -ffast-math"
-#endif
+/* (x + QT_ROUNDING) - QT_ROUNDING is an integer. */
 #if QT_WITH_DOUBLE
-#if (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)
-#error "expected double arithmetic in double precision, e.g. by -mfpmath=sse"
-#endif
-#define QT_REAL_MAX 1.7976931348623157e+308
-#define QT_ROUNDING 6755399441055744.0 /* 1.5 2^52: a sum with it is an integer */
+#define QT_ROUNDING 6755399441055744.0 /* 1.5 2^52 */
 #else
-#if FLT_EVAL_METHOD != 0
-#error "expected float arithmetic in single precision, e.g. by -mfpmath=sse"
-#endif
-#define QT_REAL_MAX 3.402823466e+38f
-#define QT_ROUNDING 12582912.0f /* 1.5 2^23: a sum with it is an integer */
+#define QT_ROUNDING 12582912.0f /* 1.5 2^23 */
 #endif
 #define QT_INFINITY ((qt_real)INFINITY)
 #define QT_PI 3.14159265358979323846f
@@ -40,14 +28,6 @@
 #define QT_TURNS_PER_RADIAN 0.159154943091895335769f
 #endif
 
-static inline qt_real qt_min(qt_real a, qt_real b) { return (a < b) ? a : b; }
-static inline qt_real qt_max(qt_real a, qt_real b) { return (a > b) ? a : b; }
-/* x within low <= high; low where x is NaN. */
-static inline qt_real qt_clamp(qt_real x, qt_real low, qt_real high) {
-  return qt_min(qt_max(x, low), high);
-}
-static inline qt_real qt_abs(qt_real x) { return (x < 0.0f) ? -x : x; }
-static inline bool qt_is_finite(qt_real x) { return qt_abs(x) <= QT_REAL_MAX; }
 static inline qt_real qt_sqrt(qt_real x) { return sqrtf(x); }
 /* The nearest integer, ties to even, of |x| < 2^21. */
 static inline qt_real qt_nearest(qt_real x) { return (x + QT_ROUNDING) - QT_ROUNDING; }

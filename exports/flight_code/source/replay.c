@@ -10,48 +10,15 @@
  *                       a recorded flight, answered with the estimate, and the second, answered
  *                       with commands, estimate and flags
  */
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "program.h"
+#include "replay_lines.h"
 #if QT_WITH_KALMAN
 #include "kalman.h"
 #endif
 
-#if QT_WITH_DOUBLE
-#define FORMAT "%.17g"
-#define TO_REAL strtod
-#else
-#define FORMAT "%.9g"
-#define TO_REAL strtof
-#endif
-#define LONGEST_LINE 8192
-
 static qt_state_t state;
 static qt_output_t output;
-
-static char line[LONGEST_LINE];
-static char *rest;  /* where the next number of the line stands */
-static bool broken; /* whether a number was missing */
-static long number_of_line;
-
-static qt_real number(void) {
-  char *end = rest;
-  const qt_real x = TO_REAL(rest, &end);
-  if (end == rest) {
-    broken = true;
-  }
-  rest = end;
-  return x;
-}
-
-static void numbers(qt_real *x, int count) {
-  for (int i = 0; i < count; ++i) {
-    x[i] = number();
-  }
-}
 
 static bool flag(void) { return number() > 0.5f; }
 
@@ -139,21 +106,6 @@ static void results_of(const qt_output_t *from, qt_real results[RESULTS]) {
   states[13] = e->finite ? 1.0f : 0.0f;
 }
 
-/* Whether two numbers have the same bits; the sign of zero does not count, nor which NaN it is. */
-static bool same(qt_real a, qt_real b) { return ((a <= b) && (a >= b)) || (isnan(a) && isnan(b)); }
-
-/* The next line that holds numbers; false at the end of the file. */
-static bool next_line(FILE *file) {
-  bool came;
-  do {
-    came = fgets(line, LONGEST_LINE, file) != NULL;
-    number_of_line += came ? 1 : 0;
-  } while (came && ((line[0] == '#') || (line[0] == '\n')));
-  rest = line;
-  broken = false;
-  return came;
-}
-
 static void estimate(void) {
 #if QT_WITH_ESTIMATOR
   static qt_sensors_t sensors;
@@ -177,19 +129,6 @@ static void print(const qt_real *x, int count) {
   (void)fflush(stdout);
 }
 
-/* Compares the results of one period with those of the line. */
-static bool repeats(const qt_real *results, int count) {
-  bool equal = true;
-  for (int i = 0; (i < count) && equal; ++i) {
-    const qt_real expected = number();
-    equal = broken || same(results[i], expected);
-    if (!equal) {
-      (void)printf("replay: line %ld, result %d of %d: " FORMAT ", expected " FORMAT "\n",
-                   number_of_line, i + 1, count, (double)results[i], (double)expected);
-    }
-  }
-  return equal;
-}
 #if QT_WITH_KALMAN
 
 static const qt_kalman_t *filter = NULL; /* that the lines are of; NULL: they are of a flight */
@@ -229,15 +168,15 @@ static int replay(FILE *file, bool flown) {
   long periods = 0;
   int status = 0;
   while ((status == 0) && next_line(file)) {
-    if (strncmp(line, "start ", 6) == 0) {
-      rest = &line[6];
+    if (strncmp(rest, "start ", 6) == 0) {
+      rest = &rest[6];
       read_start(&start);
       qt_initialize(&state, &start);
       started = true;
 #if QT_WITH_KALMAN
       filter = NULL;
-    } else if (strncmp(line, "filter ", 7) == 0) {
-      rest = &line[7];
+    } else if (strncmp(rest, "filter ", 7) == 0) {
+      rest = &rest[7];
       started = start_filter();
     } else if (filter != NULL) {
       status = filter_repeats() ? 0 : 1;

@@ -17,6 +17,7 @@
 #include "quadtune/exports/stored_estimator.hpp"
 #include "quadtune/exports/uquad.hpp"
 #include "quadtune/filter.hpp"
+#include "quadtune/gain_schedule.hpp"
 #include "quadtune/gains.hpp"
 #include "quadtune/lti.hpp"
 #include "quadtune/model/vehicle.hpp"
@@ -50,9 +51,10 @@ struct ExportContent {
   std::optional<ImuCalibrationFile> imu_calibration;  ///< of the uquad's sensors
   bool uquad_constants = false;  ///< whether a header of its vehicle's constants is written
   std::optional<CascadeDesign> cascade;
-  std::optional<StoredEstimator> estimator;    ///< that the laws were judged with
-  FlightCodeOptions flight_code;               ///< of exports that are flight code
-  FirmwareOptions firmware;                    ///< of exports that are a firmware's parameters
+  std::optional<GainSchedule> schedule;      ///< in the place of laws; flight code alone holds one
+  std::optional<StoredEstimator> estimator;  ///< that the laws were judged with
+  FlightCodeOptions flight_code;             ///< of exports that are flight code
+  FirmwareOptions firmware;                  ///< of exports that are a firmware's parameters
   std::optional<StoredParameters> parameters;  ///< of a board, for which `cascade` stands
   std::vector<std::string> firmware_notes;  ///< what these change of the cascade, by Exporter::fit
   ExportEvidence evidence;

@@ -26,6 +26,12 @@ void require_sampled(const StoredLaws& laws, const std::string& path);
 [[nodiscard]] ExportContent export_content(StoredLaws laws, const std::string& vehicle,
                                            const std::string& path);
 
+/// What is exported of a gain schedule: it, its vehicle, and the files of both.
+/// @param path     of a table
+/// @param vehicle  name or file; empty: the vehicle that the schedule names
+/// @throws InvalidInput, FileError  as read_schedule() and load_vehicle(), and for another vehicle
+[[nodiscard]] ExportContent schedule_content(const std::string& path, const std::string& vehicle);
+
 /// Turns the gains into the convention of the program that they are for, and adds the plant that
 /// they fly with. Gains without a trim get that of the vehicle.
 /// @return  what the user should know of this, a sentence each
