@@ -35,7 +35,7 @@ void require_whole(const KalmanFilter& filter) {
 }
 
 /// "x = (z [m], vz [m/s])"
-std::string signals_in_words(const char* name, const std::vector<Signal>& signals) {
+std::string vector_in_words(const char* name, const std::vector<Signal>& signals) {
   std::vector<std::string> words;
   for (const Signal& signal : signals)
     words.push_back(signal.unit.empty() ? signal.name
@@ -128,8 +128,8 @@ void choose_kalman(const std::vector<KalmanFilter>& filters, SourceChoices& choi
   for (const KalmanFilter& filter : filters)
     lines.push_back(fmt::format(
         "{} '{}', every {} s:\n *   {}\n *   {}\n *   {}", lines.size(), in_comment(filter.name),
-        filter.model.dt, signals_in_words("x", filter.model.states),
-        signals_in_words("u", filter.model.inputs), signals_in_words("y", filter.model.outputs)));
+        filter.model.dt, vector_in_words("x", filter.model.states),
+        vector_in_words("u", filter.model.inputs), vector_in_words("y", filter.model.outputs)));
   choices.words["FILTERS"] = internal::joined(lines, "\n * ");
 }
 
