@@ -56,8 +56,9 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 std::string in_comment(const std::string& name) {
   std::string text = internal::printable(name);
-  for (std::size_t at = 0; (at = text.find("*/", at)) != std::string::npos;)
-    text.insert(at + 1, " ");
+  for (const char* mark : {"*/", "/*"})
+    for (std::size_t at = 0; (at = text.find(mark, at)) != std::string::npos;)
+      text.insert(at + 1, " ");
   return text;
 }
 
@@ -107,14 +108,6 @@ std::string program_source(const std::string& text, const SourceChoices& choices
   result = replaced(result, "@PERIOD@", choices.period);
   result = replaced(result, "@UPPER_NAME@", upper_case(choices.name));
   return replaced(result, "@NAME@", choices.name);
-}
-
-std::string in_comment(const std::string& name) {
-  std::string text = internal::printable(name);
-  for (const char* mark : {"*/", "/*"})
-    for (std::size_t at = 0; (at = text.find(mark, at)) != std::string::npos;)
-      text.insert(at + 1, " ");
-  return text;
 }
 
 std::string with_own_names(std::string text, const std::string& name) {

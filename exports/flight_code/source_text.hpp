@@ -36,9 +36,6 @@ struct SourceChoices {
 /// A source with the prefix qt that is all numbers: its names alone become those of the program.
 [[nodiscard]] std::string with_own_names(std::string text, const std::string& name);
 
-/// A name of the user's as it can stand in a comment of C and in a page.
-[[nodiscard]] std::string in_comment(const std::string& name);
-
 /// The text of a source of source/, e.g. "motors.c".
 [[nodiscard]] const std::string& source_text(const std::string& name);
 
