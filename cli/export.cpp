@@ -168,8 +168,9 @@ void run_export(const Options& options, Context& context) {
     throw Refusal(fmt::format("export: {}, nothing was written", problem), content.vehicle.name);
   if (!options.of_design() && !options.of_schedule())
     context.note(
-        "export: note: gains, trim, cascade, estimator and vehicle are carried over; weights and "
-        "Kalman filters come from a design file only");
+        "export: note: gains, trim, cascade, estimator and vehicle are carried over, and no "
+        "parameters "
+        "of an autopilot; weights and Kalman filters come from a design file only");
   std::vector<ManifestFile> files;
   {
     const WritingFiles writing;

@@ -18,6 +18,10 @@ namespace quadtune::exports {
          std::find(newest_first.begin(), newest_first.end(), version);
 }
 
+/// Why a parameter cannot have a value, as the end of a sentence that begins with its name; empty
+/// where it can.
+[[nodiscard]] std::string why_no_value(const ParameterFacts& facts, double value);
+
 /// What ArduPilot and PX4 take for gravity [m/s²].
 inline constexpr double kStandardGravity = 9.80665;
 

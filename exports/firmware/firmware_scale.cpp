@@ -121,10 +121,11 @@ double crazyflie_full_thrust(const Firmware& firmware) {
   if (brushless && exports::is_from(firmware, "2025.12")) return 0.20;
   if (exports::is_from(firmware, "2025.12.1")) return kit ? 0.18 : 0.12;
   if (brushless)
-    throw InvalidInput("crazyflie",
-                       fmt::format("set-up 'brushless' came with version {}, expected 2025.12 or "
-                                   "newer, because the thrust of earlier ones is not calibrated",
-                                   firmware.version));
+    throw InvalidInput(
+        "crazyflie",
+        fmt::format("set-up 'brushless' does not exist for version {}, expected 2025.12 or "
+                    "newer, because the thrust of earlier ones is not calibrated",
+                    firmware.version));
   if (exports::is_from(firmware, "2025.09")) return kit ? 0.1625 : 0.1125;
   return 0.147150 * 65535 / 65536;
 }

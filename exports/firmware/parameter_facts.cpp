@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -31,6 +32,11 @@ class Table {
   void add_integer(std::string name, double usual, Bound min, Bound max, std::string unit = "") {
     add(std::move(name), usual, min, max, std::move(unit));
     all.back().integer = true;
+  }
+  /// A limit or a filter, which a design leaves as the board has it.
+  void add_limit(const std::string& name, double usual, Bound min, Bound max, std::string unit) {
+    add(name, usual, min, max, std::move(unit));
+    read_only();
   }
   /// What belongs to the vehicle's set-up is read and left as it is.
   void read_only() { all.back().read_only = true; }
@@ -77,6 +83,15 @@ std::vector<ParameterFacts> px4_facts(const Firmware& firmware) {
   }
   t.add("IMU_GYRO_CUTOFF", 40, 0, 1000, "Hz");
   t.read_only();
+  const std::pair<const char*, double> rates[] = {
+      {"MC_ROLLRATE_MAX", 220}, {"MC_PITCHRATE_MAX", 220}, {"MC_YAWRATE_MAX", 200}};
+  for (const auto& [name, usual] : rates) t.add_limit(name, usual, 0, 1800, "deg/s");
+  for (const char* name : {"MC_RR_INT_LIM", "MC_PR_INT_LIM", "MC_YR_INT_LIM"})
+    t.add_limit(name, 0.3, 0, {}, "");
+  t.add_limit("MPC_XY_VEL_MAX", 12, 0, 20, "m/s");
+  t.add_limit("MPC_Z_VEL_MAX_UP", 3, 0.5, 8, "m/s");
+  t.add_limit("MPC_Z_VEL_MAX_DN", 1.5, 0.5, 4, "m/s");
+  t.add_limit("MPC_TILTMAX_AIR", 45, 20, 89, "deg");
   t.add("IMU_DGYRO_CUTOFF", exports::is_from(firmware, "1.17") ? 20 : 30, 0, 1000, "Hz");
   t.read_only();
   t.add_integer("IMU_GYRO_RATEMAX", 800, 100, 2000, "Hz");
@@ -142,6 +157,17 @@ std::vector<ParameterFacts> ardupilot_facts(const Firmware& firmware) {
   t.add("MOT_THST_EXPO", 0.65, -1, 1);
   t.add("MOT_SPIN_MIN", 0.15, 0, 0.3);
   t.add("MOT_SPIN_MAX", 0.95, 0.9, 1);
+  for (const char* axis : {"RLL", "PIT", "YAW"})
+    t.add_limit(fmt::format("ATC_RAT_{}_IMAX", axis), 0.5, 0, 1, "");
+  // Lengths in cm and angles in hundredths of a degree up to 4.6.
+  const double cm = renamed ? 0.01 : 1;
+  t.add_limit(renamed ? "PSC_NE_VEL_IMAX" : "PSC_VELXY_IMAX", 1000 * cm, 0, 4500 * cm, "");
+  t.add_limit(renamed ? "ATC_ANGLE_MAX" : "ANGLE_MAX", renamed ? 30 : 3000, 0, {}, "");
+  for (const char* suffix : {"_FLTE", "_FLTD"})
+    for (const char* loop :
+         renamed ? std::array{"PSC_NE_VEL", "PSC_D_VEL"} : std::array{"PSC_VELXY", "PSC_VELZ"})
+      t.add_limit(std::string(loop) + suffix, 5, 0, 100, "Hz");
+  t.add_limit(renamed ? "PSC_D_ACC_FLTE" : "PSC_ACCZ_FLTE", 20, 0, 100, "Hz");
   t.add("INS_GYRO_FILTER", 20, 0, 256, "Hz");
   t.read_only();
   t.add_integer("SCHED_LOOP_RATE", 400, 50, 2000, "Hz");
@@ -180,6 +206,14 @@ std::vector<ParameterFacts> betaflight_facts(const Firmware& firmware) {
     t.add_integer(fmt::format("{}_{}", renamed ? "d_max" : "d_min", axis.axis),
                   renamed ? axis.D_max : axis.D_min, 0, 250);
   }
+  const std::pair<const char*, int> limits[] = {
+      {"pidsum_limit", 500}, {"pidsum_limit_yaw", 400}, {"iterm_limit", 400}};
+  for (const auto& [name, usual] : limits) {
+    t.add_integer(name, usual, 0, 1000);
+    t.read_only();
+  }
+  t.add_integer("yaw_lowpass_hz", 100, 0, 500, "Hz");
+  t.read_only();
   t.add_integer("tpa_rate", 65, 0, 100);
   t.add_integer("anti_gravity_gain", 80, 0, 250);
   for (const auto& [name, usual] : {std::pair("dterm_lpf1_static_hz", 75),
@@ -221,6 +255,10 @@ std::vector<ParameterFacts> crazyflie_facts(const Firmware& firmware) {
   add("velCtlPid.vz", 25, 15, 0, velocity);
   t.add_integer("posCtlPid.thrustBase", brushless ? 30000 : 36000, 0, 65535);
   t.add_integer("posCtlPid.thrustMin", 20000, 0, 65535);
+  for (const char* name : {"xVelMax", "yVelMax", "zVelMax"})
+    t.add_limit(std::string("posCtlPid.") + name, 1, 0, {}, "m/s");
+  for (const char* name : {"rLimit", "pLimit"})
+    t.add_limit(std::string("posCtlPid.") + name, 20, 0, {}, "deg");
   t.add("kalman.pNAcc_xy", 0.5, {}, {}, "m/s^2");
   t.add("kalman.pNAcc_z", 1, {}, {}, "m/s^2");
   t.add("kalman.mNGyro_rollpitch", 0.1, {}, {}, "rad/s");

@@ -62,22 +62,8 @@ class Collector {
     double value = 0;
     if (!internal::read_number(word, value) || !std::isfinite(value))
       refuse(line, fmt::format("{} is '{}', expected a finite number", name, printable(word)));
-    if (std::abs(value) > std::numeric_limits<float>::max())
-      refuse(line, fmt::format("{} is {}, expected a number that fits a float", name, value));
-    // Ranges of gains are advice of the documentation. Others have no meaning outside of theirs.
-    const bool strict = facts->integer || name.starts_with("MOT_") || name.starts_with("THR_") ||
-                        name.starts_with("CA_");
-    if (strict && (value < facts->min.value_or(value) || value > facts->max.value_or(value)))
-      refuse(line, fmt::format("{} is {}, expected {:g} to {:g}", name, value,
-                               facts->min.value_or(-INFINITY), facts->max.value_or(INFINITY)));
-    if (facts->unit == "Hz" && value != 0 && value < 1)
-      refuse(line, fmt::format("{} is {} Hz, expected 0 or at least 1", name, value));
-    if (facts->integer && value != std::round(value))
-      refuse(line, fmt::format("{} is {}, expected a whole number", name, value));
-    if (value < 0 && facts->min.value_or(0) >= 0)
-      refuse(line, fmt::format("{} is {}, expected 0 or more, because a negative gain drives a "
-                               "rotor the wrong way",
-                               name, value));
+    if (const std::string why = exports::why_no_value(*facts, value); !why.empty())
+      refuse(line, name + " " + why);
     file.values.push_back({name, value});
   }
 
@@ -272,4 +258,30 @@ ParameterFile parse_parameters(const Firmware& firmware, const std::string& text
   return collector.finish();
 }
 
+namespace exports {
+
+std::string why_no_value(const ParameterFacts& facts, double value) {
+  if (!std::isfinite(value)) return fmt::format("is {}, expected a finite number", value);
+  if (std::abs(value) > std::numeric_limits<float>::max())
+    return fmt::format("is {}, expected a number that fits a float", value);
+  // Ranges of gains are advice of the documentation. Others have no meaning outside of theirs.
+  const std::string& name = facts.name;
+  const bool strict = facts.integer || name.starts_with("MOT_") || name.starts_with("THR_") ||
+                      name.starts_with("CA_");
+  if (strict && (value < facts.min.value_or(value) || value > facts.max.value_or(value)))
+    return fmt::format("is {}, expected {:g} to {:g}", value, facts.min.value_or(-INFINITY),
+                       facts.max.value_or(INFINITY));
+  if (facts.unit == "Hz" && value != 0 && value < 1)
+    return fmt::format("is {} Hz, expected 0 or at least 1", value);
+  if (facts.integer && value != std::round(value))
+    return fmt::format("is {}, expected a whole number", value);
+  if (value < 0 && facts.min.value_or(0) >= 0)
+    return fmt::format(
+        "is {}, expected 0 or more, because a negative gain drives a rotor the "
+        "wrong way",
+        value);
+  return "";
+}
+
+}  // namespace exports
 }  // namespace quadtune

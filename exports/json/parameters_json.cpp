@@ -2,8 +2,9 @@
 // An autopilot's parameters as JSON: those that a file gave, by name.
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 
+#include "firmware/firmware_parts.hpp"
 #include "json/to_json.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/firmware.hpp"
@@ -35,16 +36,18 @@ StoredParameters parameters_from_json(const Json& json, const std::string& where
   if (!values.is_object())
     throw InvalidInput(where + ".values",
                        fmt::format("is {}, expected parameters by name", values.type_name()));
-  const ParameterValues known(parameters.firmware, {});
+  const std::vector<ParameterFacts> known = parameter_facts(parameters.firmware);
   for (const std::string& name : values.keys()) {
     const std::string place = where + ".values." + internal::printable(name);
-    if (!known.has(name))
+    const auto facts = std::find_if(known.begin(), known.end(),
+                                    [&](const ParameterFacts& one) { return one.name == name; });
+    if (facts == known.end())
       throw InvalidInput(
           place, fmt::format("is no parameter of the loops of {} {}, expected one",
                              to_string(parameters.firmware.kind), parameters.firmware.version));
     const double number = internal::number_from_json(values[name], place);
-    if (!std::isfinite(number))
-      throw InvalidInput(place, fmt::format("is {}, expected a finite number", number));
+    if (const std::string why = why_no_value(*facts, number); !why.empty())
+      throw InvalidInput(place, why);
     parameters.values.push_back({name, number});
   }
   return parameters;

@@ -18,11 +18,6 @@ bool same_curves(const Rotor& a, const Rotor& b) {
                   std::hypot(b.position.x(), b.position.y())) < 1e-12;
 }
 
-double speed_of(const MotorCommand& motor, double command) {
-  const double value = motor.gain * command;
-  return motor.law == CommandLaw::speed ? value : std::sqrt(value);
-}
-
 }  // namespace
 
 std::string uquad_constants_text(const Vehicle& vehicle, double dt) {
@@ -65,8 +60,8 @@ std::string uquad_constants_text(const Vehicle& vehicle, double dt) {
   define("TORQUE_W2", rotor.torque_d2, "N m s^2/rad^2: Q = TORQUE_W2 w^2 + TORQUE_W1 w");
   define("TORQUE_W1", rotor.torque_d1, "N m s/rad");
   define("HOVER_SPEED", rotor_speed_for_thrust(rotor, vehicle.mass * vehicle.gravity / 4), "rad/s");
-  define("LEAST_SPEED", speed_of(vehicle.motor, vehicle.motor.min), "rad/s");
-  define("GREATEST_SPEED", speed_of(vehicle.motor, vehicle.motor.max), "rad/s");
+  define("LEAST_SPEED", speed_of_command(vehicle.motor, vehicle.motor.min), "rad/s");
+  define("GREATEST_SPEED", speed_of_command(vehicle.motor, vehicle.motor.max), "rad/s");
   return text + "\n#endif\n";
 }
 

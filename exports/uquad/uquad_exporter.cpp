@@ -36,8 +36,8 @@ bool lists(const Manifest& manifest, const char* name) {
 }
 
 std::vector<std::string> gain_files() {
-  std::vector<std::string> all = {"lqr-Q.txt", "lqr-R.txt", kKalmanQ, kKalmanR,
-                                  kImuCalibrationName};
+  std::vector<std::string> all = {"lqr-Q.txt", "lqr-R.txt",         kKalmanQ,
+                                  kKalmanR,    kImuCalibrationName, kUquadConstantsName};
   for (const UquadFileSet& set : uquad_file_sets()) {
     all.push_back(set.proportional);
     if (!set.integral.empty()) all.push_back(set.integral);

@@ -121,6 +121,29 @@ TEST_F(FirmwareVerb, FlightsAreThoseOfTheFirmwaresLoops) {
   EXPECT_NE(cascade["metrics"], board["metrics"]);
 }
 
+// Parameters in a file of gains are checked as those of a board's file are.
+TEST_F(FirmwareVerb, ParametersInAFileOfGainsAreChecked) {
+  const std::string file = path("edited.json");
+  ASSERT_EQ(
+      run_program({"import", "px4", "--defaults", "--vehicle", vehicle(), "--quiet", "-o", file})
+          .status,
+      0);
+  std::ifstream stream(file);
+  const SortedJson whole = SortedJson::parse(stream);
+  const auto refused = [&](const char* name, double value, const char* message) {
+    SortedJson edited = whole;
+    edited["parameters"]["values"][name] = value;
+    std::ofstream(file) << edited;
+    const ProgramResult result = run_program({"fly", vehicle(), "--gains", file});
+    EXPECT_EQ(result.status, 3) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(message));
+  };
+  refused("MC_ROLLRATE_P", -1, "MC_ROLLRATE_P: is -1, expected 0 or more");
+  refused("IMU_GYRO_RATEMAX", 0, "IMU_GYRO_RATEMAX: is 0, expected 100 to 2000");
+  refused("IMU_GYRO_CUTOFF", 0.5, "IMU_GYRO_CUTOFF: is 0.5 Hz, expected 0 or at least 1");
+  refused("MC_ROLRATE_P", 0.1, "is no parameter of the loops of px4 1.16");
+}
+
 TEST_F(FirmwareVerb, MistakesAreToldInOneLine) {
   const auto refused = [](const std::vector<std::string>& words, int status, const char* message) {
     const ProgramResult result = run_program(words);
@@ -135,6 +158,8 @@ TEST_F(FirmwareVerb, MistakesAreToldInOneLine) {
           "--firmware is for the parameters of a firmware");
   refused({"import", "px5", "--defaults", "--vehicle", "mambo"}, 3, "no firmware 'px5'");
   refused({"import", "px4", "--vehicle", "mambo"}, 2, "a file of its parameters or --defaults");
+  refused({"import", "px4", "--defaults", "--vehicle", "mambo", "--dt", "2"}, 2,
+          "--dt is 2 s, expected 0.0001 to 1 s");
   refused({"fly", "mambo", "--controller", "firmware"}, 2, "controller firmware needs gains");
   refused({"fly", vehicle(), "--gains", gains, "--controller", "firmware"}, 3,
           "holds no parameters of an autopilot");

@@ -225,6 +225,150 @@ TEST(FirmwareLaw, IntegralGrowsToItsLimit) {
   EXPECT_NEAR(torque_after(802, -0.01), scale * 0.5 * 0.1, 1e-9);
 }
 
+/// Tilt that the law asks for, by the torques of P alone: [ahead, right] [rad].
+Eigen::Vector2d tilt_asked(FlightLaw& law, const StateVector<double>& x,
+                           const Reference<double>& reference, const Vehicle& vehicle,
+                           const StoredParameters& parameters) {
+  const std::vector<FirmwareLoop> loops =
+      firmware_loops(parameters.firmware, vehicle, parameters.values);
+  const Eigen::VectorXd wrench = law.command(at(x), reference);
+  const auto angle = [&](CascadeAxis axis, int entry) {
+    const FirmwareLoop& loop = loops[index_of(axis)];
+    return wrench(entry) / (loop.scale * loop.P * loop.outer);
+  };
+  return {-angle(CascadeAxis::pitch, 2), angle(CascadeAxis::roll, 1)};
+}
+
+// The first tilt for a place 0.3 m away: scale P A e, with no integral yet, in each axis.
+TEST(FirmwareLaw, FirstTiltIsThatOfTheGains) {
+  const Vehicle vehicle = vehicle_of_file("quad-450");
+  for (const FirmwareKind kind : {FirmwareKind::px4, FirmwareKind::crazyflie}) {
+    const StoredParameters parameters = defaults_of(kind);
+    const FirmwareLoop loop =
+        firmware_loops(parameters.firmware, vehicle, {})[index_of(CascadeAxis::x)];
+    const double expected = loop.scale * loop.P * loop.outer * 0.3;
+    Reference<double> reference;
+    reference.position = {0.3, -0.3, 0};
+    const std::unique_ptr<FlightLaw> law = law_of(vehicle, parameters);
+    const Eigen::Vector2d tilt =
+        tilt_asked(*law, StateVector<double>::Zero(), reference, vehicle, parameters);
+    EXPECT_NEAR(tilt(0), expected, 1e-9) << to_string(kind);
+    EXPECT_NEAR(tilt(1), -expected, 1e-9) << to_string(kind);
+  }
+}
+
+// Far away to the north-east: PX4 and ArduPilot limit the tilt as a vector, a Crazyflie each part.
+// The file's limit counts.
+TEST(FirmwareLaw, TiltIsLimitedAsTheFirmwareDoes) {
+  const Vehicle vehicle = vehicle_of_file("quad-450");
+  Reference<double> far;
+  far.position = {80, 60, 0};
+  const double degree = std::numbers::pi / 180;
+  const auto tilt = [&](FirmwareKind kind, const std::vector<Parameter>& values) {
+    StoredParameters parameters = defaults_of(kind);
+    parameters.values = values;
+    const std::unique_ptr<FlightLaw> law = law_of(vehicle, parameters);
+    return tilt_asked(*law, StateVector<double>::Zero(), far, vehicle, parameters);
+  };
+  // Whatever of the rates would be limited is not, so that the torque tells the tilt.
+  const std::vector<Parameter> px4 = {
+      {"MC_ROLLRATE_MAX", 1800}, {"MC_PITCHRATE_MAX", 1800}, {"MPC_TILTMAX_AIR", 25}};
+  EXPECT_NEAR(tilt(FirmwareKind::px4, px4).norm(), 25 * degree, 1e-9);
+  EXPECT_NEAR(tilt(FirmwareKind::px4, px4)(0), 20 * degree, 1e-9);  // 4 : 3, as the place lies
+  EXPECT_NEAR(tilt(FirmwareKind::crazyflie, {{"posCtlPid.xVelMax", 50}, {"posCtlPid.yVelMax", 50}})
+                  .cwiseAbs()
+                  .minCoeff(),
+              20 * degree, 1e-9);
+}
+
+// A wind to the north fills the integral of PX4, which stays in the north when the vehicle turns; a
+// Crazyflie's turns with it.
+TEST(FirmwareLaw, IntegralsOfVelocityAreInTheFirmwaresAxes) {
+  const Vehicle vehicle = vehicle_of_file("quad-450");
+  for (const FirmwareKind kind : {FirmwareKind::px4, FirmwareKind::crazyflie}) {
+    StoredParameters parameters = defaults_of(kind);
+    // Only the integral of the velocity acts, and the angle's and the rate's gains show it.
+    if (kind == FirmwareKind::px4)
+      parameters.values = {{"MC_ROLLRATE_I", 0}, {"MC_PITCHRATE_I", 0}, {"MPC_XY_VEL_D_ACC", 0}};
+    else
+      parameters.values = {{"pid_attitude.roll_ki", 0},
+                           {"pid_attitude.pitch_ki", 0},
+                           {"pid_rate.roll_ki", 0},
+                           {"pid_rate.pitch_ki", 0}};
+    const std::unique_ptr<FlightLaw> law = law_of(vehicle, parameters);
+    StateVector<double> blown = StateVector<double>::Zero();
+    blown(6) = 0.2;  // to the north, for 1 s
+    for (int i = 0; i < 1000; ++i) (void)law->command(at(blown), Reference<double>());
+    StateVector<double> turned = StateVector<double>::Zero();
+    turned(5) = std::numbers::pi / 2;
+    Reference<double> there;
+    there.yaw = turned(5);
+    Eigen::Vector2d tilt;
+    for (int i = 0; i < 1000; ++i) tilt = tilt_asked(*law, turned, there, vehicle, parameters);
+    // Against a push to the north: to the south, which is to the right of a nose in the east.
+    if (kind == FirmwareKind::px4) {
+      EXPECT_NEAR(tilt(0), 0, 1e-6);
+      EXPECT_GT(tilt(1), 0.002);
+    } else {
+      EXPECT_LT(tilt(0), -0.002);
+      EXPECT_NEAR(tilt(1), 0, 1e-6);
+    }
+  }
+}
+
+// A climb that the motors cannot make: the integral waits, and is what it was when it is over.
+TEST(FirmwareLaw, ThrustAtItsLimitFillsNoIntegral) {
+  const Vehicle vehicle = vehicle_of_file("quad-450");
+  for (const FirmwareKind kind :
+       {FirmwareKind::px4, FirmwareKind::ardupilot, FirmwareKind::betaflight}) {
+    StoredParameters parameters = defaults_of(kind);
+    if (kind == FirmwareKind::ardupilot) parameters.values = {{"PSC_VELZ_I", 1}};
+    CascadeGains pilot = some_pilot();
+    for (PidLoop& loop : pilot.loops)
+      if (loop.name == "altitude") loop = {loop.name, loop.output, loop.unit, 20, 5, -10};
+    const auto thrust_after = [&](double seconds) {
+      const OwnController controller = firmware_controller(vehicle, parameters, pilot);
+      const std::unique_ptr<FlightLaw> law = controller.make(vehicle);
+      Reference<double> high;
+      high.position = {0, 0, -500};
+      const StateVector<double> rest = StateVector<double>::Zero();
+      for (double t = 0; t < seconds; t += controller.dt) {
+        const Eigen::VectorXd asked = law->command(at(rest), high);
+        law->carried_out(asked, asked);
+      }
+      double thrust = 0;  // of a hover right after, its filters settled
+      for (double t = 0; t < 0.3; t += controller.dt) {
+        const Eigen::VectorXd asked = law->command(at(rest), Reference<double>());
+        law->carried_out(asked, asked);
+        thrust = asked(0);
+      }
+      return thrust;
+    };
+    // What an integral adds before the thrust is at its limit, it adds in both.
+    EXPECT_NEAR(thrust_after(20), thrust_after(5), 0.02 * vehicle.mass * vehicle.gravity)
+        << to_string(kind);
+  }
+}
+
+// ArduPilot's acceleration is answered by its share of what is asked for: 0.1 ACCZ_P thrust/mass.
+TEST(FirmwareLaw, ArduPilotsAccelerationLoopIsPartOfTheHeight) {
+  const Vehicle vehicle = vehicle_of_file("quad-450");
+  const Firmware ardupilot = firmware(FirmwareKind::ardupilot, {"4.6", ""}, "test");
+  const auto lift = [&](double P) {
+    const StoredParameters parameters = {
+        ardupilot,
+        {{"PSC_ACCZ_P", P}, {"PSC_ACCZ_I", 0}, {"PSC_VELZ_FLTE", 0}, {"PSC_ACCZ_FLTE", 0}}};
+    const std::unique_ptr<FlightLaw> law = law_of(vehicle, parameters);
+    Reference<double> above;
+    above.position = {0, 0, -0.01};
+    return law->command(at(StateVector<double>::Zero()), above)(0) - vehicle.mass * vehicle.gravity;
+  };
+  const FirmwareScale scale = firmware_scale(ardupilot, vehicle, {});
+  // 1 m/s per m, then 5 m/s^2 per m/s: 0.05 m/s^2 is asked for.
+  EXPECT_NEAR(lift(0.5), 0.1 * 0.5 * scale.thrust * 0.05, 1e-9);
+  EXPECT_NEAR(lift(0), 0, 1e-9);
+}
+
 // Full flights: what has margins passes with five seeds, what is unstable does not.
 TEST(FirmwareLaw, FliesWhereItsMarginsAre) {
   const struct {

@@ -149,6 +149,7 @@ ChosenLaw law_of_parameters(const StoredLaws& laws, const Vehicle& vehicle,
                                        laws.cascade ? laws.cascade->gains : CascadeGains());
   law.words = fmt::format("loops of {} {} with the parameters of {}", to_string(firmware.kind),
                           firmware.version, path);
+  law.estimator = laws.estimator;
   law.on_board = true;
   return law;
 }

@@ -108,8 +108,14 @@ void read_each_sample(Sensors& sensors, double rate) {
 GeneralFilterSettings board_filter(FlightSetup setup, double dt, int every) {
   std::get<OwnController>(setup.controller).dt = dt * every;
   read_each_sample(setup.vehicle.sensors, 1 / (dt * every));
-  setup.general_filter.reset();
+  // Numbers of a file are of its period: what depends on that comes from the sensors.
   GeneralFilterSettings settings = general_filter_settings(setup);
+  setup.general_filter.reset();
+  const GeneralFilterSettings of_sensors = general_filter_settings(setup);
+  settings.gyroscope.lag = of_sensors.gyroscope.lag;
+  settings.gyroscope.variance = of_sensors.gyroscope.variance;
+  settings.accelerometer.lag = of_sensors.accelerometer.lag;
+  settings.accelerometer.variance = of_sensors.accelerometer.variance;
   // The mean of some readings is that of their middle.
   settings.gyroscope.lag += 0.5 * (every - 1) * dt;
   settings.accelerometer.lag += 0.5 * (every - 1) * dt;

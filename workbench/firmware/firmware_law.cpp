@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "firmware/loop_filters.hpp"
@@ -108,13 +109,17 @@ class FirmwareAxis {
 
   /// The outer controller.
   /// @param forward  added to the target: the rate of the reference
-  void aim(double error, double forward = 0) {
+  /// @param blocked  as of drive(): a pilot does not add up errors that the vehicle cannot answer
+  void aim(double error, double forward = 0, double blocked = 0) {
     target_ = std::clamp(
         loop_.outer * error + outer_integral_ - loop_.outer_derivative * measured_ + forward,
         limits_.target_min, limits_.target_max);
+    if (!loop_.flies && error * blocked > 0) return;
     outer_integral_ = std::clamp(outer_integral_ + loop_.outer_integral * error * outer_dt_,
                                  -limits_.outer_integral, limits_.outer_integral);
   }
+  [[nodiscard]] double target() const { return target_; }
+  void set_target(double target) { target_ = target; }
 
   /// The inner controller, in SI units.
   /// @param blocked  the sign of the output that cannot grow: the integral does not grow in it
@@ -151,15 +156,23 @@ class FirmwareAxis {
 
 /// What a firmware does beside its loops.
 struct FirmwareHabits {
-  double tilt = 0;                 ///< greatest that is asked for [rad]
+  double tilt = 0;           ///< greatest that is asked for [rad]
+  double speed = kInfinite;  ///< greatest horizontal one that is asked for [m/s]
+  /// Whether position and velocity are controlled to the north and east, and tilt and speed limited
+  /// as vectors; otherwise along and across the heading, each by itself.
+  bool in_world = false;
   bool velocity_forward = false;   ///< whether the velocity of the reference is added to the target
   bool tilt_compensation = false;  ///< whether the thrust is divided by the cosine of the tilt
   bool guards = true;              ///< whether integrals stop where the motors are at their limits
   double mass = 0;                 ///< [kg]
   double weight = 0;               ///< thrust that is fed forward [N]
   double least_thrust = 0;         ///< [N]
-  /// ArduPilot's loop of the vertical acceleration: thrust per error [N s²/m] and its integral.
-  double acceleration_P = 0, acceleration_I = 0, acceleration_integral = 0;
+  /// ArduPilot's loop of the vertical acceleration: thrust per error [N s²/m], of its integral, the
+  /// limit of that [N], and the low pass of the error [Hz].
+  struct Acceleration {
+    double P = 0, I = 0, integral = 0, cutoff = 0;
+  };
+  std::optional<Acceleration> acceleration;
 };
 
 FirmwareHabits habits_of(const Firmware& firmware, const Vehicle& vehicle,
@@ -169,20 +182,25 @@ FirmwareHabits habits_of(const Firmware& firmware, const Vehicle& vehicle,
   habits.weight = vehicle.mass * vehicle.gravity;
   switch (firmware.kind) {
     case FirmwareKind::px4:
-      habits.tilt = 45 * kDegree;  // MPC_TILTMAX_AIR
+      habits.tilt = value("MPC_TILTMAX_AIR") * kDegree;
+      habits.speed = value("MPC_XY_VEL_MAX");
+      habits.in_world = true;
       habits.velocity_forward = true;
       habits.tilt_compensation = true;
       break;
     case FirmwareKind::ardupilot: {
-      habits.tilt = 30 * kDegree;  // ANGLE_MAX
+      const bool renamed = value.has("PSC_D_ACC_P");
+      habits.tilt = (renamed ? value("ATC_ANGLE_MAX") : 0.01 * value("ANGLE_MAX")) * kDegree;
+      habits.speed = 10;  // WPNAV_SPEED
+      habits.in_world = true;
       habits.velocity_forward = true;
       habits.tilt_compensation = true;
       // Throttle per m/s²; up to 4.6 in thousandths per cm/s².
-      const bool renamed = value.has("PSC_D_ACC_P");
       const double unit = scale.thrust * (renamed ? 1 : 0.1);
-      habits.acceleration_P = unit * value(renamed ? "PSC_D_ACC_P" : "PSC_ACCZ_P");
-      habits.acceleration_I = unit * value(renamed ? "PSC_D_ACC_I" : "PSC_ACCZ_I");
-      habits.acceleration_integral = 0.8 * scale.thrust;  // PSC_ACCZ_IMAX
+      habits.acceleration = {unit * value(renamed ? "PSC_D_ACC_P" : "PSC_ACCZ_P"),
+                             unit * value(renamed ? "PSC_D_ACC_I" : "PSC_ACCZ_I"),
+                             0.8 * scale.thrust,  // PSC_ACCZ_IMAX
+                             value(renamed ? "PSC_D_ACC_FLTE" : "PSC_ACCZ_FLTE")};
       break;
     }
     case FirmwareKind::betaflight:
@@ -190,7 +208,7 @@ FirmwareHabits habits_of(const Firmware& firmware, const Vehicle& vehicle,
       habits.velocity_forward = true;
       break;
     case FirmwareKind::crazyflie:
-      habits.tilt = 20 * kDegree;  // posCtlPid.rLimit, pLimit
+      habits.tilt = std::min(value("posCtlPid.rLimit"), value("posCtlPid.pLimit")) * kDegree;
       habits.guards = false;
       habits.weight = scale.thrust * value("posCtlPid.thrustBase");
       habits.least_thrust = scale.thrust * value("posCtlPid.thrustMin");
@@ -199,93 +217,106 @@ FirmwareHabits habits_of(const Firmware& firmware, const Vehicle& vehicle,
   return habits;
 }
 
-LoopLimits px4_limits(CascadeAxis axis) {
+LoopLimits px4_limits(CascadeAxis axis, const ParameterValues& value) {
   LoopLimits limits;
   switch (axis) {
     case CascadeAxis::roll:
+      limits.target_max = value("MC_ROLLRATE_MAX") * kDegree;
+      limits.integral = value("MC_RR_INT_LIM");
+      break;
     case CascadeAxis::pitch:
-    case CascadeAxis::yaw:  // MC_ROLLRATE_MAX, …, MC_RR_INT_LIM, …
-      limits.target_max = (axis == CascadeAxis::yaw ? 200 : 220) * kDegree;
-      limits.target_min = -limits.target_max;
-      limits.integral = 0.3;
+      limits.target_max = value("MC_PITCHRATE_MAX") * kDegree;
+      limits.integral = value("MC_PR_INT_LIM");
       break;
-    case CascadeAxis::altitude:  // downward; MPC_Z_VEL_MAX_DN, MPC_Z_VEL_MAX_UP
-      limits.target_max = 1.5;
-      limits.target_min = -3;
+    case CascadeAxis::yaw:
+      limits.target_max = value("MC_YAWRATE_MAX") * kDegree;
+      limits.integral = value("MC_YR_INT_LIM");
+      break;
+    case CascadeAxis::altitude:  // downward
+      limits.target_max = value("MPC_Z_VEL_MAX_DN");
+      limits.target_min = -value("MPC_Z_VEL_MAX_UP");
       limits.integral = kGravity;
-      break;
+      return limits;
     case CascadeAxis::x:
-    case CascadeAxis::y:  // MPC_XY_VEL_MAX
-      limits.target_max = 12;
-      limits.target_min = -12;
+    case CascadeAxis::y:  // the speed is limited as a vector
       limits.integral = kGravity;
-      break;
+      return limits;
   }
+  limits.target_min = -limits.target_max;
   return limits;
 }
 
-LoopLimits ardupilot_limits(CascadeAxis axis) {
+LoopLimits ardupilot_limits(CascadeAxis axis, const ParameterValues& value) {
   LoopLimits limits;
+  const bool renamed = value.has("PSC_NE_VEL_IMAX");
   switch (axis) {
     case CascadeAxis::roll:
     case CascadeAxis::pitch:
-    case CascadeAxis::yaw:  // ATC_RAT_RLL_IMAX, …
-      limits.integral = 0.5;
+    case CascadeAxis::yaw:
+      limits.integral = value(axis == CascadeAxis::roll    ? "ATC_RAT_RLL_IMAX"
+                              : axis == CascadeAxis::pitch ? "ATC_RAT_PIT_IMAX"
+                                                           : "ATC_RAT_YAW_IMAX");
       limits.output = 1;
       break;
-    case CascadeAxis::altitude:  // downward; WPNAV_SPEED_DN, WPNAV_SPEED_UP
+    case CascadeAxis::altitude:  // downward; WPNAV_SPEED_DN, WPNAV_SPEED_UP, PSC_VELZ_IMAX
       limits.target_max = 1.5;
       limits.target_min = -2.5;
+      limits.integral = 10;
       break;
     case CascadeAxis::x:
-    case CascadeAxis::y:  // WPNAV_SPEED, PSC_VELXY_IMAX
-      limits.target_max = 10;
-      limits.target_min = -10;
-      limits.integral = 10;
+    case CascadeAxis::y:  // the speed is limited as a vector
+      limits.integral = renamed ? value("PSC_NE_VEL_IMAX") : 0.01 * value("PSC_VELXY_IMAX");
       break;
   }
   return limits;
 }
 
-LoopLimits betaflight_limits(CascadeAxis axis) {
+LoopLimits betaflight_limits(CascadeAxis axis, const ParameterValues& value) {
   LoopLimits limits;
   if (!internal::turns(axis)) return limits;
-  limits.integral = 400;                                 // iterm_limit
-  limits.output = axis == CascadeAxis::yaw ? 400 : 500;  // pidsum_limit, pidsum_limit_yaw
+  limits.integral = value("iterm_limit");
+  limits.output = value(axis == CascadeAxis::yaw ? "pidsum_limit_yaw" : "pidsum_limit");
   return limits;
 }
 
-LoopLimits crazyflie_limits(CascadeAxis axis, const FirmwareLoop& loop) {
+LoopLimits crazyflie_limits(const FirmwareLoop& loop, const ParameterValues& value) {
+  // Of velocities: 1.1 times the parameter.
+  constexpr double kOverhead = 1.1;
   LoopLimits limits;
-  const bool yaw = axis == CascadeAxis::yaw;
-  switch (axis) {
+  const bool yaw = loop.axis == CascadeAxis::yaw;
+  switch (loop.axis) {
     case CascadeAxis::roll:
     case CascadeAxis::pitch:
     case CascadeAxis::yaw:  // of the integrals of the errors: deg s and deg
       limits.outer_integral = loop.outer_integral * (yaw ? 360 : 20) * kDegree;
       limits.integral = loop.I * (yaw ? 166.7 : 33.3) * kDegree;
       limits.output = 32767;
-      break;
+      return limits;
     case CascadeAxis::altitude:
+      limits.target_max = kOverhead * value("posCtlPid.zVelMax");
+      limits.output = 32.767;  // thousands of the unit of thrust
+      break;
     case CascadeAxis::x:
-    case CascadeAxis::y:  // posCtlPid.xVelMax, …
-      limits.target_max = 1;
-      limits.target_min = -1;
+    case CascadeAxis::y:
+      limits.target_max = kOverhead * value(loop.axis == CascadeAxis::x ? "posCtlPid.xVelMax"
+                                                                        : "posCtlPid.yVelMax");
       break;
   }
+  limits.target_min = -limits.target_max;
   return limits;
 }
 
-LoopLimits limits_of(const Firmware& firmware, const FirmwareLoop& loop) {
+LoopLimits limits_of(const Firmware& firmware, const FirmwareLoop& loop,
+                     const ParameterValues& value) {
   switch (firmware.kind) {
     case FirmwareKind::px4:
-      return px4_limits(loop.axis);
+      return px4_limits(loop.axis, value);
     case FirmwareKind::ardupilot:
-      return ardupilot_limits(loop.axis);
+      return ardupilot_limits(loop.axis, value);
     case FirmwareKind::betaflight:
-      return betaflight_limits(loop.axis);
+      return betaflight_limits(loop.axis, value);
     case FirmwareKind::crazyflie:
-      return crazyflie_limits(loop.axis, loop);
+      return crazyflie_limits(loop, value);
   }
   return {};
 }
@@ -340,7 +371,7 @@ FirmwareSettings settings_of(const Vehicle& vehicle, const StoredParameters& par
       loop.outer = pilots_loop(loop.axis, pilot).outer;
     const double position_dt = settings.dt * settings.position_every;
     settings.axes[index_of(loop.axis)] = FirmwareAxis(
-        loop, internal::loop_filters(firmware, loop.axis, value), limits_of(firmware, loop),
+        loop, internal::loop_filters(firmware, loop.axis, value), limits_of(firmware, loop, value),
         turns ? settings.dt * settings.attitude_every : position_dt,
         turns ? settings.dt : position_dt);
   }
@@ -391,8 +422,9 @@ class FirmwareLaw final : public FlightLaw {
     if (takes_off) {
       for (const CascadeAxis which : {CascadeAxis::x, CascadeAxis::y, CascadeAxis::altitude})
         axis(which).reset();
-      acceleration_integral_ = 0;
-      has_speed_ = false;
+      tilted_out_.setZero();
+      lifted_out_ = 0;
+      acceleration_ = {};
     }
     const Eigen::Vector3d velocity =
         rotation_of_euler(x(3), x(4), x(5)) * Eigen::Vector3d(x.segment<3>(kVelocity));
@@ -405,56 +437,84 @@ class FirmwareLaw final : public FlightLaw {
     if (!takes_off) lift(x, velocity, reference);
   }
 
-  /// Along and across the heading.
+  /// The horizontal plane, along its axes by FirmwareHabits::in_world.
   void steer_level(const StateVector<double>& x, const Eigen::Vector3d& velocity,
                    const Reference<double>& reference) {
-    const double c = std::cos(x(5)), s = std::sin(x(5));
-    const auto turned = [&](double north, double east) {
-      return Eigen::Vector2d(c * north + s * east, c * east - s * north);
-    };
+    const FirmwareHabits& habits = s_.habits;
+    Eigen::Matrix2d to_heading;
+    to_heading << std::cos(x(5)), std::sin(x(5)), -std::sin(x(5)), std::cos(x(5));
+    const Eigen::Matrix2d to_axes =
+        habits.in_world ? Eigen::Matrix2d(Eigen::Matrix2d::Identity()) : to_heading;
     const Eigen::Vector2d error =
-        turned(reference.position(0) - x(0), reference.position(1) - x(1));
-    const Eigen::Vector2d speed = turned(velocity(0), velocity(1));
-    const Eigen::Vector2d forward = s_.habits.velocity_forward
-                                        ? turned(reference.velocity(0), reference.velocity(1))
+        to_axes * Eigen::Vector2d(reference.position.head<2>() - x.head<2>());
+    const Eigen::Vector2d speed = to_axes * velocity.head<2>();
+    const Eigen::Vector2d forward = habits.velocity_forward
+                                        ? Eigen::Vector2d(to_axes * reference.velocity.head<2>())
                                         : Eigen::Vector2d(Eigen::Vector2d::Zero());
-    const auto tilt_for = [&](int i, CascadeAxis which) {
-      axis(which).aim(error(i), forward(i));
-      const double tilt = axis(which).drive(speed(i), s_.habits.guards ? tilted_out_(i) : 0);
-      tilted_out_(i) = tilt - std::clamp(tilt, -s_.habits.tilt, s_.habits.tilt);
-      return tilt;
-    };
-    pitch_ = -tilt_for(0, CascadeAxis::x);  // nose down, which is negative, to go ahead
-    roll_ = tilt_for(1, CascadeAxis::y);
+    const std::array<CascadeAxis, 2> level = {CascadeAxis::x, CascadeAxis::y};
+    Eigen::Vector2d target, tilt;
+    for (int i = 0; i < 2; ++i) {
+      FirmwareAxis& one = axis(level[static_cast<std::size_t>(i)]);
+      one.aim(error(i), forward(i), tilted_out_(i));
+      target(i) = one.target();
+    }
+    target = within(target, habits.speed);
+    for (int i = 0; i < 2; ++i) {
+      FirmwareAxis& one = axis(level[static_cast<std::size_t>(i)]);
+      one.set_target(target(i));
+      tilt(i) = one.drive(speed(i), habits.guards ? tilted_out_(i) : 0);
+    }
+    const Eigen::Vector2d limited =
+        habits.in_world ? within(tilt, habits.tilt)
+                        : Eigen::Vector2d(tilt.cwiseMax(-habits.tilt).cwiseMin(habits.tilt));
+    tilted_out_ = tilt - limited;
+    const Eigen::Vector2d ahead = habits.in_world ? Eigen::Vector2d(to_heading * limited) : limited;
+    pitch_ = -ahead(0);  // nose down, which is negative, to go ahead
+    roll_ = ahead(1);
+  }
+
+  /// A vector of that length at most.
+  static Eigen::Vector2d within(const Eigen::Vector2d& v, double length) {
+    const double norm = v.norm();
+    return norm > length ? Eigen::Vector2d(v * (length / norm)) : v;
   }
 
   /// The thrust. Down is positive in the loop and negative in the thrust.
   void lift(const StateVector<double>& x, const Eigen::Vector3d& velocity,
             const Reference<double>& reference) {
     FirmwareAxis& altitude = axis(CascadeAxis::altitude);
+    const double blocked = s_.habits.guards ? -(lifted_out_ + excess_(0)) : 0;
     altitude.aim(reference.position(2) - x(2),
-                 s_.habits.velocity_forward ? reference.velocity(2) : 0);
-    double force = altitude.drive(velocity(2), -excess_(0));
-    if (s_.habits.acceleration_P > 0) force = by_acceleration(force, velocity(2));
+                 s_.habits.velocity_forward ? reference.velocity(2) : 0, blocked);
+    double force = altitude.drive(velocity(2), blocked);
+    if (s_.habits.acceleration) force = by_acceleration(force, velocity(2), blocked);
     const double tilt = std::cos(x(3)) * std::cos(x(4));
     const double share = s_.habits.tilt_compensation ? std::max(tilt, 0.5) : 1.0;
-    thrust_ = std::clamp((s_.habits.weight - force) / share, s_.habits.least_thrust,
-                         s_.frame.greatest_thrust);
+    const double asked = (s_.habits.weight - force) / share;
+    thrust_ = std::clamp(asked, s_.habits.least_thrust, s_.frame.greatest_thrust);
+    lifted_out_ = asked - thrust_;
   }
 
-  /// What ArduPilot's loop of the acceleration makes of a force that is asked for.
-  [[nodiscard]] double by_acceleration(double force, double speed) {
+  /// What ArduPilot's loop of the acceleration makes of a force that is asked for. The acceleration
+  /// is the slope of the estimated velocity, which may stand for some samples.
+  [[nodiscard]] double by_acceleration(double force, double speed, double blocked) {
+    const FirmwareHabits::Acceleration& loop = *s_.habits.acceleration;
     const double dt = s_.dt * s_.position_every;
-    const double measured = has_speed_ ? (speed - speed_) / dt : 0;
-    speed_ = speed;
-    has_speed_ = true;
-    const double error = acceleration_filter_(force / s_.habits.mass - measured);
-    const double result = s_.habits.acceleration_P * error + acceleration_integral_;
-    const double growth = s_.habits.acceleration_I * error * dt;
-    if (!(growth * -excess_(0) > 0))
-      acceleration_integral_ =
-          std::clamp(acceleration_integral_ + growth, -s_.habits.acceleration_integral,
-                     s_.habits.acceleration_integral);
+    Acceleration& now = acceleration_;
+    if (!now.filter)
+      now.filter.emplace(
+          loop.cutoff > 0 ? internal::LowPasses{{1, loop.cutoff}} : internal::LowPasses{}, dt);
+    ++now.samples;
+    if (now.speed && speed != *now.speed) now.measured = (speed - *now.speed) / (now.samples * dt);
+    if (!now.speed || speed != *now.speed) {
+      now.speed = speed;
+      now.samples = 0;
+    }
+    const double error = (*now.filter)(force / s_.habits.mass - now.measured);
+    const double result = loop.P * error + now.integral;
+    const double growth = loop.I * error * dt;
+    if (!(growth * blocked > 0))
+      now.integral = std::clamp(now.integral + growth, -loop.integral, loop.integral);
     return result;
   }
 
@@ -470,11 +530,16 @@ class FirmwareLaw final : public FlightLaw {
   bool started_ = false;
   double roll_ = 0, pitch_ = 0, thrust_ = 0;  // asked of the inner loops
   Eigen::Vector4d late_ = Eigen::Vector4d::Zero();
-  Eigen::Vector4d excess_ = Eigen::Vector4d::Zero();  // asked less made
-  Eigen::Vector2d tilted_out_ = Eigen::Vector2d::Zero();
-  bool has_speed_ = false;
-  double speed_ = 0, acceleration_integral_ = 0;
-  DiscreteLowPass acceleration_filter_{{1, 20}, s_.dt* s_.position_every};  // PSC_ACCZ_FLTE
+  Eigen::Vector4d excess_ = Eigen::Vector4d::Zero();      // asked less made
+  Eigen::Vector2d tilted_out_ = Eigen::Vector2d::Zero();  // of the tilt, beyond its limit
+  double lifted_out_ = 0;                                 // of the thrust, beyond its limits
+  struct Acceleration {
+    std::optional<double> speed;  // the newest estimate
+    int samples = 0;              // for which it stands
+    double measured = 0, integral = 0;
+    std::optional<FilterChain> filter;
+  };
+  Acceleration acceleration_;
 };
 
 }  // namespace

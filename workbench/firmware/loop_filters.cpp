@@ -22,11 +22,13 @@ LowPasses series(LowPasses first, const LowPasses& second) {
 LoopFilters px4_filters(CascadeAxis axis, const ParameterValues& value) {
   LoopFilters filters;
   if (!turns(axis)) {
-    constexpr double kVelocityDerivative = 5;  // MPC_VELD_LP
+    constexpr double kVelocityDerivative = 5;  // [Hz] MPC_VELD_LP
     filters.derivative = filter_of(1, kVelocityDerivative);
     return filters;
   }
-  filters.rate = filter_of(2, value("IMU_GYRO_CUTOFF"));
+  // The firmware leaves a cut-off above half of its rate out.
+  if (2 * value("IMU_GYRO_CUTOFF") < value("IMU_GYRO_RATEMAX"))
+    filters.rate = filter_of(2, value("IMU_GYRO_CUTOFF"));
   filters.derivative = filter_of(1, value("IMU_DGYRO_CUTOFF"));
   if (axis == CascadeAxis::yaw && value.has("MC_YAW_TQ_CUTOFF"))
     filters.output = filter_of(1, value("MC_YAW_TQ_CUTOFF"));
@@ -36,9 +38,11 @@ LoopFilters px4_filters(CascadeAxis axis, const ParameterValues& value) {
 LoopFilters ardupilot_filters(CascadeAxis axis, const ParameterValues& value) {
   LoopFilters filters;
   if (!turns(axis)) {
-    constexpr double kVelocity = 5;  // PSC_VELXY_FLTE and FLTD, and those of PSC_VELZ
-    filters.error = filter_of(1, kVelocity);
-    filters.derivative = filter_of(1, kVelocity);
+    const bool renamed = value.has("PSC_NE_VEL_P"), height = axis == CascadeAxis::altitude;
+    const std::string velocity =
+        renamed ? (height ? "PSC_D_VEL_" : "PSC_NE_VEL_") : (height ? "PSC_VELZ_" : "PSC_VELXY_");
+    filters.error = filter_of(1, value(velocity + "FLTE"));
+    filters.derivative = filter_of(1, value(velocity + "FLTD"));
     return filters;
   }
   const std::string rate = std::string("ATC_RAT_") +
@@ -55,7 +59,6 @@ LoopFilters ardupilot_filters(CascadeAxis axis, const ParameterValues& value) {
 
 LoopFilters betaflight_filters(CascadeAxis axis, const ParameterValues& value) {
   if (!turns(axis)) return {};
-  constexpr double kYawLowPass = 100;  // [Hz] of P of the yaw
   // Where a cut-off moves with the throttle, its lower end.
   const auto first = [&](const std::string& name) {
     const double least = value(name + "_dyn_min_hz");
@@ -64,7 +67,8 @@ LoopFilters betaflight_filters(CascadeAxis axis, const ParameterValues& value) {
   LoopFilters filters;
   filters.rate = series(first("gyro_lpf1"), filter_of(1, value("gyro_lpf2_static_hz")));
   filters.derivative = series(first("dterm_lpf1"), filter_of(1, value("dterm_lpf2_static_hz")));
-  if (axis == CascadeAxis::yaw) filters.error = filter_of(1, kYawLowPass);
+  // Of P alone; the integral's is too slow to notice.
+  if (axis == CascadeAxis::yaw) filters.error = filter_of(1, value("yaw_lowpass_hz"));
   return filters;
 }
 

@@ -278,9 +278,12 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   if (auto* cascade = std::get_if<CascadeController>(&setup.controller)) {
     cascade->method = words.integrator.value_or(cascade->method);
   } else if (words.integrator) {
-    throw OptionError("integrator",
-                      "integrator is for a cascaded PID, expected none because a state feedback "
-                      "sums its error once a sample");
+    throw OptionError(
+        "integrator",
+        law.on_board ? "integrator is for a cascaded PID, expected none because the loops of an "
+                       "autopilot integrate by Euler's rule"
+                     : "integrator is for a cascaded PID, expected none because a state "
+                       "feedback sums its error once a sample");
   }
   setup.allocation = words.allocation;
   setup.real_sensors = words.real_sensors;
