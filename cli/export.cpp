@@ -192,8 +192,10 @@ void add_options(CommandLine& line, Options& options) {
                   "uquad, mambo, json, mat, c, px4, ardupilot, betaflight or crazyflie");
   line.add_option("-o DIR", options.directory, "directory to write");
   line.add_option("--vehicle V", options.vehicle, "the vehicle, where the gains do not say");
-  line.add_option("--name NAME", options.name,
-                  "prefix of the C program's names; the vehicle's name unless given");
+  line.add_option(
+      "--name NAME", options.name,
+      "prefix of the C program's names; unless given the vehicle's name, of a schedule with "
+      "_schedule behind it");
   line.add_option("--precision WORD", options.precision, "of the C program: float or double");
   line.add_option("--law LAW", options.law,
                   "of the C program, where the design has two: cascaded-pid or state-feedback");

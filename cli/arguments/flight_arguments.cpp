@@ -15,7 +15,7 @@ void add_flight_options(CommandLine& line, FlightOptions& options) {
                   "--gains holds, or cascaded-pid");
   line.add_option("--gains WHICH", options.gains,
                   "designed (default), published, a design file, an export, a gain schedule, or "
-                  "what lqr, pid or import wrote as JSON");
+                  "what lqr or pid or import wrote as JSON");
   line.add_option("--integrator NAME", options.integrator,
                   "of the PID: euler (default), backward-euler or tustin");
   line.add_option("--estimator NAME", options.estimator,

@@ -10,9 +10,6 @@
 
 namespace quadtune::exports {
 
-/// How the name of an adapter's C begins: it is no part of the program.
-inline constexpr char kAdapterPrefix[] = "adapter_";
-
 struct AdapterFile {
   std::string from;  ///< in source/
   std::string to;    ///< name of the exported file

@@ -257,20 +257,23 @@ std::vector<FileContent> flight_code_files(const ExportContent& content) {
   std::vector<FileContent> files;
   std::vector<std::string> sources, headers, objects;
   const auto add = [&](const std::string& file, const std::string& text) {
-    const bool of_program = !file.starts_with("replay") && !file.starts_with(kAdapterPrefix);
-    if (file.ends_with(".c") && of_program) {
+    files.push_back({file, program_source(text, choices)});
+  };
+  const auto add_to_program = [&](const std::string& file, const std::string& text) {
+    if (file.ends_with(".c")) {
       sources.push_back(file);
       objects.push_back(file.substr(0, file.size() - 2) + ".o");
     }
-    if (file.ends_with(".h") && of_program) headers.push_back(file);
-    files.push_back({file, program_source(text, choices)});
+    if (file.ends_with(".h")) headers.push_back(file);
+    add(file, text);
   };
   for (const ProgramFile& file : sources_of(settings, double_precision))
-    add(name + file.suffix, source_text(file.from));
+    add_to_program(name + file.suffix, source_text(file.from));
   if (!content.filters.empty())
     for (const char* kind : {".h", ".c"})
-      add(name + "_kalman" + kind, source_text(std::string("kalman") + kind));
-  add(name + "_parameters.c", parameters_text(settings, content.filters, double_precision));
+      add_to_program(name + "_kalman" + kind, source_text(std::string("kalman") + kind));
+  add_to_program(name + "_parameters.c",
+                 parameters_text(settings, content.filters, double_precision));
   choices.words["OBJECTS"] = internal::joined(objects, " ");
   choices.words["HEADERS"] = internal::joined(headers, " ");
   choices.words["RECORDING"] = kRecordedFlight;

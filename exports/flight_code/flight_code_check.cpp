@@ -95,8 +95,7 @@ std::vector<std::string> command_of(const fs::path& folder, FlightCodeTarget tar
 /// Writes the files of a program, whose text has been checked, into a folder and compiles them into
 /// the program `replay` there.
 /// @return  the last line of the compiler's errors; empty if it has none
-std::string compile(const std::vector<FileContent>& files, const fs::path& folder,
-                    FlightCodeTarget target) {
+std::string compile(const MadeAnew& made, const fs::path& folder, FlightCodeTarget target) {
   const bool arm = target == FlightCodeTarget::arm;
   std::vector<std::string> words = {arm ? "arm-linux-gnueabihf-gcc" : "cc",
                                     "-std=c99",
@@ -105,11 +104,15 @@ std::string compile(const std::vector<FileContent>& files, const fs::path& folde
                                     "-o",
                                     (folder / "replay").string()};
   if (arm) words.emplace_back("-static");
-  for (const FileContent& file : files)
-    if (file.name.ends_with(".c") && !file.name.starts_with(exports::kAdapterPrefix))
+  const std::vector<exports::AdapterFile> of_board =
+      exports::adapter_files(made.content.flight_code.adapter);
+  for (const FileContent& file : made.files)
+    if (file.name.ends_with(".c") &&
+        std::none_of(of_board.begin(), of_board.end(),
+                     [&](const exports::AdapterFile& one) { return one.to == file.name; }))
       words.push_back((folder / file.name).string());
   words.emplace_back("-lm");
-  write_files(folder, files);
+  write_files(folder, made.files);
   std::string said;
   if (exports::Process(words).finish(said) == 0) return "";
   return fmt::format("{} does not compile it: {}", words.front(),
@@ -146,7 +149,7 @@ VerifyCheck check_replay(const MadeAnew& made, FlightCodeTarget target) {
   }
   try {
     const exports::ScratchFolder scratch;
-    check.detail = compile(made.files, scratch.path(), target);
+    check.detail = compile(made, scratch.path(), target);
     if (check.detail.empty())
       replay_in(scratch.path(), target,
                 schedule ? exports::kRecordedPoints : exports::kRecordedFlight, check);
@@ -198,8 +201,7 @@ CompiledProgram::CompiledProgram(const fs::path& directory, const Vehicle& vehic
     throw FileError(missing,
                     "is not installed here, expected it because it compiles or runs the "
                     "flight code");
-  if (const std::string refused = compile(made.files, parts_->folder.path(), target);
-      !refused.empty())
+  if (const std::string refused = compile(made, parts_->folder.path(), target); !refused.empty())
     throw InvalidInput(directory.string(), refused);
   parts_->target = target;
   parts_->settings = exports::program_settings(exports::recorded_setup(made.content));

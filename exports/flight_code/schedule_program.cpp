@@ -11,6 +11,7 @@
 
 #include "flight_code/c_structure.hpp"
 #include "flight_code/source_text.hpp"
+#include "quadtune/convention.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/exports/schedule_table.hpp"
 #include "quadtune/flight_code_words.hpp"
@@ -144,7 +145,12 @@ SourceChoices schedule_choices(const GainSchedule& schedule, const ExportContent
   c.words["POINTS"] = fmt::format("{}", schedule.size());
   c.words["SOLVED"] = fmt::format("{}", schedule.solved_count());
   c.words["AXES"] = internal::joined(axes, "\n * ");
-  c.words["CONVENTION"] = in_comment(schedule.convention);
+  c.words["CONVENTION"] =
+      fmt::format("{}: {}", in_comment(schedule.convention),
+                  in_comment(convention(schedule.convention, "schedule").description)) +
+      (schedule.input_kind == InputKind::wrench
+           ? "\n * A wrench is the thrust, which lifts, and torques about the body axes."
+           : "");
   c.words["INPUT_KIND"] = to_string(schedule.input_kind);
   c.words["SIGNALS"] = signals_in_words(schedule);
   c.words["YAW"] = fmt::format("{}", schedule.yaw);
@@ -358,7 +364,8 @@ std::string readme_of(const GainSchedule& schedule, const ExportContent& content
       "for (;;) {{ /* point_t: {10} */\n"
       "  status = {0}_gains(&estimated_flight, &gains);\n"
       "  trim_status = {0}_trim(&asked_flight, &trim);\n"
-      "  {0}_law(&gains, trim.u0, sp, x, {11}u); /* sp: trim.x0 where nothing is asked for */\n"
+      "  {0}_law(&gains, trim.u0, sp, x, {11}u); /* sp: trim.x0, with positions and heading of the "
+      "reference */\n"
       "}}\n"
       "```\n\n"
       "Beyond the grid its nearest edge holds. Where the grid has no gain, or a value is not "

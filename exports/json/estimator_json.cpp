@@ -196,7 +196,8 @@ StoredEstimator estimator_from_json(const Json& json, const std::string& where) 
         fmt::format("is '{}', expected one of {}{}", estimator.name, internal::joined(kNames, ", "),
                     internal::did_you_mean(estimator.name, {kNames.begin(), kNames.end()})));
   Reading reading(json, where);
-  if (estimator.name == "uquad" && json.contains("dt_s")) {
+  // All of its covariances, or none.
+  if (estimator.name == "uquad" && json.size() > 1) {
     estimator.uquad = uquad_filter_in_si<double>();
     each_covariance(reading, *estimator.uquad);
     validate(*estimator.uquad, where);

@@ -39,7 +39,7 @@ std::string uquad_constants_text(const Vehicle& vehicle, double dt) {
   const auto define = [&](const char* name, double value, const char* meaning) {
     if (!std::isfinite(value))
       throw InvalidInput("uquad", fmt::format("{} is {}, expected a finite number", name, value));
-    text += fmt::format("#define UQUAD_{} {:.17g} /* {} */\n", name, value, meaning);
+    text += fmt::format("#define UQUAD_{} {} /* {} */\n", name, value, meaning);
   };
   define("SAMPLE_PERIOD", dt, "s");
   define("GRAVITY", vehicle.gravity, "m/s^2");
@@ -53,6 +53,15 @@ std::string uquad_constants_text(const Vehicle& vehicle, double dt) {
     define("IXY", -J(0, 1), "kg m^2, entry of the matrix of inertia");
     define("IXZ", -J(0, 2), "kg m^2");
     define("IYZ", J(1, 2), "kg m^2");
+  }
+  for (std::size_t i = 0; i < rotors.size(); ++i) {
+    const auto of_rotor = [&](const char* what, double value, const char* meaning) {
+      define(fmt::format("ROTOR{}_{}", i + 1, what).c_str(), value, meaning);
+    };
+    of_rotor("X", rotors[i].position.x(), "m, forward");
+    of_rotor("Y", -rotors[i].position.y(), "m, to the left");
+    of_rotor("SPIN", rotors[i].spin == Spin::counter_clockwise ? 1 : -1,
+             "1: counter-clockwise seen from above");
   }
   define("ROTOR_INERTIA", rotor.inertia, "kg m^2, of each rotor about its axis");
   define("THRUST_W2", rotor.thrust_a2, "N s^2/rad^2: T = THRUST_W2 w^2 + THRUST_W1 w");

@@ -83,6 +83,21 @@ TEST_F(FlightCodeVerb, ExportsAGainScheduleThatItVerifies) {
   EXPECT_EQ(verified.status, 0) << verified.out;
   EXPECT_THAT(verified.out, HasSubstr("C is what the schedule gives"));
   EXPECT_THAT(verified.out, HasSubstr("uquad.toml, schedule.toml as listed"));
+  EXPECT_THAT(verified.out, HasSubstr("schedule is that of the table"));
+  // The export of another table, with the first in the manifest's place.
+  const std::string other = path("other/schedule.toml"), swapped = path("swapped");
+  std::filesystem::create_directory(path("other"));
+  ASSERT_EQ(run_program({"lqr", "uquad", "--schedule", "speed=0:1:2, mass=0.9:0.1:1.1", "--R",
+                         "0.02", "--quiet", "-o", other})
+                .status,
+            0);
+  ASSERT_EQ(run_program({"export", other, "--to", "c", "-o", swapped, "--quiet"}).status, 0);
+  SortedJson manifest = SortedJson::parse(std::ifstream(swapped + "/manifest.json"));
+  manifest["inputs"] = SortedJson::parse(std::ifstream(code + "/manifest.json"))["inputs"];
+  std::ofstream(swapped + "/manifest.json") << manifest;
+  const ProgramResult noticed = run_program({"verify", swapped, "--design", table});
+  EXPECT_EQ(noticed.status, 1);
+  EXPECT_THAT(noticed.out, HasSubstr("FAIL schedule is that of the table: schedule.json, line"));
   // The table in it flies.
   const ProgramResult flown =
       run_program({"fly", "uquad", "--mission", "hover", "--duration", "2", "--gains", code});
@@ -106,6 +121,20 @@ TEST_F(FlightCodeVerb, ExportsAGainScheduleThatItVerifies) {
               HasSubstr("holds gains of many flights, expected those of one law"));
   EXPECT_THAT(run_program({"fly", "uquad", "--gains", code, "--compiled"}).err,
               HasSubstr("is the program of a gain schedule, expected one that flies"));
+}
+
+// What belongs to the program is not told by the beginning of its name.
+TEST_F(FlightCodeVerb, NameMayBeginAsThatOfAnotherFile) {
+  if (std::system("cc --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "cc is not installed here";
+  for (const char* name : {"replay2", "adapter_x"}) {
+    const std::string out = path(name);
+    ASSERT_EQ(run_program({"export", path("gains.json"), "--to", "c", "--name", name, "-o", out,
+                           "--adapter", "main"})
+                  .status,
+              0);
+    EXPECT_EQ(std::system(("make -s -C " + out + " test > /dev/null 2>&1").c_str()), 0) << name;
+    EXPECT_EQ(run_program({"verify", out}).status, 0) << name;
+  }
 }
 
 TEST_F(FlightCodeVerb, RefusesInOneLine) {

@@ -79,7 +79,7 @@ TEST_F(VerifyManifest, SensorsCalibrationGoesWithUquadsGains) {
   ASSERT_EQ(with(file).status, 0);
   EXPECT_EQ(folder_.read("out/imu_calib.txt"), folder_.read("imu.txt"));
   const std::string header = folder_.read("out/uquad_constants.h");
-  EXPECT_THAT(header, HasSubstr("#define UQUAD_MASS 1.7410000000000001 /* kg */"));
+  EXPECT_THAT(header, HasSubstr("#define UQUAD_MASS 1.741 /* kg */"));
   EXPECT_THAT(header, HasSubstr("#define UQUAD_SAMPLE_PERIOD 0.01 /* s */"));
   EXPECT_THAT(header, HasSubstr("#define UQUAD_HOVER_SPEED 316."));
   EXPECT_EQ(run_program({"verify", out}).status, 0);

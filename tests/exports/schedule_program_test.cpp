@@ -127,8 +127,9 @@ TEST_P(ScheduleCode, InFloatIsTheLibrarysToRounding) {
 TEST_P(ScheduleCode, HasAConstantBoundForEachLoop) {
   for (const FileContent& file :
        flight_code_files(schedule_content_of(random_schedule(GetParam()), false)))
-    if (file.name == "uquad_schedule.c" || file.name == "uquad_schedule_arithmetic.h")
+    if (file.name == "uquad_schedule.c" || file.name == "uquad_schedule_arithmetic.h") {
       EXPECT_THAT(testing::loops_without_bound(file.bytes), ::testing::IsEmpty()) << file.name;
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Schedules, ScheduleCode, ::testing::ValuesIn(schedule_cases()),

@@ -9,8 +9,11 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/export_target.hpp"
 #include "quadtune/exports/firmware.hpp"
+#include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/manifest.hpp"
 #include "quadtune/exports/read_gains.hpp"
+#include "quadtune/exports/schedule_table.hpp"
+#include "quadtune/exports/text_difference.hpp"
 #include "quadtune/internal/joined.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
@@ -118,10 +121,25 @@ std::optional<CascadeDesign> cascade_of(const std::string& directory) {
   }
 }
 
+/// The schedule of an export against the table that it was made of.
+VerifyCheck schedule_again(const std::string& directory, const std::string& table) {
+  constexpr char kName[] = "schedule is that of the table";
+  if (!is_schedule(table))
+    return {kName, false, table + ": is no gain schedule, expected the table of the export"};
+  const std::string expected = schedule_text(read_schedule(table), TableFormat::json);
+  const std::string found = internal::read_text_file(
+      (fs::path(directory) / kScheduleJsonName).string(), internal::kTomlLimit);
+  if (found == expected) return {kName, true, table + ", byte by byte"};
+  return {kName, false,
+          fmt::format("{}, line {}, differs from what {} gives", kScheduleJsonName,
+                      first_other_line(found, expected), table)};
+}
+
 /// A design that was changed after the export fails here as well.
 VerifyCheck designed_again(const std::string& directory, const Manifest& manifest,
                            const std::string& design) {
   try {
+    if (holds_schedule(directory)) return schedule_again(directory, design);
     return check_design(directory, manifest, run_design(fs::path(design)));
   } catch (const InvalidInput& error) {
     return {"files are what the design gives", false, error.what()};

@@ -205,7 +205,7 @@ TEST(Completion, OffersWhatIsBuiltInAndTheValuesOfOptions) {
   const std::string fly = text.substr(begin, text.find("\n", begin) - begin);
   EXPECT_THAT(fly, AllOf(HasSubstr("values=\"mambo rolling-spider uquad crazyflie\""),
                          HasSubstr("--mission) values=\"hover "), HasSubstr(" lemniscate "),
-                         HasSubstr("--controller) values=\"cascaded-pid state-feedback\""),
+                         HasSubstr("--controller) values=\"cascaded-pid state-feedback firmware\""),
                          HasSubstr("--gains) values=\"designed published\""),
                          HasSubstr("--sensors) values=\"ideal real\"")));
   EXPECT_THAT(fly, HasSubstr("--wind) values=\"calm light moderate severe\""));
