@@ -123,14 +123,14 @@ std::optional<CascadeDesign> cascade_of(const std::string& directory) {
 
 /// The schedule of an export against the table that it was made of.
 VerifyCheck schedule_again(const std::string& directory, const std::string& table) {
-  constexpr char kName[] = "schedule is that of the table";
+  constexpr char kSameSchedule[] = "schedule is that of the table";
   if (!is_schedule(table))
-    return {kName, false, table + ": is no gain schedule, expected the table of the export"};
+    return {kSameSchedule, false, table + ": is no gain schedule, expected the table of the export"};
   const std::string expected = schedule_text(read_schedule(table), TableFormat::json);
   const std::string found = internal::read_text_file(
       (fs::path(directory) / kScheduleJsonName).string(), internal::kTomlLimit);
-  if (found == expected) return {kName, true, table + ", byte by byte"};
-  return {kName, false,
+  if (found == expected) return {kSameSchedule, true, table + ", byte by byte"};
+  return {kSameSchedule, false,
           fmt::format("{}, line {}, differs from what {} gives", kScheduleJsonName,
                       first_other_line(found, expected), table)};
 }
