@@ -125,7 +125,8 @@ std::optional<CascadeDesign> cascade_of(const std::string& directory) {
 VerifyCheck schedule_again(const std::string& directory, const std::string& table) {
   constexpr char kSameSchedule[] = "schedule is that of the table";
   if (!is_schedule(table))
-    return {kSameSchedule, false, table + ": is no gain schedule, expected the table of the export"};
+    return {kSameSchedule, false,
+            table + ": is no gain schedule, expected the table of the export"};
   const std::string expected = schedule_text(read_schedule(table), TableFormat::json);
   const std::string found = internal::read_text_file(
       (fs::path(directory) / kScheduleJsonName).string(), internal::kTomlLimit);
