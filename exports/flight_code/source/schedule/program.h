@@ -83,8 +83,9 @@ qt_status_t qt_trim(const qt_point_t *point, qt_trim_t *trim);
 
 /* u of the law above, not limited to what the motors can do. In flight take the gains at the flight
  * that is estimated, but u0 and sp at the flight that is asked for. sp is x0, but positions and
- * heading are those of the moving reference, or x's own where nothing shall hold them: x0 has 0 there.
- * A trim at the estimated flight would feed it back to the inputs, for which no gain accounts. */
+ * heading are those of the moving reference, or x's own where nothing shall hold them: x0 has 0
+ * there. A trim at the estimated flight would feed it back to the inputs, for which no gain
+ * accounts. */
 #if QT_WITH_INTEGRALS
 void qt_law(const qt_gains_t *gains, const qt_real u0[QT_INPUTS], const qt_real sp[QT_STATES],
             const qt_real x[QT_STATES], const qt_real x_int[QT_INTEGRALS], qt_real u[QT_INPUTS]);
