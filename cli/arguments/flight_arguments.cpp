@@ -15,7 +15,7 @@ void add_flight_options(CommandLine& line, FlightOptions& options) {
                   "--gains holds, or cascaded-pid");
   line.add_option("--gains WHICH", options.gains,
                   "designed (default), published, a design file, an export, a gain schedule, or "
-                  "what lqr or pid or import wrote as JSON");
+                  "the JSON that lqr and pid and import write");
   line.add_option("--integrator NAME", options.integrator,
                   "of the PID: euler (default), backward-euler or tustin");
   line.add_option("--estimator NAME", options.estimator,

@@ -85,8 +85,8 @@ TEST_F(FlightCodeVerb, ExportsAGainScheduleThatItVerifies) {
   EXPECT_THAT(verified.out, HasSubstr("uquad.toml, schedule.toml as listed"));
   EXPECT_THAT(verified.out, HasSubstr("schedule is that of the table"));
   // The export of another table, with the first in the manifest's place.
-  const std::string other = path("other/schedule.toml"), swapped = path("swapped");
-  std::filesystem::create_directory(path("other"));
+  const std::string other = path("of-another/schedule.toml"), swapped = path("swapped");
+  std::filesystem::create_directory(path("of-another"));
   ASSERT_EQ(run_program({"lqr", "uquad", "--schedule", "speed=0:1:2, mass=0.9:0.1:1.1", "--R",
                          "0.02", "--quiet", "-o", other})
                 .status,

@@ -226,9 +226,10 @@ VerifyReport verify_directory(const std::string& directory, const std::string& v
                              "written by --force although " +
                                  internal::printable(internal::joined(manifest.forced, "; "))});
   // The vehicle, or covariances, can be named as well, to compare their hashes.
+  const fs::path named = fs::path(design).filename();
   const bool is_design = !manifest.inputs.empty() && !design.empty() &&
-                         fs::path(design).filename() == manifest.inputs.front().path &&
-                         manifest.inputs.front().path != vehicle_file_name(vehicle);
+                         (holds_schedule(directory) || named == manifest.inputs.front().path) &&
+                         named != vehicle_file_name(vehicle);
   if (is_design) report.checks.push_back(designed_again(directory, manifest, design));
   return report;
 }
