@@ -145,9 +145,10 @@ void parse_px4(const std::string& text, Collector& collector) {
     if (line.empty() || line[0] == '#') return;
     const std::vector<std::string> words = split(line, "\t");
     if (words.size() != 5)
-      collector.refuse(number, fmt::format("has {} columns, expected five with a tab between them: "
-                                           "vehicle, component, name, value, type",
-                                           words.size()));
+      collector.refuse(number,
+                       fmt::format("has {} column{}, expected five with a tab between them: "
+                                   "vehicle, component, name, value, type",
+                                   words.size(), words.size() == 1 ? "" : "s"));
     if (words[1] != "1") return;  // of another component, such as a gimbal
     collector.require_type(number, words[2], words[4]);
     collector.add(number, words[2], words[3]);

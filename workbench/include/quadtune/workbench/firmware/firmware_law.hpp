@@ -30,7 +30,9 @@ namespace quadtune {
 
 /// Gives a flight with such a law the inertial sensors of an autopilot's board: a reading for each
 /// of its samples, with the noise density of the vehicle's file. An estimator of the kind `general`
-/// runs at about 200 Hz on means of these readings, and the law has the newest body rates.
+/// runs at about 200 Hz on means of these readings, and the law has the newest body rates. It keeps
+/// the numbers of FlightSetup::general_filter but the lags and variances of the inertial readings,
+/// which depend on the period.
 /// @param setup  with the law, the estimator and the mission
 /// @throws InvalidInput  as general_filter_settings()
 void fly_on_board(FlightSetup& setup);
