@@ -144,6 +144,25 @@ TEST_F(FirmwareVerb, ParametersInAFileOfGainsAreChecked) {
   refused("MC_ROLRATE_P", 0.1, "is no parameter of the loops of px4 1.16");
 }
 
+// The filter on the board has the numbers of the file, too.
+TEST_F(FirmwareVerb, FlightsTakeTheFilesEstimator) {
+  const std::string file = path("estimator.json");
+  ASSERT_EQ(run_program({"import", "crazyflie", "--defaults", "--vehicle", vehicle(), "--quiet",
+                         "-o", file})
+                .status,
+            0);
+  const auto metrics = [&] {
+    const ProgramResult result = run_program({"fly", vehicle(), "--gains", file, "--mission",
+                                              "step-north", "--duration", "3", "--json"});
+    return SortedJson::parse(result.out)["metrics"];
+  };
+  const SortedJson before = metrics();
+  SortedJson edited = SortedJson::parse(std::ifstream(file));
+  edited["estimator"]["gyroscope"]["bias_walk_rad_per_s_per_sqrt_s"] = 0.1;
+  std::ofstream(file) << edited;
+  EXPECT_NE(metrics(), before);
+}
+
 TEST_F(FirmwareVerb, MistakesAreToldInOneLine) {
   const auto refused = [](const std::vector<std::string>& words, int status, const char* message) {
     const ProgramResult result = run_program(words);
