@@ -671,8 +671,13 @@ static void mean_of(const qt_mean_t *of, qt_real mean[3]) {
 static void finish_calibration(const qt_estimator_parameters_t *p, qt_estimator_state_t *s) {
   qt_real force[3];
   qt_real field[3];
-  mean_of(&s->gyro, s->gyro_offset);
+  if (s->gyro.count > 0.0f) {
+    mean_of(&s->gyro, s->gyro_offset);
+  }
   mean_of(&s->force, force);
+  for (int i = 0; i < 3; ++i) {
+    force[i] -= s->x[AT_BIAS + i];
+  }
   mean_of(&s->field, field);
   if (s->pressure_count > 0.0f) {
     s->pressure_zero = s->pressure_sum / s->pressure_count;

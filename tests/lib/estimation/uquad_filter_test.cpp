@@ -584,6 +584,28 @@ TEST(UquadFilter, FindsOffsetsWhileItStands) {
   EXPECT_THAT(state.kalman.x.tail<3>(), MatrixNear(Vector3d(Vector3d::Zero()), 1e-9));
 }
 
+TEST(UquadFilter, KeepsTheOffsetsThatItStartedWithWhileItStands) {
+  const RigidBody body(plus_quadrotor());
+  UquadSettings settings;
+  settings.calibration_time = 1;
+  Vector12 truth = Vector12::Zero();
+  truth.segment<3>(3) << 0.03, -0.02, 0;
+  const Vector3d force_offset(0.4, -0.3, 0.2);
+  const Vector3d rate_offset(0.02, -0.01, 0.005);
+  Frame frame = resting_sensors(truth);
+  frame.specific_force.value += force_offset;
+  frame.rates.value += rate_offset;
+  frame.rates.fresh = false;
+  UquadState state = uquad_filter_start(settings, Vector12(Vector12::Zero()));
+  state.kalman.x.tail<3>() = force_offset;
+  state.gyro_offset = rate_offset;
+  for (int k = 0; k < 100; ++k) step(settings, state, frame, body, Speeds(Speeds::Zero(4)), true);
+  // Without subtraction the roll would be wrong by 0.03 rad, without samples the offset would be 0.
+  EXPECT_NEAR(state.kalman.x(3), 0.03, 1e-12);
+  EXPECT_NEAR(state.kalman.x(4), -0.02, 1e-12);
+  EXPECT_THAT(state.gyro_offset, MatrixNear(rate_offset, 0));
+}
+
 TEST(UquadFilter, TellsHeightFromPressure) {
   EXPECT_EQ(barometric_height(kSeaLevel, kSeaLevel), 0);
   for (const double height : {-100.0, 3.0, 1000.0}) {

@@ -429,7 +429,8 @@ template <class T>
 ///
 /// During settings.calibration_time the vehicle stands still: the means of that time give the
 /// gyroscope's offset, the pressure at the start, the attitude and, unless it is set, the expected
-/// field; the estimate stays where it started.
+/// field; the estimate stays where it started. The offset of the accelerometer that the filter
+/// started with is subtracted from its mean, and a sensor that said nothing changes nothing.
 /// @param speeds    one per rotor [rad/s].
 /// @param standing  where true the vehicle stands on the ground, and gravity does not make it fall:
 ///                  velocity is measured as 0, the accelerometer only for its tilt.
@@ -462,13 +463,17 @@ Estimate<T> step(const UquadFilterSettings<T>& settings, UquadFilterState<T>& st
       const auto mean = [](const Vector3<T>& sum, const T& count) {
         return Vector3<T>(sum / greater(count, T(1)));
       };
-      state.gyro_offset = mean(state.gyro_sum, state.gyro_count);
+      const Vector3<T> offset = mean(state.gyro_sum, state.gyro_count);
+      const MaskOf<T> turning = state.gyro_count > T(0);
+      for (int i = 0; i < 3; ++i)
+        state.gyro_offset(i) = select(turning, offset(i), state.gyro_offset(i));
       const MaskOf<T> pressed = state.pressure_count > T(0);
       state.pressure_zero =
           select(pressed, T(state.pressure_sum / greater(state.pressure_count, T(1))),
                  state.pressure_zero);
       state.start_z = select(pressed, state.start_z, T(0));
-      const Tilt<T> tilt = tilt_of_force(mean(state.force_sum, state.force_count));
+      const Tilt<T> tilt = tilt_of_force(
+          Vector3<T>(mean(state.force_sum, state.force_count) - x.template tail<3>()));
       const MaskOf<T> felt = state.force_count > T(0);
       x(kAttitude) = select(felt, tilt.roll, x(kAttitude));
       x(kAttitude + 1) = select(felt, tilt.pitch, x(kAttitude + 1));
