@@ -364,6 +364,9 @@ template <class T>
   return state;
 }
 
+/// The oldest image whose position is used [s]: the vehicle flies on while it is read.
+inline constexpr double kMaxVisionAge = 1;
+
 /// What the sensors of one period say, as the filter takes it. Tilt is that of the accelerometer
 /// less its estimated bias; the yaw takes the newest tilt with the field. Not finite is not fresh.
 template <class T>
@@ -384,7 +387,8 @@ template <class T>
   m.rates = frame.rates.value - state.gyro_offset;
   m.gps_position = frame.gps_position.value;
   m.gps_velocity = frame.gps_velocity.value;
-  m.vision_fresh = fresh(frame.vision);
+  m.vision_fresh = both(fresh(frame.vision),
+                        both(T(0) <= frame.vision.age, frame.vision.age <= T(kMaxVisionAge)));
   if (any(m.vision_fresh)) {
     // Images take long to read: the vehicle has flown on since.
     const UquadVector<T>& x = state.kalman.x;
