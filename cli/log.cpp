@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune log: what is in a log, and what is odd about it.
+/// quadtune log: the contents of a log, and anomalies in it.
 
 #include "arguments/log_arguments.hpp"
 #include "program/command_line.hpp"
@@ -41,7 +41,7 @@ void add_options(CommandLine& line, Options& options) {
 
 Verb log_verb() {
   return {"log", "FILE [--format NAME] [--columns LIST] [--rate HZ]",
-          "what is in a log, what is odd about it, and which filter models it feeds",
+          "list the contents of a log, its anomalies, and the filter models that it suffices for",
           "quadtune log docs/examples/flight.csv", with_options(add_options, run_log)};
 }
 

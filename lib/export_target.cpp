@@ -17,8 +17,8 @@
 namespace quadtune {
 namespace {
 
-// Words of C99, names of other files of an export, and names whose header would be taken for one of
-// the C library.
+// C99 keywords, names of other files of an export, and names whose header would be mistaken for one
+// of the C library.
 constexpr std::array kTakenNames = {"auto",
                                     "break",
                                     "case",
@@ -140,8 +140,8 @@ void require_flight_code_name(const std::string& name, const std::string& where)
     return;
   throw InvalidInput(
       where, fmt::format("'{}' cannot be the prefix of a C program, expected 1 to {} lower-case "
-                         "letters, digits and _, a letter first, and no word of C or header of its "
-                         "library",
+                         "letters, digits and _, starting with a letter, and neither a C keyword "
+                         "nor the name of a C library header",
                          internal::printable(name), kLongestFlightCodeName));
 }
 

@@ -14,9 +14,9 @@
 namespace quadtune::internal {
 namespace {
 
-// A rotor below this share of its greatest speed stands.
+// A rotor below this fraction of its maximum speed counts as stopped.
 constexpr double kStandingSpeed = 1e-3;
-// A thrust curve with a1 < 0 starts at -a1/a2; the line takes over a little above.
+// A thrust curve with a1 < 0 starts at -a1/a2; the linear continuation begins slightly above.
 constexpr double kAboveZeroThrust = 1.05;
 
 double longest_arm(const Vehicle& vehicle) {
@@ -44,8 +44,8 @@ RotorCurve::RotorCurve(const Rotor& rotor, const MotorCommand& motor, double den
       !(join_speed_ < greatest_speed_))
     throw InvalidInput(
         fmt::format("rotor {}", number),
-        fmt::format("thrust {} w² + {} w is {} N at the greatest speed of {} rad/s, expected a "
-                    "thrust that rises up to there",
+        fmt::format("thrust {} w² + {} w is {} N at the maximum speed of {} rad/s, expected a "
+                    "thrust that increases up to that speed",
                     rotor.thrust_a2, rotor.thrust_a1, greatest_thrust_, greatest_speed_));
   join_thrust_ = rotor_thrust(rotor, join_speed_, density_ratio);
   slope_ = (2 * rotor.torque_d2 * join_speed_ + rotor.torque_d1) /
@@ -58,7 +58,7 @@ template <class T>
 T RotorCurve::speed(const T& thrust) const {
   using std::sqrt;
   if (thrust <= T(join_thrust_)) return T(join_speed_);
-  // The larger root of a2 w² + a1 w = T, written so that nothing cancels.
+  // The larger root of a2 w² + a1 w = T, in the form without cancellation.
   const T F = thrust / density_ratio_;
   const double a1 = rotor_.thrust_a1, a2 = rotor_.thrust_a2;
   const T root = sqrt(a1 * a1 + 4 * a2 * F);
@@ -116,7 +116,7 @@ Eigen::VectorXd TrimProblem::first_guess() const {
 Eigen::VectorXd TrimProblem::guess_from(const TrimResult& neighbour) const {
   Eigen::VectorXd z(2 + rotors());
   z.head<2>() = neighbour.x.segment<2>(kAttitude);
-  // Shared as there, and enough to carry this weight at that attitude.
+  // The neighbour's distribution of thrust, scaled to carry this weight at that attitude.
   z.tail(rotors()) = neighbour.thrust / (neighbour.thrust.sum() * std::cos(z(0)) * std::cos(z(1)));
   return z;
 }
@@ -175,7 +175,7 @@ struct Step {
   Eigen::Index freedom;
 };
 
-// Four rotors leave no freedom: J dz = -r is one square system. False where it is singular.
+// With four rotors J dz = -r is a single square system. Returns false if it is singular.
 bool square_step(const ValueAndJacobian& at, Step& step) {
   const Eigen::PartialPivLU<Eigen::Matrix<double, 6, 6>> lu(at.jacobian);
   if (!(lu.rcond() > kRankTolerance)) return false;
@@ -184,8 +184,8 @@ bool square_step(const ValueAndJacobian& at, Step& step) {
   return true;
 }
 
-// Solves J_a da + J_f (f - f0) = -r: what roll and pitch cannot do (the complement of J_a's range)
-// fixes the thrusts f, of least norm; roll and pitch then take up the rest.
+// Solves J_a da + J_f (f - f0) = -r: the part outside the range of J_a determines the thrusts f, of
+// least norm; roll and pitch then solve for the rest.
 Step newton_step(const TrimProblem& problem, const Eigen::VectorXd& z, const ValueAndJacobian& at,
                  bool within_limits) {
   Step step;
@@ -210,9 +210,9 @@ Step newton_step(const TrimProblem& problem, const Eigen::VectorXd& z, const Val
 
 NewtonResult newton(const TrimProblem& problem, Eigen::VectorXd z, const TrimOptions& options,
                     bool within_limits) {
-  constexpr double kRounding = 1e-13;  // below this the balance is as good as it gets
-  constexpr double kStepDone = 1e-10;  // and the sharing of thrust has settled
-  constexpr double kLeastStep = 1e-6;  // share of a Newton step
+  constexpr double kRounding = 1e-13;  // smaller residuals cannot be improved
+  constexpr double kStepDone = 1e-10;  // the distribution of thrust has converged
+  constexpr double kLeastStep = 1e-6;  // minimum fraction of a Newton step
   constexpr double kDecrease = 1e-4;   // sufficient decrease (Armijo)
   NewtonResult result;
   double merit = problem.residual(z).norm();

@@ -15,7 +15,8 @@ DiscreteLti discretize_foh(const ContinuousLti& plant, double dt) {
   internal::require_period(dt, "foh");
   const Index nx = plant.A.rows();
   const Index nu = plant.B.cols();
-  // The input is the integral of its slope, which is held: a plant [x; u] with the slope for input.
+  // The input is the integral of its slope, which is held: [x; u] is a plant whose input is the
+  // slope.
   MatrixXd Z = MatrixXd::Zero(nx + nu, nx + nu);
   Z.topRows(nx) << plant.A, plant.B;
   MatrixXd slope = MatrixXd::Zero(nx + nu, nu);

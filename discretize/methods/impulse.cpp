@@ -15,10 +15,11 @@ void refuse_feedthrough(const Eigen::MatrixXd& D) {
   for (Eigen::Index i = 0; i < D.rows(); ++i)
     for (Eigen::Index j = 0; j < D.cols(); ++j)
       if (D(i, j) != 0)
-        throw InvalidInput("impulse",
-                           fmt::format("D has {:.6g} at ({},{}), expected 0 because the impulse "
-                                       "response then has an impulse, which has no sample",
-                                       D(i, j), i + 1, j + 1));
+        throw InvalidInput(
+            "impulse",
+            fmt::format("D has {:.6g} at ({},{}), expected 0 because otherwise the impulse "
+                        "response contains an impulse, which cannot be sampled",
+                        D(i, j), i + 1, j + 1));
 }
 
 }  // namespace

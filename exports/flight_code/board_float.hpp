@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The scalar with which the library's templates compute what exported flight code computes in
-/// `float`, bit by bit: its sines and logarithms are those of the exported source.
+/// The scalar with which the library's templates reproduce, bit by bit, what exported flight code
+/// computes in `float`: its sines and logarithms are those of the exported source.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A flight program as the library's templates compute it: what its C must give, bit by bit, in
-/// `float` (BoardFloat) and in `double` (Pack<1>).
+/// A flight program computed by the library's templates: its C code must give the same results, bit
+/// by bit, in `float` (BoardFloat) and in `double` (Pack<1>).
 #pragma once
 
 #include <type_traits>
@@ -13,7 +13,7 @@
 
 namespace quadtune::exports {
 
-/// Settings in another precision.
+/// Converts settings to another precision.
 template <class T>
 [[nodiscard]] CascadedPidSettings<T> program_cast(const CascadedPidSettings<double>& from) {
   CascadedPidSettings<T> to;
@@ -130,7 +130,7 @@ template <class T>
   return to;
 }
 
-/// What is known when a program starts.
+/// Values that are known when a program starts.
 struct ProgramStart {
   StateVector<double> x = StateVector<double>::Zero();
   Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();   ///< [rad/s]
@@ -138,12 +138,12 @@ struct ProgramStart {
   double pressure_height = 0;                            ///< offset of the barometer's height [m]
 };
 
-/// What a program gives in one control period.
+/// The output of a program in one control period.
 struct ProgramOutput {
   Eigen::VectorXd commands;  ///< (rotors) with the signs of the motors
   StateVector<double> estimate = StateVector<double>::Zero();
-  bool limited = false;  ///< the wrench asked for is another than that which the motors produce
-  bool finite = true;    ///< of the estimate
+  bool limited = false;  ///< whether the motors cannot produce the requested wrench
+  bool finite = true;    ///< whether the estimate is finite
 
   friend bool operator==(const ProgramOutput& a, const ProgramOutput& b) {
     return a.commands == b.commands && a.estimate == b.estimate && a.limited == b.limited &&
@@ -151,7 +151,7 @@ struct ProgramOutput {
   }
 };
 
-/// The program qt of source/program.c.
+/// The program qt, as implemented in source/program.c.
 template <class T>
 class FlightProgram {
  public:
@@ -196,7 +196,7 @@ class FlightProgram {
     return step<T>(*settings_.general, filter_, program_cast<T>(frame), MaskOf<T>(on_ground));
   }
 
-  /// The law, the allocation and the commands of one period.
+  /// Law, allocation and motor commands of one period.
   [[nodiscard]] ProgramOutput control(const Estimate<T>& estimate,
                                       const Reference<double>& reference) {
     ProgramOutput output = output_of(estimate);
@@ -220,7 +220,7 @@ class FlightProgram {
     return output;
   }
 
-  /// One period in which the motors get these commands, whatever the law says.
+  /// One period in which the motors get these commands instead of those of the law.
   [[nodiscard]] ProgramOutput idle(const Estimate<T>& estimate, const Eigen::VectorXd& commands) {
     ProgramOutput output = output_of(estimate);
     speeds_.setConstant(allocation_.rotors, T(0));
@@ -258,7 +258,8 @@ class FlightProgram {
     return squared() ? T(speed * speed / gain) : T(speed / gain);
   }
 
-  /// The commands of speeds, within the motors' limits; the speeds become those of the commands.
+  /// Computes the commands for the speeds, within the motors' limits; the speeds become those of
+  /// the commands.
   void drive(RotorSpeeds<T>& speeds, Eigen::VectorXd& commands) const {
     const MotorCommand& motor = settings_.motor;
     for (Eigen::Index i = 0; i < speeds.size(); ++i) {
@@ -299,7 +300,8 @@ class FlightProgram {
     return inputs;
   }
 
-  /// The speeds nearest to what a state feedback asks for; whether they are others.
+  /// Computes the feasible speeds nearest to those of a state feedback; returns whether they
+  /// differ.
   [[nodiscard]] bool make_speeds(const Inputs& asked, RotorSpeeds<T>& speeds) const {
     if (feedback_settings_.input_kind == InputKind::wrench) {
       const LimitedWrench<T> made =

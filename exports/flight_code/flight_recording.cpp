@@ -8,7 +8,7 @@
 namespace quadtune::exports {
 namespace {
 
-/// A program in a simulated flight, as its estimator and its law.
+/// A program as estimator and law of a simulated flight.
 class Flown {
  public:
   Flown(ProgramSettings settings, std::shared_ptr<RunningProgram> program, bool double_precision)
@@ -23,7 +23,7 @@ class Flown {
   }
 
   [[nodiscard]] Estimate<double> estimate(EstimatorInput input) {
-    // The law holds the unwrapped yaw.
+    // The law uses the unwrapped yaw.
     constexpr double kTurn = 2 * std::numbers::pi;
     input.true_state(5) += kTurn * std::nearbyint((yaw_ - input.true_state(5)) / kTurn);
     yaw_ = input.true_state(5);
@@ -37,7 +37,8 @@ class Flown {
     return keep(reference, Eigen::VectorXd::Zero(signs.size())).cwiseProduct(signs);
   }
 
-  /// Where the law does not have the motors, the program learns what they get.
+  /// Informs the program of the actual commands in periods in which the law does not control the
+  /// motors.
   void carried_out(const Eigen::VectorXd& made) {
     if (std::exchange(commanded_, false)) return;
     Reference<double> reference;
@@ -90,8 +91,8 @@ class FlownLaw final : public FlightLaw {
   std::shared_ptr<Flown> flown_;
 };
 
-/// A flight that begins in the air begins with the sensors' true offsets, as with the library's
-/// filters: they were estimated before.
+/// A flight that starts in the air starts with the sensors' true biases, as with the library's
+/// filters, because they were estimated before.
 ProgramStart start_of(const FlightSetup& setup, const ProgramSettings& settings,
                       const StateVector<double>& x) {
   ProgramStart start;

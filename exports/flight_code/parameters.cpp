@@ -24,7 +24,7 @@ Numbers inverses(const Vector& scale) {
   return result;
 }
 
-/// Where the readings that a late sensor gave stand, and how they are weighed.
+/// Writes where the samples of a delayed sensor are stored, and their weights.
 void write_inertial(Structure& c, const std::string& name, const InertialAid& sensor, double dt,
                     int horizon) {
   const auto place = general_filter_internal::reading_place(sensor.lag, dt, horizon);
@@ -42,7 +42,7 @@ void write_inertial(Structure& c, const std::string& name, const InertialAid& se
   c.open(name + "_now");
   c.number("held", horizon > 0 ? std::min(sensor.lag, time) / time : 0);
   c.integer("count", static_cast<int>(later.size()));
-  later.resize(kMostHorizonPeriods);  // an array in C has all of its numbers or none
+  later.resize(kMostHorizonPeriods);  // a C array needs all of its elements
   earlier.resize(kMostHorizonPeriods);
   c.numbers("later", later);
   c.numbers("earlier", earlier);
@@ -151,7 +151,8 @@ void write_estimator(Structure& c, const GeneralFilterSettings& s) {
   c.close();
 }
 
-/// Control periods k with (k + 1/2) dt before the end of the calibration: the filters' own rule.
+/// Number of control periods k with (k + 1/2) dt before the end of the calibration: the same rule
+/// as in the filters.
 int calibration_periods(const auto& s) {
   int periods = 0;
   while ((periods + 0.5) * s.dt < s.calibration_time) ++periods;
@@ -186,7 +187,7 @@ void write_estimator(Structure& c, const MamboEstimatorSettings<double>& s) {
   c.close();
 }
 
-/// The vehicle as the uquad's filter predicts it.
+/// Writes the vehicle model with which the uquad's filter predicts.
 void write_body(Structure& c, const RigidBody& body) {
   const auto each = [&](const char* name, const auto& number) {
     Numbers numbers;

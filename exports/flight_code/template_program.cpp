@@ -6,7 +6,7 @@
 
 namespace quadtune::exports {
 
-// source/state.h has these sizes as numbers.
+// source/state.h repeats these sizes as literals.
 static_assert(QT_HISTORY == kMostHistoryPeriods && QT_HORIZON == kMostHorizonPeriods);
 static_assert(QT_ERRORS == kErrorStates);
 

@@ -8,7 +8,7 @@
 namespace quadtune::exports {
 namespace {
 
-// Keys whose value the reader would take anyway are left out.
+// Omits keys whose value is the reader's default.
 class Table {
  public:
   explicit Table(std::string name) : name_(std::move(name)) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// sensorsVars.m: what the virtual sensors of the model project add to the truth.
+// sensorsVars.m: the errors that the virtual sensors of the model project add to the true values.
 #include "mambo/sensor_vars.hpp"
 
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace quadtune::exports {
 namespace {
 
-/// @param axes  of the sensor, 1 to 3: the others say nothing
+/// @param axes  number of axes of the sensor, 1 to 3
 void add_faults(MFile& m, const std::string& name, const SensorFaults& faults, int axes,
                 const std::string& unit) {
   const std::string prefix = "Sensors." + name + ".";

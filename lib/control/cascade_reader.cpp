@@ -16,7 +16,7 @@ std::vector<TomlKey> axis_keys() {
   return keys;
 }
 
-/// Calls `use` with each axis that the table under `key` gives a number.
+/// Calls `use` for each axis with a number in the table under `key`.
 template <class Use>
 void each_number(const TomlTable& table, const std::string& key, const Range& range,
                  const Use& use) {
@@ -86,7 +86,7 @@ CascadeSpecification read_cascade_specification(const TomlTable& table, double d
       const std::string where = table.where("integral");
       bool& integral = specification.requirements[index_of(cascade_axis(name, where))].integral;
       if (std::exchange(integral, true))
-        throw InvalidInput(where, "integral names loop '" + name + "' twice, expected each once");
+        throw InvalidInput(where, "integral lists loop '" + name + "' twice, expected each once");
     }
   if (table.has("structure"))
     specification.structure = cascade_structure(table.text("structure"), table.where("structure"));

@@ -77,7 +77,7 @@ int index_of(const std::vector<Signal>& signals, const std::string& name) {
                      fmt::format("no state '{}' in the plant, expected {}", name, names(signals)));
 }
 
-/// Adds the law's memory of its own commands, u = -C x: the actuators' states m, then past
+/// Adds the law's memory of its own commands, u = -C x: the actuators' states m, then the past
 /// commands.
 void remember(const CommandMemory& memory, DiscreteLti& loop) {
   const Eigen::Index n = loop.A.rows(), nu = loop.C.rows(), past = memory.past;
@@ -133,8 +133,8 @@ DiscreteLti open_loop(const DiscreteLti& plant, const Gains& gains) {
   for (const Signal& state : gains.states) order.push_back(index_of(plant.states, state.name));
   const double sign = gains.sign_law == SignLaw::set_point_minus_state ? -1 : 1;
 
-  // With s = -1 for set point minus state: [x; i]⁺ = [A, 0; s dt E, I] [x; i] + [B; 0] u, and
-  // u = s K x + K_int i comes back.
+  // With s = -1 for set point minus state: [x; i]⁺ = [A, 0; s dt E, I] [x; i] + [B; 0] u; the
+  // output of the loop is s K x + K_int i.
   DiscreteLti loop;
   loop.dt = plant.dt;
   loop.A = Eigen::MatrixXd::Identity(nx + ni, nx + ni);

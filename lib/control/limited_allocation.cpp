@@ -36,7 +36,7 @@ ThrustLimits<double> thrust_limits(const Vehicle& vehicle) {
     limits.greatest[k] = rotor_thrust(vehicle.rotors[k], greatest_speed(vehicle));
     least += limits.least[k];
   }
-  // A vehicle whose motors idle above the floor cannot go below its idle.
+  // If the motors' idle thrust is above the floor, the idle thrust is the lower bound.
   limits.floor = std::max(kLeastCollective * vehicle.mass * vehicle.gravity, least);
   return limits;
 }

@@ -22,7 +22,7 @@ double nearest(const ScheduleAxis& axis, double value) {
   return std::clamp(value, axis.values.front(), axis.values.back());
 }
 
-/// The vehicle's own mass and air are those that the law knows.
+/// Mass and density have the vehicle's own values, the only ones that the law knows.
 Eigen::VectorXd nearest_values(const GainSchedule& schedule, double speed, double climb,
                                double yaw_rate) {
   Eigen::VectorXd values(std::ssize(schedule.axes));
@@ -37,7 +37,7 @@ Eigen::VectorXd nearest_values(const GainSchedule& schedule, double speed, doubl
   return values;
 }
 
-/// A gain for another mass or another air would fly with the wrong thrust at hover.
+/// Gains for another mass or air density have the wrong thrust at hover.
 void require_own_vehicle(const GainSchedule& schedule) {
   constexpr double kRounding = 1e-9;
   for (const ScheduleAxis& axis : schedule.axes) {
@@ -47,13 +47,13 @@ void require_own_vehicle(const GainSchedule& schedule) {
       throw InvalidInput(
           "schedule",
           fmt::format("{} is {} to {} of the vehicle's, expected a range that contains "
-                      "1, because the law takes the vehicle to be as its file says",
+                      "1 because the law assumes the mass and air density of the vehicle file",
                       to_string(axis.quantity), axis.values.front(), axis.values.back()));
   }
 }
 
 double turn_of_reference(double now, double before, double dt, double greatest) {
-  constexpr double kRounding = 1e-6;  // of a difference of two headings, as a share
+  constexpr double kRounding = 1e-6;  // relative to a difference of two headings
   const double rate = (now - before) / dt;
   return std::abs(rate) <= greatest * (1 + kRounding) ? rate : 0;
 }

@@ -16,7 +16,7 @@ Eigen::Index index_in(const std::vector<Signal>& states, const std::string& name
   for (std::size_t i = 0; i < states.size(); ++i)
     if (states[i].name == name) return static_cast<Eigen::Index>(i);
   throw InvalidInput(
-      "gains", fmt::format("no state '{}' in their convention, expected {}", name, names(states)));
+      "gains", fmt::format("no state '{}' in the convention, expected {}", name, names(states)));
 }
 
 GuardedIntegralSettings<double> guard_of(const std::string& state, double dt,
@@ -31,7 +31,8 @@ GuardedIntegralSettings<double> guard_of(const std::string& state, double dt,
   return settings;
 }
 
-/// @param W  from the inputs of the gains' convention to quadtune's own: a signed permutation
+/// @param W  maps the inputs of the gains' convention to those of ned_convention(): a signed
+///           permutation
 void set_memory(const CommandMemory& memory, const Eigen::MatrixXd& W, double dt,
                 StateFeedbackSettings<double>& settings) {
   const int n = settings.inputs;
@@ -85,7 +86,7 @@ FeedbackWords feedback_words(const Vehicle& vehicle, const Gains& gains) {
                                             "'{}'",
                                             gains.K.rows(), inputs, vehicle.name));
   FeedbackWords result;
-  // A signed permutation, so its inverse is its transpose.
+  // The inverse of a signed permutation is its transpose.
   result.inputs = input_from_ned(words, gains.input_kind, rotors).transpose();
   result.law = gains.sign_law == SignLaw::set_point_minus_state ? 1 : -1;
   result.states.resize(std::ssize(gains.states), 12);
@@ -105,8 +106,8 @@ StateFeedbackSettings<double> state_feedback_settings(const Vehicle& vehicle, co
                                                       const std::vector<IntegralGuard>& guards) {
   const FeedbackWords words = feedback_words(vehicle, gains);
   if (gains.dt > 0 && std::abs(gains.dt - dt) > 1e-9 * dt)
-    throw InvalidInput("gains", fmt::format("their sample period is {} s, expected {} s, at which "
-                                            "the law shall run",
+    throw InvalidInput("gains", fmt::format("the sample period is {} s, expected {} s, the control "
+                                            "period of the law",
                                             gains.dt, dt));
   StateFeedbackSettings<double> settings;
   settings.input_kind = gains.input_kind;

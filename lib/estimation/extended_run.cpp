@@ -13,7 +13,7 @@ using Eigen::Index;
 
 namespace {
 
-constexpr int kMostPieces = 1000;  // into which a step is divided
+constexpr int kMostPieces = 1000;  // maximum number of pieces of a step
 
 }  // namespace
 
@@ -49,7 +49,7 @@ std::optional<DrivenRecord> driven_record(const FilterModel& model, const Filter
     if (dt > kMostPieces * longest)
       throw InvalidInput(
           record.name,
-          fmt::format("the inputs at {:.9g} s are followed by others after {:.4g} s, expected at "
+          fmt::format("the inputs at {:.9g} s are followed by the next after {:.4g} s, expected at "
                       "most {:.4g} s because the motion between them is integrated in steps of "
                       "{:.4g} s",
                       now, dt, kMostPieces * longest, longest));
@@ -79,11 +79,11 @@ ExtendedFilter::ExtendedFilter(FilterModel model, const std::vector<FilterRecord
     driven_.push_back(std::move(*driven));
   }
   if (!driven_.empty()) return;
-  if (records.empty()) throw InvalidInput("logs", "none came, expected at least one");
+  if (records.empty()) throw InvalidInput("logs", "there are no records, expected at least one");
   Index most = 0;
   for (const LeftOutRecord& record : left_out_) most = std::max(most, record.measurements);
   throw InvalidInput(records.front().name,
-                     fmt::format("{} instants with measurements came{}, expected at least 2", most,
+                     fmt::format("{} instants with measurements{}, expected at least 2", most,
                                  records.size() > 1 ? " at most between two gaps" : ""));
 }
 

@@ -11,14 +11,14 @@
 namespace quadtune {
 namespace {
 
-/// A second-order response is late by 2 ζ/ω for all that is slower than it.
+/// A second-order response delays signals that are slower than it by 2 ζ/ω.
 double lag_of_response(const SensorFaults& faults) {
   return faults.natural_frequency > 0 ? 2 * faults.damping / faults.natural_frequency : 0;
 }
 
 double square(double x) { return x * x; }
 
-/// Mean variance of a sample over `axes` axes after its scale factor is undone.
+/// Mean variance of a sample over `axes` axes after division by its scale factor.
 double variance_of(const SensorFaults& faults, int axes, double floor) {
   double sum = 0;
   for (int i = 0; i < axes; ++i)
@@ -30,13 +30,14 @@ double variance_of(const SensorFaults& faults, int axes, double floor) {
 InertialAid inertial(const SensorFaults& faults, double floor, double omitted, double walk,
                      double dt) {
   InertialAid aid;
-  const double held = std::max(0.0, 0.5 * (1 / faults.rate - dt));  // between two readings
+  // Mean time for which a reading is repeated
+  const double held = std::max(0.0, 0.5 * (1 / faults.rate - dt));
   aid.lag = faults.delay + lag_of_response(faults) + held;
   aid.scale = faults.scale;
   for (int i = 0; i < 3; ++i) {
     aid.variance(i) = (square(std::max(faults.noise(i), floor)) + square(faults.quantum) / 12) /
                       square(faults.scale(i));
-    // A reading in each control period is used at most.
+    // At most one reading per control period is used.
     aid.density(i) = std::sqrt(aid.variance(i) * std::max(1 / faults.rate, dt) + square(omitted));
   }
   aid.walk = walk;
@@ -97,7 +98,7 @@ GeneralFilterSettings general_filter_settings(const Sensors& sensors, double dt,
   if (!sensors.accelerometer || !sensors.gyroscope)
     throw InvalidInput(
         "general filter",
-        fmt::format("there is no {}; expected one because the filter integrates its readings",
+        fmt::format("there is no {}, which is required because the filter integrates its readings",
                     sensors.gyroscope ? "accelerometer" : "gyroscope"));
   GeneralFilterSettings settings;
   settings.dt = dt;

@@ -30,7 +30,8 @@ void validate_mambo(const MamboEstimatorSettings<T>& settings, const std::string
   require_not_negative(settings.sonar_deviation, "sonar_deviation", " m", where);
   require_not_negative(settings.sonar_recovery_time, "sonar_recovery_time", " s", where);
   require_positive(settings.flow_scale, "flow_scale", "", where);
-  // Negative ones are for a sensor with the sign of the package's, Oliveira 2020 (6.8).
+  // Negative values are for a sensor with the sign convention of the original package, Oliveira
+  // 2020 (6.8).
   if (!std::isfinite(settings.flow_compensation_x + settings.flow_compensation_y))
     throw InvalidInput(where,
                        fmt::format("flow_compensation is {} and {}, expected finite numbers",
@@ -50,8 +51,8 @@ void validate_mambo(const MamboEstimatorSettings<T>& settings, const std::string
 
 int flow_alignment_periods(double gyro_lag, double flow_delay, double dt) {
   if (gyro_lag == 0 && flow_delay == 0) return 0;
-  // An image waits for the gyroscope, or the gyroscope's readings for the image, which is up to a
-  // period older than its delay when it is looked at.
+  // Either the flow waits for the gyroscope readings or the readings wait for the flow. A flow may
+  // be up to one period older than its delay when it is processed.
   const double apart = std::max(gyro_lag - flow_delay, flow_delay + dt - gyro_lag);
   return static_cast<int>(std::min<double>(2 + std::ceil(apart / dt), kMostAlignedPeriods));
 }

@@ -22,13 +22,13 @@ using Eigen::VectorXd;
 using internal::ExtendedMatrix;
 using internal::ExtendedVector;
 
-/// Longest Euler step [s]: the uquad's control period.
+/// Maximum Euler step [s]: the uquad's control period.
 constexpr double kLongestBodyStep = 0.01;
-/// Variances of the state at the start, of each kind.
+/// Variances of the initial state, by kind.
 constexpr double kPlaceDeviation = 1, kAngleDeviation = 0.1, kSpeedDeviation = 1,
                  kRateDeviation = 0.1, kOffsetDeviation = 0.1;
 
-/// What an output measures, row by row.
+/// Quantity that an output measures.
 enum class Seen { angle, force, rate, height, place, speed };
 
 struct KnownSensor {
@@ -58,7 +58,7 @@ const KnownSensor* find_sensor(const std::string& name) {
   return nullptr;
 }
 
-/// One row of the measurement: which kind, and the state it begins at.
+/// One row of the measurement: its kind and its first state.
 struct Row {
   Seen seen;
   int state;
@@ -132,7 +132,7 @@ class RigidBodyMotion {
     return rows_[static_cast<std::size_t>(i)].seen == Seen::angle ? wrapped(e) : e;
   }
   static void absorb(ExtendedVector&) {}
-  /// True angles that are nearest to the state's.
+  /// True angles in the turn nearest to that of the state.
   static void relate(const FilterRecord& record, Index k, const ExtendedVector& x,
                      FilterRecord& into) {
     for (Index i = kAttitude; i < kAttitude + 3; ++i)
@@ -149,7 +149,7 @@ class RigidBodyMotion {
   StateJacobian<double> A_;
 };
 
-/// Angles and places that the first samples of their sensors show.
+/// Initial angles and positions from the first samples of their sensors.
 ExtendedVector first_guess(const FilterModel& model, const FilterRecord& measured,
                            const std::vector<Row>& rows) {
   ExtendedVector x = model.x0;

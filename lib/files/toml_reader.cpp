@@ -14,7 +14,7 @@
 namespace quadtune::internal {
 namespace {
 
-// What came, for messages: "the string '63 g'", "a list of 2".
+// Describes a value for messages: "the string '63 g'", "a list of 2".
 std::string in_words(const TomlNode& node) {
   switch (node.kind) {
     case TomlNode::Kind::boolean:
@@ -38,7 +38,7 @@ bool is_number(const TomlNode& node) {
   return node.kind == TomlNode::Kind::integer || node.kind == TomlNode::Kind::real;
 }
 
-// Does `key` carry the stem of `known`, with another unit or none?
+// Whether `key` has the stem of `known` with another unit or without unit.
 bool same_stem(const std::string& key, const TomlKey& known) {
   return !known.unit.empty() && (key == known.stem || key.rfind(known.stem + "_", 0) == 0);
 }
@@ -96,7 +96,7 @@ std::string TomlTable::named(const std::string& key) const {
 const TomlNode& TomlTable::need(const std::string& key) const {
   const TomlNode* node = find(key);
   if (node == nullptr)
-    throw InvalidInput(where(), fmt::format("{} has no key '{}', expected one",
+    throw InvalidInput(where(), fmt::format("{} has no key '{}', which is required",
                                             title_.empty() ? "the file" : title_, key));
   return *node;
 }
@@ -174,7 +174,7 @@ std::string TomlTable::word(const std::string& key) const {
   };
   if (value.empty() || value.size() > 64 || !std::all_of(value.begin(), value.end(), fits))
     throw InvalidInput(where(key), fmt::format("{} is '{}', expected 1 to 64 letters, digits, "
-                                               "'.', '_' or '-', as it names files",
+                                               "'.', '_' or '-' because it is used in file names",
                                                named(key), printable(value)));
   return value;
 }

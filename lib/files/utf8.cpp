@@ -6,8 +6,9 @@
 namespace quadtune::internal {
 namespace {
 
-// How many bytes follow a first byte, and the least that so many may stand for; -1 for no first
-// byte. The least refuses overlong forms, with which one text would have several spellings.
+// The number of bytes that follow a first byte, and the smallest code that such a sequence may
+// encode; -1 if the byte cannot be first. The smallest code rejects overlong forms, which would
+// give one text several encodings.
 struct Lead {
   int following;
   char32_t bits;

@@ -12,7 +12,7 @@ constexpr double kJumpPeriods = 100;
 constexpr double kJumpSeconds = 10;
 constexpr int kBinsPerOctave = 64;
 
-// By the first bits of the number: cheaper than a logarithm, bins of 0.8 to 1.6 %.
+// Uses the leading bits of the number: cheaper than a logarithm, with bins of 0.8 to 1.6 %.
 int bin_of(double interval) {
   int exponent = 0;
   const double mantissa = std::frexp(interval, &exponent);  // in [0.5, 1)

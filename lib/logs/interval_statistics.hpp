@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Intervals between times, in memory that does not grow with their number.
+/// Statistics of the intervals between times, in constant memory.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,15 @@
 
 namespace quadtune::internal {
 
-/// Counts intervals in bins of 1 % each, so that the median and what is longer than a multiple of
-/// it are known at the end to 1 %.
+/// Counts intervals in bins of about 1 % width, so that the median, and the number of intervals
+/// longer than a multiple of it, are known at the end to 1 %.
 class IntervalStatistics {
  public:
-  /// @param time  Finite [s].
+  /// @param time  finite [s]
   void take(double time);
 
   [[nodiscard]] LogTiming timing() const;
-  /// The least and greatest time; inf and -inf before the first.
+  /// Minimum and maximum time; inf and -inf before the first.
   [[nodiscard]] double least() const { return least_; }
   [[nodiscard]] double greatest() const { return greatest_; }
 

@@ -15,7 +15,7 @@ constexpr Range kRate = {0, Range::Bound::open, 10000, Range::Bound::closed};
 constexpr Range kDelay = {0, Range::Bound::closed, 10, Range::Bound::closed};
 constexpr Range kHalfField = {0, Range::Bound::open, 1.5, Range::Bound::closed};
 constexpr Range kTilt = {0, Range::Bound::open, 1.5, Range::Bound::closed};
-/// Samples that may be on their way at once.
+/// Maximum number of samples that may be in transit at once.
 constexpr double kMostWaiting = 10000;
 
 std::vector<TomlKey> fault_keys(const std::string& unit) {
@@ -41,7 +41,7 @@ void allow(const TomlTable& table, const std::string& unit, std::vector<TomlKey>
   table.allow(keys);
 }
 
-/// A number for every axis, or one number for all.
+/// One number per axis, or one number for all axes.
 Eigen::Vector3d axes(const TomlTable& table, const std::string& key,
                      const Eigen::Vector3d& fallback, int count, const Range& range) {
   if (!table.has(key)) return fallback;
@@ -62,7 +62,7 @@ SensorFaults read_faults(const TomlTable& table, const std::string& unit, int co
   faults.delay = table.number_or("delay_s", 0, kDelay);
   if (faults.delay * faults.rate > kMostWaiting)
     throw InvalidInput(table.where("delay_s"),
-                       fmt::format("delay_s in {} holds {:.0f} samples, expected at most {:.0f}",
+                       fmt::format("delay_s in {} spans {:.0f} samples, expected at most {:.0f}",
                                    table.title(), faults.delay * faults.rate, kMostWaiting));
   faults.scale = axes(table, "scale", faults.scale, count, Range::positive());
   faults.bias = axes(table, "bias_" + unit, faults.bias, count, Range::any());
@@ -84,8 +84,8 @@ SensorFaults read_faults(const TomlTable& table, const std::string& unit, int co
   if (correlated != table.has("correlation_s"))
     throw InvalidInput(
         table.where(correlated ? "correlated_noise_" + unit : "correlation_s"),
-        fmt::format("{} has {} but no {}, expected both: how large the error is, and over which "
-                    "time it stays alike",
+        fmt::format("{} has {} but no {}, expected both: the standard deviation of the error and "
+                    "its correlation time",
                     table.title(), correlated ? "correlated_noise_" + unit : "correlation_s",
                     correlated ? "correlation_s" : "correlated_noise_" + unit));
   return faults;
@@ -158,7 +158,7 @@ SensorFaults read_three_axes(const TomlTable& table, const std::string& unit) {
   return read_faults(table, unit, 3);
 }
 
-/// An accelerometer or a gyroscope, which the rotors shake.
+/// An accelerometer or a gyroscope, which is subject to vibrations of the rotors.
 SensorFaults read_inertial(const TomlTable& table, const std::string& unit,
                            std::vector<TomlKey> more = {}) {
   const std::string vibration = unit + "_per_rad2_s2";

@@ -25,7 +25,7 @@ using internal::Json;
 
 // --- text ----------------------------------------------------------------------------------------
 
-/// A table's two lines of headings: three columns for each quantity, one for each period.
+/// The two lines of headings of a table: three columns for each quantity, one for each period.
 Cells headings(const std::string& first, const std::array<const char*, 3>& quantities,
                const std::array<double, 3>& periods) {
   Cells cells = {{""}, {first}};
@@ -44,7 +44,7 @@ std::string percent(const std::optional<SamplingError>& error, double SamplingEr
     return part == &SamplingError::pole && std::isfinite(value) ? fmt::format("{:.2g}", 100 * value)
                                                                 : "lost";
   if (!std::isfinite(value)) return "-";
-  if (value < 1e-7) return "0";  // what multiple poles leave of rounding
+  if (value < 1e-7) return "0";  // rounding of multiple poles
   return 100 * value < 99.5 ? fmt::format("{:.2g}", 100 * value)
                             : fmt::format("{:.0f}", 100 * value);
 }
@@ -144,7 +144,7 @@ void add_flown(Json& flown, const ComparedLaw& law) {
 
 // --- picture -------------------------------------------------------------------------------------
 
-/// Outputs of a channel after a step of its set point.
+/// The outputs of a channel after a step of its set point.
 std::vector<double> step_of(const DiscreteLti& loop, Eigen::Index channel, std::size_t samples) {
   std::vector<double> y;
   y.reserve(samples);
@@ -188,8 +188,8 @@ Json to_json(const MethodComparison& comparison) {
 
 std::string to_text(const MethodComparison& comparison) {
   std::string text = section("vehicle", comparison.vehicle +
-                                            " at hover: errors of x, y, z and yaw after "
-                                            "their set points, the worst of the four");
+                                            " at hover: errors of x, y, z and yaw in following "
+                                            "their set points, the largest of the four");
   for (const ComparedLaw& law : comparison.laws) {
     std::string about = law.about + "\n" + law.why;
     if (law.why.empty()) about += methods_text(law, comparison.periods);
@@ -205,8 +205,8 @@ Figure sampling_figure(const MethodComparison& methods) {
   const double dt = methods.dt;
   Comparison comparison;
   comparison.dt = dt;
-  comparison.title =
-      fmt::format("{}: {}, x by its set point, every {} s", methods.vehicle, law.name, number(dt));
+  comparison.title = fmt::format("{}: {}, x following its set point, every {} s", methods.vehicle,
+                                 law.name, number(dt));
   const Eigen::VectorXcd poles = loop.A.eigenvalues();
   const double duration = 7 / -poles.real().maxCoeff();
   const auto samples = static_cast<std::size_t>(std::clamp(duration / dt, 50.0, 4000.0));

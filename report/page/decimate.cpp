@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// What stands for the rows begin … end - 1 of a column; `end` is a row, too.
+/// The two values that represent the rows begin … end - 1 of a column; `end` is also a valid row.
 std::pair<double, double> two_for(const std::vector<double>& values, std::size_t begin,
                                   std::size_t end) {
   const std::size_t middle = begin + (end - begin) / 2;
@@ -48,7 +48,7 @@ Decimated decimate(const std::vector<double>& time,
   }
   const std::size_t buckets = (rows - 2) / 2;
   const std::size_t inner = n - 2;  // rows between the first and the last
-  // The bucket k holds the rows first(k) … first(k + 1) - 1, two at least as n > rows.
+  // Bucket k contains the rows first(k) … first(k + 1) - 1, at least two because n > rows.
   const auto first = [&](std::size_t k) { return 1 + k * inner / buckets; };
   result.time.push_back(time.front());
   for (std::size_t k = 0; k < buckets; ++k) {

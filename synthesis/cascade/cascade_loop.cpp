@@ -26,10 +26,10 @@ using internal::CascadeResponses;
 using internal::GainInterval;
 using internal::GainPoint;
 
-/// The greatest Ki, or the greatest Kp of a loop without integral.
+/// Maximizes Ki, or Kp of a loop without integral.
 class LoopProblem : public internal::GainProblem {
  public:
-  /// @param responses  outlive the problem
+  /// @param responses  must outlive the problem
   LoopProblem(const CascadeResponses& responses, const CascadeLoopBounds& bounds)
       : responses_(responses), bounds_(bounds) {}
 
@@ -76,7 +76,7 @@ class LoopProblem : public internal::GainProblem {
   }
   void forbid_with(const PidGains& base, double w, const CascadeResponses::Point& p,
                    std::vector<GainInterval>& forbidden) const {
-    const Complex value_slope = bounds_.integral ? p.integral : 1.0;  // of the value's part
+    const Complex value_slope = bounds_.integral ? p.integral : 1.0;  // of the value feedback
     const internal::AffineResponse returned{1.0 + base.Kp * p.value + base.Kd * p.rate,
                                             value_slope * p.value};
     const double least = std::max(1 / bounds_.Ms_max, base.Kd / bounds_.rate_noise_max);
@@ -94,8 +94,8 @@ class LoopProblem : public internal::GainProblem {
   CascadeLoopBounds bounds_;
 };
 
-/// A scan over Kd downwards from `high_Kd`, unless it is fixed, and over value's parts that are up
-/// to eighty times slower than `fastest` [rad/s].
+/// Starting points: a scan of Kd downwards from `high_Kd`, unless it is fixed, and of value
+/// feedbacks up to eighty times slower than `fastest` [rad/s].
 std::vector<GainPoint> starts(const CascadeLoopBounds& bounds, double high_Kd, double fastest) {
   const int kd = bounds.rate_crossover > 0 ? 1 : 24;
   const int kp = bounds.integral ? 30 : 1;
@@ -112,7 +112,7 @@ void require_bounds(const CascadeLoopBounds& bounds, double dt) {
   const char* where = "cascade loop";
   const double nyquist = std::numbers::pi / dt;
   if (!(bounds.rate_crossover >= 0) || !(bounds.rate_crossover < nyquist))
-    throw InvalidInput(where, fmt::format("crossover of the rate is {} rad/s, expected more than 0 "
+    throw InvalidInput(where, fmt::format("the rate crossover is {} rad/s, expected more than 0 "
                                           "and less than pi/dt = {:.6g}",
                                           bounds.rate_crossover, nyquist));
   if (!(bounds.Ms_max > 1) || !(bounds.tracking_max > 1))
@@ -122,15 +122,17 @@ void require_bounds(const CascadeLoopBounds& bounds, double dt) {
                            bounds.Ms_max, bounds.tracking_max));
   if (!(bounds.value_noise_max > 0) || !(bounds.rate_noise_max > 0) ||
       !(bounds.rate_crossover_max > 0))
-    throw InvalidInput(where, "a bound on noise or crossover is not positive");
+    throw InvalidInput(where,
+                       "a bound on noise or crossover is not positive, expected positive bounds");
 }
 
-/// The highest frequency at which the rate's part alone may cross 1 with |S| up to Ms.
+/// Computes the maximum crossover of the rate feedback alone for which max |S| is at most Ms.
 double highest_rate_crossover(const CascadeResponses& responses, double Ms) {
   const auto keeps = [&](double w) {
     const PidGains gains{0, 0, 1 / std::abs(responses.at(w).rate), 0};
     if (!(responses.Ms(gains) <= Ms)) return false;
-    // The value is not fed back, so its integral leaves a pole at 1; all others are inside.
+    // The value, the integral of the rate, is not fed back: its pole at 1 remains. All other poles
+    // must be inside the unit circle.
     const Eigen::VectorXcd poles = internal::eigenvalues(responses.closed(gains).A);
     return (poles.cwiseAbs().array() < 1 + 1e-6).all();
   };
@@ -141,7 +143,8 @@ double highest_rate_crossover(const CascadeResponses& responses, double Ms) {
   return internal::border(keeps, *std::prev(first), *first, 1e-13).holds;
 }
 
-/// By the evidence, which looks at other frequencies than the search and by other means.
+/// Whether the evidence satisfies the bounds. It is computed by other methods and at other
+/// frequencies than in the search.
 bool kept(const CascadeLoopBounds& bounds, const CascadeLoopEvidence& evidence) {
   constexpr double kSlack = 1 + 1e-4;
   return evidence.margins.stable && evidence.margins.Ms <= kSlack * bounds.Ms_max &&
@@ -191,14 +194,14 @@ CascadeLoopDesign design_cascade_loop(const CascadePlant& plant, const CascadeLo
   if (fixed && bounds.rate_crossover >= design.highest_rate_crossover) {
     design.status = CascadeLoopStatus::crossover_out_of_reach;
     design.culprit = fmt::format(
-        "the rate's loop crosses 1 at {:.4g} rad/s, expected less than {:.4g} because there the "
-        "hold, the lag and the delay take max |S| of the rate alone to {:.4g}",
+        "the crossover of the rate loop is {:.4g} rad/s, expected less than {:.4g} because at that "
+        "frequency the hold, the lag and the delay raise max |S| of the rate loop alone to {:.4g}",
         bounds.rate_crossover, design.highest_rate_crossover, bounds.Ms_max);
     return design;
   }
   const double reach = std::min(bounds.rate_crossover_max, design.highest_rate_crossover);
   const double fastest = fixed ? bounds.rate_crossover : reach;
-  // Eighty times slower a value's part is looked for, and its integral is slower still.
+  // The scan covers value feedbacks up to eighty times slower, and their integrals are even slower.
   const CascadeResponses responses(plant, method, 1e-4 * fastest);
   const auto Kd_for = [&](double w) { return 1 / std::abs(responses.at(w).rate); };
   const LoopProblem problem(responses, bounds);
@@ -214,7 +217,7 @@ CascadeLoopDesign design_cascade_loop(const CascadePlant& plant, const CascadeLo
   const internal::GreatestGain greatest = search.greatest(best);
   if (!greatest.within_bounds()) {
     design.status = CascadeLoopStatus::not_found;
-    design.culprit = "no gains were found that are stable with " + in_words(bounds);
+    design.culprit = "no stabilizing gains were found with " + in_words(bounds);
     return design;
   }
   const PidGains gains = problem.gains(best, greatest.log_gain);
@@ -222,8 +225,8 @@ CascadeLoopDesign design_cascade_loop(const CascadePlant& plant, const CascadeLo
   if (!kept(bounds, evidence)) {
     design.status = CascadeLoopStatus::not_found;
     design.culprit = fmt::format(
-        "what was found does not hold beyond the frequencies of the search: a loop that crosses 1 "
-        "at {:.3g} rad/s is too slow for a period of {:.3g} s",
+        "the gains violate the bounds outside the frequencies of the search: a loop with the "
+        "crossover {:.3g} rad/s is too slow for a period of {:.3g} s",
         fastest, plant.dt);
     return design;
   }

@@ -21,15 +21,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// What bends less is not in the way, rounding is.
+// A smaller deviation from linearity is not the obstacle; rounding is.
 constexpr double kNothing = 1e-12;
 
-/// The corners of a box, which two differ in one coordinate alone, and what bends in between.
+/// The closed loops at the corners of a box, and the bounds of the interpolation error in between.
 struct Corners {
-  std::vector<Index> free;        ///< coordinates with a width: numbers, then `ahead`
-  std::vector<Enclosure> values;  ///< bit b of an index: upper end of free[b]
-  std::vector<MatrixXd> bends;    ///< of the interpolation, along each of free
-  MatrixXd R;                     ///< of all together
+  std::vector<Index> free;        ///< coordinates of positive width: parameters, then `ahead`
+  std::vector<Enclosure> values;  ///< bit b of the index selects the upper end of free[b]
+  std::vector<MatrixXd> bends;    ///< interpolation error along each of free
+  MatrixXd R;                     ///< sum of the interpolation errors
 };
 
 Corners corners_of(const UncertainLoop& loop, const EnclosedBox& box) {
@@ -60,12 +60,12 @@ Corners corners_of(const UncertainLoop& loop, const EnclosedBox& box) {
   return corners;
 }
 
-/// Eigenvalues of M with eigenvectors as columns, real and imaginary part of a pair one after the
-/// other, in units in which rows and columns of M are alike.
+/// Eigenvalues of M and its eigenvectors as columns (real and imaginary part of a complex pair in
+/// consecutive columns), for M balanced so that its rows and columns have similar norms.
 struct Modes {
   Eigen::VectorXcd values;
   MatrixXd vectors;
-  VectorXd scale;  ///< of the units
+  VectorXd scale;  ///< scale factors of the balancing
   double radius = std::numeric_limits<double>::infinity();
 };
 
@@ -92,8 +92,8 @@ Modes modes_of(const MatrixXd& M) {
   return modes;
 }
 
-/// Eigenvalues nearer to one another than `share` of their distance from the unit circle, and
-/// pairs.
+/// Groups eigenvalues whose mutual distance is less than `share` of their distance from the unit
+/// circle, and complex pairs.
 std::vector<std::vector<Index>> clusters(const Eigen::VectorXcd& values, double share) {
   const Index n = values.size();
   std::vector<std::vector<Index>> all;
@@ -102,7 +102,7 @@ std::vector<std::vector<Index>> clusters(const Eigen::VectorXcd& values, double 
     if (taken[static_cast<std::size_t>(i)]) continue;
     taken[static_cast<std::size_t>(i)] = true;
     std::vector<Index> cluster = {i};
-    for (std::size_t k = 0; k < cluster.size(); ++k)  // grows as it is gone through
+    for (std::size_t k = 0; k < cluster.size(); ++k)  // the cluster grows inside the loop
       for (Index j = 0; j < n; ++j) {
         if (taken[static_cast<std::size_t>(j)]) continue;
         const std::complex<double> a = values(cluster[k]);
@@ -118,8 +118,9 @@ std::vector<std::vector<Index>> clusters(const Eigen::VectorXcd& values, double 
   return all;
 }
 
-/// A basis of what a cluster's eigenvectors span, in which the loop contracts at nearly its largest
-/// eigenvalue: eigenvectors themselves where they are one or a pair, else from a Lyapunov equation.
+/// Computes a basis of the invariant subspace of a cluster in which the norm of the loop is close
+/// to its largest |eigenvalue|: the eigenvectors themselves if the cluster is a single eigenvalue
+/// or a pair, otherwise from a Lyapunov equation.
 MatrixXd cluster_basis(const MatrixXd& M, const Modes& modes, const std::vector<Index>& cluster) {
   MatrixXd vectors = modes.vectors(Eigen::all, cluster);
   if (cluster.size() == 1) return vectors;
@@ -171,7 +172,7 @@ std::vector<MatrixXd> seen_in(const Coordinates& z, const Corners& corners) {
   return seen;
 }
 
-/// How much a matrix of sizes may do in these coordinates.
+/// The norm of a nonnegative matrix of bounds in these coordinates.
 double size_in(const Coordinates& z, const MatrixXd& R) {
   return norm_bound(z.Y.cwiseAbs() * R * z.X.cwiseAbs());
 }
@@ -182,7 +183,7 @@ double corner_expansion(const Coordinates& z, const Corners& corners) {
   return most;
 }
 
-/// The largest ‖Y M X‖₂ in the box, near enough.
+/// The maximum ‖Y M X‖₂ in the box, approximately.
 double expansion(const Coordinates& z, const Corners& corners) {
   return corner_expansion(z, corners) + size_in(z, corners.R);
 }
@@ -201,12 +202,12 @@ double inner(const Excess& a, const Excess& b) {
   return a.sigma * b.sigma * (uu * uu - uv * uv - vu * vu + vv * vv);
 }
 
-/// Those of all corners, at most kMostExcesses, the largest.
-/// @param most  the largest singular value of all
-/// @return      none where a corner is not finite
+/// Computes the excesses of all corners; the largest ones if there are more than kMostExcesses.
+/// @param most  the largest singular value of all corners
+/// @return      none if a corner is not finite
 std::optional<std::vector<Excess>> excesses(const Coordinates& z, const Corners& corners,
                                             double target, double& most) {
-  constexpr std::size_t kMostExcesses = 256;  // an equation for each has to be solved
+  constexpr std::size_t kMostExcesses = 256;  // each adds one linear equation
   std::vector<Excess> all;
   most = 0;
   for (const MatrixXd& N : seen_in(z, corners)) {
@@ -229,8 +230,8 @@ std::optional<std::vector<Excess>> excesses(const Coordinates& z, const Corners&
   return all;
 }
 
-/// The smallest E, in the Frobenius norm, for which all of these would be the target if they were
-/// linear in E: E = -Σ w_i J_i with (⟨J_i, J_j⟩ + λ δ_ij) w = σ - target.
+/// Computes the E with the minimum Frobenius norm for which all singular values would equal the
+/// target if they were linear in E: E = -Σ w_i J_i with (⟨J_i, J_j⟩ + λ δ_ij) w = σ - target.
 MatrixXd step_towards(double target, const std::vector<Excess>& excesses) {
   constexpr double kDamping = 1e-3;  // of the mean of ⟨J_i, J_i⟩
   const Index count = std::ssize(excesses);
@@ -254,13 +255,13 @@ MatrixXd step_towards(double target, const std::vector<Excess>& excesses) {
   return E;
 }
 
-/// Turns and stretches the coordinates until no corner expands, by the Gauss-Newton method with a
-/// little damping on the singular values beyond a target. The target lies half way between the
-/// spectral radius of the middle, below which no coordinates lead, and what is enough for a proof.
-/// @param least  the expansion in z; of the result after
+/// Improves the coordinates until no corner expands, by the damped Gauss-Newton method on the
+/// singular values that exceed a target. The target is half way between the spectral radius at the
+/// midpoint, which is a lower bound in all coordinates, and the value that suffices for a proof.
+/// @param least  in: the expansion in z; out: that of the result
 Coordinates improved(Coordinates z, const Corners& corners, double radius, double& least) {
   constexpr int kSteps = 60;
-  constexpr double kLongest = 0.4;  // of a step: I + E stays regular
+  constexpr double kLongest = 0.4;  // maximum step, so that I + E is regular
   Coordinates best = z;
   for (int step = 0; step < kSteps && !(least < 1); ++step) {
     const double bend = size_in(z, corners.R);
@@ -285,8 +286,9 @@ Coordinates improved(Coordinates z, const Corners& corners, double radius, doubl
 }
 
 /// Compares the coordinates of `start` with those of several groupings of the eigenvalues, and
-/// returns the ones in which the corners expand least.
-/// @param least  the expansion in the coordinates of `start`, infinite where there are none
+/// returns those with the minimum expansion of the corners.
+/// @param least  in: the expansion in the coordinates of `start`, infinite if there are none; out:
+///               that of the result
 std::optional<Coordinates> chosen(const MatrixXd& middle, const Modes& modes,
                                   const Corners& corners, const Coordinates* start, double least) {
   std::optional<Coordinates> best;
@@ -304,8 +306,9 @@ std::optional<Coordinates> chosen(const MatrixXd& middle, const Modes& modes,
   return best;
 }
 
-/// Along which to split. Where the corners contract it is what bends between them that is in the
-/// way; else how far apart the loops are of two corners that differ in one coordinate.
+/// Chooses the coordinate to split. If the corners contract, the obstacle is the interpolation
+/// error, and the coordinate with the largest one is split; otherwise the one along which the loops
+/// of two corners that differ only in it differ most.
 Index widest(const Coordinates& z, const Corners& corners) {
   const bool bent = corner_expansion(z, corners) < 1 && size_in(z, corners.R) > kNothing;
   const std::vector<MatrixXd> seen = seen_in(z, corners);
@@ -325,12 +328,13 @@ Index widest(const Coordinates& z, const Corners& corners) {
   return place;
 }
 
-/// The proof itself: everything before may be as wrong as it likes.
+/// The rigorous proof. Its correctness does not depend on the accuracy of the preceding
+/// computations.
 void prove(const Coordinates& z, const Corners& corners, Contraction& result) {
   const Index n = corners.R.rows();
   const Enclosure Y(z.Y);
   const Enclosure X(z.X);
-  const Enclosure G = Y * X;  // nearly I
+  const Enclosure G = Y * X;  // approximately I
   const MatrixXd off = (G - Enclosure(MatrixXd(MatrixXd::Identity(n, n)))).magnitude();
   const double g = norm_bound(off);
   if (!(g < 0.5)) return;
@@ -339,7 +343,7 @@ void prove(const Coordinates& z, const Corners& corners, Contraction& result) {
   for (const Enclosure& value : corners.values) {
     const Enclosure M(value.mid, bounded_above(value.rad + corners.R));
     const Enclosure H = Y * M * X;
-    // GᵀG - HᵀH = Xᵀ (YᵀY - MᵀYᵀYM) X ≥ c I also shows X, and with it Y, to be regular.
+    // GᵀG - HᵀH = Xᵀ (YᵀY - MᵀYᵀYM) X ≥ c I also proves that X, and therefore Y, is regular.
     const double c = least_eigenvalue_bound(GG - H.transpose() * H);
     if (!(c > 0)) return;
     least = std::min(least, c);

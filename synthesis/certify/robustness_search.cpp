@@ -16,14 +16,14 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr int kDrawn = 100;       // points beside the corners
-constexpr int kMostCorners = 12;  // parameters of which all corners are looked at
+constexpr int kDrawn = 100;       // random points in addition to the corners
+constexpr int kMostCorners = 12;  // with more parameters, not all corners are evaluated
 constexpr std::size_t kClimbs = 4;
-// Rays that are looked at together. A constant, so that what is found does not depend on the
-// threads.
+// Number of rays that are searched together. A constant, so that the result does not depend on the
+// number of threads.
 constexpr std::size_t kSearchedTogether = 16;
-constexpr double kFinestStep = 1e-3;  // of half the box's width
-constexpr int kStepsAlong = 24;       // of a ray, from nominal outwards
+constexpr double kFinestStep = 1e-3;  // relative to half the width of the box
+constexpr int kStepsAlong = 24;       // steps along a ray, from nominal outwards
 constexpr double kRayTolerance = 1e-4;
 
 const double kInfinity = std::numeric_limits<double>::infinity();
@@ -73,7 +73,7 @@ double RobustnessSearch::radius_of(std::size_t part, const LoopPoint& point) con
   return radius;
 }
 
-// The corners that differ, then points drawn evenly.
+// The distinct corners, then uniformly distributed random points.
 std::vector<RobustnessSearch::Direction> RobustnessSearch::starts() {
   std::vector<Index> free;
   VectorXd least = VectorXd::Zero(std::ssize(family_.parameters));
@@ -96,7 +96,7 @@ std::vector<RobustnessSearch::Direction> RobustnessSearch::starts() {
   for (int i = 0; i < kDrawn; ++i) {
     Direction direction = least;
     for (const Index j : free) {
-      // 53 bits of the generator: the same on every machine.
+      // Uses 53 bits of the generator, so that the points are the same on every machine.
       const double share = static_cast<double>(random_() >> 11) * 0x1p-53;
       direction(j) += share * (most(j) - least(j));
     }
@@ -163,14 +163,14 @@ WorstCase RobustnessSearch::worst() {
   return worst;
 }
 
-// Stability may be lost and won again along a ray: it is looked at in steps, then halved.
+// Stability may be lost and regained along a ray: scans it in steps, then bisects.
 double RobustnessSearch::first_unstable(const Direction& direction, double up_to) const {
   const auto unstable = [&](double scale) {
     return WorstCase{radius(direction, scale), {}}.unstable();
   };
   double low = 0;
   for (int step = 1; step <= kStepsAlong; ++step) {
-    // Closer steps near the nominal loop.
+    // The steps are closer near the nominal loop.
     const double share = static_cast<double>(step) / kStepsAlong;
     const double scale = up_to * share * std::sqrt(share);
     if (unstable(scale)) return internal::border(unstable, scale, low, kRayTolerance).holds;

@@ -22,11 +22,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kWidth = 8;  ///< derivatives that are carried at once
+constexpr int kWidth = 8;  ///< derivatives computed at once
 using Jet = ceres::Jet<double, kWidth>;
 using JetVector = Eigen::Matrix<Jet, Eigen::Dynamic, 1>;
 
-/// x' and readings of (x, rotor speeds with lag, speeds told), stacked.
+/// Computes x' and the readings, stacked, from (x, rotor speeds with lag, commanded speeds),
+/// stacked.
 class Equations {
  public:
   explicit Equations(const FlightSetup& setup)
@@ -164,9 +165,9 @@ MatrixXd told_speeds(const Vehicle& believed, const VectorXd& speeds, InputKind 
 
 namespace {
 
-/// Puts the speeds of the rotors together by what they do, so that roll, pitch, yaw and thrust have
-/// states of their own: as single speeds they couple axes by what rounding leaves of sums that
-/// cancel.
+/// Replaces the rotor speeds by linear combinations that each affect only thrust, roll, pitch or
+/// yaw. As single speeds they would couple the axes through the rounding errors of sums that should
+/// be 0.
 void part_rotors(FlownBody& body) {
   constexpr Index kFirst = 12, kDown = 8;  // the accelerations of w, p, q, r are rows 8 to 11
   const Index rotors = body.A.rows() - kFirst;
@@ -179,7 +180,7 @@ void part_rotors(FlownBody& body) {
   if (lu.rank() < 4) return;
   MatrixXd S = MatrixXd::Identity(body.A.rows(), body.A.rows());
   S.block(kFirst, kFirst, 4, rotors) = effect;
-  // Changes of speed that do nothing.
+  // Changes of speed without effect on thrust and torques.
   if (rotors > 4) S.bottomRightCorner(rotors - 4, rotors) = lu.kernel().transpose();
   const MatrixXd inverse = S.inverse();
   body.A = (S * body.A * inverse).eval();

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Ceres jets as a scalar of the on-board code (scalar.hpp), which makes its exact derivatives
-/// available. Private to this folder: no public header includes Ceres.
+/// Allows Ceres jets as the scalar type of the on-board code (scalar.hpp), to compute its exact
+/// derivatives. Private to this folder: no public header includes Ceres.
 #pragma once
 
 #include <ceres/jet.h>
 
 #include <cmath>
 
-// Found by argument-dependent lookup, hence where jets are.
+// In the namespace of the jets, so that argument-dependent lookup finds the functions.
 namespace ceres {
 
 template <class T, int N>

@@ -151,13 +151,13 @@ TEST(Schedule, IsRefusedWhereOneLawIsAsked) {
     const ProgramResult result = run_program(args);
     EXPECT_EQ(result.status, 3) << args[0] << result.err;
     EXPECT_THAT(result.err,
-                HasSubstr("k.json: holds gains of many flights, expected those of one law; this is "
+                HasSubstr("k.json: has gains for many trims; expected those of one law; this is "
                           "a gain schedule; it is read by: quadtune fly --gains"));
   }
   const ProgramResult cascade =
       run_program({"fly", "mambo", "--gains", path, "--controller", "pid"});
   EXPECT_EQ(cascade.status, 3);
-  EXPECT_THAT(cascade.err, HasSubstr("is a gain schedule of a state feedback and no PID cascade"));
+  EXPECT_THAT(cascade.err, HasSubstr("is a gain schedule of a state feedback, not a PID cascade"));
   const ProgramResult other = run_program({"fly", "uquad", "--gains", path});
   EXPECT_EQ(other.status, 3);
   EXPECT_THAT(other.err, HasSubstr("the gains are for the vehicle 'mambo', expected 'uquad'"));

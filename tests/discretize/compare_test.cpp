@@ -47,7 +47,7 @@ TEST(SamplingErrorTest, OfOnePoleIsAsByHand) {
   const double dt = 0.1;
   const SamplingError euler = sampling_error(lag, discretize_channels(lag, dt, Method::euler));
   EXPECT_NEAR(euler.pole, std::abs(std::log(0.8) + 0.2) / 0.2, 1e-12);
-  // y(k dt) = 1 - e^(-0.2 k) against 1 - 0.8^k: the greatest difference by looking.
+  // y(k dt) = 1 - e^(-0.2 k) and 1 - 0.8^k: the maximum difference by enumeration.
   double worst = 0;
   double greatest = 0;
   for (int k = 0; k < 36; ++k) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The loop of a flight as it flies, and designs that are refused by it.
+/// The flown loop of a flight, and designs that it makes fail.
 #include "quadtune/workbench/flown/flown_loop.hpp"
 
 #include <gmock/gmock.h>
@@ -48,7 +48,8 @@ TEST(FlownLoop, OfADesignedCascadeHoldsAtEveryHeight) {
   }
 }
 
-/// Without the alignment of flow and gyroscope the same cascade falls from 3 m, as flights showed.
+/// Without the alignment of flow and gyroscope, the same cascade crashes from 3 m, as flights
+/// showed.
 TEST(FlownLoop, KnowsWhyTheMamboFell) {
   FlightOptions options;
   options.estimator = "mambo";
@@ -74,8 +75,8 @@ TEST(FlownLoop, TellsDelayedCommandsFromPrompt) {
   EXPECT_TRUE(flown_loop(plan, delayed_by(0.05)).grows());
 }
 
-/// An LQR that does not know of 72 ms of lag hovers well with true states, as nothing disturbs it,
-/// and is unstable.
+/// An LQR without a model of 72 ms of lag hovers well with true states, because nothing disturbs
+/// it, and is unstable.
 TEST(Design, DoesNotPassWithAFlownLoopThatGrows) {
   Vehicle crazyflie = load_vehicle("crazyflie");
   for (Rotor& rotor : crazyflie.rotors) rotor.drag = rotor.inflow = 0;  // they damp it

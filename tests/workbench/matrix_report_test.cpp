@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Gains of a given structure for programs that hold matrices alone.
+/// Gains with a given structure for programs that implement only matrices.
 #include "quadtune/workbench/design/matrix_report.hpp"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ using ::testing::IsEmpty;
 using testing::MatrixRelativelyNear;
 using ::testing::ThrowsMessage;
 
-/// A law of all 12 states whose entries all differ.
+/// A law of all 12 states with distinct entries.
 Gains any_gains(const Vehicle& vehicle) {
   Gains gains;
   gains.states = ned_convention().states;
@@ -46,8 +46,8 @@ Gains any_gains(const Vehicle& vehicle) {
   return gains;
 }
 
-/// B K is the acceleration that a law answers a deviation with. In other inputs and axes the
-/// vehicle answers alike: with T the map of the states, B_c K_c s T = T B K, s the sign law.
+/// B K is the acceleration with which a law responds to a deviation. In other inputs and axes, the
+/// vehicle responds equally: with T the map of the states, B_c K_c s T = T B K, s the sign law.
 TEST(MatrixInWords, AnswersWithTheSameAccelerations) {
   for (const std::string name : {"uquad", "mambo", "crazyflie", "hexa-550"}) {
     const Vehicle vehicle = load_vehicle(
@@ -136,10 +136,10 @@ TEST(MatrixReportBadInput, RefusesWhatAMatrixCannotHold) {
   };
   LqiDesign past = design;
   past.past = 2;
-  refused(past, "came with past commands or weights of changes, expected none");
+  refused(past, "was given past commands or weights of changes, expected none");
   LqiDesign integrals = design;
   integrals.integrals = {"px"};
-  refused(integrals, "the integrals of a law that is a matrix are 'px', expected px py pz yaw");
+  refused(integrals, "the integrals of a matrix law are 'px', expected px py pz yaw");
   LqiDesign weights = design;
   weights.Q_integral = Eigen::Vector4d(1, 1, 0, 1);
   refused(weights, "the weights of pz and of its integral are");

@@ -18,10 +18,10 @@ namespace quadtune {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// A figure this small against its unit measures nothing.
+/// A metric this small relative to its unit counts as zero.
 constexpr double kLeastScale = 1e-9;
 
-/// By the measure, of values that may be infinite.
+/// Combines values, which may be infinite, by the measure.
 double robust(const TrialRequest& request, std::vector<double> values) {
   switch (request.measure) {
     case RobustMeasure::mean:
@@ -38,8 +38,9 @@ double robust(const TrialRequest& request, std::vector<double> values) {
 void require_pairs(const char* where, const std::vector<double>& first,
                    const std::vector<double>& second, std::size_t least) {
   if (first.size() != second.size() || first.size() < least)
-    throw InvalidInput(where, fmt::format("{} and {} values, expected as many, {} or more",
-                                          first.size(), second.size(), least));
+    throw InvalidInput(where,
+                       fmt::format("there are {} and {} values; expected equal numbers, {} or more",
+                                   first.size(), second.size(), least));
 }
 
 bool ended_early(const FlightResult& result) { return result.end != FlightEnd::completed; }
@@ -56,12 +57,14 @@ std::string to_string(RobustMeasure measure) { return internal::name_in(kRobustM
 RobustMeasure robust_measure(const std::string& name, const std::string& where) {
   if (const auto measure = internal::value_in(kRobustMeasures, name)) return *measure;
   throw InvalidInput(
-      where, fmt::format("'{}' came, expected mean, quantile or worst{}", internal::printable(name),
+      where, fmt::format("unknown measure '{}'; expected mean, quantile or worst{}",
+                         internal::printable(name),
                          internal::did_you_mean(name, internal::names_in(kRobustMeasures))));
 }
 
 void validate(const TrialRequest& request, const std::string& where) {
-  if (request.missions.empty()) throw InvalidInput(where, "there is no mission, expected some");
+  if (request.missions.empty())
+    throw InvalidInput(where, "there is no mission; expected at least one");
   double sum = 0;
   for (const CostTerm& term : request.cost) {
     if (!(term.weight >= 0) || !std::isfinite(term.weight))
@@ -69,7 +72,8 @@ void validate(const TrialRequest& request, const std::string& where) {
                                             name_of(term.metric), term.weight));
     sum += term.weight;
   }
-  if (!(sum > 0)) throw InvalidInput(where, "the cost has no weight, expected one of more than 0");
+  if (!(sum > 0))
+    throw InvalidInput(where, "the cost has no weight; expected at least one greater than 0");
   if (request.draws == 0) throw InvalidInput(where, "there are 0 draws, expected 1 or more");
   if (!(request.share >= kLeastTail && request.share <= 1 - kLeastTail))
     throw InvalidInput(where, fmt::format("the quantile is {}, expected from {} to {}",
@@ -120,7 +124,7 @@ MissionTrial::MissionTrial(TrialRequest request, const Controller& reference, st
   }
 }
 
-/// A mission that measures nothing of the cost would call every controller perfect.
+/// A mission that has no metric of the cost would rate every controller as perfect.
 void MissionTrial::require_cost(std::size_t mission, const std::vector<FlightResult>& flown) const {
   bool any_completed = false;
   for (std::uint32_t d = 0; d < request_.draws; ++d) {
@@ -131,11 +135,10 @@ void MissionTrial::require_cost(std::size_t mission, const std::vector<FlightRes
       if (term.weight > 0 && !std::isnan(result.metrics[term.metric])) return;
   }
   if (!any_completed) return;
-  throw InvalidInput(
-      "trial",
-      fmt::format("the mission '{}' measures no figure of the cost in {} s, "
-                  "expected one that it does, e.g. by a longer flight",
-                  request_.missions[mission].name, duration_of(request_.missions[mission].setup)));
+  throw InvalidInput("trial", fmt::format("the mission '{}' yields no metric of the cost in {} s; "
+                                          "expected at least one, e.g. with a longer flight",
+                                          request_.missions[mission].name,
+                                          duration_of(request_.missions[mission].setup)));
 }
 
 std::vector<FlightResult> MissionTrial::results(const Controller& controller, std::uint32_t first,
@@ -228,7 +231,7 @@ Estimated paired_difference(const std::vector<double>& first, const std::vector<
 }
 
 std::uint32_t least_draws(double share) {
-  // Rounding of 1 - share makes no draw more.
+  // Rounding of 1 - share must not add a draw.
   return static_cast<std::uint32_t>(std::ceil(2 / std::min(share, 1 - share) * (1 - 1e-12)));
 }
 

@@ -18,7 +18,7 @@ using Index = Eigen::Index;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 void check_logs(const std::vector<ImuLog>& logs, const ImuCalibrationOptions& options) {
-  if (logs.empty()) throw InvalidInput("calibrate_imu", "no log came, expected at least one");
+  if (logs.empty()) throw InvalidInput("calibrate_imu", "there is no log; expected at least one");
   for (const auto& [name, value] : {std::pair{"gravity", options.gravity},
                                     {"field", options.field},
                                     {"least_temperature_span", options.least_temperature_span},
@@ -28,15 +28,15 @@ void check_logs(const std::vector<ImuLog>& logs, const ImuCalibrationOptions& op
                          fmt::format("{} is {}, expected a positive finite number", name, value));
 }
 
-/// Whether every log has the sensor, and not one has it and another not.
+/// Returns whether the logs have the sensor; throws if only some of them do.
 bool every_log_has(const std::vector<ImuLog>& logs, const char* sensor,
                    Index (*samples)(const ImuLog&)) {
   const bool first = samples(logs.front()) > 0;
   for (const ImuLog& log : logs)
     if ((samples(log) > 0) != first)
-      throw InvalidInput(log.name,
-                         fmt::format("{} a {}, expected {} {}", first ? "has not" : "has", sensor,
-                                     first ? "one as in" : "none as in", logs.front().name));
+      throw InvalidInput(
+          log.name, fmt::format("{} a {}; expected {} {}", first ? "does not have" : "has", sensor,
+                                first ? "one, as in" : "none, as in", logs.front().name));
   return first;
 }
 
@@ -54,10 +54,10 @@ NormProblem norm_problem(const std::vector<StillPose>& poses, Eigen::Vector3d St
   return problem;
 }
 
-/// The stretches between neighbouring poses of one log.
+/// The stretches between consecutive poses of one log.
 std::vector<Turn> turns_between(const std::vector<ImuLog>& logs,
                                 const std::vector<StillDetection>& still) {
-  constexpr double kLongest = 60;  // [s]; an integral of more says nothing
+  constexpr double kLongest = 60;  // [s]; a longer integral is too inaccurate
   std::vector<Turn> turns;
   std::size_t first = 0;
   for (std::size_t k = 0; k < logs.size(); ++k) {
@@ -126,7 +126,7 @@ ImuCalibration calibrate_imu(const std::vector<ImuLog>& logs,
   if (!gyroscope) return result;
   if (!accelerometer.calibration.solved()) {
     result.gyroscope.status = CalibrationStatus::not_observable;
-    result.gyroscope.culprit = "without the accelerometer's calibration gravity is not known";
+    result.gyroscope.culprit = "gravity is unknown because the accelerometer is not calibrated";
     return result;
   }
   result.gyroscope =

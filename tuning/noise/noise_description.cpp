@@ -17,7 +17,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// A direction of the free parameters along which nothing changes, in words.
+/// Describes a direction of the free parameters along which the likelihood is constant.
 void name_direction(const VectorXd& direction, const std::vector<int>& free,
                     std::vector<FittedParameter>& parameters, std::vector<std::string>& unseen) {
   std::vector<Index> main;
@@ -31,21 +31,22 @@ void name_direction(const VectorXd& direction, const std::vector<int>& free,
     parameter(q).verdict =
         main.size() == 1 ? ParameterVerdict::not_seen : ParameterVerdict::combination;
   if (main.size() == 1) {
-    unseen.push_back(fmt::format("{}: the measurements do not tell it", parameter(main[0]).name));
+    unseen.push_back(
+        fmt::format("{}: the measurements do not determine it", parameter(main[0]).name));
     return;
   }
   const double a = direction(main[0]), b = direction(main[1]);
   if (main.size() == 2 && std::abs(std::abs(a) - std::abs(b)) < 0.2 * most) {
-    unseen.push_back(fmt::format("only the {} of {} {} {} is seen", a * b > 0 ? "ratio" : "product",
-                                 parameter(main[0]).name, a * b > 0 ? "to" : "and",
-                                 parameter(main[1]).name));
+    unseen.push_back(fmt::format("only the {} of {} {} {} is determined",
+                                 a * b > 0 ? "ratio" : "product", parameter(main[0]).name,
+                                 a * b > 0 ? "to" : "and", parameter(main[1]).name));
     return;
   }
   std::vector<std::string> words;
   words.reserve(main.size());
   for (const Index q : main)
     words.push_back(fmt::format("{:+.2f} log {}", direction(q), parameter(q).name));
-  unseen.push_back(fmt::format("not seen: {}", internal::joined(words, " ")));
+  unseen.push_back(fmt::format("not determined: {}", internal::joined(words, " ")));
 }
 
 }  // namespace

@@ -34,8 +34,8 @@ constexpr char kFormat[] = "quadtune campaign plan";
 constexpr int kFormatVersion = 3;
 constexpr char kPlanHashName[] = "plan.sha256";
 constexpr std::size_t kPlanLimit = std::size_t{64} << 20;
-/// Simulated time of a shard where the file does not say how many there are [s]: some minutes of
-/// one processor.
+/// Simulated time per shard if the file does not set the number of shards [s]: some minutes on one
+/// processor.
 constexpr double kShardTime = 3e6;
 
 // --- the parts of a plan as JSON ---
@@ -126,8 +126,8 @@ WidenedLimit widened_of(const Json& json, const std::string& where) {
           number("asked"), number("bound"), number("judged")};
 }
 
-/// A planned flight: its setup, and what was chosen for it in words. The law, the vehicle and the
-/// mission's text are elsewhere in the plan.
+/// A planned flight: its setup and the description of its choices. Law, vehicle and mission text
+/// are stored elsewhere in the plan.
 Json to_json(const PlannedFlight& flight) {
   Json widened = Json::array();
   for (const WidenedLimit& limit : flight.widened) widened.push_back(to_json(limit));
@@ -140,7 +140,7 @@ Json to_json(const PlannedFlight& flight) {
           {"setup", internal::setup_to_json(flight.setup)}};
 }
 
-/// Reads it back.
+/// The inverse.
 PlannedFlight flight_of(const Json& json, const std::string& where, const Vehicle& vehicle,
                         const Mission& mission, const ChosenLaw& law) {
   PlannedFlight flight;
@@ -158,7 +158,7 @@ PlannedFlight flight_of(const Json& json, const std::string& where, const Vehicl
   setup.controller = law.controller;
   if (member(json, "filter_of_the_law", where).get<bool>()) {
     if (!law.estimator || !law.estimator->general)
-      throw InvalidInput(where, "a flight has the filter of its law, which has none");
+      throw InvalidInput(where, "a flight uses the filter of its law, but the law has none");
     setup.general_filter = law.estimator->general;
   }
   internal::setup_from_json(member(json, "setup", where), where, setup);
@@ -175,7 +175,7 @@ void add_case(const std::string& design, const std::string& mission, PlannedFlig
   plan.words.push_back(std::move(flight));
 }
 
-/// A name of no vehicle was written in the file.
+/// The vehicle of a request; an unknown name is an error in the file.
 Vehicle vehicle_of(const CampaignRequest& request) {
   try {
     return load_vehicle(request.vehicle);
@@ -185,12 +185,12 @@ Vehicle vehicle_of(const CampaignRequest& request) {
   }
 }
 
-/// Thousands of flights that fall are not flown.
+/// Rejects an unstable design before thousands of flights crash.
 void require_stable(const PlannedFlight& plan, const CampaignDesign& design) {
   const std::optional<FlownLoop> loop = hover_loop(plan);
   if (!loop || !loop->grows()) return;
   throw NoSolution(
-      fmt::format("{}: the design '{}' does not stabilize the vehicle '{}' as it flies, with the "
+      fmt::format("{}: the design '{}' does not stabilize the vehicle '{}' in flight with the "
                   "estimator {}: {}; {}",
                   design.where, design.name, plan.setup.vehicle.name, plan.estimator,
                   in_words(*loop), what_helps(plan, *loop)),
@@ -240,7 +240,7 @@ class PlanMaker {
   std::uint32_t shard_count() const {
     std::uint32_t shards = shards_ > 0 ? shards_ : request_.shards;
     if (shards == 0) {
-      double time = 0;  // of one draw
+      double time = 0;  // for one draw
       for (const CampaignMission& m : request_.missions)
         time += m.arguments.duration.value_or(m.mission.duration);
       time *= static_cast<double>(request_.flights * request_.designs.size());
@@ -248,8 +248,8 @@ class PlanMaker {
           std::clamp(std::ceil(time / kShardTime), 1.0, static_cast<double>(request_.flights)));
     }
     if (shards > request_.flights)
-      throw OptionError("shards", fmt::format("shards is {}, expected at most {} as there are no "
-                                              "more flights",
+      throw OptionError("shards", fmt::format("shards is {}, expected at most {}, the number "
+                                              "of flights",
                                               shards, request_.flights));
     return shards;
   }
@@ -260,14 +260,14 @@ class PlanMaker {
       Json entry = {{"name", m.mission.name}, {"text", m.mission.text}};
       const auto table = internal::TomlTable::parse(m.mission.text, m.mission.name);
       if (const auto csv = table.maybe_table("csv")) {
-        // Its references lie beside it; in the plan, beside the plan.
+        // The file of its references is next to the mission; in the plan, it is next to the plan.
         const std::string name = csv->word("file");
         const std::string bytes =
             internal::read_file((m.mission.file.parent_path() / name).string(), kScriptFileLimit);
         for (const FileContent& file : made_.files)
           if (file.name == name && file.bytes != bytes)
-            throw InvalidInput(m.where, fmt::format("another mission has references of the name "
-                                                    "'{}', expected another name",
+            throw InvalidInput(m.where, fmt::format("the references '{}' are used by "
+                                                    "another mission; rename one of the files",
                                                     name));
         if (std::none_of(made_.files.begin(), made_.files.end(),
                          [&](const FileContent& file) { return file.name == name; }))
@@ -277,7 +277,7 @@ class PlanMaker {
     }
   }
 
-  /// The law does not depend on the mission; the flight that is planned with it does.
+  /// The law does not depend on the mission, but the planned flight does.
   void add_design(Json& json, const CampaignDesign& design, const Vehicle& vehicle) {
     Json entry = {{"name", design.name}};
     FlightOptions arguments;
@@ -289,9 +289,9 @@ class PlanMaker {
         option_of_file(design.where, [&] { return choose_law(arguments, vehicle, "campaign"); });
     if (law.on_board)
       throw InvalidInput(design.where + ": controller",
-                         fmt::format("{} has the loops of an autopilot, which a campaign cannot "
-                                     "fly, expected controller = \"cascaded-pid\", the cascade "
-                                     "that stands for them",
+                         fmt::format("{} has the loops of an autopilot, which campaigns do not "
+                                     "support; use controller = \"cascaded-pid\", the cascade "
+                                     "that approximates them",
                                      design.gains));
     entry["law"] = law.words;
     Controller controller = law.controller;
@@ -309,7 +309,7 @@ class PlanMaker {
       PlannedFlight plan =
           option_of_file(m.where, [&] { return plan_flight(flown, vehicle, m.mission, law); });
       require_stable(plan, design);
-      controller = plan.setup.controller;  // with the integrator that was asked for
+      controller = plan.setup.controller;  // with the requested integrator
       Json flight = to_json(plan);
       flight["design"] = design.name;
       flight["mission"] = m.mission.name;
@@ -349,45 +349,49 @@ Json parse_plan(const std::string& text, const std::string& where) {
   try {
     json = Json::parse(text);
   } catch (const internal::JsonError&) {
-    throw InvalidInput(where,
-                       "is no plan of a campaign: it is not JSON, expected what `campaign init` "
-                       "wrote");
+    throw InvalidInput(
+        where,
+        "is not the plan of a campaign: it is not JSON; expected a plan that `campaign init` "
+        "wrote");
   }
   if (!json.is_object() || !json.contains("format") || json["format"] != kFormat)
-    throw InvalidInput(where, "is no plan of a campaign, expected what `campaign init` wrote");
+    throw InvalidInput(where,
+                       "is not the plan of a campaign; expected a plan that `campaign init` wrote");
   if (!json.contains("version") || json["version"] != std::string(kVersion) ||
       !json.contains("format_version") || json["format_version"] != kFormatVersion)
     throw InvalidInput(
-        where, fmt::format("was written by version {}, this is {}: expected the same, because "
-                           "another may fly differently",
-                           json.contains("version") ? internal::json_text(json["version"]) : "\"\"",
-                           kVersion));
+        where,
+        fmt::format("was written by version {}, but this is {}; use the same version, because "
+                    "results may differ between versions",
+                    json.contains("version") ? internal::json_text(json["version"]) : "\"\"",
+                    kVersion));
   return json;
 }
 
 void check_inputs(const Json& json, const std::filesystem::path& folder, const std::string& where) {
   const Json& inputs = member(json, "inputs", where);
   if (!inputs.is_array())
-    throw InvalidInput(where, "was changed since it was written: inputs is no list, expected one");
+    throw InvalidInput(where, "has been modified since it was written: inputs is not a list");
   for (const Json& input : inputs) {
     const auto name = member(input, "file", where).get<std::string>();
     const std::string path = (folder / std::filesystem::path(name).filename()).string();
     if (sha256_of_file(path) != member(input, "sha256", where).get<std::string>())
       throw InvalidInput(path,
-                         "was changed since the plan was written, expected it as it was; a "
-                         "changed campaign needs a folder of its own");
+                         "has been modified since the plan was written; restore it, or "
+                         "start the changed campaign in a new folder");
   }
 }
 
-/// A number of the plan that counts: a conversion alone would take -1.5 for four thousand million.
+/// A non-negative integer of the plan; a plain conversion would turn -1.5 into four billion.
 std::uint32_t count_of(const Json& json, const char* key, std::uint32_t least, std::uint32_t most,
                        const std::string& where) {
   const Json& value = member(json, key, where);
   if (!value.is_number_unsigned() || value.get<std::uint64_t>() < least ||
       value.get<std::uint64_t>() > most)
-    throw InvalidInput(where, fmt::format("was changed since it was written: {} is {}, expected {} "
-                                          "to {}",
-                                          key, internal::json_text(value), least, most));
+    throw InvalidInput(where,
+                       fmt::format("has been modified since it was written: {} is {}, expected {} "
+                                   "to {}",
+                                   key, internal::json_text(value), least, most));
   return value.get<std::uint32_t>();
 }
 
@@ -396,7 +400,7 @@ struct NamedLaw {
   ChosenLaw law;
 };
 
-/// The law or mission of a name.
+/// The law or mission with a name.
 template <class Item>
 const Item& named(const std::vector<Item>& items, const std::string& name,
                   const std::string& where) {
@@ -468,8 +472,8 @@ CampaignPlan load_plan(const std::filesystem::path& folder) {
       internal::read_text_file((folder / kPlanHashName).string(), std::size_t{1} << 10);
   if (written != sha256(text) + "\n")
     throw InvalidInput(path,
-                       "was changed since it was written, expected it as it was; a changed "
-                       "campaign needs a folder of its own");
+                       "has been modified since it was written; restore it, or start the "
+                       "changed campaign in a new folder");
   try {
     check_inputs(json, folder, path);
     CampaignPlan plan = plan_of(json, folder, path);
@@ -478,8 +482,8 @@ CampaignPlan load_plan(const std::filesystem::path& folder) {
     return plan;
   } catch (const internal::JsonError&) {
     throw InvalidInput(path,
-                       "was changed since it was written: something in it is of another "
-                       "kind than `campaign init` writes");
+                       "has been modified since it was written: a value has another "
+                       "type than `campaign init` writes");
   }
 }
 

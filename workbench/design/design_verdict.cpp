@@ -16,7 +16,7 @@ std::string to_string(DesignFailure failure) {
     case DesignFailure::mission:
       return "a mission failed";
     case DesignFailure::verification:
-      return "what was written does not verify";
+      return "the written files do not verify";
   }
   return "";
 }

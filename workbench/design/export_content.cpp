@@ -71,7 +71,7 @@ ExportContent export_content(const DesignOutcome& outcome) {
     take_noise(design.estimator->model, design.file.string(), *content.estimator->uquad);
   }
   content.versions = library_versions();
-  // What was made in memory has no bytes to be known again by.
+  // A design in memory has no bytes by which it could be identified later.
   if (!design.file.empty())
     content.inputs.push_back({design.file.filename().string(), design.text});
   if (!design.vehicle.text.empty())

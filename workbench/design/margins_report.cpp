@@ -49,11 +49,11 @@ MarginsReport margins_report(const OpenLoop& loop, std::vector<std::string> name
 MarginsEvidence affordable_evidence(Eigen::Index states, Eigen::Index channels) {
   const auto n = static_cast<double>(states);
   const auto m = static_cast<double>(channels);
-  // The grid has some twenty frequencies for each pole of the open and of the closed loop.
+  // The grid has about twenty frequencies per pole of the open and of the closed loop.
   const double frequencies = 250 + 40 * n;
   const double one_at_a_time = m * (frequencies * 2 * n * n + 100 * n * n * n);
   const double all_at_once = frequencies * (n * n * m + 30 * m * m * m);
-  constexpr double kAffordable = 4e8;  // products of complex numbers
+  constexpr double kAffordable = 4e8;  // complex multiplications
   if (one_at_a_time > kAffordable) return MarginsEvidence::none;
   return one_at_a_time + all_at_once > kAffordable ? MarginsEvidence::essential
                                                    : MarginsEvidence::full;
@@ -100,7 +100,7 @@ std::vector<std::string> margin_warnings(const MarginsReport& report) {
     if (up < kLeastGain)
       warn(fmt::format("gain margin {:.1f} dB, less than {} dB", up, kLeastGain));
     if (down < kLeastGain)
-      warn(fmt::format("gain may fall by {:.1f} dB only, less than {} dB", down, kLeastGain));
+      warn(fmt::format("gain may decrease by only {:.1f} dB, less than {} dB", down, kLeastGain));
     if (degrees(std::abs(m.phase_margin)) < kLeastPhase)
       warn(fmt::format("phase margin {:.1f} deg, less than {} deg", degrees(m.phase_margin),
                        kLeastPhase));

@@ -44,27 +44,28 @@ bool is_stable(const Eigen::MatrixXd& closed, bool discrete) {
   return discrete ? poles.cwiseAbs().maxCoeff() < 1 : poles.real().maxCoeff() < 0;
 }
 
-/// Of matrices that nobody declared: what they are taken for, with a warning where that looks wrong
-/// because the loop is stable only when they are the other kind.
+/// Describes the assumed meaning of undeclared matrices, with a warning if it looks wrong because
+/// the loop is stable only with the other meaning.
 std::string taken_as(const ContinuousLti& plant, const Eigen::MatrixXd& K, bool discrete) {
   const Eigen::MatrixXd closed = plant.A - plant.B * K;
   const bool looks_wrong = !is_stable(closed, discrete) && is_stable(closed, !discrete);
   if (!discrete)
-    return looks_wrong ? "warning: A and B are taken as continuous, but A - B K is stable only if "
-                         "they are discrete: --discrete --dt T takes them so"
+    return looks_wrong ? "warning: A and B are assumed continuous, but A - B K is stable only if "
+                         "they are discrete: declare this with --discrete --dt T"
                        : "";
-  const std::string taken = "A and B are taken as discrete because of --dt";
+  const std::string taken = "A and B are assumed discrete because of --dt";
   if (const std::string why = why_not_sampled(plant.A); !looks_wrong && !why.empty())
     return fmt::format(
-        "warning: {}, but A {}, which no plant that is sampled without delays has: --sampled DT "
-        "takes them as continuous, --discrete says that they are discrete",
+        "warning: {}, but A {}, which is impossible for a plant sampled without delays: --sampled "
+        "DT "
+        "declares them continuous, --discrete declares them discrete",
         taken, why);
   return looks_wrong
              ? "warning: " + taken +
-                   ", but A - B K is stable only if they are continuous: --sampled DT takes "
-                   "them so, with the input held"
+                   ", but A - B K is stable only if they are continuous: --sampled DT declares "
+                   "them continuous, with the input held"
              : "note: " + taken +
-                   "; --discrete says so, --sampled DT takes them as continuous, with the "
+                   "; --discrete declares this, --sampled DT declares them continuous, with the "
                    "input held";
 }
 
@@ -82,7 +83,7 @@ NamedLoop vehicle_loop(const FlightOptions& options, double delay) {
   const Gains& gains = *given.laws.gains;
   if (!(gains.dt > 0))
     throw InvalidInput(options.gains,
-                       "the gains have no sample period; expected one because the "
+                       "the gains have no sample period; it is required because the "
                        "flown loop is sampled");
   const VerifyModel model = model_of(vehicle, gains);
   return {OpenLoop(delayed(open_loop(model.plant, gains), delay)),

@@ -36,7 +36,7 @@ NearbyFiles nearby_files(const fs::path& path, std::size_t most) {
                        name});
   }
   std::sort(entries.begin(), entries.end());
-  // Of another kind they would be noise.
+  // Names of another kind would only distract.
   if (!entries.empty() && !entries.front().other_kind)
     std::erase_if(entries, [](const Entry& entry) { return entry.other_kind; });
   nearby.more = entries.size() > most ? entries.size() - most : 0;

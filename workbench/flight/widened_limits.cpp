@@ -16,11 +16,11 @@ namespace {
 constexpr double kLargest = 1e12;
 
 struct Floor {
-  double bound;  ///< rms of the best filter's error
-  double value;  ///< the tightest limit that it keeps
+  double bound;  ///< rms of the optimal filter's error
+  double value;  ///< the tightest limit that it satisfies
 };
 
-/// The greatest value of an error whose rms is kRmsOverBound times the bound's.
+/// The rarely exceeded maximum of an error with kRmsOverBound times the bound's rms.
 double most_floor(double most_rarely) { return kRmsOverBound * most_rarely; }
 
 double rms_floor(const ErrorSize& size) {

@@ -13,15 +13,15 @@ namespace {
 
 using Eigen::Index;
 
-/// Entries of covariances that the smoother holds at once; beyond, states are the filter's.
+/// Maximum number of covariance entries for the smoother; above it, the filter's states are used.
 constexpr double kMostEntries = 5e7;
 
-/// Innovations that a running mean takes: enough to be steady, few enough to show a change.
+/// Window of the running mean: enough innovations to be steady, few enough to resolve changes.
 int window_of(Index innovations) {
   return static_cast<int>(std::clamp<Index>(innovations / 50, 20, 500));
 }
 
-/// Smoothed, where that can be.
+/// Smooths the states if possible.
 void smooth_states(const FilterModel& model, const Eigen::VectorXd& theta,
                    const FilterRecord& record, NoiseRun& run) {
   const Index nx = run.x.rows(), N = record.samples();
@@ -51,7 +51,7 @@ std::optional<NoiseRun> run_of(const FilterModel& model, const Eigen::VectorXd& 
   return run;
 }
 
-/// @param records  as the fit saw them
+/// @param records  as used in the fit
 std::vector<ParameterProfile> profiles_of(const TunedNoise& tuned,
                                           const std::vector<FilterRecord>& records,
                                           std::size_t threads, const std::function<bool()>& stop) {

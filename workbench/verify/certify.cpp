@@ -24,9 +24,9 @@ VehicleUncertainty uncertainty_of(const CertifyOptions& options, const Vehicle& 
   u.mass = options.mass;
   u.inertia = options.inertia;
   u.thrust = options.thrust;
-  const double late = vehicle.motor.delay;  // then up to the jitter and one period of computing
+  const double late = vehicle.motor.delay;  // plus up to the jitter and one period for computation
   u.delay = options.delay.value_or(UncertainRange{late, late + vehicle.motor.delay_jitter + dt});
-  // Beyond that the states of the delay outgrow the proof.
+  // Beyond this, the states of the delay make the proof too expensive.
   if (u.delay.high > kMostDelayPeriods * dt)
     throw OptionError("delay", fmt::format("delay is up to {:.6g} s, expected at most {} periods "
                                            "of {:.6g} s",
@@ -36,7 +36,7 @@ VehicleUncertainty uncertainty_of(const CertifyOptions& options, const Vehicle& 
   if (!options.lag && std::any_of(vehicle.rotors.begin(), vehicle.rotors.end(),
                                   [&](const Rotor& rotor) { return slower_lag(rotor) != own; }))
     throw InvalidInput(vehicle.name,
-                       "the rotors have different lags, expected --lag LOW:HIGH for all");
+                       "the rotors have different lags; expected --lag LOW:HIGH for all of them");
   if (u.lag.high > kLongestLag)
     throw OptionError("lag", fmt::format("lag is up to {:.6g} s, expected at most {:.6g} s",
                                          u.lag.high, kLongestLag));
@@ -48,16 +48,16 @@ Vehicle vehicle_of(const CertifyOptions& options, const Manifest& manifest) {
   try {
     return load_vehicle(manifest.vehicle);
   } catch (const std::exception&) {
-    throw InvalidInput("certify", fmt::format("the manifest's vehicle '{}' is not built in, "
+    throw InvalidInput("certify", fmt::format("the manifest's vehicle '{}' is not built in; "
                                               "expected its file by --vehicle FILE",
                                               manifest.vehicle));
   }
 }
 
-/// A law of the export that is asked for, not yet looked at, and how it flies.
+/// A requested law of the export before its analysis, and its hover.
 struct AskedLaw {
   CertifiedLaw law;
-  std::function<PlannedFlight()> hover;  ///< none if the gains are of another flight
+  std::function<PlannedFlight()> hover;  ///< empty if the gains are for another trim
 };
 
 AskedLaw asked_feedback(const Gains& gains, const StoredLaws& stored, const CertifyOptions& options,
@@ -98,13 +98,12 @@ std::vector<AskedLaw> laws_of(const std::string& directory, const CertifyOptions
   if (stored.cascade && asked_for(kCascadedPid))
     laws.push_back(asked_cascade(*stored.cascade, stored, options, vehicle));
   if (laws.empty())
-    throw InvalidInput(directory,
-                       fmt::format("the export has no {}, expected a law whose loop can be closed",
-                                   controller.empty() ? "gains" : controller));
+    throw InvalidInput(
+        directory, fmt::format("the export has no {}", controller.empty() ? "gains" : controller));
   return laws;
 }
 
-/// The flown loops of the box, where the gains are for a hover.
+/// The flown loops of the box if the gains are for a hover.
 FlownBox flown_of(const AskedLaw& asked, const CertifyOptions& options) {
   FlownBox none;
   if (!asked.hover) {
@@ -164,7 +163,7 @@ CertifyReport certify(const std::string& directory, const CertifyOptions& option
   CertifyReport report{directory, ""};
   const VerifyReport verified = verify_directory(directory, options.vehicle);
   for (const VerifyCheck& check : verified.checks)
-    // A proof is of the laws as they are, whatever they were forced to be written for.
+    // The proof applies to the laws as they are, even if --force was needed to write them.
     if (!check.ok && check.name != kForcedCheck) {
       report.failed = check;
       return report;

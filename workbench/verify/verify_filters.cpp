@@ -13,8 +13,8 @@
 namespace quadtune {
 namespace {
 
-/// Largest difference of two matrices over the largest entry of the second; infinite for other
-/// shapes.
+/// Largest difference of two matrices relative to the largest entry of the second; infinite if
+/// shapes differ.
 double apart(const Eigen::MatrixXd& given, const Eigen::MatrixXd& solved) {
   if (given.rows() != solved.rows() || given.cols() != solved.cols())
     return std::numeric_limits<double>::infinity();
@@ -29,7 +29,7 @@ double apart(const Eigen::MatrixXd& given, const Eigen::MatrixXd& solved) {
 std::vector<VerifyCheck> check_filters(const std::filesystem::path& directory,
                                        const Manifest& manifest) {
   VerifyCheck check{"gains and covariances of the filters are those of their noise", true, ""};
-  // What rounding does to a filter of some states.
+  // Effect of rounding on a filter with a few states.
   constexpr double kFilterRounding = 1e-8;
   try {
     const Exporter& exporter = exporter_of(manifest.kind, kManifestName);

@@ -18,11 +18,13 @@
 namespace quadtune::internal {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "records are copied as they are");
+static_assert(std::endian::native == std::endian::little,
+              "records are copied without byte swapping");
 
 constexpr std::size_t kMostFormats = 4096;
-constexpr std::size_t kMostBytes = 65535;  // of a record: its size has 16 bits
-constexpr std::size_t kMostSteps = 65536;  // of unfolding: types without bytes could nest for ever
+constexpr std::size_t kMostBytes = 65535;  // per record, whose size field has 16 bits
+// Of unfolding: types without bytes could nest indefinitely
+constexpr std::size_t kMostSteps = 65536;
 constexpr int kDeepest = 16;
 
 struct BasicType {
@@ -122,7 +124,7 @@ std::string UlogFormats::add(std::string_view definition) {
       const auto [stop, error] = std::from_chars(type.data() + bracket + 1, last, count);
       if (error != std::errc() || count == 0 || count > kMostBytes ||
           std::string_view(stop, last) != "]")
-        return fmt::format("field '{}' of format '{}' is an array of no known length",
+        return fmt::format("field '{}' of format '{}' is an array of unknown length",
                            printable(field), printable(name));
       type = type.substr(0, bracket);
     }
@@ -132,7 +134,7 @@ std::string UlogFormats::add(std::string_view definition) {
   return "";
 }
 
-// Takes a topic apart, field by field.
+// Expands a topic field by field.
 class UlogFormats::Unfolder {
  public:
   Unfolder(const UlogFormats& formats, UlogLayout& layout) : formats_(formats), layout_(layout) {}
@@ -141,7 +143,7 @@ class UlogFormats::Unfolder {
     const auto found = formats_.formats_.find(topic);
     if (found == formats_.formats_.end())
       return fmt::format("no format '{}' is defined", printable(topic));
-    if (depth > kDeepest) return fmt::format("formats lie more than {} deep", kDeepest);
+    if (depth > kDeepest) return fmt::format("formats are nested more than {} deep", kDeepest);
     for (const Field& field : found->second) {
       if (std::string problem = unfold(field, prefix, depth); !problem.empty()) return problem;
     }
@@ -179,7 +181,7 @@ class UlogFormats::Unfolder {
       return;
     }
     layout_.leaves.push_back(leaf);
-    // Endings of PX4's names are no units: gyro_rad is in rad/s.
+    // Suffixes of PX4's names are not units: gyro_rad is in rad/s.
     layout_.channels.push_back({name, ""});
   }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The control periods of a flight. Order within one: docs/theory.md, "Simulated flight".
+/// The control periods of a flight. docs/theory.md, "Simulated flight", describes the order of
+/// computation.
 #pragma once
 
 #include "simulation/loop/closed_loop.hpp"
@@ -87,7 +88,7 @@ void ClosedLoop<N, R>::carry(double t) {
   for (int i = 0; i < kRotorSpeeds; ++i) x_(i) = P(x(i));
 }
 
-/// The state at an instant of the period that ends now: cubic between its ends.
+/// The state at an instant of the period that ends now, by cubic interpolation between its ends.
 template <int N, int R>
 typename ClosedLoop<N, R>::State ClosedLoop<N, R>::truth_at(double instant, double now) const {
   const double s = 1 + (instant - now) / dt_;
@@ -140,7 +141,7 @@ void ClosedLoop<N, R>::refer(double t) {
     }
     note(l, runners_[each_lane ? l : 0].event());
   }
-  // One phase for all: what differs is whether a vehicle has switched its motors off.
+  // All lanes have the same phase; only the motor stop differs from vehicle to vehicle.
   FlightPhase phase = FlightPhase::off;
   Mask<N> off;
   for (int l = 0; l < N; ++l) {
@@ -163,7 +164,7 @@ void ClosedLoop<N, R>::refer(double t) {
   off_ = either(off_, off);
 }
 
-/// The thrusts at which the speeds that the motors are told aim, by the believed curves.
+/// The thrusts that correspond to the commanded speeds, by the rotor curves of the vehicle model.
 template <int N, int R>
 RotorSpeeds<Pack<N>> ClosedLoop<N, R>::believed_thrusts() const {
   RotorSpeeds<P> thrusts(speeds_.size());
@@ -174,7 +175,7 @@ RotorSpeeds<Pack<N>> ClosedLoop<N, R>::believed_thrusts() const {
   return thrusts;
 }
 
-/// The speeds that the motors are told, in the kind of input of the law.
+/// The commanded speeds, converted to the law's kind of input.
 template <int N, int R>
 typename ClosedLoop<N, R>::Inputs ClosedLoop<N, R>::inputs_of_speeds() const {
   Inputs inputs = Inputs::Zero();
@@ -215,7 +216,8 @@ void ClosedLoop<N, R>::command_by_cascade() {
   carried_out(cascade_settings_, cascade_, wrench_, made_);
 }
 
-/// Gains and trims of this period; the trim has the part of the reference's velocity that it knows.
+/// Updates gains and trims for this period; the trim accounts for the reference velocity as far as
+/// the schedule covers it.
 template <int N, int R>
 void ClosedLoop<N, R>::follow_schedule(Reference<P>& reference) {
   for (int l = 0; l < N; ++l) {
@@ -244,7 +246,7 @@ typename ClosedLoop<N, R>::Inputs ClosedLoop<N, R>::feedback_inputs() {
   return step(feedback_settings_, feedback_, estimate_, reference);
 }
 
-/// What the laws of the user's own ask for; where one fails, what the motors do already.
+/// Commands of user-defined laws; if a law fails, its lane repeats the present command.
 template <int N, int R>
 typename ClosedLoop<N, R>::Inputs ClosedLoop<N, R>::own_inputs(double t) {
   Inputs u = inputs_of_speeds();
@@ -267,7 +269,7 @@ typename ClosedLoop<N, R>::Inputs ClosedLoop<N, R>::own_inputs(double t) {
   return u;
 }
 
-/// Sets the speeds, before limits, and the wrench for what the law asks.
+/// Computes the rotor speeds, before limits, and the wrench from the law's command.
 template <int N, int R>
 void ClosedLoop<N, R>::make_speeds(const Inputs& u) {
   switch (input_kind_) {
@@ -293,8 +295,8 @@ void ClosedLoop<N, R>::make_speeds(const Inputs& u) {
   wrench_ << -loads.force.z(), loads.torque;
 }
 
-/// By AllocationRule::prioritized: the nearest wrench that the motors can make, and its speeds.
-/// Returns where that is another than the law asks for.
+/// AllocationRule::prioritized: computes the nearest feasible wrench and its speeds. Returns the
+/// lanes in which it differs from the law's command.
 template <int N, int R>
 Mask<N> ClosedLoop<N, R>::make_feasible() {
   const bool by_rotor = input_kind_ != InputKind::wrench;
@@ -318,7 +320,7 @@ Mask<N> ClosedLoop<N, R>::make_feasible() {
   return limited;
 }
 
-/// By a law that asks for inputs of a kind: a state feedback, or one of the user's own.
+/// Computes the command of a state feedback or a user-defined law.
 template <int N, int R>
 void ClosedLoop<N, R>::command_by_inputs(double t) {
   const bool clips = common_.allocation == AllocationRule::clipped;
@@ -342,7 +344,7 @@ void ClosedLoop<N, R>::command_by_inputs(double t) {
   report_to_law(u, carried);
 }
 
-/// Reports what the motors carry out of what the law asked for.
+/// Reports to the law the part of its command that the motors realize.
 template <int N, int R>
 void ClosedLoop<N, R>::report_to_law(const Inputs& asked, const Inputs& made) {
   if (own_laws_.empty()) {
@@ -417,7 +419,7 @@ void ClosedLoop<N, R>::end_flight(const Mask<N>& lanes, double t, FlightEnd end,
   }
 }
 
-/// Safety exits. What has no meaning on the ground is looked at in flight only.
+/// Checks the safety limits. Those that are meaningless on the ground are checked in flight only.
 template <int N, int R>
 void ClosedLoop<N, R>::watch(double t) {
   const SafetyLimits& safety = common_.safety;
@@ -455,7 +457,7 @@ void ClosedLoop<N, R>::watch(double t) {
   const Mask<N> tilted = both(in_flight, upright < P(std::cos(safety.tilt)));
   if (any(both(tilted, alive_)))
     end_flight(tilted, t, FlightEnd::safety_exit, "tilt",
-               fmt::format("the believed attitude is tilted by more than {} rad", safety.tilt));
+               fmt::format("the estimated attitude is tilted by more than {} rad", safety.tilt));
   if (const auto* settings = estimator_->needs_flow();
       settings != nullptr && common_.flow != FlowModel::off) {
     const Mask<N> high = -estimate_.x(2) > P(settings->flow_least_height);
@@ -463,7 +465,7 @@ void ClosedLoop<N, R>::watch(double t) {
     flow_lost_time_ = select(blind, flow_lost_time_ + P(dt_), P(0));
     const Mask<N> too_long = flow_lost_time_ > P(safety.flow_lost_time);
     if (any(both(too_long, alive_)))
-      end_flight(too_long, t, FlightEnd::safety_exit, "flow-lost", "no optical flow came");
+      end_flight(too_long, t, FlightEnd::safety_exit, "flow-lost", "no optical flow arrived");
     const Mask<N> differs = both(in_flight, estimate_.flow_disagrees);
     disagreement_time_ = select(differs, disagreement_time_ + P(dt_), P(0));
     const Mask<N> for_long = disagreement_time_ > P(safety.disagreement_time);
@@ -501,7 +503,7 @@ void ClosedLoop<N, R>::advance(std::uint64_t index, double t) {
 
 template <int N, int R>
 void ClosedLoop<N, R>::check_divergence(double t) {
-  // Far beyond what any flight does: 1000 km, 1000 rad/s …
+  // Limits far beyond those of any flight: 1000 km, 1000 rad/s …
   static constexpr std::array<double, 4> kBounds = {1e6, 2, 1e4, 1e4};
   static constexpr std::array<int, 5> kParts = {0, 3, 7, 10, 13};
   Mask<N> good = true;
@@ -537,7 +539,7 @@ template <int N, int R>
 FlightResult ClosedLoop<N, R>::result(int l) {
   FlightResult& result = results_[static_cast<std::size_t>(l)];
   result.metrics = metrics_.values(l);
-  // Samples are fence posts, of which there is one more than periods.
+  // The duration is the end time, since there is one more sample than control periods.
   result.metrics.value[static_cast<std::size_t>(Metric::duration)] = result.end_time;
   if (lane(alive_, l)) keep_final(l);
   if (!recorders_.empty())

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From setups to a loop that can be flown: numbers that differ from flight to flight into lanes.
+/// Constructs a loop from setups: numbers that differ between the flights become lanes.
 #pragma once
 
 #include "quadtune/simulation/packed_body.hpp"
@@ -29,7 +29,7 @@ template <int N, int R>
 void ClosedLoop<N, R>::make_plant() {
   const BasicRigidBody<P> body = packed_body<N>(
       each<RigidBody>(setups_, [](const FlightSetup& s) { return RigidBody(flown_vehicle(s)); }));
-  P reach = 0;  // the feet stand where the rotors are
+  P reach = 0;  // the feet are below the rotors
   for (std::size_t i = 0; i < static_cast<std::size_t>(body.rotor_count); ++i) {
     const Vector3<P>& hub = body.rotors[i].position;
     reach = greater(reach, greater(magnitude(hub(0)), magnitude(hub(1))));
@@ -128,7 +128,7 @@ void ClosedLoop<N, R>::make_law() {
       const auto& controller = std::get<OwnController>(setup->controller);
       own_laws_.push_back(controller.make(setup->vehicle));
       if (!own_laws_.back())
-        throw InvalidInput("law " + controller.name, "make() returned nothing, expected a law");
+        throw InvalidInput("law " + controller.name, "make() returned null, expected a law");
     }
   } else {
     feedback_settings_ = packed_feedback<N>(setups_);
@@ -165,7 +165,7 @@ void ClosedLoop<N, R>::start() {
             speed_for_thrust(allocation_.thrust0(i), allocation_.a2[static_cast<std::size_t>(i)],
                              allocation_.a1[static_cast<std::size_t>(i)]);
     } else {
-      // At rest on its feet.
+      // Equilibrium on its feet.
       x_(2) = plant_.body().mass * plant_.body().gravity / (P(4) * plant_.ground.stiffness) -
               plant_.ground.leg_height;
     }

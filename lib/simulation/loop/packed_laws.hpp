@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The control laws and allocations of N flights as one law and one allocation over Pack<N>: lane l
-/// of each number is that of flight l. The flights must have the same structure, see
-/// same_structure().
+/// Combines the control laws and allocations of N flights into one law and one allocation over
+/// Pack<N>: lane l of each number belongs to flight l. The flights must have the same structure,
+/// see same_structure().
 #pragma once
 
 #include <array>

@@ -6,8 +6,8 @@
 namespace quadtune {
 namespace {
 
-// How much earlier than its mission a flight may end [s]: a whole number of control periods need
-// not make up the duration.
+// Time by which a flight may end before its mission [s], since the duration need not be a multiple
+// of the control period.
 constexpr double kEarly = 0.1;
 
 }  // namespace

@@ -51,7 +51,7 @@ std::vector<Case> cases() {
   for (const int rotors : {4, 6, 8})
     for (int trial = 0; trial < 3; ++trial) {
       Vehicle vehicle = random_vehicle(random, rotors);
-      // Twice the weight at full speed, nothing at the least.
+      // Twice the weight at maximum speed, zero at minimum speed.
       vehicle.motor.min = 0;
       vehicle.motor.max = vehicle.motor.max *
                           std::sqrt(2 * vehicle.mass * vehicle.gravity / greatest_thrust(vehicle));
@@ -128,7 +128,7 @@ TEST(LimitedAllocation, GivesUpYawThenThrustThenRollAndPitch) {
         const Vector4d nearer(made(0) + step, made(1), made(2), 0);
         EXPECT_TRUE(of.beyond(nearer) > 0 || nearer(0) < of.limits.floor) << of.vehicle.name;
       }
-      // Some yaw torque was given up only where a rotor stands at its limit.
+      // Yaw torque is reduced only if a rotor is at its limit.
       if (std::abs(made(3)) < std::abs(asked(3)) * (1 - 1e-6)) {
         const Vector4d more(made(0), made(1), made(2), made(3) + 1e-4 * asked(3));
         EXPECT_GT(of.beyond(more), -1e-12 * of.weight);
@@ -146,7 +146,7 @@ TEST(LimitedAllocation, KeepsTheTorqueOfALawThatAsksForNoThrust) {
   const Vector4d made = prioritized<double>(of.law, of.limits, asked).wrench;
   EXPECT_NEAR(made(1), torque, 1e-12);
   EXPECT_NEAR(made(2), 0, 1e-12);
-  // Two rotors at their least, two as far above it as the torque needs: 4 t_min + τ/arm.
+  // Two rotors at their minimum, two above it as the torque requires: 4 t_min + τ/arm.
   const double arm = of.vehicle.rotors[1].position.y();
   EXPECT_NEAR(made(0), std::max(of.limits.floor, 4 * of.limits.least[0] + torque / arm), 1e-9);
   const Vector4d cut = clipped<double>(of.law, of.limits, asked).wrench;
@@ -156,7 +156,7 @@ TEST(LimitedAllocation, KeepsTheTorqueOfALawThatAsksForNoThrust) {
               kLeastCollective * of.weight, 1e-12);
 }
 
-TEST(LimitedAllocation, MakesANumberOfWhatIsNone) {
+TEST(LimitedAllocation, ReturnsFiniteNumbersForEntriesThatAreNotFinite) {
   const Case of(load_vehicle("mambo"));
   for (const double bad : {kNaN, kInfinity, -kInfinity})
     for (int i = 0; i < 4; ++i) {

@@ -816,7 +816,7 @@ TEST(UquadFilter, RefusesWhatCannotRun) {
           "P0(1) is nan, expected 0 or more and finite because it is a variance");
   refused([](UquadSettings& s) { s.R_tilt = 0; }, "R_tilt is 0 rad2, expected a positive number");
   refused([](UquadSettings& s) { s.gate = 0; },
-          "gate is 0, expected more than 0 because no measurement passes it otherwise");
+          "gate is 0, expected more than 0 because otherwise no measurement is accepted");
   refused([](UquadSettings& s) { s.field_band = 0; },
           "field_band is 0, expected a positive number");
   refused([](UquadSettings& s) { s.reference_pressure = 0; },

@@ -198,25 +198,25 @@ TEST(SpeedsForWrench, InvertsTheMapForAnyLayout) {
   }
 }
 
-TEST(SpeedsForWrench, SaysWhichRotorStopsItAndWhatIsMissing) {
+TEST(SpeedsForWrench, ReportsTheSaturatedRotorAndTheMissingWrench) {
   const Vehicle plus = ring(4, 0);
   const double most = greatest_thrust(plus);
   const MixResult result = speeds_for_wrench(plus, {most + 5, 0, 0, 0});
   EXPECT_EQ(result.status, MixStatus::saturated);
   EXPECT_NEAR(result.missing(0), 5, 1e-9);
-  EXPECT_THAT(result.culprit, HasSubstr("rotor 1 is at its greatest speed of 800 rad/s"));
+  EXPECT_THAT(result.culprit, HasSubstr("rotor 1 is at its maximum speed of 800 rad/s"));
   EXPECT_THAT(result.culprit, HasSubstr("missing 5 N of T"));
   EXPECT_EQ(result.w.maxCoeff(), 800);
 }
 
-TEST(SpeedsForWrench, SaturatesAtTheLeastSpeedToo) {
+TEST(SpeedsForWrench, SaturatesAtTheMinimumSpeed) {
   const MixResult result = speeds_for_wrench(ring(4, 0), {0, 0, 0, 0});
   EXPECT_EQ(result.status, MixStatus::saturated);
   EXPECT_THAT(result.culprit, HasSubstr("least speed of 50 rad/s"));
   Vehicle free = ring(4, 0);
   free.motor.min = 0;
   EXPECT_TRUE(speeds_for_wrench(free, {0, 0, 0, 0}).solved());
-  // Torque without thrust wants a rotor to push down, which none does.
+  // Torque without thrust would require a rotor with negative thrust.
   EXPECT_EQ(speeds_for_wrench(free, {0, 1, 0, 0}).status, MixStatus::saturated);
 }
 
@@ -232,7 +232,7 @@ TEST(SpeedsForWrench, SharesWhatARotorAtItsLimitCannotGive) {
   EXPECT_LE(result.w.maxCoeff(), 800);
 }
 
-TEST(SpeedsForWrench, SaysWhatALayoutCannotMake) {
+TEST(SpeedsForWrench, ReportsTheWrenchThatALayoutCannotProduce) {
   Vehicle two = ring(4, 0);
   two.rotors.erase(two.rotors.begin() + 3);
   two.rotors.erase(two.rotors.begin() + 1);
@@ -240,16 +240,15 @@ TEST(SpeedsForWrench, SaysWhatALayoutCannotMake) {
   const MixResult result = speeds_for_wrench(two, {10, 0.1, 0, 0});
   EXPECT_EQ(result.status, MixStatus::infeasible);
   EXPECT_THAT(result.culprit,
-              HasSubstr("the layout cannot make this wrench; missing 0.1 N m of tau_x"));
+              HasSubstr("the layout cannot produce this wrench; missing 0.1 N m of tau_x"));
   EXPECT_TRUE(speeds_for_wrench(two, {10, 0, 0, 0}).solved());
 }
 
 TEST(Mixer, RefusesWhatHasNoMatrix) {
   const Vehicle uquad = load_vehicle("uquad");
-  EXPECT_THAT(
-      [&] { (void)mixer_matrix(uquad); },
-      ThrowsMessage<InvalidInput>(HasSubstr("rotor 1 of 'uquad' has a thrust or torque that "
-                                            "is linear in speed")));
+  EXPECT_THAT([&] { (void)mixer_matrix(uquad); },
+              ThrowsMessage<InvalidInput>(HasSubstr(
+                  "rotor 1 of 'uquad' has a thrust or torque with a linear term in speed")));
   EXPECT_THAT([&] { (void)allocation_matrix(uquad); },
               ThrowsMessage<InvalidInput>(HasSubstr("not proportional to its thrust")));
   EXPECT_THAT([&] { (void)command_per_thrust(uquad); },

@@ -127,7 +127,7 @@ TYPED_TEST(PackOf, NumbersComparesEachOfThem) {
   });
 }
 
-// The sign of a zero aside, as its docstring says.
+// Except for the sign of a zero, as documented.
 TYPED_TEST(PackOf, NumbersHasTheirMagnitudesAndNearestIntegers) {
   constexpr int N = TypeParam::value;
   for_all_pairs<N>([](Pack<N> a, Pack<N> b) {

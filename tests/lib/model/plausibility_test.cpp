@@ -28,8 +28,8 @@ struct Mistake {
   std::function<void(Vehicle&)> make;
 };
 
-// Each mistake in each vehicle in which it can be made is found, with its cause.
-TEST(Plausibility, FindsUnitsTakenForOthers) {
+// Each mistake is detected in each vehicle in which it is possible, with its cause.
+TEST(Plausibility, DetectsWrongUnits) {
   const std::vector<Mistake> mistakes = {
       {"g cm2", [](Vehicle& v) { v.inertia *= 1e7; }},
       {"kg cm2", [](Vehicle& v) { v.inertia *= 1e4; }},
@@ -111,7 +111,7 @@ TEST(Plausibility, FindsSpeedsInRpm) {
   }
 }
 
-// What is measured by a wrong figure is not told to be wrong itself.
+// A value that is compared with a wrong one is not reported itself.
 TEST(Plausibility, NamesTheWrongFigureAlone) {
   for (const std::string& name : built_in_vehicles()) {
     Vehicle heavy = load_vehicle(name), slow = load_vehicle(name);
@@ -124,7 +124,7 @@ TEST(Plausibility, NamesTheWrongFigureAlone) {
   }
 }
 
-// Rounding and honest differences are not told: a factor of 2 in any figure.
+// Rounding and plausible differences are not reported: a factor of 2 in any value.
 TEST(Plausibility, LeavesRoomForOtherVehicles) {
   for (const char* name : {"mambo", "uquad", "crazyflie"})
     for (const double factor : {0.5, 2.0}) {
@@ -137,7 +137,7 @@ TEST(Plausibility, LeavesRoomForOtherVehicles) {
     }
 }
 
-// A sensor in milliseconds, and one that no flown loop takes.
+// A sensor delay in milliseconds, and one that is too long for the analysis of a flown loop.
 TEST(Plausibility, FindsADelayInMilliseconds) {
   Vehicle vehicle = load_vehicle("mambo");
   vehicle.sensors.gyroscope->delay = 5;
@@ -151,7 +151,7 @@ TEST(Plausibility, FindsADelayInMilliseconds) {
   EXPECT_EQ(found[2].cause, "command_delay_s may be in ms");
 }
 
-TEST(Plausibility, TellsFigureRangeAndCause) {
+TEST(Plausibility, ReportsQuantityRangeAndCause) {
   EXPECT_EQ(to_string(Implausibility{"motor lag", "s", 72, 1e-3, 0.5, "lag_s may be in ms"}),
             "motor lag is 72 s, plausible is 0.001 to 0.5 s: lag_s may be in ms");
 }

@@ -190,7 +190,7 @@ void expect_that_wind_is_opposite_motion() {
     EXPECT_THAT(
         Vector3d(windy.derivative(x).template segment<3>(kBodyRates)),
         MatrixNear(Vector3d(still.derivative(seen).template segment<3>(kBodyRates)), 1e-10));
-    // And it is what the rigid body's own equations say.
+    // The equations of the rigid body give the same.
     const StateVector<double> e = euler_state(QuaternionState<double>(x.template head<13>()));
     const Vector3d v = e.segment<3>(kVelocity), rates = e.segment<3>(kRates);
     const StateVector<double> d =

@@ -256,7 +256,7 @@ TEST(SensorFile, RefusesKeysItDoesNotKnow) {
     const std::string table = fmt::format("[sensors.{}]\n", sensor);
     expect_refusal(
         table + "scale = 1\n",
-        fmt::format("v.toml:19: [sensors.{}] has no key 'rate_Hz', expected one", sensor));
+        fmt::format("v.toml:19: [sensors.{}] has no key 'rate_Hz', which is required", sensor));
     expect_refusal(table + "rate_Hz = 9\ndelay_ms = 1\n",
                    fmt::format("v.toml:21: key 'delay_ms' in [sensors.{}] is not known, expected "
                                "'delay_s' (the unit is part of the key)",
@@ -351,7 +351,7 @@ TEST(BatteryFile, RefusesWhatIsNoBattery) {
     expect_refusal(text.substr(0, at) + key + " = 0" + text.substr(end),
                    fmt::format("v.toml:{}: {} in [battery] is 0, expected more than 0", line, key));
     expect_refusal(text.substr(0, at) + text.substr(end + 1),
-                   fmt::format("v.toml:19: [battery] has no key '{}', expected one", key));
+                   fmt::format("v.toml:19: [battery] has no key '{}', which is required", key));
   }
   expect_refusal(kBattery + "regulated = 1\n",
                  "v.toml:23: regulated in [battery] is 1, expected true or false");

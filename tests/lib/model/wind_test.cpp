@@ -212,18 +212,19 @@ TEST(Wind, RefusesWhatIsNoWind) {
   const double nan = std::nan("");
   refusal([](Wind& w) { w.turbulence = -1; }, "wind: turbulence is -1 m/s, expected 0 or more");
   refusal([&](Wind& w) { w.turbulence = nan; }, "wind: turbulence is nan m/s, expected 0 or more");
-  refusal([](Wind& w) { w.turbulence_height = 2; },
-          "wind: the turbulence's height is 2 m, expected 3 to 300 m, where its scales are known");
+  refusal(
+      [](Wind& w) { w.turbulence_height = 2; },
+      "wind: the height of the turbulence is 2 m, expected 3 to 300 m, where its scales are known");
   refusal([&](Wind& w) { w.mean.y() = nan; },
-          "wind: a velocity is not finite, expected numbers of m/s");
+          "wind: a velocity is not finite, expected finite numbers [m/s]");
   refusal([](Wind& w) { w.gust.velocity.x() = INFINITY; },
-          "wind: a velocity is not finite, expected numbers of m/s");
+          "wind: a velocity is not finite, expected finite numbers [m/s]");
   refusal(
       [](Wind& w) { w.gust.length = 0; },
-      "wind: the gust begins at 0 s and lasts 0 s, expected a time and a length of more than 0");
+      "wind: the gust begins at 0 s and lasts 0 s, expected a finite time and a positive duration");
   refusal([&](Wind& w) { w.gust.start = nan; },
-          "wind: the gust begins at nan s and lasts 1 s, expected a time and a length of more than "
-          "0");
+          "wind: the gust begins at nan s and lasts 1 s, expected a finite time and a positive "
+          "duration");
 }
 
 }  // namespace

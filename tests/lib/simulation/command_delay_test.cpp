@@ -146,10 +146,10 @@ TEST(CommandDelay, IsReadAndRefused) {
   refusal("command_delay_s = \"late\"", "command_delay_s in [motor] is");
   refusal("command_jitter_s = 11",
           "command_jitter_s in [motor] is 11, expected 0 or more and 10 or less");
-  EXPECT_THAT([] { (void)fly(one_motor(0.201, 0)); },
-              ThrowsMessage<InvalidInput>(
-                  StrEq("flight: the commands are late by 0.201 s and jitter by 0 s, expected 0 to "
-                        "40 control periods of 0.005 s together")));
+  EXPECT_THAT(
+      [] { (void)fly(one_motor(0.201, 0)); },
+      ThrowsMessage<InvalidInput>(StrEq("flight: the command delay is 0.201 s and its jitter 0 s, "
+                                        "expected a sum of 0 to 40 control periods of 0.005 s")));
   EXPECT_NO_THROW(validate(one_motor(0.2, 0)));
 }
 

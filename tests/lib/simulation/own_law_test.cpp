@@ -166,7 +166,7 @@ TEST(OwnLaw, RefusesWhatCannotBeFlown) {
     return std::unique_ptr<FlightLaw>();
   };
   EXPECT_THAT([&] { (void)fly(setup); },
-              ThrowsMessage<InvalidInput>(HasSubstr("law mine: make() returned nothing")));
+              ThrowsMessage<InvalidInput>(HasSubstr("law mine: make() returned null")));
   std::get<OwnController>(setup.controller).dt = 0;
   EXPECT_THAT([&] { (void)fly(setup); },
               ThrowsMessage<InvalidInput>(HasSubstr("the control period is 0 s")));

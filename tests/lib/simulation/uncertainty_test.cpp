@@ -246,15 +246,15 @@ TEST(Uncertainty, RefusesWhatTheVehicleLacks) {
       apply({{{name, {}}}, {}}, VectorXd::Ones(1), changed);
     };
   };
-  EXPECT_THAT(applied("gps_noise"),
-              ThrowsMessage<InvalidInput>(StrEq("gps_noise: the vehicle 'mambo' has nothing that "
-                                                "it changes, expected a quantity of what it has")));
+  EXPECT_THAT(
+      applied("gps_noise"),
+      ThrowsMessage<InvalidInput>(StrEq("gps_noise: the vehicle 'mambo' has no such component, "
+                                        "expected a quantity of a component that it has")));
   EXPECT_THAT(applied("thrust_5"), ThrowsMessage<InvalidInput>(HasSubstr("thrust_5: ")));
   // Wind moves a vehicle by its drag alone, and the Mambo's file has none.
   for (const char* name :
        {"drag", "wind_north", "gust_down", "gust_at", "gust_length", "turbulence"})
-    EXPECT_THAT(applied(name),
-                ThrowsMessage<InvalidInput>(HasSubstr("has nothing that it changes")))
+    EXPECT_THAT(applied(name), ThrowsMessage<InvalidInput>(HasSubstr("has no such component")))
         << name;
   setup.real_sensors = false;
   EXPECT_THAT(applied("gyroscope_noise"),
@@ -352,17 +352,17 @@ TEST(UncertaintyFile, RefusesWhatIsNoDistribution) {
           "mass: draws from -3 to 5, expected within 0.01 to 100; least and most limit");
   refuses(mass + "normal = {deviation = 0.1, least = 1.1, most = 0.9}\n",
           "least is 1.1 and most is 0.9, expected least below most");
-  refuses(mass + "normal = {deviation = 0.01, least = 2}\n", "leave nothing of the distribution");
+  refuses(mass + "normal = {deviation = 0.01, least = 2}\n", "exclude the whole distribution");
   refuses(mass + "log_normal = {median = 0, deviation = 0.1}\n",
           "mass: median is 0, expected more than 0");
   const std::string three =
       mass +
       "normal = {deviation = 0.01}\n[[vary]]\nquantity = \"thrust\"\nnormal = {deviation = "
       "0.01}\n[[vary]]\nquantity = \"drag\"\nnormal = {deviation = 0.01}\n";
-  refuses(three + mass + "normal = {deviation = 0.01}\n", "mass varies twice");
+  refuses(three + mass + "normal = {deviation = 0.01}\n", "mass is given twice");
   refuses(three + "[[correlation]]\nquantities = [\"mass\", \"thrst\"]\nvalue = 0.5\n",
-          "f.toml:11: 'thrst' does not vary, expected some of mass, thrust, drag; did you mean "
-          "'thrust'?");
+          "f.toml:11: 'thrst' is not an uncertain quantity of this file, expected some of mass, "
+          "thrust, drag; did you mean 'thrust'?");
   refuses(three + "[[correlation]]\nquantities = [\"mass\"]\nvalue = 0.5\n",
           "quantities has 1 entries, expected 2 or more");
   refuses(three + "[[correlation]]\nquantities = [\"mass\", \"thrust\"]\nvalue = 1\n",
@@ -375,9 +375,10 @@ TEST(UncertaintyFile, RefusesWhatIsNoDistribution) {
               "[[correlation]]\nquantities = [\"thrust\", \"mass\"]\nvalue = 0.1\n",
           "the correlation of thrust and mass is given twice, expected each pair once");
   refuses(three + "[[correlation]]\nquantities = [\"mass\", \"mass\"]\nvalue = 0.1\n",
-          "f.toml:11: mass stands twice, expected each quantity once");
-  refuses("[[correlation]]\nquantities = [\"mass\", \"thrust\"]\nvalue = 0.1\n",
-          "f.toml:2: 'thrust' does not vary, expected a [[vary]] for it");
+          "f.toml:11: mass is given twice, expected each quantity once");
+  refuses(
+      "[[correlation]]\nquantities = [\"mass\", \"thrust\"]\nvalue = 0.1\n",
+      "f.toml:2: 'thrust' is not an uncertain quantity of this file, expected a [[vary]] for it");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: Apache-2.0
-// The linear law that margins and syntheses use is the law that runs on board.
+// SPDX-License-Identifier: Apache-2.0 The linear law used for margins and synthesis equals the
+// on-board law.
 #include <gmock/gmock.h>
 
 #include <random>
@@ -38,7 +38,7 @@ Gains random_gains(std::mt19937_64& random, int past) {
   return gains;
 }
 
-TEST(FlownLaw, IsTheOneOnBoard) {
+TEST(FlownLaw, EqualsTheOnBoardLaw) {
   const Vehicle mambo = load_vehicle("mambo");
   std::mt19937_64 random(1);
   for (const int past : {0, 1, 4}) {

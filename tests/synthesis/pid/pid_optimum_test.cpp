@@ -20,7 +20,7 @@ const Eigen::VectorXd kUnit = Eigen::VectorXd::Ones(1);
 
 ContinuousTransferFunction three_equal_lags() { return {kUnit, Eigen::Vector4d(1, 3, 3, 1), 0}; }
 
-/// Greatest Ki of a PI by looking: Kp and Ki on a fine grid, Ms on another, stability by Routh.
+/// Maximum Ki of a PI by brute force: Kp and Ki on a fine grid, Ms on another, stability by Routh.
 double looked_for_PI(double Ms_max) {
   double best = 0;
   for (int i = 0; i < 170; ++i) {
@@ -73,8 +73,8 @@ TEST(GreatestIntegralGain, NamesTheBoundThatBinds) {
   EXPECT_LE(noise.Ms, 2 * (1 + 1e-6));
 }
 
-// A derivative helps, and its bounds hold in the loop of a plant with delay; the optimum cannot be
-// left upwards: near it, every point with more Ki breaks a bound.
+// A derivative helps, and its bounds hold in the loop of a plant with delay; near the
+// optimum, every point with a larger Ki violates a bound.
 TEST(GreatestIntegralGain, CannotBeImprovedNearby) {
   const ContinuousTransferFunction P = {kUnit, Eigen::Vector2d(0.5, 1), 0.3};
   const PidBounds bounds = {.Ms_max = 1.6, .Mt_max = 1.4, .noise_gain_max = 12};
@@ -105,19 +105,19 @@ TEST(GreatestIntegralGain, FollowsTheSignOfThePlant) {
   EXPECT_NEAR(other.gains.Ki, -one.gains.Ki / 2, 1e-4 * one.gains.Ki);
 }
 
-TEST(GreatestIntegralGain, SaysWhenThereIsNone) {
-  // 1/(s - 1) with a delay of 0.9 cannot be held within Ms = 1.4.
+TEST(GreatestIntegralGain, ReportsInfeasibleBounds) {
+  // 1/(s - 1) with a delay of 0.9 cannot be controlled with Ms <= 1.4.
   const PidOptimum none =
       greatest_integral_gain({kUnit, Eigen::Vector2d(1, -1), 0.9}, PidType::PI, {.Ms_max = 1.4});
   EXPECT_EQ(none.status, PidOptimumStatus::not_found) << none;
   EXPECT_TRUE(std::isnan(none.gains.Ki));
-  EXPECT_THAT(none.culprit, HasSubstr("no PI was found that is stable with Ms <= 1.4"));
+  EXPECT_THAT(none.culprit, HasSubstr("no stabilizing PI was found with Ms <= 1.4"));
   const PidOptimum endless =
       greatest_integral_gain({kUnit, Eigen::Vector2d(1, 1), 0}, PidType::PI, {.Ms_max = 1.4});
   EXPECT_EQ(endless.status, PidOptimumStatus::unbounded) << endless;
 }
 
-TEST(GreatestIntegralGain, RefusesBoundsThatAreNone) {
+TEST(GreatestIntegralGain, RejectsInvalidBounds) {
   EXPECT_THROW((void)greatest_integral_gain(three_equal_lags(), PidType::PD, {}), InvalidInput);
   EXPECT_THROW((void)greatest_integral_gain(three_equal_lags(), PidType::PI, {.Ms_max = 1}),
                InvalidInput);

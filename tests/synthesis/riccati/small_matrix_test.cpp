@@ -17,7 +17,7 @@ using Eigen::MatrixXd;
 using V = Vector<double, 4>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Small whole numbers, whose sums and products are exact; stored row by row.
+/// Small integers, whose sums and products are exact; stored row by row.
 VectorStorage<V> numbers(int rows, int columns, int seed) {
   VectorStorage<V> M(rows * columns / 4);
   for (int i = 0; i < rows * columns; ++i) M.data()[i] = (i * i + seed * i + seed) % 11 - 5;

@@ -24,12 +24,12 @@ using testing::MatrixNear;
 using testing::MatrixRelativelyNear;
 using ::testing::ThrowsMessage;
 
-/// A short log for what is tried many times.
+/// A short log for repeated tests.
 MadeUpImuOptions short_log(std::uint64_t seed) {
   return {.seed = seed, .poses = 30, .rate = 50, .still = 1.5, .start = 2, .turn = 0.8};
 }
 
-/// Biases at the truth's reference temperature.
+/// Biases at the reference temperature of the true values.
 Vector3d bias_at(const SensorCalibration& sensor, double temperature) {
   return sensor.b - sensor.d * (temperature - sensor.t0);
 }
@@ -52,8 +52,8 @@ TEST(FindStill, FindsThePosesOfALog) {
   EXPECT_NEAR(still.accelerometer_threshold, 2 * std::sqrt(3.0) * still.accelerometer_noise, 1e-12);
 }
 
-// A steady turn about the vertical has no variance in either sensor, but the gyroscope says so.
-TEST(FindStill, DoesNotTakeASteadyTurnForStill) {
+// A steady turn about the vertical has no variance in either sensor, but the gyroscope measures it.
+TEST(FindStill, ExcludesASteadyTurn) {
   MadeUpImu made = make_up_imu({.poses = 12});
   made.log.gyroscope.middleCols(1000, 400).row(2).array() += 200;
   made.log.accelerometer.middleCols(1000, 400).colwise() = Vector3d(0, 0, 260);
@@ -61,13 +61,14 @@ TEST(FindStill, DoesNotTakeASteadyTurnForStill) {
     EXPECT_TRUE(pose.end <= 1000 || pose.begin >= 1400) << pose.begin << " … " << pose.end;
 }
 
-TEST(FindStill, RefusesLogsThatAreNone) {
+TEST(FindStill, RejectsInvalidLogs) {
   ImuLog log = make_up_imu({.poses = 2}).log;
   log.name = "a.txt";
   log.t(7) = log.t(6);
-  EXPECT_THAT([&] { (void)find_still(log); },
-              ThrowsMessage<InvalidInput>(
-                  HasSubstr("a.txt: the time of sample 8 is 0.06 s after 0.06 s, expected times")));
+  EXPECT_THAT(
+      [&] { (void)find_still(log); },
+      ThrowsMessage<InvalidInput>(HasSubstr(
+          "a.txt: the time of sample 8 is 0.06 s after 0.06 s; expected increasing times")));
   log = make_up_imu({.poses = 2}).log;
   log.magnetometer(1, 20) = std::nan("");
   EXPECT_THAT(
@@ -75,16 +76,17 @@ TEST(FindStill, RefusesLogsThatAreNone) {
       ThrowsMessage<InvalidInput>(HasSubstr("sample 21 of the magnetometer is not finite")));
   log.magnetometer.resize(3, 5);
   EXPECT_THAT([&] { (void)find_still(log); },
-              ThrowsMessage<InvalidInput>(HasSubstr("the magnetometer has 5 samples, expected")));
+              ThrowsMessage<InvalidInput>(HasSubstr("the magnetometer has 5 samples; expected")));
   log.accelerometer.resize(3, 0);
   EXPECT_THAT([&] { (void)find_still(log); },
-              ThrowsMessage<InvalidInput>(HasSubstr("has no accelerometer, expected one")));
+              ThrowsMessage<InvalidInput>(HasSubstr("has no accelerometer; it is required")));
   log = make_up_imu({.poses = 2}).log;
   log.t *= 1e-20;
-  EXPECT_THAT([&] { (void)find_still(log); },
-              ThrowsMessage<InvalidInput>(HasSubstr("ten windows of 0.25 s at 1e-22 s a sample")));
+  EXPECT_THAT(
+      [&] { (void)find_still(log); },
+      ThrowsMessage<InvalidInput>(HasSubstr("ten windows of 0.25 s at 1e-22 s per sample")));
   EXPECT_THAT([&] { (void)find_still(make_up_imu({.poses = 2}).log, {.factor = 1}); },
-              ThrowsMessage<InvalidInput>(HasSubstr("a factor of more than 1")));
+              ThrowsMessage<InvalidInput>(HasSubstr("a factor greater than 1")));
 }
 
 TEST(StartUpOffset, IsTheMeanOfTheFirst512Samples) {
@@ -98,7 +100,7 @@ TEST(StartUpOffset, IsTheMeanOfTheFirst512Samples) {
   EXPECT_FALSE(start_up_offset(moving.log, find_still(moving.log)).still);
 }
 
-// Without noise, rounding alone stands between the log and the truth.
+// Without noise, only rounding separates the result from the true values.
 TEST(CalibrateImu, RecoversAKnownSensor) {
   const MadeUpImu made = make_up_imu({.noise = 0.3});
   const ImuCalibration c = calibrate_imu({made.log});
@@ -121,12 +123,12 @@ TEST(CalibrateImu, RecoversAKnownSensor) {
   EXPECT_EQ(c.accelerometer.T(1, 0), 0);
   EXPECT_EQ(c.accelerometer.T(2, 0), 0);
   EXPECT_EQ(c.accelerometer.T(2, 1), 0);
-  // Level, it feels gravity along z.
+  // Level, it measures gravity along z.
   EXPECT_THAT(c.accelerometer.apply(c.poses.front().accelerometer, 0),
               MatrixNear(Vector3d(0, 0, 9.80665), 0.02));
 }
 
-// A gyroscope whose axes all count the other way.
+// A gyroscope whose axes all have the opposite sign.
 TEST(CalibrateImu, FindsAGyroscopeThatCountsBackwards) {
   MadeUpImu made = make_up_imu();
   made.log.gyroscope *= -1;
@@ -168,8 +170,9 @@ void add_all(Count& count, const SensorCalibration& found, const MadeUpSensor& t
   }
 }
 
-/// The share of 95 % intervals that hold. The numbers of one log are not independent, so the spread
-/// is taken of the logs: at worst all of a log's hold or none, here half of that.
+/// The share of 95 % intervals that contain the true value. The parameters of one log are not
+/// independent, so the spread is computed over logs: at worst all intervals of a log are right or
+/// wrong together; here half of that is assumed.
 void expect_imu_coverage(const Count& count, int logs, const char* what) {
   const double share = double(count.inside) / count.all;
   const double spread = std::sqrt(0.95 * 0.05 / logs);
@@ -177,7 +180,7 @@ void expect_imu_coverage(const Count& count, int logs, const char* what) {
   ::testing::Test::RecordProperty(what, std::to_string(share));
 }
 
-TEST(CalibrateImu, IntervalsHoldTheTruthInNineteenOfTwentyNumbers) {
+TEST(CalibrateImu, NinetyFivePercentOfIntervalsContainTheTrueValue) {
   constexpr int kLogs = testing::kSanitized ? 25 : 100;
   Count accelerometer, gyroscope, magnetometer;
   for (int i = 0; i < kLogs; ++i) {
@@ -196,7 +199,7 @@ TEST(CalibrateImu, IntervalsHoldTheTruthInNineteenOfTwentyNumbers) {
   expect_imu_coverage(magnetometer, kLogs, "magnetometer");
 }
 
-// A pose in which it leaned on something that shook, and a turn in which samples are missing.
+// A pose in which it touched something that vibrated, and a turn with missing samples.
 TEST(CalibrateImu, LeavesOutOutliers) {
   MadeUpImu made = make_up_imu();
   const StillPose pose = find_still(made.log).poses[20];
@@ -213,30 +216,30 @@ TEST(CalibrateImu, LeavesOutOutliers) {
   EXPECT_THAT(c.gyroscope.M, MatrixRelativelyNear(made.gyroscope.M, 1e-3));
 }
 
-TEST(CalibrateImu, NamesWhatTooFewPosesLeaveOpen) {
+TEST(CalibrateImu, NamesThePosesToAddToTooFew) {
   const SensorCalibration c = calibrate_imu({make_up_imu({.poses = 5}).log}).accelerometer;
   EXPECT_EQ(c.status, CalibrationStatus::not_observable);
-  EXPECT_THAT(c.culprit, HasSubstr("5 poses came, expected at least 10"));
+  EXPECT_THAT(c.culprit, HasSubstr("5 poses; expected at least 10"));
   EXPECT_THAT(c.missing, Contains("x up"));
   EXPECT_THAT(c.missing, Contains("x down"));
   EXPECT_TRUE(c.M.hasNaN() && c.b.hasNaN());
 }
 
-// A log that never keeps still for long.
-TEST(CalibrateImu, NamesWhatNoPosesLeaveOpen) {
+// A log that is never stationary for long.
+TEST(CalibrateImu, NamesThePosesToAddToNone) {
   const ImuCalibration c =
       calibrate_imu({make_up_imu({.poses = 20}).log}, {.still = {.shortest = 50}});
   EXPECT_TRUE(c.poses.empty());
   for (const SensorCalibration* sensor : {&c.accelerometer, &c.magnetometer}) {
     EXPECT_EQ(sensor->status, CalibrationStatus::not_observable);
-    EXPECT_THAT(sensor->culprit, HasSubstr("0 poses came, expected at least 10"));
+    EXPECT_THAT(sensor->culprit, HasSubstr("0 poses; expected at least 10"));
     EXPECT_THAT(sensor->missing, Contains("x up"));
     EXPECT_TRUE(sensor->M.hasNaN() && sensor->refused.empty());
   }
   EXPECT_EQ(c.gyroscope.status, CalibrationStatus::not_observable);
 }
 
-// Turned about the vertical alone, all poses are one.
+// Rotated about the vertical only, all poses are equal.
 TEST(CalibrateImu, NamesThePosesThatAreMissing) {
   const ImuCalibration c = calibrate_imu({make_up_imu({.upright = true}).log});
   EXPECT_EQ(c.accelerometer.status, CalibrationStatus::not_observable);
@@ -245,10 +248,10 @@ TEST(CalibrateImu, NamesThePosesThatAreMissing) {
   for (const char* missing : {"x up", "x down", "y up", "y down"})
     EXPECT_THAT(c.accelerometer.missing, Contains(missing));
   EXPECT_FALSE(c.gyroscope.solved());
-  EXPECT_THAT(c.gyroscope.culprit, HasSubstr("without the accelerometer's calibration"));
+  EXPECT_THAT(c.gyroscope.culprit, HasSubstr("the accelerometer is not calibrated"));
 }
 
-// Gravity turns in the plane of y and z only: nothing is known of x.
+// Gravity turns in the plane of y and z only: nothing is known about x.
 TEST(CalibrateImu, NamesTheAxisThatNeverPointsUp) {
   MadeUpImuOptions options;
   options.poses = 5;  // turns about x
@@ -278,7 +281,7 @@ TEST(CalibrateImu, NamesTheAxisThatNeverPointsUp) {
   EXPECT_THAT(c.missing, Contains("x down"));
 }
 
-// Poses in plenty, but the log is cut where the sensor was turned about z.
+// Enough poses, but the log is cut where the sensor was turned about z.
 TEST(CalibrateImu, NamesTheTurnsThatAreMissing) {
   const MadeUpImu made = make_up_imu();
   const std::vector<StillPose> poses = find_still(made.log).poses;
@@ -305,18 +308,18 @@ TEST(CalibrateImu, NamesTheTurnsThatAreMissing) {
   EXPECT_THAT(c.missing, ElementsAre("a turn about z with z level"));
 }
 
-// Axes that are not the accelerometer's: no scale makes the turns match.
-TEST(CalibrateImu, RefusesAGyroscopeWithOtherAxes) {
+// Axes that differ from those of the accelerometer: no scale makes the turns match.
+TEST(CalibrateImu, RejectsAGyroscopeWithOtherAxes) {
   MadeUpImu made = make_up_imu();
   made.log.gyroscope.row(0).swap(made.log.gyroscope.row(1));
   const SensorCalibration c = calibrate_imu({made.log}).gyroscope;
-  if (c.solved())  // found as a matrix that swaps them back: right as well
+  if (c.solved())  // solved by a matrix that swaps them back, which is right as well
     EXPECT_NEAR(std::abs(c.M(0, 1)), made.gyroscope.M(0, 0), 1e-4);
   else
     EXPECT_THAT(c.culprit, HasSubstr("are its axes those of the accelerometer?"));
 }
 
-TEST(CalibrateImu, TakesSeveralLogsAsOne) {
+TEST(CalibrateImu, CombinesSeveralLogs) {
   const MadeUpImu made = make_up_imu();
   const Eigen::Index half = 7000;
   ImuLog first = made.log, second = made.log;
@@ -337,9 +340,9 @@ TEST(CalibrateImu, TakesSeveralLogsAsOne) {
       [&] {
         (void)calibrate_imu({first, second});
       },
-      ThrowsMessage<InvalidInput>(HasSubstr("has not a gyroscope, expected one as in")));
+      ThrowsMessage<InvalidInput>(HasSubstr("does not have a gyroscope; expected one, as in")));
   EXPECT_THAT([&] { (void)calibrate_imu({}); },
-              ThrowsMessage<InvalidInput>(HasSubstr("no log came, expected at least one")));
+              ThrowsMessage<InvalidInput>(HasSubstr("there is no log; expected at least one")));
 }
 
 TEST(MadeUpImu, IsTheSameForTheSameSeed) {

@@ -23,7 +23,7 @@ FilterRun run_of(const Eigen::RowVectorXd& innovation, double variance) {
   return run;
 }
 
-// Means of three, over what was measured.
+// Means of three, over the existing measurements.
 TEST(RunningSize, IsTheMeanOverAWindow) {
   const double nan = std::nan("");
   const RunningSize size = running_size(
@@ -41,7 +41,7 @@ TEST(RunningSize, HasTheBandOfChiSquared) {
   EXPECT_TRUE(size.value.array().isNaN().all());
 }
 
-TEST(RunningSize, StaysInItsBandWhereTheFilterIsRight) {
+TEST(RunningSize, StaysInItsIntervalIfTheFilterIsRight) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal(0, 1);
   Eigen::RowVectorXd z(100000);
@@ -57,7 +57,7 @@ TEST(RunningSize, StaysInItsBandWhereTheFilterIsRight) {
   EXPECT_NEAR(static_cast<double>(inside) / static_cast<double>(count), 0.95, 0.01);
 }
 
-TEST(RunningSize, RefusesWhatIsOutOfRange) {
+TEST(RunningSize, RejectsNumbersOutOfRange) {
   const FilterRun run = run_of(Eigen::RowVectorXd::Zero(3), 1);
   EXPECT_THAT([&] { (void)running_size(run, 1, 3); },
               ThrowsMessage<InvalidInput>(HasSubstr("output 1 of 1")));

@@ -11,11 +11,11 @@ namespace {
 
 using Eigen::Index;
 
-/// Least samples of a correlation, and of a kurtosis, that say anything.
+/// Minimum number of samples for a correlation, and for a kurtosis.
 constexpr Index kLeastCorrelated = 6;
 constexpr Index kLeastShaped = 8;
 
-/// Degrees of freedom of Pearson's correlation with the variance of this lag's.
+/// Degrees of freedom of Pearson's correlation with the variance at this lag.
 double degrees_of(Index samples, Index lag) {
   const auto n = static_cast<double>(samples), k = static_cast<double>(lag);
   return n * (n + 2) / (n - k) - 1;
@@ -52,7 +52,8 @@ double kurtosis_p(double kurtosis, Index samples) {
   const double x = (kurtosis + 3 - 3 * (n - 1) / (n + 1)) / std::sqrt(variance);
   const double skewness = 6 * (n * n - 5 * n + 2) / ((n + 7) * (n + 9)) *
                           std::sqrt(6 * (n + 3) * (n + 5) / (n * (n - 2) * (n - 3)));
-  // The cube root of a quotient with A degrees of freedom is nearly normal (Wilson and Hilferty).
+  // The cube root of a quotient with A degrees of freedom is approximately normal (Wilson and
+  // Hilferty).
   const double A = 6 + 8 / skewness * (2 / skewness + std::sqrt(1 + 4 / (skewness * skewness)));
   const double denominator = 1 + x * std::sqrt(2 / (A - 4));
   if (!(denominator > 0)) return 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a flight program does when the motors cannot produce the wrench that its law commands.
+/// The behaviour of flight code if the motors cannot produce the commanded wrench.
 /// Theory: docs/theory.md, "Commands beyond the motors".
 #pragma once
 
@@ -12,42 +12,45 @@
 
 namespace quadtune {
 
-/// Which part of a wrench is given up when the motors cannot produce all of it.
+/// The rule by which a wrench is reduced if the motors cannot produce all of it.
 enum class AllocationRule {
-  /// Yaw torque first, then thrust; roll and pitch torque last and in proportion to each other. The
-  /// thrust is raised or lowered as far as roll and pitch torque need it.
+  /// Reduces yaw torque first, then thrust; roll and pitch torque last and in proportion to each
+  /// other. The thrust is raised or lowered as far as roll and pitch torque require it.
   prioritized,
-  clipped,  ///< each motor's command is cut at its own limit, as the source programs do
+  /// Saturates each motor's command at its own limit, as the source programs do.
+  clipped,
 };
 /// "prioritized", "clipped", and back.
 [[nodiscard]] std::string to_string(AllocationRule rule);
-/// @throws InvalidInput  naming the word and the two that exist.
+/// @throws InvalidInput  with the unknown name and the two valid ones.
 [[nodiscard]] AllocationRule allocation_rule(const std::string& name, const std::string& where);
 
-/// Set once: the range of each rotor's thrust as the flight program knows it.
+/// Settings: the range of each rotor's thrust as known to the flight code.
 template <class T>
 struct ThrustLimits {
   std::array<T, kMaxRotors> least{};     ///< [N]
   std::array<T, kMaxRotors> greatest{};  ///< [N]
-  T floor = T(0);  ///< collective thrust that a law does not go below [N], ≥ 0
+  /// Lower bound of the collective thrust [N], ≥ 0.
+  T floor = T(0);
 };
 
-/// Share of the weight below which no law takes the collective thrust under
-/// AllocationRule::prioritized: rotors that stand still take their lag to produce a torque again.
+/// Minimum collective thrust under AllocationRule::prioritized, as a fraction of the weight:
+/// stopped rotors would need their lag time before they produce a torque again.
 inline constexpr double kLeastCollective = 0.15;
 
-/// The thrusts at the least and the greatest command of the motors, and the floor.
+/// The thrusts at the minimum and maximum command of the motors, and the lower bound `floor`.
 /// @throws InvalidInput  as allocation()
 [[nodiscard]] ThrustLimits<double> thrust_limits(const Vehicle& vehicle);
 
-/// A wrench with which all rotors are within their limits, and whether it is another than asked.
+/// A wrench that all rotors can produce within their limits, and whether it differs from the
+/// request.
 template <class T>
 struct LimitedWrench {
   Eigen::Matrix<T, 4, 1> wrench = Eigen::Matrix<T, 4, 1>::Zero();  ///< [T τx τy τz]
   MaskOf<T> limited{};
 };
 
-/// Thrusts that an allocation gives to a wrench, before any limit [N].
+/// The thrusts that an allocation assigns to a wrench, before limits [N].
 template <class T>
 [[nodiscard]] RotorSpeeds<T> thrusts_of_wrench(const Allocation<T>& allocation,
                                                const Eigen::Matrix<T, 4, 1>& wrench) {
@@ -61,7 +64,7 @@ template <class T>
   return thrusts;
 }
 
-/// The wrench of thrusts: the inverse of thrusts_of_wrench() for thrusts that come from it.
+/// The wrench of thrusts: the inverse of thrusts_of_wrench() on its range.
 template <class T>
 [[nodiscard]] Eigen::Matrix<T, 4, 1> wrench_of_thrusts(const Allocation<T>& allocation,
                                                        const RotorSpeeds<T>& thrusts) {
@@ -72,19 +75,20 @@ template <class T>
   return wrench;
 }
 
-/// The wrench nearest to `asked` by AllocationRule::prioritized; `asked` itself, bit by bit, where
-/// the rotors can produce it. An entry that is not finite counts as out of reach.
+/// The wrench nearest to `asked` under AllocationRule::prioritized. Returns `asked` unchanged, bit
+/// by bit, if the rotors can produce it. An entry that is not finite counts as infeasible.
 ///
 /// 1. Roll and pitch torque are multiplied by the largest factor, at most 1, for which some
 ///    collective thrust keeps all rotors within their limits.
-/// 2. The thrust is moved into the range in which they are, not below the floor where that range
-///    allows it.
-/// 3. The yaw torque is multiplied by the largest factor, at most 1, that then remains.
+/// 2. The thrust is moved into that range of collective thrusts, and not below the floor if the
+/// range allows it.
+/// 3. The yaw torque is multiplied by the largest factor, at most 1, that is then feasible.
 template <class T>
 [[nodiscard]] LimitedWrench<T> prioritized(const Allocation<T>& allocation,
                                            const ThrustLimits<T>& limits,
                                            const Eigen::Matrix<T, 4, 1>& asked) {
-  // A limit counts as kept within this share of the weight, so that rounding limits nothing.
+  // Limits are checked with this fraction of the weight as tolerance, so that rounding does not
+  // saturate.
   const T slack = T(1e-9) * allocation.wrench0(0);
   LimitedWrench<T> result{asked, false};
   MaskOf<T> within = asked(0) >= limits.floor;
@@ -97,7 +101,8 @@ template <class T>
   result.limited = negated(within);
   if (!any(result.limited)) return result;
 
-  // Rotor i carries b + e T + s d of the collective T and of the share s of roll and pitch torque.
+  // The thrust of rotor i is b + e T + s d for collective thrust T and fraction s of roll and pitch
+  // torque.
   const T x = select(is_finite(asked(1)), asked(1), T(0));
   const T y = select(is_finite(asked(2)), asked(2), T(0));
   const T z = select(is_finite(asked(3)), asked(3), T(0));
@@ -143,7 +148,7 @@ template <class T>
   return result;
 }
 
-/// The wrench that is left where each rotor's thrust is cut at its own limit.
+/// The wrench that results if each rotor's thrust saturates at its own limit.
 template <class T>
 [[nodiscard]] LimitedWrench<T> clipped(const Allocation<T>& allocation,
                                        const ThrustLimits<T>& limits,

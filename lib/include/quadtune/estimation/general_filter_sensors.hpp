@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What each sensor measures as a function of the general filter's state. Theory: "The general
-/// filter".
+/// Measurement equations: each sensor's output as a function of the general filter's state. Theory:
+/// "The general filter".
 #pragma once
 
 #include <limits>
@@ -15,12 +15,12 @@ namespace quadtune::general_filter_internal {
 template <class Value, class T>
 struct Due {
   Value value{};
-  T ago = T(0);  ///< how long before the horizon it was taken [s]
+  T ago = T(0);  ///< time between the sample and the horizon [s]
   MaskOf<T> due{};
 };
 
-/// Stores this period's sample and returns the one that the horizon has reached in this period.
-/// @param horizon  in control periods
+/// Stores this period's sample and returns the sample whose time the horizon has reached.
+/// @param horizon  lag of the horizon [control periods]
 template <class Value, class T, class Queue>
 [[nodiscard]] Due<Value, T> pass(Queue& queue, const Sample<Value, T>& sample,
                                  const MaskOf<T>& fresh, double lag, double dt, int horizon) {
@@ -32,8 +32,9 @@ template <class Value, class T, class Queue>
   newest.came = fresh;
   Due<Value, T> due;
   due.value = sample.value;
-  const double slack = 1e-9;            // instants nearer than this are the same [s]
-  for (int j = horizon; j >= 0; --j) {  // of two samples that are due at once the newer one counts
+  const double slack = 1e-9;  // shorter time differences are rounding [s]
+  // of two samples that are due at once, the newer one is used
+  for (int j = horizon; j >= 0; --j) {
     const Waiting<Value, T>& waiting = queue[j];
     if (!any(waiting.came)) continue;
     const T ago = waiting.age - T((horizon - j) * dt);
@@ -49,7 +50,7 @@ template <class Value, class T, class Queue>
   return due;
 }
 
-/// What the sensors of one period share.
+/// Data that all sensors use within one period.
 template <class T>
 struct Period {
   const GeneralFilterSettings& settings;
@@ -59,12 +60,12 @@ struct Period {
   Estimate<T>& seen;
 
   [[nodiscard]] Past<T> past(const T& ago) const {
-    // Rounding of sample times is not the past.
+    // A sample time before the horizon by rounding only counts as that of the horizon.
     return past_motion(settings, state, gyro, force, select(ago > T(1e-9), ago, T(0)));
   }
 };
 
-/// Corrects by one scalar of the past or of the horizon.
+/// Corrects by one scalar measured at the horizon or before it.
 template <unsigned groups, class T>
 void correct_at(const Period<T>& period, const Past<T>& past, Row<T> row, const T& e, const T& R,
                 const MaskOf<T>& fresh, std::size_t scalar, int doubted, Correction<T>& correction,
@@ -80,7 +81,7 @@ void correct_at(const Period<T>& period, const Past<T>& past, Row<T> row, const 
 }
 
 /// Optical flow: flow_x = (v_z d_x a - v_x d_z)/h - w_y (1 + a), flow_y = (v_z d_y b - v_y d_z)/h +
-/// w_x (1 + b), with v and the world's down d in body axes.
+/// w_x (1 + b), with the velocity v and the unit vector d pointing down, both in body axes.
 template <class T>
 void use_flow(const Period<T>& period, const Due<Eigen::Matrix<T, 2, 1>, T>& sample) {
   if (!any(sample.due)) return;
@@ -96,7 +97,7 @@ void use_flow(const Period<T>& period, const Due<Eigen::Matrix<T, 2, 1>, T>& sam
   Correction<T> correction;
   for (int axis = 0; axis < 2; ++axis) {
     const T c = T(aid.mean_square(axis));
-    const int turning = 1 - axis;  // the axis whose rate moves the image
+    const int turning = 1 - axis;  // the axis whose rate moves the image in this direction
     const T sign = T(axis == 0 ? -1 : 1);
     const T translation = (v.z() * d(axis) * c - v(axis) * d.z()) * inverse;
     const T expected = translation + sign * past.rates(turning) * (T(1) + c);
@@ -139,7 +140,8 @@ void use_range(const Period<T>& period, const Due<T, T>& sample) {
   const T expected = -past.motion.position.z() * inverse;
   Row<T> row;
   row.position(2) = -inverse;
-  // by d_z: -range/d_z, and g × e_z for g = R (0, 0, that)
+  // The derivative with respect to d_z is -range/d_z, and the row is g × e_z for g = R (0, 0,
+  // -range/d_z).
   const T slope = -expected * inverse;
   row.turn(0) = R(1, 2) * slope;
   row.turn(1) = -R(0, 2) * slope;
@@ -150,7 +152,7 @@ void use_range(const Period<T>& period, const Due<T, T>& sample) {
   apply(correction, period.state);
 }
 
-/// Barometer: height + its offset.
+/// Barometer: height plus the barometer's offset.
 template <class T>
 void use_pressure(const Period<T>& period, const Due<T, T>& sample) {
   if (!any(sample.due)) return;
@@ -172,9 +174,9 @@ void use_pressure(const Period<T>& period, const Due<T, T>& sample) {
   apply(correction, period.state);
 }
 
-/// Magnetometer: the direction of the field's horizontal part is that of magnetic north. The row
-/// has the expected field, not the measured one: the noise of a row that has the measured one is
-/// correlated with the innovation, which pulls the tilt away.
+/// Magnetometer: the horizontal part of the field points to magnetic north. The row uses the
+/// expected field, not the measured one: the noise of a row made of the measured field is
+/// correlated with the innovation, which biases the tilt.
 template <class T>
 void use_heading(const Period<T>& period, const Due<Vector3<T>, T>& sample) {
   if (!any(sample.due)) return;
@@ -196,7 +198,7 @@ void use_heading(const Period<T>& period, const Due<Vector3<T>, T>& sample) {
   apply(correction, period.state);
 }
 
-/// A position or velocity in the world.
+/// Position or velocity in world axes.
 /// @tparam group  kP or kV
 template <unsigned group, class T>
 void use_vector(const Period<T>& period, const Aid& aid, const Due<Vector3<T>, T>& sample,
@@ -217,16 +219,17 @@ void use_vector(const Period<T>& period, const Aid& aid, const Due<Vector3<T>, T
   apply(correction, period.state);
 }
 
-/// A vehicle that stands has neither velocity nor rates, and its accelerometer shows gravity.
+/// Vehicle on the ground: velocity and rates are zero, and the accelerometer measures gravity.
 template <class T>
 void use_standing(const Period<T>& period, const Vector3<T>& rates, const MaskOf<T>& rates_fresh,
                   const Vector3<T>& force, const MaskOf<T>& force_fresh,
                   const MaskOf<T>& standing) {
-  // That the vehicle stands is known, so a large innovation is a large bias: nothing is rejected.
+  // The vehicle is known to stand still, so a large innovation means a large bias: nothing is
+  // rejected.
   GeneralFilterSettings settings = period.settings;
   settings.gate = std::numeric_limits<double>::infinity();
   GeneralFilterState<T>& state = period.state;
-  // These are not sensors, so they are not counted among the innovations.
+  // These are not sensors and must not contribute to the innovation statistics of the estimate.
   Estimate<T> unseen;
   MaskOf<T> used{};
   Correction<T> correction;

@@ -1,26 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Measures a flight while it is flown. Fed once per control period, at t, with what holds there;
-/// each period counts for its dt. One template over the scalar: a Pack measures several flights.
+/// Computes the metrics of a flight during the simulation. add() is called once per control period
+/// with the values at its beginning t; each period has the weight dt. One template over the scalar:
+/// a Pack evaluates several flights.
 ///
-/// Let p be the true position, r the reference's, ψ the yaws, ‖·‖ the Euclidean norm. In periods of
-/// FlightPhase::flying the error is e = p - r; where the reference asks for attitude and height
-/// instead of position, it is the vertical part alone. Yaw errors are taken the shorter way round.
+/// Let p be the true position, r the position of the reference, ψ the yaw angles, ‖·‖ the Euclidean
+/// norm. In periods of FlightPhase::flying the error is e = p - r; while the reference asks for
+/// attitude and height instead of position, e is its vertical part only. Yaw errors are wrapped to
+/// ±π.
 ///
 /// **Steps and holds.** A *step* is a period in which flying begins, or in which r differs from the
-/// one of the period before, moved on by its velocity, by more than the band (SettlingRule), or the
-/// yaw reference from the one before by more than its band. The reference *moves* in a period in
-/// which it has a velocity or differs by more than 1e-9 m or rad from the one before. It *holds*
-/// from a step, or from the period after it last moved, to the period before it moves again,
-/// position is no longer asked for, or flying or the flight ends. Only holds that last
-/// at least the window (less 1 µs for rounding, here and below) are judged:
+/// previous r, extrapolated by its velocity, by more than the band (SettlingRule), or the yaw
+/// reference differs from the previous one by more than its band. The reference *moves* in a period
+/// in which it has a velocity or differs from the previous one by more than 1e-9 m or rad. It
+/// *holds* from a step, or from the period after it last moved, to the last period before it moves
+/// again, position is no longer requested, or flying or the flight ends. Only holds that last at
+/// least the window are evaluated. Here and below, 1 µs is subtracted from the window because of
+/// rounding.
 ///
-/// | settling_time    | from the hold's beginning to the end of the last period with ‖e‖ > band or
-/// |                  | |yaw error| > yaw band (the settled bands where they are wider), 0 if there
-/// is none; the longest of all holds; |                  | infinite where the last period of a hold
-/// is such a one | overshoot        | max of (p - r)·d / s over holds that began with a step, d the
-/// direction and |                  | s the distance from p in the step's period to r; 0 where r
-/// was never passed; |                  | only for s > band | yaw_overshoot    | likewise of the
-/// yaw
+/// | settling_time    | from the beginning of the hold to the end of the last period with
+/// |                  | ‖e‖ > band or |yaw error| > yaw band (the settled bands if they are
+/// |                  | wider), 0 if there is no such period; the maximum over all holds; infinite
+/// |                  | if the last period of a hold is such a period
+/// | overshoot        | max of (p - r)·d / s over holds that began with a step, where d is the
+/// |                  | direction and s the distance from p in the period of the step to r; 0 if r
+/// |                  | was never passed; only for s > band
+/// | yaw_overshoot    | the same for the yaw
 ///
 /// **Tracking**, over periods that begin at least the window after the last step:
 ///
@@ -33,20 +37,21 @@
 /// | duration         | Σ dt
 /// | tilt_max         | of the angle between body z and world z, arccos(cos roll cos pitch)
 /// | speed_max        | of the speed
-/// | saturation_time  | Σ dt where some motor was at a limit
+/// | saturation_time  | Σ dt of periods in which a motor was at a limit
 /// | energy           | Σ power dt
-/// | estimate_rms, _max | of ‖believed - true position‖
-/// | position_drift   | horizontal distance of (believed - true position) in the last period from
+/// | estimate_rms, _max | of ‖estimated - true position‖
+/// | position_drift   | horizontal distance of (estimated - true position) in the last period from
 /// |                  | that in the first
 /// | final_distance   | ‖p - r‖ in the last period
-/// | touchdown_speed  | whenever the height sinks to kGroundHeight or below after it was above
-/// |                  | kAirborneHeight: the mean downward speed from the last period but one
-/// before |                  | to the last before; the greatest of all
-/// | height_peak      | max of (height - the highest reference so far) over periods of
-/// |                  | FlightPhase::take_off and flying, at least 0: how far a take-off overshoots
+/// | touchdown_speed  | maximum over all touchdowns, where the height decreases to kGroundHeight or
+/// |                  | below after it exceeded kAirborneHeight: the mean downward speed between
+/// |                  | the last two periods before the touchdown
+/// | height_peak      | max of (height - highest reference so far) over periods of
+/// |                  | FlightPhase::take_off and flying, at least 0: the overshoot of a take-off
 ///
-/// A root mean square is √(Σ ‖·‖² dt / Σ dt). A figure without a period to take it from is NaN.
-/// Once a state, an estimate or the power is not finite, everything but the duration is.
+/// A root mean square is √(Σ ‖·‖² dt / Σ dt). A metric without any period to compute it from is
+/// NaN. After a state, an estimate or the power was not finite, all metrics except the duration are
+/// NaN.
 #pragma once
 
 #include <Eigen/Core>
@@ -63,12 +68,12 @@
 
 namespace quadtune {
 
-/// Heights of the centre of mass [m], counted from where it is at rest on the ground: at or below
-/// the first the vehicle stands there, above the second it flies.
+/// Heights of the centre of mass [m] relative to its height at rest on the ground. The vehicle is
+/// on the ground at or below the first, and airborne above the second.
 inline constexpr double kGroundHeight = 0.02;
 inline constexpr double kAirborneHeight = 0.1;
 
-/// The figures of one flight, or of one a lane. Lanes do not see each other.
+/// The metrics of one flight, or of one flight per lane. Lanes are independent of each other.
 template <class T>
 class FlightMetrics {
  public:
@@ -77,23 +82,23 @@ class FlightMetrics {
 
   explicit FlightMetrics(const SettlingRule& rule = {}) : rule_(rule) {}
 
-  /// One control period.
+  /// Processes one control period.
   /// @param t          its beginning [s];  @param dt  its length [s], > 0
-  /// @param x          true state;  @param estimate  what the vehicle believes
-  /// @param reference  what it is asked for; phase and kind are those of every lane
-  /// @param saturated  whether some motor is at a limit
+  /// @param x          true state;  @param estimate  of the flight program
+  /// @param reference  set point; phase and kind are the same in every lane
+  /// @param saturated  whether a motor is at a limit
   /// @param power      of the motors [W]
-  /// @param counts     false in a lane whose flight has ended: it stays as it is
-  /// @param motors_off  true in a lane whose flight is over while those of others go on
+  /// @param counts     false in a lane whose flight has ended; its metrics do not change any more
+  /// @param motors_off  true in a lane whose flight has ended while other lanes continue
   void add(double t, double dt, const StateVector<T>& x, const Estimate<T>& estimate,
            const Reference<T>& reference, const Mask& saturated, const T& power,
            const Mask& counts = Mask(true), const Mask& motors_off = Mask(false));
 
-  /// The figures of one lane so far.
+  /// The metrics of one lane so far.
   [[nodiscard]] MetricValues values(int which = 0) const;
 
  private:
-  // A sum of squares over time, and the greatest square.
+  // Integral of squares over time, and the maximum square.
   struct Squares {
     T sum = T(0);
     T most = T(0);
@@ -112,9 +117,9 @@ class FlightMetrics {
     }
   };
 
-  // Sums of control periods fall this short of a window that they make up [s].
+  // Tolerance when a sum of control periods is compared with the window [s].
   static constexpr double kRounding = 1e-6;
-  // A reference that moves by less in a period stands still [m, rad].
+  // A reference that moves by less than this per period counts as constant [m, rad].
   static constexpr double kStill = 1e-9;
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   static constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -122,7 +127,7 @@ class FlightMetrics {
   [[nodiscard]] static T squared(const T& x, const T& y, const T& z) {
     return x * x + y * y + z * z;
   }
-  // The same angle within ±π, for |angle| < 2⁵⁰; both directions are equally near at ±π.
+  // The angle wrapped to ±π, for |angle| < 2⁵⁰; at ±π either sign is possible.
   [[nodiscard]] static T wrapped(const T& angle) {
     constexpr double kMagic = 6755399441055744.0;  // 1.5 · 2⁵²: adding it rounds to an integer
     const T turns = (angle * T(0.5 / std::numbers::pi) + T(kMagic)) - T(kMagic);
@@ -145,10 +150,10 @@ class FlightMetrics {
 
   SettlingRule rule_;
   T duration_ = T(0);
-  Mask spoilt_ = Mask(false);  ///< something was not finite
+  Mask spoilt_ = Mask(false);  ///< a value was not finite
 
-  // Holds: the one that lasts now, and the worst so far.
-  Mask flew_ = Mask(false);  ///< whether the period before was one of flying
+  // The current hold, and the worst values of all holds so far.
+  Mask flew_ = Mask(false);  ///< whether the previous period was one of flying
   Vector3<T> reference_ = Vector3<T>::Zero();
   T reference_yaw_ = T(0);
   Mask holds_ = Mask(false);
@@ -156,7 +161,7 @@ class FlightMetrics {
   T hold_begin_ = T(0);
   T hold_end_ = T(0);           ///< of the latest period
   T outside_until_ = T(0);      ///< end of the last period outside the band
-  Mask outside_ = Mask(false);  ///< whether the latest period is
+  Mask outside_ = Mask(false);  ///< whether the latest period is outside the band
   Vector3<T> direction_ = Vector3<T>::Zero();
   T step_ = T(0);
   T passed_ = T(0);
@@ -183,12 +188,12 @@ class FlightMetrics {
 
   Mask airborne_ = Mask(false);
   T height_before_ = T(0);
-  T sinking_ = T(0);  ///< mean downward speed between the two periods before
+  T sinking_ = T(0);  ///< mean downward speed between the previous two periods
   Mask touched_ = Mask(false);
   T touchdown_ = T(0);
 
-  Mask rises_ = Mask(false);    ///< whether it took off, or flew, at all
-  T highest_reference_ = T(0);  ///< since then
+  Mask rises_ = Mask(false);    ///< whether the vehicle has taken off or flown
+  T highest_reference_ = T(0);  ///< since take-off
   T peak_ = T(0);
 };
 
@@ -198,7 +203,8 @@ void FlightMetrics<T>::add(double t, double dt, const StateVector<T>& x,
                            const Mask& saturated, const T& power, const Mask& counts,
                            const Mask& motors_off) {
   T sum = power;
-  for (int i = 0; i < 12; ++i) sum += x(i) * T(0) + estimate.x(i) * T(0);  // NaN where not finite
+  // NaN if any entry is not finite
+  for (int i = 0; i < 12; ++i) sum += x(i) * T(0) + estimate.x(i) * T(0);
   spoilt_ = either(spoilt_, both(counts, negated(is_finite(sum))));
 
   const Mask flying =
@@ -245,7 +251,7 @@ void FlightMetrics<T>::add_hold(double t, double dt, const StateVector<T>& x,
   const Mask begins = both(asked, either(step, both(negated(moved), negated(holds_))));
   holds_ = both(either(begins, holds_), either(begins, negated(ends)));
 
-  // p and r in the period in which the hold begins.
+  // p and r in the first period of the hold.
   const Vector3<T> off = x.template segment<3>(kPosition) - reference.position;
   const T distance = sqrt(squared(off(0), off(1), off(2)));
   const T yaw_off = wrapped(x(kAttitude + 2) - reference.yaw);
@@ -329,8 +335,9 @@ void FlightMetrics<T>::add_ground(double dt, const T& height, const Mask& counts
 
 template <class T>
 void FlightMetrics<T>::add_tilt(const T& roll, const T& pitch, const Mask& counts) {
-  // On a sphere the third side of a right-angled triangle is at most what it is on a plane, so a
-  // greater tilt than any before is rare, and its sines need not be packed.
+  // The angle between the axes is at most √(roll² + pitch²): on a sphere the hypotenuse of a right
+  // triangle is not longer than in the plane. A new maximum is therefore rare, and its sines need
+  // not be computed in lanes.
   const Mask may_be_greater = both(counts, roll * roll + pitch * pitch > tilt_ * tilt_);
   if (!any(may_be_greater)) return;
   for (int i = 0; i < kLanesOf<T>; ++i) {

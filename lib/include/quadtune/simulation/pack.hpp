@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Several numbers that are computed with as one: each lane is a flight of its own.
+/// SIMD packs: several numbers that are computed with as one. Each lane belongs to a separate
+/// flight.
 ///
-/// Every operation is that of IEEE 754 lane by lane, the functions below are sums and products of
-/// such operations, and nothing is contracted: what a lane computes does not depend on how many
-/// there are. A simulation over Pack<1> and one over Pack<8> give the same bytes.
+/// Every operation is the IEEE 754 operation in each lane, the functions below consist of such
+/// operations, and no operations are contracted (fused). The result of a lane therefore does not
+/// depend on the number of lanes: simulations over Pack<1> and Pack<8> give identical bytes.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,7 +21,7 @@
 
 namespace quadtune {
 
-/// Lanes that a register of the machine compiled for holds.
+/// Number of lanes of a register of the target machine.
 #if defined(__AVX512F__)
 inline constexpr int kPackLanes = 8;
 #elif defined(__AVX__)
@@ -42,11 +43,11 @@ struct PackTypes<1> {
   using Words = std::uint64_t;
 };
 
-/// One truth value a lane.
+/// One Boolean value per lane.
 template <int N>
 struct Mask {
   using Bits = typename PackTypes<N>::Bits;
-  Bits bits{};  ///< all ones or zero, lane by lane
+  Bits bits{};  ///< all ones or all zeros in each lane
 
   Mask() = default;
   Mask(bool value) : bits(Bits{} - (value ? 1 : 0)) {}  // NOLINT: a constant is a mask too
@@ -94,7 +95,7 @@ struct Pack {
   Numbers v;
 
   Pack() = default;
-  // Written out so that numbers are copied as numbers, not as bytes: GCC then keeps more of them in
+  // Explicit copy operations copy numbers rather than bytes, so that GCC keeps more of them in
   // registers.
   Pack(const Pack& other) : v(other.v) {}
   Pack& operator=(const Pack& other) {
@@ -156,7 +157,7 @@ struct Pack {
     }
   }
 
-  /// Whole numbers of at most 2⁵² in size.
+  /// Converts integers of magnitude at most 2⁵².
   static Pack of_whole(Bits from) {
     if constexpr (N == 1) {
       return of(static_cast<double>(from));
@@ -164,7 +165,7 @@ struct Pack {
       return of(__builtin_convertvector(from, Numbers));
     }
   }
-  /// The bits of the numbers, to take their parts.
+  /// The bits of the numbers, for access to their exponents and mantissas.
   [[nodiscard]] Bits bits() const { return std::bit_cast<Bits>(v); }
   static Pack of_bits(Bits b) { return of(std::bit_cast<Numbers>(b)); }
 
@@ -182,10 +183,10 @@ struct Pack {
     for (int i = 0; i < N; ++i) set_lane(a, i, std::sqrt(lane(a, i)));
     return a;
   }
-  /// To the nearest integer, ties to even; |a| < 2⁵¹.
+  /// Rounds to the nearest integer, ties to even; |a| < 2⁵¹.
   friend Pack nearest(Pack a) {
     constexpr double kMagic = 6755399441055744.0;  // 1.5 · 2⁵²
-    // The sign of a zero aside, this is rounding.
+    // Rounding, except for the sign of a zero.
     return (a + kMagic) - kMagic;
   }
 };
@@ -197,7 +198,7 @@ struct MaskOfScalar<Pack<N>> {
 template <int N>
 inline constexpr int kLanesOf<Pack<N>> = N;
 
-/// f lane by lane, for what is rare.
+/// Applies f to each lane; for rare operations.
 template <int N, class Function>
 [[nodiscard]] Pack<N> map_lanes(Pack<N> a, Function&& f) {
   for (int i = 0; i < N; ++i) set_lane(a, i, f(lane(a, i)));
@@ -215,7 +216,7 @@ struct NumTraits<quadtune::Pack<N>> : NumTraits<double> {
   using Literal = double;
   enum { RequireInitialization = 0 };
 };
-/// A number times or over a matrix of packs is that number in every lane.
+/// Allows a double times or over a matrix of packs; the number applies to every lane.
 template <int N, class Operation>
 struct ScalarBinaryOpTraits<quadtune::Pack<N>, double, Operation> {
   using ReturnType = quadtune::Pack<N>;

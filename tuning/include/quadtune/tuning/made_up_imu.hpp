@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A made-up inertial sensor that is turned from pose to pose: logs whose calibration is known.
+/// A simulated inertial sensor that is rotated from pose to pose: logs whose calibration is known.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,23 +9,24 @@
 
 namespace quadtune {
 
-/// How the sensor is handled. It stands level, is turned about its own axes by quarter turns so
-/// that every axis points up and down, and then at random.
+/// How the sensor is moved. It starts level, is rotated about its own axes by quarter turns so that
+/// every axis points up and down, and then rotated at random.
 struct MadeUpImuOptions {
   std::uint64_t seed = 1;
-  int poses = 36;            ///< at least 2
-  double rate = 100;         ///< [Hz]
-  double still = 3;          ///< length of a pose [s]
-  double start = 6;          ///< length of the first one [s]
-  double turn = 1.5;         ///< length of a turn [s]
-  double noise = 1;          ///< times the noise of a small vehicle's sensors
-  bool upright = false;      ///< turns about the vertical alone: what such a log cannot tell
-  double warming = 0;        ///< from the first to the last pose [°C]
-  bool gyroscope = true;     ///< whether there is one
+  int poses = 36;     ///< number of poses, at least 2
+  double rate = 100;  ///< [Hz]
+  double still = 3;   ///< duration of a pose [s]
+  double start = 6;   ///< duration of the first pose [s]
+  double turn = 1.5;  ///< duration of a turn [s]
+  double noise = 1;   ///< factor on the noise of the sensors of a small vehicle
+  /// Rotate about the vertical only, for a log that determines few parameters
+  bool upright = false;
+  double warming = 0;        ///< temperature increase from the first to the last pose [°C]
+  bool gyroscope = true;     ///< whether the log has one
   bool magnetometer = true;  ///< likewise
 };
 
-/// raw = M⁻¹ true + b - d (t - t0) + noise, rounded to whole counts. The names as in
+/// raw = M⁻¹ true + b - d (t - t0) + noise, rounded to whole counts. The symbols are those of
 /// SensorCalibration.
 struct MadeUpSensor {
   Eigen::Matrix3d M = Eigen::Matrix3d::Identity();
@@ -34,16 +35,16 @@ struct MadeUpSensor {
 };
 
 struct MadeUpImu {
-  ImuLog log;  ///< counts, as the uquad's sensors give
+  ImuLog log;  ///< in counts, like the sensors of the uquad
   MadeUpSensor accelerometer, gyroscope, magnetometer;
-  double t0 = 25;  ///< reference temperature of the d [°C]
+  double t0 = 25;  ///< reference temperature of d [°C]
   double gravity = 9.80665;
 };
 
 /// @throws InvalidInput  for options out of range.
 [[nodiscard]] MadeUpImu make_up_imu(const MadeUpImuOptions& options = {});
 
-/// A record of a still gyroscope.
+/// A log of a stationary gyroscope.
 struct MadeUpGyroscope {
   Eigen::VectorXd rate;         ///< [rad/s]
   double sample_rate = 100;     ///< [Hz]
@@ -51,7 +52,7 @@ struct MadeUpGyroscope {
   double random_walk = 2e-5;    ///< [rad/s²/√Hz]
 };
 
-/// Half an hour of white noise and a random walk on a constant bias.
+/// Simulates half an hour of white noise and a random walk on a constant bias.
 [[nodiscard]] MadeUpGyroscope make_up_gyroscope(std::uint64_t seed = 1);
 
 }  // namespace quadtune

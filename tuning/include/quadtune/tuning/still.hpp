@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Raw logs of an inertial sensor, and where in them it stood still.
+/// Raw logs of an inertial sensor, and the stretches in which it is stationary.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,10 +9,10 @@
 
 namespace quadtune {
 
-/// What an inertial sensor recorded, as it came: counts, or any unit. A sensor that is absent has
-/// no columns.
+/// Raw samples of an inertial sensor, in counts or any unit. A sensor that is absent has no
+/// columns.
 struct ImuLog {
-  std::string name;                ///< of the file, for messages
+  std::string name;                ///< name of the file, for messages
   Eigen::VectorXd t;               ///< (n) [s], increasing
   Eigen::Matrix3Xd accelerometer;  ///< (3 × n)
   Eigen::Matrix3Xd gyroscope;      ///< (3 × n) or (3 × 0)
@@ -21,18 +21,18 @@ struct ImuLog {
 };
 
 /// @throws InvalidInput  naming the log and the sample: times that do not increase, columns of
-/// other
-///                       lengths, values that are not finite, no accelerometer, too few samples.
+///                       different lengths, values that are not finite, no accelerometer, too few
+///                       samples.
 void validate(const ImuLog& log);
 
-/// What counts as still. The threshold itself comes from the log.
+/// Criteria of a stationary stretch. The threshold itself is computed from the log.
 struct StillOptions {
-  double window = 0.25;   ///< length of the windows whose variances are compared [s]
-  double factor = 4;      ///< a still window's variance is at most so many times the quiet ones'
-  double shortest = 0.5;  ///< of a pose without its first and last window [s]
+  double window = 0.25;   ///< duration of the windows whose variances are compared [s]
+  double factor = 4;      ///< maximum variance of a stationary window relative to the quietest ones
+  double shortest = 0.5;  ///< minimum duration of a pose without its first and last window [s]
 };
 
-/// A stretch without motion, and the means over it.
+/// A stationary stretch, and the means over it.
 struct StillPose {
   std::size_t begin = 0;                                    ///< first sample
   std::size_t end = 0;                                      ///< one past the last
@@ -42,34 +42,34 @@ struct StillPose {
   double temperature = 0;                                   ///< [°C]; 0 where absent
 };
 
-/// The still poses of a log, and what made them so.
+/// The stationary poses of a log, and the thresholds of their detection.
 struct StillDetection {
-  std::vector<StillPose> poses;  ///< in the order of time
-  /// Standard deviations within a window, all axes together, up to which it is still [raw].
+  std::vector<StillPose> poses;  ///< in time order
+  /// Maximum standard deviation within a stationary window, all axes combined [raw].
   double accelerometer_threshold = 0;
-  double gyroscope_threshold = 0;  ///< likewise; 0 where there is no gyroscope
-  /// Standard deviations of one axis within the quietest windows: the sensors' noise [raw].
+  double gyroscope_threshold = 0;  ///< likewise; 0 if there is no gyroscope
+  /// Standard deviation of one axis within the quietest windows: the noise of the sensors [raw].
   double accelerometer_noise = 0;
   double gyroscope_noise = 0;
 };
 
-/// Cuts the log into windows and takes those for still in which neither the accelerometer's nor the
-/// gyroscope's variance is more than `factor` times that of the quietest tenth of all windows, and
-/// in which the gyroscope says what it says in most of them (a steady turn has no variance either).
-/// The first and last window of a stretch are given up, since a motion begins or ends somewhere in
-/// them.
+/// Splits the log into windows. A window is stationary if neither the variance of the accelerometer
+/// nor that of the gyroscope exceeds `factor` times that of the quietest tenth of all windows, and
+/// if the mean of the gyroscope agrees with that of most such windows (a steady turn has no
+/// variance either). The first and last window of a stretch are discarded, since a motion begins or
+/// ends in them.
 ///
 /// @throws InvalidInput  as validate(), and for options out of range or a log shorter than ten
 ///                       windows.
 [[nodiscard]] StillDetection find_still(const ImuLog& log, const StillOptions& options = {});
 
-/// What a gyroscope says before the motors start: the mean of its first samples, which the uquad
-/// flight program takes off.
+/// Offset of a gyroscope before the motors start: the mean of its first samples, which the uquad
+/// flight program subtracts.
 struct StartUpOffset {
   static constexpr Eigen::Index kSamples = 512;
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< raw
   Eigen::Vector3d error = Eigen::Vector3d::Zero();   ///< standard error, from the means of 16 parts
-  bool still = false;  ///< whether all of these samples are within the first still pose
+  bool still = false;  ///< whether all of these samples are within the first stationary pose
 };
 
 /// @throws InvalidInput  for a log without gyroscope or with fewer than 512 samples.
