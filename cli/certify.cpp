@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "arguments/flight_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
@@ -19,8 +21,10 @@ namespace {
 
 struct Options {
   std::string directory, vehicle, controller;
-  std::string mass = "0.9:1.1", inertia = "0.8:1.2", thrust = "0.9:1.1", plant = "flown";
-  std::string delay, lag, integrator;  // empty: up to one period, the vehicle's, the export's
+  std::string plant = "flown";
+  std::optional<std::string> mass, inertia, thrust;  // none: of [spread], or usual ratios
+  std::optional<std::string> delay, lag;             // none: up to one period, the vehicle's
+  std::string integrator;                            // empty: the export's
   std::uint64_t budget = 20000;
 };
 
@@ -29,11 +33,11 @@ CertifyOptions certify_options(const Options& options, const Context& context) {
   CertifyOptions certify;
   certify.vehicle = options.vehicle;
   certify.controller = options.controller;
-  certify.mass = uncertain_ratios(options.mass, "mass");
-  certify.inertia = uncertain_ratios(options.inertia, "inertia");
-  certify.thrust = uncertain_ratios(options.thrust, "thrust");
-  if (!options.delay.empty()) certify.delay = uncertain_delay(options.delay, "delay");
-  if (!options.lag.empty()) certify.lag = uncertain_lag(options.lag, "lag");
+  if (options.mass) certify.mass = uncertain_ratios(*options.mass, "mass");
+  if (options.inertia) certify.inertia = uncertain_ratios(*options.inertia, "inertia");
+  if (options.thrust) certify.thrust = uncertain_ratios(*options.thrust, "thrust");
+  if (options.delay) certify.delay = uncertain_delay(*options.delay, "delay");
+  if (options.lag) certify.lag = uncertain_lag(*options.lag, "lag");
   if (!options.integrator.empty())
     certify.integrator = pid_method(options.integrator, "--integrator");
   certify.flown = asks_for_flown_plant(options.plant);
@@ -61,15 +65,19 @@ void run_certify(Options& options, Context& context) {
 
 void add_options(CommandLine& line, Options& options) {
   line.add_option("DIR", options.directory, "an export's directory");
-  line.add_option("--mass LOW:HIGH", options.mass, "ratios of the mass (default 0.9:1.1)");
-  line.add_option("--inertia LOW:HIGH", options.inertia,
-                  "ratios of each principal moment (default 0.8:1.2)");
-  line.add_option("--thrust LOW:HIGH", options.thrust,
-                  "ratios of the rotors' thrust and drag torque (default 0.9:1.1)");
+  line.add_option("--mass LOW:HIGH", options.mass,
+                  "ratios of the mass (default of the vehicle's [spread], or 0.9:1.1)");
+  line.add_option(
+      "--inertia LOW:HIGH", options.inertia,
+      "ratios of each principal moment (default of the vehicle's [spread], or 0.8:1.2)");
+  line.add_option(
+      "--thrust LOW:HIGH", options.thrust,
+      "ratios of the rotors' thrust and drag torque (default of the vehicle's [spread], or "
+      "0.9:1.1)");
   line.add_option("--delay LOW:HIGH", options.delay,
                   "delay of the loop beyond the hold [s] (default 0 to one period)");
   line.add_option("--lag LOW:HIGH", options.lag,
-                  "time constant of the motors [s] (default the vehicle's)");
+                  "time constant of the motors [s] (default the vehicle's, with its [spread])");
   line.add_option("--controller NAME", options.controller,
                   "state-feedback (or lqr), cascaded-pid (or pid); all of the export if absent");
   line.add_option("--integrator METHOD", options.integrator,

@@ -1,35 +1,157 @@
 // SPDX-License-Identifier: Apache-2.0
-/// quadtune vehicle: the built-in vehicles, one in full, or whether a file is right.
+/// quadtune vehicle: lists and shows vehicles, checks a vehicle file, writes a new one.
+#include <fmt/format.h>
 
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "arguments/flight_arguments.hpp"
 #include "program/command_line.hpp"
 #include "program/program.hpp"
 #include "program/refusal.hpp"
+#include "quadtune/errors.hpp"
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/suggest.hpp"
+#include "quadtune/internal/text_file.hpp"
+#include "quadtune/internal/words.hpp"
+#include "quadtune/workbench/vehicle/new_vehicle.hpp"
+#include "quadtune/workbench/vehicle/quantity.hpp"
 #include "quadtune/workbench/vehicle/vehicle_check.hpp"
+#include "report/vehicles/new_vehicle_report.hpp"
 #include "report/vehicles/vehicle_report.hpp"
 
 namespace quadtune::cli {
 namespace {
 
+/// What `vehicle new` was told, as it was written.
+struct MeasuredWords {
+  std::optional<std::string> mass, arm, propeller, max_thrust, max_speed, hover_speed, lag, inertia;
+  std::optional<double> thrust_to_weight;
+  std::uint64_t rotors = 4, blades = 2;
+  std::string layout = "x", spin = "cw", sensors = "gps";
+  bool brushed = false, ask = false;
+};
+
 struct Options {
   std::string action, vehicle;
+  MeasuredWords measured;
 };
 
 void require_action(const Options& options) {
   const std::string& action = options.action;
-  if (action != "list" && action != "show" && action != "check")
-    refuse("vehicle", "ACTION", "{}, expected list, show V or check FILE{}",
-           action.empty() ? "no action came" : "'" + action + "'",
-           internal::did_you_mean(action, {"list", "show", "check"}));
+  if (action != "list" && action != "show" && action != "check" && action != "new")
+    refuse("vehicle", "ACTION", "{}, expected list, show V, check FILE or new NAME{}",
+           action.empty() ? "no action came" : "'" + internal::printable(action) + "'",
+           internal::did_you_mean(action, {"list", "show", "check", "new"}));
   if (action == "list" && !options.vehicle.empty())
     refuse("vehicle", options.vehicle, "unexpected argument '{}' after list", options.vehicle);
+  if (action == "new" && options.vehicle.empty())
+    refuse("vehicle", "V", "new needs a name for the vehicle");
   if (action != "list" && options.vehicle.empty())
     refuse("vehicle", "V", "{} needs a built-in vehicle's name or a file", action);
 }
 
-void run_vehicle(const Options& options, Context& context) {
+/// A question of --ask. An empty answer leaves the option as it is.
+void ask(Context& context, std::optional<std::string>& answer, const std::string& question) {
+  if (answer) return;
+  context.err << question << ": " << std::flush;
+  std::string line;
+  if (!std::getline(context.in, line)) return;
+  while (!line.empty() && (line.back() == ' ' || line.back() == '\r')) line.pop_back();
+  if (!line.empty()) answer = line;
+}
+
+void ask_all(MeasuredWords& words, Context& context) {
+  context.err << "Give each number with its unit. Press Enter to leave an optional number to an "
+                 "estimate.\n";
+  ask(context, words.mass, "Mass, ready to fly (e.g. 1240g)");
+  ask(context, words.arm, "Distance from the centre to the axis of a rotor (e.g. 225mm)");
+  ask(context, words.propeller, "Diameter of a propeller (e.g. 9.4in)");
+  ask(context, words.hover_speed, "Optional: rotor speed in hover (e.g. 5200rpm)");
+  ask(context, words.max_thrust, "Optional: largest thrust of one rotor (e.g. 760gf)");
+}
+
+std::optional<double> quantity(const std::optional<std::string>& word, QuantityUnit unit,
+                               const char* key) {
+  if (!word) return {};
+  return read_quantity(*word, unit, key);
+}
+
+/// "0.011kgm2,0.011kgm2,0.02kgm2": about body x, y and z.
+std::optional<Eigen::Vector3d> inertia_of(const std::optional<std::string>& word) {
+  if (!word) return {};
+  const std::vector<std::string> parts = internal::comma_separated(*word);
+  if (parts.size() != 3)
+    throw OptionError("inertia", fmt::format("inertia has {} entries, expected 3: about body x, y "
+                                             "and z, each with a unit such as kgm2 or gcm2",
+                                             parts.size()));
+  Eigen::Vector3d inertia;
+  for (int i = 0; i < 3; ++i)
+    inertia(i) =
+        read_quantity(parts[static_cast<std::size_t>(i)], QuantityUnit::inertia, "inertia");
+  return inertia;
+}
+
+/// One of two words.
+bool is_first(const std::string& word, const char* first, const char* second, const char* key) {
+  if (word != first && word != second)
+    throw OptionError(key, fmt::format("{} is '{}', expected {} or {}", key,
+                                       internal::printable(word), first, second));
+  return word == first;
+}
+
+int small_count(std::uint64_t count) { return count > 1000 ? 1000 : static_cast<int>(count); }
+
+MeasuredVehicle measured_vehicle(const Options& options) {
+  const MeasuredWords& words = options.measured;
+  MeasuredVehicle measured;
+  measured.name = options.vehicle;
+  measured.mass = *quantity(words.mass, QuantityUnit::mass, "mass");
+  measured.arm = *quantity(words.arm, QuantityUnit::length, "arm");
+  measured.propeller = *quantity(words.propeller, QuantityUnit::length, "propeller");
+  measured.rotors = small_count(words.rotors);
+  measured.blades = small_count(words.blades);
+  measured.layout =
+      is_first(words.layout, "x", "plus", "layout") ? FrameLayout::x : FrameLayout::plus;
+  measured.first_spin =
+      is_first(words.spin, "cw", "ccw", "spin") ? Spin::clockwise : Spin::counter_clockwise;
+  measured.sensors =
+      is_first(words.sensors, "gps", "flow", "sensors") ? SensorSet::gps : SensorSet::flow;
+  measured.brushed = words.brushed;
+  measured.max_thrust = quantity(words.max_thrust, QuantityUnit::force, "max-thrust");
+  measured.thrust_to_weight = words.thrust_to_weight;
+  measured.max_speed = quantity(words.max_speed, QuantityUnit::rotor_speed, "max-speed");
+  measured.hover_speed = quantity(words.hover_speed, QuantityUnit::rotor_speed, "hover-speed");
+  measured.motor_lag = quantity(words.lag, QuantityUnit::duration, "lag");
+  measured.inertia = inertia_of(words.inertia);
+  return measured;
+}
+
+void make_vehicle(Options& options, Context& context) {
+  MeasuredWords& words = options.measured;
+  if (words.ask) ask_all(words, context);
+  for (const auto& [word, option, example] :
+       {std::tuple{&words.mass, "--mass", "1240g"}, std::tuple{&words.arm, "--arm", "225mm"},
+        std::tuple{&words.propeller, "--propeller", "9.4in"}})
+    if (!*word)
+      refuse("vehicle", option, "new needs {}, such as {} {}; --ask asks for each number in turn",
+             option, option, example);
+  const NewVehicle made =
+      option_of_command("vehicle", [&] { return new_vehicle(measured_vehicle(options)); });
+  context.notes("vehicle: note: ", estimate_notes(made));
+  context.print([&] { return new_vehicle_json(made); }, [&] { return made.text; });
+}
+
+void run_vehicle(const CommandLine& line, Options& options, Context& context) {
   require_action(options);
+  if (options.action == "new") return make_vehicle(options, context);
+  line.refuse_given({"--mass", "--arm", "--propeller", "--rotors", "--layout", "--spin", "--blades",
+                     "--max-thrust", "--thrust-to-weight", "--max-speed", "--hover-speed", "--lag",
+                     "--inertia", "--sensors", "--brushed", "--ask"},
+                    "belongs to vehicle new");
   if (options.action == "list") {
     const std::vector<std::string> names = built_in_vehicles();
     context.print(
@@ -48,14 +170,42 @@ void run_vehicle(const Options& options, Context& context) {
 }
 
 void add_options(CommandLine& line, Options& options) {
-  line.add_option("ACTION", options.action, "list, show or check");
-  line.add_option("V", options.vehicle, "a built-in vehicle's name or a vehicle file");
+  MeasuredWords& words = options.measured;
+  line.add_option("ACTION", options.action, "list, show, check or new");
+  line.add_option("V", options.vehicle,
+                  "a built-in vehicle's name or a vehicle file; of new, a name");
+  line.add_option("--mass M", words.mass, "of new: mass ready to fly, with its unit (1240g)");
+  line.add_option("--arm L", words.arm, "of new: from the centre to a rotor's axis (225mm)");
+  line.add_option("--propeller D", words.propeller, "of new: diameter of a propeller (9.4in)");
+  line.add_count("--rotors N", words.rotors, 1, "of new: 4 (default), 6 or 8, evenly spaced");
+  line.add_option("--layout NAME", words.layout,
+                  "of new: x (default, two rotors in front) or plus (one in front)");
+  line.add_option("--spin NAME", words.spin,
+                  "of new: cw (default) or ccw, of the front left rotor of x, the front one of "
+                  "plus; the others alternate");
+  line.add_count("--blades N", words.blades, 1, "of new: of a propeller (default 2)");
+  line.add_option("--max-thrust F", words.max_thrust,
+                  "of new: thrust of one rotor at full command (760gf)");
+  line.add_positive("--thrust-to-weight N", words.thrust_to_weight,
+                    "of new: ratio at full command, instead of --max-thrust");
+  line.add_option("--max-speed W", words.max_speed,
+                  "of new: rotor speed at full command (9800rpm)");
+  line.add_option("--hover-speed W", words.hover_speed,
+                  "of new: mean rotor speed in hover (5200rpm)");
+  line.add_option("--lag T", words.lag, "of new: time constant of the motors (40ms)");
+  line.add_option("--inertia LIST", words.inertia,
+                  "of new: about body x, y and z (0.011kgm2,0.011kgm2,0.02kgm2)");
+  line.add_option("--sensors NAME", words.sensors,
+                  "of new: typical sensors to list: gps (default) or flow");
+  line.add_flag("--brushed", words.brushed, "of new: brushed motors, as in toys");
+  line.add_flag("--ask", words.ask, "of new: ask for what is not given");
 }
 
 }  // namespace
 
 Verb vehicle_verb() {
-  return {"vehicle", "list | show V | check FILE", "list, show or check vehicles",
+  return {"vehicle", "list | show V | check FILE | new NAME --mass M --arm L --propeller D",
+          "list, show or check vehicles, or write a file for a new one",
           "quadtune vehicle show mambo", with_options(add_options, run_vehicle)};
 }
 

@@ -36,6 +36,7 @@ Exporter flight_code_exporter() {
   Exporter exporter = json_exporter();
   exporter.target = export_target("c", "exporter");
   exporter.files = flight_code_files;
+  exporter.gain_files = {kGainsJsonName, kFlightCodeName, kScheduleJsonName};
   exporter.read_plain = {};
   exporter.weights_difference = {};  // written_again compares all of gains.json
   add_schedules(exporter);

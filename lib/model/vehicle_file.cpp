@@ -7,6 +7,7 @@
 
 #include "control/cascade_reader.hpp"
 #include "model/sensor_file.hpp"
+#include "model/spread_reader.hpp"
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/built_in.hpp"
 #include "quadtune/internal/joined.hpp"
@@ -328,6 +329,7 @@ Vehicle parse_vehicle(const std::string& text, const std::string& origin) {
               {"flight"},
               {"sensors"},
               {"battery"},
+              {"spread"},
               {"published_cascade"}});
   Vehicle vehicle;
   vehicle.text = text;
@@ -355,6 +357,7 @@ Vehicle parse_vehicle(const std::string& text, const std::string& origin) {
   }
   if (const auto table = file.maybe_table("battery"))
     vehicle.battery = internal::read_battery(*table);
+  if (const auto table = file.maybe_table("spread")) (void)internal::read_spread(*table);
   if (const auto table = file.maybe_table("published_cascade")) {
     std::vector<TomlKey> keys = internal::cascade_gain_keys();
     keys.push_back({"source"});

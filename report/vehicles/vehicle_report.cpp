@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "quadtune/exports/export.hpp"
 #include "quadtune/internal/json.hpp"
@@ -13,6 +14,7 @@
 #include "quadtune/model/mixer.hpp"
 #include "quadtune/model/sensors.hpp"
 #include "quadtune/model/vehicle.hpp"
+#include "quadtune/model/vehicle_spread.hpp"
 #include "quadtune/workbench/vehicle/vehicle_check.hpp"
 #include "report/text/print.hpp"
 #include "report/text/rows.hpp"
@@ -202,6 +204,23 @@ std::string battery_text(const std::optional<Battery>& battery) {
                          : "every speed falls with the voltage");
 }
 
+/// The stated members of a spread with their names.
+std::vector<std::pair<const char*, double>> stated(const VehicleSpread& spread) {
+  std::vector<std::pair<const char*, double>> all = {{"mass", spread.mass},
+                                                     {"inertia", spread.inertia},
+                                                     {"thrust", spread.thrust},
+                                                     {"motor_lag", spread.motor_lag}};
+  std::erase_if(all, [](const auto& one) { return !(one.second > 0); });
+  return all;
+}
+
+std::string spread_text(const VehicleSpread& spread) {
+  std::string text;
+  for (const auto& [name, half_width] : stated(spread))
+    text += fmt::format("{}{} {} %", text.empty() ? "" : ", ", name, number(100 * half_width));
+  return text + ": 95 % intervals about the numbers of the file";
+}
+
 std::string assumed_text(const Vehicle& vehicle) {
   std::string text;
   for (const AssumedValue& assumed : assumed_values(vehicle))
@@ -224,6 +243,8 @@ Json to_json(const Vehicle& vehicle) {
   json["assumed"] = Json::object();
   for (const AssumedValue& assumed : assumed_values(vehicle))
     json["assumed"][assumed.key] = assumed.value;
+  for (const auto& [name, half_width] : stated(spread_of(vehicle)))
+    json["spread"][name] = half_width;
   json["warnings"] = warnings_json(vehicle);
   json["derived"]["can_hover"] = hover.solved();
   if (hover.solved()) json["derived"]["hover_speed_rad_s"] = hover_speed(hover);
@@ -268,6 +289,8 @@ std::string to_text(const Vehicle& vehicle) {
                                              command_of_speed(vehicle.motor, hover_speed(hover)),
                                              vehicle.motor.unit, thrust_to_weight(vehicle))
                                : "impossible: " + hover.culprit);
+  if (const VehicleSpread spread = spread_of(vehicle); spread.stated())
+    text += section("spread", spread_text(spread));
   text += section("assumed", assumed_text(vehicle));
   return text + warnings_text(vehicle);
 }

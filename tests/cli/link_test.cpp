@@ -242,9 +242,9 @@ TEST(LinkSend, SendsNowhereByDefault) {
           "--local-port is 65536", "--local-port");
 }
 
-// The program prints what docs/cli.md shows.
+// The output of `link` is that of docs/cli/link.md.
 TEST(LinkPage, IsWhatComes) {
-  std::ifstream page(source_folder() + "/docs/cli.md");
+  std::ifstream page(source_folder() + "/docs/cli/link.md");
   const std::string start = "$ quadtune link ";
   std::size_t commands = 0;
   for (std::string line; std::getline(page, line);) {

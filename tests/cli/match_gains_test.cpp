@@ -104,8 +104,8 @@ TEST_F(MatchGainsVerb, SpeaksTheConventionThatIsAskedFor) {
   EXPECT_NEAR(number(weight(json, "Q_integral(yaw)")["value"]), 1, 1e-6);
 }
 
-// docs/cli.md: every weight that the published gains come from, but for the integral of the yaw,
-// whose mode is the slowest and was far from its end where the recursion stopped.
+// docs/cli/tune-lqr.md: every weight that the published gains come from, but for the integral of
+// the yaw, whose mode is the slowest and was far from its end where the recursion stopped.
 TEST_F(MatchGainsVerb, FindsTheWeightsOfThePublishedGains) {
   const std::string file = (folder_.path() / "matched.toml").string();
   const ProgramResult result = match(kDesign, {"--R", "0.01", "--json", "-o", file});
@@ -166,11 +166,11 @@ TEST_F(MatchGainsVerb, TellsPeopleTheSame) {
   EXPECT_THAT(result.out, Not(HasSubstr("not seen")));
 }
 
-// The lines of docs/cli.md that are not left out there.
+// The lines of docs/cli/tune-lqr.md that are not left out there.
 TEST_F(MatchGainsVerb, PrintsWhatTheDocsShow) {
   std::filesystem::current_path(testing::source_folder());
   const std::string out = match("designs/uquad-hover.toml", {"--R", "0.01"}).out;
-  std::ifstream page("docs/cli.md");
+  std::ifstream page("docs/cli/tune-lqr.md");
   int shown = 0;
   bool here = false, inside = false;
   for (std::string line; std::getline(page, line);) {

@@ -1,13 +1,13 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
-# licences_test.sh PROGRAM SOURCE: the table under "## Licence" of the README names every library that
+# licences_test.sh PROGRAM SOURCE: the table under "## Licence" of docs/licences.md names every library that
 # the program needs, its own and theirs, and every library whose headers are compiled in.
 #
 # It may name more, e.g. other builds of one library.
 set -euo pipefail
 program=$1
 source=$2
-section=$(sed -n '/^## Licence/,/^## /p' "$source/README.md")
+section=$(sed -n '/^## Licence/,/^## /p' "$source/docs/licences.md")
 failed=0
 
 # named WORD WHERE: a row of the table has the word in backticks or as its first column.

@@ -16,6 +16,7 @@
 #include "quadtune/internal/json.hpp"
 #include "quadtune/internal/text_file.hpp"
 #include "quadtune/internal/toml_reader.hpp"
+#include "quadtune/simulation/spread_uncertainty.hpp"
 #include "quadtune/version.hpp"
 #include "quadtune/workbench/campaign/campaign_file.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
@@ -204,6 +205,7 @@ class PlanMaker {
 
   MadeCampaign make() {
     const Vehicle vehicle = vehicle_of(request_);
+    add_spread(vehicle, request_.uncertainty);
     CampaignPlan& plan = made_.plan;
     plan.name = request_.name;
     plan.shards = shard_count();

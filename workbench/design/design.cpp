@@ -16,6 +16,7 @@
 #include "quadtune/workbench/design/linearize_or_refuse.hpp"
 #include "quadtune/workbench/design/lqi_report.hpp"
 #include "quadtune/workbench/design/standard_lqr.hpp"
+#include "quadtune/workbench/design/usual_design.hpp"
 #include "quadtune/workbench/flight/flight_plan.hpp"
 #include "quadtune/workbench/flown/flown_gains.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
@@ -278,7 +279,8 @@ bool laws_hold(const DesignOutcome& outcome) {
 }
 
 DesignOutcome run_design(const std::filesystem::path& file) {
-  return run_design(load_design(file));
+  const std::string word = file.string();
+  return run_design(names_vehicle(word) ? usual_design(word) : load_design(file));
 }
 
 std::vector<std::string> doubtful_covariances(const Design& design) {

@@ -123,7 +123,8 @@ std::vector<std::string> notes_of(const VehicleCascade& cascade) {
   };
   add("note: ", cascade.report.cascade.notes);
   if (cascade.flown) add("note: ", cascade.flown->notes);
-  add("warning: ", cascade_warnings(cascade.report));
+  // Loops that were designed for the flown plant are judged there.
+  if (!cascade.loop || !cascade.flown) add("warning: ", cascade_warnings(cascade.report));
   if (!cascade.loop) return notes;
   const FlownLoop& loop = *cascade.loop;
   add("note: ", flown_notes(loop));

@@ -8,8 +8,10 @@
 
 #include "quadtune/delay_limit.hpp"
 #include "quadtune/errors.hpp"
+#include "quadtune/exports/flight_code.hpp"
 #include "quadtune/exports/manifest.hpp"
 #include "quadtune/exports/read_gains.hpp"
+#include "quadtune/model/vehicle_spread.hpp"
 #include "quadtune/workbench/design/chosen_law.hpp"
 #include "quadtune/workbench/flown/flown_check.hpp"
 #include "quadtune/workbench/flown/flying_loop.hpp"
@@ -20,10 +22,15 @@ namespace {
 
 VehicleUncertainty uncertainty_of(const CertifyOptions& options, const Vehicle& vehicle,
                                   double dt) {
+  const VehicleSpread spread = spread_of(vehicle);
+  const auto ratios = [](double half_width, double usual) {
+    const double w = half_width > 0 ? half_width : usual;
+    return UncertainRange{1 - w, 1 + w};
+  };
   VehicleUncertainty u;
-  u.mass = options.mass;
-  u.inertia = options.inertia;
-  u.thrust = options.thrust;
+  u.mass = options.mass.value_or(ratios(spread.mass, 0.1));
+  u.inertia = options.inertia.value_or(ratios(spread.inertia, 0.2));
+  u.thrust = options.thrust.value_or(ratios(spread.thrust, 0.1));
   const double late = vehicle.motor.delay;  // plus up to the jitter and one period for computation
   u.delay = options.delay.value_or(UncertainRange{late, late + vehicle.motor.delay_jitter + dt});
   // Beyond this, the states of the delay make the proof too expensive.
@@ -32,7 +39,8 @@ VehicleUncertainty uncertainty_of(const CertifyOptions& options, const Vehicle& 
                                            "of {:.6g} s",
                                            u.delay.high, kMostDelayPeriods, dt));
   const double own = slower_lag(vehicle.rotors.front());
-  u.lag = options.lag.value_or(UncertainRange{own, own});
+  u.lag = options.lag.value_or(UncertainRange{own * (1 - spread.motor_lag),
+                                              std::min(own * (1 + spread.motor_lag), kLongestLag)});
   if (!options.lag && std::any_of(vehicle.rotors.begin(), vehicle.rotors.end(),
                                   [&](const Rotor& rotor) { return slower_lag(rotor) != own; }))
     throw InvalidInput(vehicle.name,
@@ -90,6 +98,9 @@ AskedLaw asked_cascade(CascadeDesign cascade, const StoredLaws& stored,
 
 std::vector<AskedLaw> laws_of(const std::string& directory, const CertifyOptions& options,
                               const std::string& controller, const Vehicle& vehicle) {
+  if (holds_schedule(directory))
+    throw InvalidInput(directory, "the export holds a gain schedule; certify covers one law about "
+                                  "one hover, so export and certify the gains of a grid point");
   const StoredLaws stored = read_laws(directory);
   const auto asked_for = [&](const char* kind) { return controller.empty() || controller == kind; };
   std::vector<AskedLaw> laws;

@@ -22,6 +22,7 @@
 #define AT_VELOCITY 6
 #define AT_RATES 9
 #define AT_BIAS 12
+#define MAX_VISION_AGE 1.0f /* an older image is not used [s] */
 #define MOST_ENTRIES 6 /* of a row C that are not 0 */
 
 /* Force and torque of the rotors on the body, in body axes. */
@@ -629,7 +630,8 @@ static void measure(const qt_estimator_parameters_t *p, qt_estimator_state_t *s,
   m->force_fresh = is_fresh(&sensors->specific_force);
   m->rates_fresh = is_fresh(&sensors->rates);
   m->yaw_fresh = is_fresh(&sensors->magnetic_field);
-  m->vision_fresh = is_fresh(&sensors->vision);
+  m->vision_fresh = is_fresh(&sensors->vision) && (sensors->vision.age >= 0.0f) &&
+                    (sensors->vision.age <= MAX_VISION_AGE);
   m->height_fresh = sensors->pressure.fresh && qt_is_finite(pressure) && (pressure > 0.0f);
   for (int i = 0; i < 3; ++i) {
     m->rates[i] = sensors->rates.value[i] - s->gyro_offset[i];

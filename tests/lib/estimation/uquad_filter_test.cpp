@@ -542,6 +542,16 @@ TEST(UquadFilter, BelievesImages) {
   Frame bad = resting_sensors(truth);
   bad.vision = {Vector3d(0, kNaN, 0), true, 0};
   EXPECT_TRUE(step(settings, state, bad, body, hover(), false).finite);
+  // An image of an age that no image has changes nothing.
+  for (const double age : {kNaN, -0.1, 1.1, 1e30}) {
+    UquadState with_image = state;
+    UquadState without = state;
+    Frame frame;
+    frame.vision = {Vector3d(1, 2, 3), true, age};
+    step(settings, with_image, frame, body, hover(), false);
+    step(settings, without, Frame(), body, hover(), false);
+    EXPECT_THAT(with_image.kalman.x, MatrixNear(without.kalman.x, 0)) << age;
+  }
 }
 
 TEST(UquadFilter, FindsOffsetsWhileItStands) {

@@ -367,12 +367,13 @@ std::string methods_chapter() {
     quadtune compare integrators mambo --mission hover --estimator truth
     quadtune compare integrators mambo --mission hover --gains gains.json --sensors real
 
-Two integrals of one error e, one by forward Euler and one by the trapezoid, differ by Ts e/2 at every sample, and by
-nothing else: what the trapezoid adds at one sample Euler adds at the next. P and D do not differ. So the commands
-differ by Ki Ts e/2, and by what the vehicle then does about it. For the altitude that answer is computed by its linear
-equations; over a climb of 10 cm, where nothing meets a limit, it gives the difference of the two flights within 2 %.
-With the vehicle's sensors the response of the torques is that of the flown loop (chapter "The flown loop" of the
-theory): it predicts their difference within 2 %.
+The integral of an error e by forward Euler and that by the trapezoidal rule differ by Ts e/2 at
+every sample, because Euler adds at the next sample what the trapezoidal rule has added already.
+The P and D terms are equal. Hence the commands differ by Ki Ts e/2, plus the response of the
+vehicle to this difference. For the altitude, the linear equations of the loop predict this
+response: over a climb of 10 cm, in which no limit is reached, they predict the difference of the
+two flights within 2 %. With the vehicle's sensors, the flown loop (chapter "The flown loop" of
+the theory) predicts the difference of the torques within 2 %.
 
 | mean squared difference | thesis | hover, true states, published gains | predicted | hover, the vehicle's sensors, designed gains, after 10 s | predicted | Ki Ts e/2 alone |
 |---|---|---|---|---|---|---|
@@ -387,13 +388,17 @@ theory): it predicts their difference within 2 %.
   row(1, "torque about x [(N m)²]", false);
   row(2, "torque about y [(N m)²]", false);
   text += fmt::format(R"(
-- The thrust agrees with the thesis in order: the whole difference comes from the fall back to 1.1 m after take-off, and
-  how far the vehicle has overshot by then is not in the thesis. Its figure means an error of {:.1f} cm rms over its 100 s.
-  Ours is above the prediction because the integral reaches its limit of 2 m s on the way and leaves it one sample apart.
-- The torques of the thesis mean errors of {:.1e} rad in roll and {:.1e} rad in pitch: its sensors were all but still. With
-  true states nothing tilts the vehicle, and the difference is 0 but for rounding; with noise it is as large as the noise
-  makes e. The figure measures the disturbance, not the method: only the ratio to e² belongs to Euler and Tustin.
-- Neither flies better than the other: their tracking errors agree to three digits.
+- The difference of the thrust has the same order of magnitude as in the thesis. It is caused by
+  the descent to 1.1 m after the take-off, and the thesis does not state the overshoot of the
+  take-off. The number of the thesis corresponds to an error of {:.1f} cm rms over its 100 s. The
+  simulated difference exceeds the prediction because the integral reaches its limit of 2 m s, and
+  the two integrals leave the limit one sample apart.
+- The torques of the thesis correspond to errors of {:.1e} rad in roll and {:.1e} rad in pitch, so
+  its sensors had almost no noise. With true states, nothing tilts the vehicle, and the difference
+  is 0 up to rounding. With noise, the difference is proportional to the errors that the noise
+  causes. Hence the number measures the disturbance and not the method: only its ratio to e²
+  depends on the choice between Euler and Tustin.
+- Both methods fly equally well: the tracking errors agree to three digits.
 
 )",
                       implied[0] * 100, implied[1], implied[2]);
@@ -423,11 +428,11 @@ std::string hover_chapter() {
     quadtune compare flow mambo --mission hover
     quadtune compare flow mambo --mission hover --gains gains.json --sensors real --estimator mambo
 
-The thesis: with the model package's simplified flow the believed position is off by about 20 cm and the torque about y
-oscillates up to 4e-5 N m after 80 s; with the full motion field the torque stays below 1.5e-5 N m and the position near
-the origin.
+According to the thesis, the estimated position is wrong by about 20 cm with the simplified flow
+of the model package, and the torque about y oscillates up to 4e-5 N m after 80 s. With the full
+motion field, the torque stays below 1.5e-5 N m and the position near the origin.
 
-| gains | sensors | estimator | flow | flight | believed position wrong, mean [m] | the greatest torque about y after 80 s [N m] |
+| gains | sensors | estimator | flow | flight | mean error of the estimated position [m] | maximum torque about y after 80 s [N m] |
 |---|---|---|---|---|---|---|
 )";
   for (const Case& c : cases) {
@@ -441,8 +446,8 @@ the origin.
     // With ideal sensors what tilts the vehicle is rounding.
     const auto when = flown.flight.end_time;
     const std::string end = completed    ? "100 s"
-                            : !c.sensors ? "gives up after a minute"
-                                         : fmt::format("gives up after {:.2g} s", when);
+                            : !c.sensors ? "ends after a minute"
+                                         : fmt::format("ends after {:.2g} s", when);
     if (!c.sensors && !completed) {
       EXPECT_GT(when, 45);
       EXPECT_LT(when, 75);
@@ -462,15 +467,20 @@ the origin.
     }
   }
   text += R"(
-- The order is the other way round as long as the estimator is the original one, which multiplies the flow by the height
-  and by 1.15 and leaves the body's own turning in it. Turning nose up at q shows as motion of the ground: the
-  believed velocity is u + h q, and as u' = -g theta this puts a zero at sqrt(g/h) = 3.0 rad/s into the right half plane.
-  The simplified sensor turns the other way, -0.8 h² q, which leaves the zeros on the imaginary axis. The published y loop
-  stands at Ms = 7.1 as it is (`quadtune pid mambo --method loops`) and has nothing to spare.
-- With the turning taken out by the gyroscope and without the 1.15 the full field is right, and the designed gains fly
-  it; the simplified sensor, for which that calibration is wrong, drives the estimate away until the flight program notices.
-- The simplified sensor is wrong in its scale, by the height, which a vehicle that stands still hardly notices. The 20 cm
-  of the thesis in hover are not explained by that; its sensors' noise is not published.
+- With the original estimator, the order is reversed compared with the thesis: the simplified flow
+  gives better results. This estimator multiplies the flow by the height and by 1.15, and does not
+  subtract the rotation of the body. A rotation nose up at the rate q appears as motion of the
+  ground: the estimated velocity is u + h q. Since u' = -g theta, this causes a zero at sqrt(g/h) =
+  3.0 rad/s in the right half-plane. With the simplified sensor, the rotation has the opposite
+  sign, -0.8 h² q, and the zeros stay on the imaginary axis. The published y loop has Ms = 7.1
+  already without this effect (`quadtune pid mambo --method loops`), so it has almost no margin.
+- If the estimator subtracts the rotation, measured by the gyroscope, and does not apply the
+  factor 1.15, the full field is correct, and the vehicle flies with the designed gains. For the
+  simplified sensor this calibration is wrong: the estimate diverges until the flight program
+  detects it.
+- The scale of the simplified sensor is wrong by a factor of the height. This has little effect on
+  a vehicle that hovers, so it does not explain the 20 cm of the thesis in hover. The noise of the
+  sensors of the thesis is not published.
 
 )";
   return text;
@@ -483,9 +493,10 @@ std::string carried_chapter() {
     quadtune compare flow mambo --mission lemniscate-carried --flow-rate 200 --estimator mambo
     quadtune compare filter mambo --mission lemniscate-carried --sensors ideal
 
-The thesis carries the vehicle along a lemniscate of 60 cm, 60 cm above the ground: wrong by 0.7 mm on average with the
-full field, by 20 cm with the simplified sensor, by 4 mm on the real vehicle. Mean distance from the true to the
-believed position, ideal sensors:
+In the thesis, the vehicle is carried along a lemniscate of 60 cm, 60 cm above the ground. The
+mean error of the estimated position is 0.7 mm with the full field, 20 cm with the simplified
+sensor, and 4 mm on the real vehicle. This table shows the mean distance between the true and the
+estimated position, with ideal sensors:
 
 | flow | estimator | 60 Hz [mm] | 200 Hz [mm] | predicted at 60 Hz, 200 Hz [mm] |
 |---|---|---|---|---|
@@ -507,7 +518,7 @@ believed position, ideal sensors:
   row(FlowModel::full, Estimator::original, "original",
       figure((kFactor - 1) * path.distance * 1e3));
   row(FlowModel::full, Estimator::calibrated, "calibrated, filtered velocity",
-      "late by the filter");
+      "delayed by the filter");
   row(FlowModel::full, Estimator::raw, "calibrated, raw velocity",
       figure(path.speed * late_by(60) * 1e3) + ", " + figure(path.speed * late_by(200) * 1e3));
   const auto minimum = [](double rate, const char* name) {
@@ -517,20 +528,25 @@ believed position, ideal sensors:
   const auto [slow_t, slow_x] = minimum(60, "estimate.px");
   const auto [fast_t, fast_x] = minimum(200, "estimate.px");
   text += fmt::format(R"(
-- The simplified sensor does not divide by the height, by which the estimator multiplies: at 0.6 m the path comes out
-  1.15 * 0.6 = 0.69 times as long. From end to end of the 60 cm that is 19 cm: the thesis's 20 cm.
-- With the full field and an exact sensor the factor 1.15 alone makes the path 15 % too long, 9 cm from end to end. The
-  thesis's 0.7 mm cannot come with it; they lie between what the raw velocity gives at 60 and at 200 Hz, late by half a
-  period of the flow and the wait for the next control period.
-- Filtered against raw, the other way round than in the thesis: the filter is late by up to (1 - k)/k = 7 control periods,
-  for a complementary filter takes an acceleration that lasts for tilt, turns it away, and leaves the filter with the flow
-  alone. With the vehicle's sensors it is the same: {} mm filtered, {} mm raw at 60 Hz. An integral does not need the
-  filter, it averages by itself; the filter is for the velocity that the loops use. The 4 mm of the real vehicle, which
-  does filter, are about what this lag makes.
-- 60 and 200 Hz: both keep the first local minimum of x, true {:.1f} mm at {:.2f} s; believed {:.1f} mm at {:.2f} s by 60 Hz,
-  {:.1f} mm at {:.2f} s by 200 Hz. A minimum is lost only where it lasts less than a period of the flow, 17 ms at 60 Hz, and
-  at 0.3 m/s no such one is longer than 5 mm. The thesis's dip was of the arm's jerk or of its noise, neither of
-  which is published.
+- **Simplified sensor.** The sensor does not divide by the height, but the estimator multiplies by
+  it. At 0.6 m, the estimated path is 1.15 * 0.6 = 0.69 times as long as the true one. Over the 60
+  cm from end to end, the error is 19 cm, which agrees with the 20 cm of the thesis.
+- **Full field.** With an exact sensor, the factor 1.15 alone makes the path 15 % too long, 9 cm
+  from end to end. The 0.7 mm of the thesis are impossible with this factor. They lie between the
+  errors of the raw velocity at 60 and at 200 Hz. The raw velocity is delayed by half a period of
+  the flow and by the wait for the next control period.
+- **Filtered and raw velocity.** The filtered velocity is less accurate than the raw velocity; in
+  the thesis it is more accurate. The filter causes a delay of up to (1 - k)/k = 7 control
+  periods: the complementary filter interprets a lasting acceleration as tilt and removes it, so
+  the velocity filter has only the flow. The same holds with the vehicle's sensors: {} mm
+  filtered, {} mm raw at 60 Hz. An integral averages by itself and does not need the filter; the
+  filter is meant for the velocity that the loops use. The real vehicle filters the velocity, and
+  its 4 mm agree with this delay.
+- **60 and 200 Hz.** Both rates preserve the first local minimum of x. The true minimum is {:.1f}
+  mm at {:.2f} s; the estimates are {:.1f} mm at {:.2f} s with 60 Hz and {:.1f} mm at {:.2f} s
+  with 200 Hz. A minimum is lost only if it is shorter than a period of the flow, 17 ms at 60 Hz;
+  at 0.3 m/s such a minimum is at most 5 mm long. The minimum in the thesis was caused by the jerk
+  of the arm or by noise; neither is published.
 )",
                       figure(mean(Estimator::calibrated, FlowModel::full, 60, true)),
                       figure(mean(Estimator::raw, FlowModel::full, 60, true)), true_x * 1e3, true_t,
@@ -542,15 +558,16 @@ TEST(Experiments, DocumentSaysWhatIsComputed) {
   EXPECT_TRUE(matches_document(
       "docs/experiments.md",
       "# Experiments of the Mambo thesis, flown again\n\n"
-      "This page is written by `tests/lib/simulation/experiments_test.cpp`; "
-      "`QUADTUNE_UPDATE_DOCS=1` rewrites "
-      "it.\n\nChapter 6 of [the thesis](bibliography.md) changes one thing at a time in the "
-      "simulated Mambo and reports what follows. Here are the\nsame experiments as commands, with "
-      "what theory predicts, what comes out, and why it differs where it does. Designed gains are "
-      "those of\n`quadtune pid mambo --method loops --json -o gains.json`; the original estimator "
-      "is that of the "
-      "thesis, the "
-      "calibrated one has no factor 1.15 and takes the body's turning out of\nthe flow.\n\n" +
+      "The test `tests/lib/simulation/experiments_test.cpp` writes this page; "
+      "`QUADTUNE_UPDATE_DOCS=1`\nupdates it.\n\n"
+      "Chapter 6 of [the thesis](bibliography.md) changes one thing at a time in the simulated "
+      "Mambo and\nreports the effects. This page repeats the experiments with commands of "
+      "quadtune. For each\nexperiment it shows the theoretical prediction, the result, and the "
+      "reason for differences.\n\n"
+      "Two sets of gains and two estimators are compared. The designed gains are those of\n"
+      "`quadtune pid mambo --method loops --json -o gains.json`. The original estimator is that "
+      "of the\nthesis. The calibrated estimator has no factor 1.15 and subtracts the rotation of "
+      "the body from\nthe flow.\n\n" +
           methods_chapter() + hover_chapter() + carried_chapter()));
 }
 

@@ -171,37 +171,40 @@ std::string row_table(const Comparison& c) {
 std::string page(const std::vector<Comparison>& all) {
   std::string text =
       "# The uquad's published gains and the converged ones\n\n"
-      "This page is written by `tests/synthesis/lqr/uquad_gains_test.cpp`; "
-      "`QUADTUNE_UPDATE_DOCS=1` "
-      "rewrites it.\n\n"
-      "The problem: hover of the 1.741 kg vehicle without a centre-of-mass offset, rotor speeds as "
-      "inputs, integrals as states of the continuous model, zero-order hold at 10 ms, weights per "
-      "step 1 on every state and integral but 1000 on psi, phi and theta, R = r I. The converged "
-      "gain is the stabilizing solution of the discrete Riccati equation, residual below 1e-12; "
-      "the "
-      "published ones are the files of the public project.\n\n"
-      "| gain | r | largest difference of an entry, relative to it | relative to the largest entry "
-      "|\n|---|---|---|---|\n";
+      "The test `tests/synthesis/lqr/uquad_gains_test.cpp` writes this page; "
+      "`QUADTUNE_UPDATE_DOCS=1`\nupdates it.\n\n"
+      "This page compares the published gains of the uquad project with the gains that quadtune "
+      "computes\nfor the same problem:\n\n"
+      "- hover of the 1.741 kg vehicle without a centre-of-mass offset, with rotor speeds as "
+      "inputs;\n- integrals as states of the continuous model, sampled by zero-order hold at 10 "
+      "ms;\n- weights per step of 1 on every state and integral, except 1000 on psi, phi and "
+      "theta; R = r I.\n\n"
+      "The converged gain is that of the stabilizing solution of the discrete Riccati equation, "
+      "with a\nresidual below 1e-12. The published gains are the files of the public project.\n\n"
+      "| gain | r | largest difference of an entry, relative to it | relative to the largest "
+      "entry |\n|---|---|---|---|\n";
   for (const Comparison& c : all)
     text += fmt::format("| `{}` | {} | {:.1e} | {:.1e} |\n", c.gains.label, c.gains.r,
                         largest_entry_difference(c.published, c.converged.riccati.K),
                         largest_difference(c.published, c.converged.riccati.K));
   text +=
       "\n## Why they differ\n\n"
-      "The published gains are iterates of the Riccati recursion, not its limit. Iterating "
-      "`X <- Q + A'X(A - BK)`, `K = (R + B'XB)^-1 B'XA` from `X = Q` on the plant sampled by a "
-      "Taylor polynomial of third order, and stopping as soon as the gain moves less than 1e-4 "
-      "(spectral norm) from one step to the next, gives back every published digit:\n\n"
-      "| gain | steps until the stop | replayed against published, relative to the largest entry "
-      "|\n|---|---|---|\n";
+      "The published gains are iterates of the Riccati recursion and not its limit. The following"
+      "\nrecursion reproduces every published digit. It starts with `X = Q` and iterates\n`X <- Q "
+      "+ A'X(A - BK)`, `K = (R + B'XB)^-1 B'XA`, with a plant that is sampled by a Taylor\n"
+      "polynomial of third order. It stops as soon as the gain changes by less than 1e-4 "
+      "(spectral norm)\nin one step.\n\n"
+      "| gain | steps until the stop | replayed against published, relative to the largest entry |"
+      "\n|---|---|---|\n";
   for (const Comparison& c : all)
     text += fmt::format("| `{}` | {} | below 3e-8 |\n", c.gains.label, c.stopped.steps);
   text +=
-      "\nThe files carry eight digits, so 3e-8 is their rounding. A slow mode (time constants of "
-      "seconds at 100 steps a second) moves little in one step though it is far from its end: the "
-      "stop criterion sees the step, not the distance. The truncated exponential explains less "
-      "than 2e-7, relative. quadtune solves to convergence and does not imitate the "
-      "stop.\n\n## First rows\n";
+      "\nThe files contain eight digits, so 3e-8 is their rounding error. A slow mode (with a "
+      "time constant\nof seconds, at 100 steps a second) changes little in one step even if it is "
+      "far from its limit.\nThe stop criterion measures the step and not this distance. The "
+      "truncated exponential causes a\nrelative difference of less than 2e-7. quadtune iterates "
+      "to convergence and does not reproduce\nthis stop criterion.\n\n"
+      "## First rows\n";
   for (const Comparison& c : all) text += fmt::format("\n`{}`\n\n", c.gains.label) + row_table(c);
   return text;
 }

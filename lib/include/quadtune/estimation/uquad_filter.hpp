@@ -369,6 +369,9 @@ template <class T>
   return state;
 }
 
+/// The oldest image whose position is used [s]: the vehicle moves on while the image is processed.
+inline constexpr double kMaxVisionAge = 1;
+
 /// Converts the samples of one period to the filter's measurement. Tilt is computed from the
 /// accelerometer minus its estimated bias, yaw from the field and the newest tilt. Samples that are
 /// not finite count as not fresh.
@@ -390,7 +393,8 @@ template <class T>
   m.rates = frame.rates.value - state.gyro_offset;
   m.gps_position = frame.gps_position.value;
   m.gps_velocity = frame.gps_velocity.value;
-  m.vision_fresh = fresh(frame.vision);
+  m.vision_fresh = both(fresh(frame.vision),
+                        both(T(0) <= frame.vision.age, frame.vision.age <= T(kMaxVisionAge)));
   if (any(m.vision_fresh)) {
     // Image processing takes time, during which the vehicle has moved on.
     const UquadVector<T>& x = state.kalman.x;

@@ -132,7 +132,8 @@ struct DesignRequirements {
 /// @throws NoSolution  with the culprit of the trim, the LQR problem or a filter
 [[nodiscard]] DesignOutcome run_design(Design design);
 
-/// The same for a design file.
+/// The same for a design file, or for the usual_design() of a vehicle.
+/// @param file  a design file, a vehicle file or the name of a built-in vehicle
 /// @throws InvalidInput, FileError, NoSolution
 [[nodiscard]] DesignOutcome run_design(const std::filesystem::path& file);
 

@@ -22,14 +22,16 @@ namespace quadtune {
 struct CertifyOptions {
   std::string vehicle;     ///< a name or a file; empty: that of the export's manifest
   std::string controller;  ///< as in controller_kind(); empty: every law of the export
-  /// Ratios to the values in the vehicle file; 0 < low ≤ 1 ≤ high. See VehicleUncertainty.
-  UncertainRange mass{0.9, 1.1};
-  UncertainRange inertia{0.8, 1.2};
-  UncertainRange thrust{0.9, 1.1};
+  /// Ratios to the values in the vehicle file; 0 < low ≤ 1 ≤ high. See VehicleUncertainty. None: the
+  /// [spread] of the file, or 0.9 to 1.1, 0.8 to 1.2 and 0.9 to 1.1 if the file states none.
+  std::optional<UncertainRange> mass = {};
+  std::optional<UncertainRange> inertia = {};
+  std::optional<UncertainRange> thrust = {};
   /// [s], 0 ≤ low ≤ high ≤ kMostDelayPeriods periods; none: from the delay of the motor commands to
   /// that delay plus its jitter and one control period.
   std::optional<UncertainRange> delay = {};
-  /// [s], 0 < low ≤ high ≤ kLongestLag, or {0, 0}; none: the motor lag of the vehicle.
+  /// [s], 0 < low ≤ high ≤ kLongestLag, or {0, 0}; none: the motor lag of the vehicle with the
+  /// [spread] of its file.
   std::optional<UncertainRange> lag = {};
   std::optional<PidMethod> integrator = {};  ///< of a cascade; none: that of the export
   bool flown = true;                ///< whether flown loops of the box are analysed as well

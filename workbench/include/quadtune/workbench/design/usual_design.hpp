@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The design of a vehicle for which there is no design file.
+#pragma once
+
+#include <string>
+
+#include "quadtune/design.hpp"
+
+namespace quadtune {
+
+/// The PID cascade that `quadtune pid V` designs every 5 ms, to be flown with the vehicle's own
+/// sensors in the missions hover, step-north and take-off-and-land, and exported as JSON and as a
+/// flight program in C.
+/// @param vehicle  a built-in vehicle's name or a vehicle file
+/// @return         with the text of a design file that asks for the same
+/// @throws InvalidInput, FileError  as load_vehicle()
+[[nodiscard]] Design usual_design(const std::string& vehicle);
+
+/// Whether a word names a vehicle rather than a design file: a vehicle file, or a built-in vehicle
+/// of whose name there is no file.
+[[nodiscard]] bool names_vehicle(const std::string& word);
+
+}  // namespace quadtune
