@@ -125,16 +125,16 @@ std::uint64_t in_processes(std::size_t count, const std::function<void(std::size
     }
     children.push_back(child);
   }
-  std::uint64_t greatest = 0;
+  std::uint64_t max = 0;
   bool failed = false;
   for (const pid_t child : children) {
     int status = 0;
     rusage used{};
     failed = failed || wait4(child, &status, 0, &used) != child || status != 0;
-    greatest = std::max(greatest, static_cast<std::uint64_t>(used.ru_maxrss) * 1024);
+    max = std::max(max, static_cast<std::uint64_t>(used.ru_maxrss) * 1024);
   }
   if (failed) throw std::runtime_error("a worker failed");
-  return greatest;
+  return max;
 }
 
 /// Times one worker with one thread, then two in parallel on separate shards, several times in

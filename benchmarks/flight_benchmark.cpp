@@ -219,7 +219,7 @@ void race(const char* vehicle, double goal_single) {
         print(*line, single.seconds);
         any = true;
       }
-  if (feels_wind(whole)) {
+  if (has_aerodynamics(whole)) {
     const FreeFlight airy = free_flight(whole, N != 0);
     const Eigen::VectorXd end = finely<N>(airy);
     print(ours<1, N>("quadtune, one vehicle in moving air", airy, end, 0), single.seconds);
@@ -297,9 +297,8 @@ void fly_whole(const std::string& name, const FlightSetup& setup, double goal,
   for (std::size_t i = 0; i < setups.size(); ++i) alone[i] = fly(setups[i]);
   for (const FlightResult& one : alone) flown += one.end_time;
   const double packed_rate = flown / pack.median;
-  const auto verdict = [](double value, double least) {
-    return least > 0 ? fmt::format(" (goal {}: {})", least, value >= least ? "met" : "not met")
-                     : "";
+  const auto verdict = [](double value, double min) {
+    return min > 0 ? fmt::format(" (goal {}: {})", min, value >= min ? "met" : "not met") : "";
   };
   const double times = packed_rate / real_time;
   fmt::print("| {} | {} | {:.2f} | {:.0f}{} | {:.2f} | {:.0f}{} | {:.1f} times{} | {} |\n", name,

@@ -46,10 +46,10 @@ ChosenLaw textbook_lqr(const Vehicle& vehicle, bool bounded) {
 ChosenLaw px4_defaults(const Vehicle& vehicle) {
   double roll = 0, pitch = 0, yaw = 0;
   for (const Rotor& rotor : vehicle.rotors) {
-    const double thrust = rotor_thrust(rotor, greatest_speed(vehicle));
+    const double thrust = rotor_thrust(rotor, max_speed(vehicle));
     roll += std::numbers::sqrt2 / 2 * thrust * std::abs(rotor.position.y());
     pitch += std::numbers::sqrt2 / 2 * thrust * std::abs(rotor.position.x());
-    yaw += rotor_torque(rotor, greatest_speed(vehicle));
+    yaw += rotor_torque(rotor, max_speed(vehicle));
   }
   const double g = vehicle.gravity, m = vehicle.mass;
   const auto loop = [](CascadeAxis axis, double Kp, double Ki, double Kd) {
@@ -86,7 +86,7 @@ ChosenLaw ours(const Vehicle& vehicle, const char* controller) {
 /// A matrix on 12 states and their integrals, optimized on the flown plants.
 ChosenLaw matrix(const Vehicle& vehicle) {
   LqiDesign design;
-  design.matrix = MatrixWords{};
+  design.matrix = MatrixConvention{};
   return {feedback_controller(matrix_report(vehicle, design).gains, kUsualPeriod), "a matrix"};
 }
 

@@ -58,7 +58,7 @@ Wall evaluation_time(const InnovationLikelihood& likelihood, LikelihoodOrder ord
     for (int i = 0; i < times; ++i) (void)likelihood.evaluate(theta, order);
   });
   time.median /= times;
-  time.least /= times;
+  time.min /= times;
   return time;
 }
 

@@ -193,7 +193,7 @@ Contest solves(const Flown& flights) {
 }
 
 void print_stage(const std::string& name, const Wall& wall, std::size_t points) {
-  fmt::print("| {} | {:.1f} | {:.1f} | {:.2f} |\n", name, wall.median * 1e3, wall.least * 1e3,
+  fmt::print("| {} | {:.1f} | {:.1f} | {:.2f} |\n", name, wall.median * 1e3, wall.min * 1e3,
              wall.median * 1e6 / static_cast<double>(points));
 }
 

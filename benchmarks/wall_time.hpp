@@ -12,7 +12,7 @@ namespace quadtune::bench {
 /// Times of several repetitions [s].
 struct Wall {
   double median = 0;
-  double least = 0;
+  double min = 0;
 };
 
 /// @param now  a clock [s]

@@ -27,7 +27,7 @@ SensorAllan analysed(const Options& options, AllanTaus taus, const Context& cont
       refuse(
           "allan", "--simulate",
           "--simulate cannot be combined with --log or its options, because it simulates the log");
-    return allan_of_made_up(context.seed, options.unit, taus);
+    return allan_of_simulated(context.seed, options.unit, taus);
   }
   if (options.log.empty())
     refuse("allan", "--log", "--log is missing, expected the log of a stationary sensor");

@@ -57,8 +57,8 @@ bool write_plan(const std::string& file, const std::string& folder, std::uint32_
 
 /// Converts the value of --shards.
 std::uint32_t shard_count(std::uint64_t shards, const char* verb) {
-  constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
-  if (shards > kMost)
+  constexpr std::uint32_t kMax = std::numeric_limits<std::uint32_t>::max();
+  if (shards > kMax)
     refuse(verb, "--shards", "--shards is {}, expected at most the number of flights", shards);
   return static_cast<std::uint32_t>(shards);
 }

@@ -46,13 +46,13 @@ void refuse_one_file(const std::vector<std::pair<std::string, std::string>>& out
 }
 
 void require_sane(const Options& options, const Context& context) {
-  constexpr std::uint64_t kMostSeeds = 1000;
+  constexpr std::uint64_t kMaxSeeds = 1000;
   const auto& [log, report] = options.outputs;
   require_output_names(options.outputs, "fly");
   refuse_one_file({{"--log", log}, {"--report", report}, {"-o", context.file}});
-  if (options.seeds > kMostSeeds)
+  if (options.seeds > kMaxSeeds)
     refuse("fly", "--seeds", "--seeds is {}, expected at most {}; use `quadtune campaign` for more",
-           options.seeds, kMostSeeds);
+           options.seeds, kMaxSeeds);
   if (options.arm && !options.compiled) refuse("fly", "--arm", "--arm requires --compiled");
   if (options.compiled && options.flight.gains.empty())
     refuse("fly", "--compiled", "--compiled requires --gains DIR, an export of flight code");

@@ -65,9 +65,9 @@ void run_import(const Options& options, Context& context) {
                                target.version));
     file = parse_parameters(target, text, options.file);
   }
-  constexpr double kShortest = 1e-4, kLongest = 1;
-  if (options.dt && !(*options.dt >= kShortest && *options.dt <= kLongest))
-    refuse("import", "--dt", "--dt is {} s, expected {} to {} s", *options.dt, kShortest, kLongest);
+  constexpr double kMin = 1e-4, kMax = 1;
+  if (options.dt && !(*options.dt >= kMin && *options.dt <= kMax))
+    refuse("import", "--dt", "--dt is {} s, expected {} to {} s", *options.dt, kMin, kMax);
   const Vehicle vehicle = load_vehicle(options.vehicle);
   const FirmwareImport import =
       import_parameters(target, vehicle, file, options.dt.value_or(kFirmwarePeriod));

@@ -26,7 +26,7 @@ void run_log(const Options& options, Context& context) {
   const LogSurvey survey = survey_log(*reader);
   std::vector<ModelNeeds> models;
   for (const ModelSignals& model : signals_of_built_in_models())
-    models.push_back(needs_of_model(model, survey));
+    models.push_back(model_needs(model, survey));
   context.print([&] { return to_json(survey, models, options.file); },
                 [&] { return to_text(survey, models, options.file); });
   context.notes("log: warning: ", log_warnings(survey.condition));

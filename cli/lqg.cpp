@@ -24,10 +24,10 @@ void run_lqg(const CommandLine& line, const Options& options, Context& context) 
   if (options.common.plant.vehicle.empty())
     refuse("lqg", "V", "expected a built-in vehicle or a vehicle file");
   require_positive(options.lqg.time, "lqg", "--time");
-  constexpr double kLongest = 1e6;
-  if (options.lqg.time > kLongest)
+  constexpr double kMax = 1e6;
+  if (options.lqg.time > kMax)
     refuse("lqg", "--time", "--time is {}, expected at most {} s", number(options.lqg.time),
-           number(kLongest));
+           number(kMax));
   const Vehicle vehicle = load_vehicle(options.common.plant.vehicle);
   const LqgReport report = design_on_flown_plant(
       options.common, options.flown, [&](const FlightOptions& flight, const FlownLoopOptions& at) {

@@ -85,8 +85,8 @@ class Steps {
 double step_error(const ContinuousLti& loop, const DiscreteLti& sampled, double slowest) {
   const DiscreteLti exact = discretize_zoh(loop, sampled.dt);
   constexpr double kDied = 7;  // time constants: 1e-3
-  constexpr double kMost = 20000;
-  const double samples = std::clamp(std::ceil(kDied / (slowest * sampled.dt)), 10.0, kMost);
+  constexpr double kMax = 20000;
+  const double samples = std::clamp(std::ceil(kDied / (slowest * sampled.dt)), 10.0, kMax);
   Steps here(sampled);
   Steps there(exact);
   const Index channels = loop.B.cols();

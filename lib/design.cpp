@@ -150,7 +150,7 @@ LqiDesign read_lqi(const TomlTable& table, const std::filesystem::path& folder) 
                  {"R"},
                  {"Q_integral"},
                  {"dt", "s"}});
-    MatrixWords words;
+    MatrixConvention words;
     words.convention = read_convention(table, folder).name;
     if (table.has("inputs"))
       words.input_kind = input_kind(table.text("inputs"), table.where("inputs"));
@@ -182,7 +182,7 @@ LqiDesign read_lqi(const TomlTable& table, const std::filesystem::path& folder) 
                            "integrals: ", lqi.matrix ? Range::positive() : Range::not_negative());
   lqi.R = weights("R", inputs, "inputs: ", Range::positive());
   lqi.R_change = weights("change", inputs, "inputs: ", Range::not_negative());
-  if (table.has("past")) lqi.past = table.integer("past", lqi.R_change ? 1 : 0, kMostPastCommands);
+  if (table.has("past")) lqi.past = table.integer("past", lqi.R_change ? 1 : 0, kMaxPastCommands);
   return lqi;
 }
 
@@ -324,7 +324,7 @@ EstimatorDesign read_estimator(const TomlTable& table, const std::filesystem::pa
   estimator.tuned_text = internal::read_text_file(path, internal::kTomlLimit);
   estimator.model = parse_filter_model(estimator.tuned_text, path);
   UquadFilterSettings<double> tried;
-  take_noise(estimator.model, table.where("tuned"), tried);
+  copy_noise(estimator.model, table.where("tuned"), tried);
   const std::string of = load_vehicle(estimator.model.vehicle).name;
   if (of != vehicle.name)
     throw InvalidInput(table.where("tuned"),

@@ -134,7 +134,7 @@ void require_flight_code_name(const std::string& name, const std::string& where)
   const auto allowed = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
   };
-  if (!name.empty() && name.size() <= kLongestFlightCodeName && name[0] >= 'a' && name[0] <= 'z' &&
+  if (!name.empty() && name.size() <= kMaxFlightCodeName && name[0] >= 'a' && name[0] <= 'z' &&
       std::all_of(name.begin(), name.end(), allowed) &&
       std::find(kTakenNames.begin(), kTakenNames.end(), name) == kTakenNames.end())
     return;
@@ -142,7 +142,7 @@ void require_flight_code_name(const std::string& name, const std::string& where)
       where, fmt::format("'{}' cannot be the prefix of a C program, expected 1 to {} lower-case "
                          "letters, digits and _, starting with a letter, and neither a C keyword "
                          "nor the name of a C library header",
-                         internal::printable(name), kLongestFlightCodeName));
+                         internal::printable(name), kMaxFlightCodeName));
 }
 
 void require_flight_code_law(const std::string& law, const std::string& where) {

@@ -103,11 +103,11 @@ std::vector<std::string> missing_states(const Eigen::MatrixXd& A,
                                         const std::vector<Signal>& states) {
   std::vector<bool> is_kept(12, false);
   for (const Eigen::Index i : kept) is_kept[static_cast<std::size_t>(i)] = true;
-  const double least = kNoDependence * A.cwiseAbs().maxCoeff();
+  const double min = kNoDependence * A.cwiseAbs().maxCoeff();
   std::vector<std::string> notes;
   for (const Eigen::Index i : kept)
     for (Eigen::Index j = 0; j < 12; ++j)
-      if (!is_kept[static_cast<std::size_t>(j)] && std::abs(A(i, j)) > least)
+      if (!is_kept[static_cast<std::size_t>(j)] && std::abs(A(i, j)) > min)
         notes.push_back(fmt::format("{} depends on {}, which is not among the states",
                                     states[static_cast<std::size_t>(i)].name,
                                     states[static_cast<std::size_t>(j)].name));

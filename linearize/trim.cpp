@@ -74,7 +74,7 @@ void check(const Vehicle& vehicle, const FlightCondition& c, const TrimOptions& 
           fmt::format("max_iterations is {}, expected at least 1", options.max_iterations));
 }
 
-std::string in_words(const FlightCondition& c) {
+std::string describe(const FlightCondition& c) {
   std::string words = to_string(c.kind);
   if (c.kind == FlightKind::circle) words += fmt::format(" of {:.4g} m", c.radius);
   if (c.kind == FlightKind::spin)
@@ -99,28 +99,28 @@ Violation worst_violation(const TrimProblem& problem, const Eigen::VectorXd& z) 
   for (Eigen::Index i = 0; i < problem.rotors(); ++i) {
     const RotorCurve& curve = problem.curves()[static_cast<std::size_t>(i)];
     const double thrust = z(2 + i) * problem.weight();
-    const double above = thrust / curve.greatest_thrust() - 1;
-    const double below = (curve.least_thrust() - thrust) / curve.greatest_thrust();
+    const double above = thrust / curve.max_thrust() - 1;
+    const double below = (curve.min_thrust() - thrust) / curve.max_thrust();
     if (above > worst.by) worst = {i, above, true};
     if (below > worst.by) worst = {i, below, false};
   }
   return worst;
 }
 
-double greatest_thrust(const TrimProblem& problem) {
+double max_thrust(const TrimProblem& problem) {
   double sum = 0;
-  for (const RotorCurve& curve : problem.curves()) sum += curve.greatest_thrust();
+  for (const RotorCurve& curve : problem.curves()) sum += curve.max_thrust();
   return sum;
 }
 
 // Explains a balance at z that exceeds the limits.
-void tell_limit(const TrimProblem& problem, const NewtonResult& found, TrimResult& result) {
+void explain_limit(const TrimProblem& problem, const NewtonResult& found, TrimResult& result) {
   const Eigen::VectorXd& z = found.z;
   const Violation worst = worst_violation(problem, z);
   const RotorCurve& curve = problem.curves()[static_cast<std::size_t>(worst.rotor)];
   const double needed = z.tail(problem.rotors()).sum() * problem.weight();
-  const double available = greatest_thrust(problem);
-  const std::string flight = in_words(result.condition);
+  const double available = max_thrust(problem);
+  const std::string flight = describe(result.condition);
   const std::string leaning =
       tilt(z) * kDegrees < 0.05 ? "" : fmt::format(" a tilt of {:.1f}° and", tilt(z) * kDegrees);
   const double thrust = z(2 + worst.rotor) * problem.weight();
@@ -128,7 +128,7 @@ void tell_limit(const TrimProblem& problem, const NewtonResult& found, TrimResul
     result.status = TrimStatus::not_enough_thrust;
     result.culprit = fmt::format(
         "{} needs{} {:.2f} N, the rotors give at most {:.2f} N at {:.0f} rad/s: {:.2f} N short",
-        flight, leaning, needed, available, curve.greatest_speed(), needed - available);
+        flight, leaning, needed, available, curve.max_speed(), needed - available);
     return;
   }
   result.status = worst.above ? TrimStatus::rotor_too_fast : TrimStatus::rotor_too_slow;
@@ -136,20 +136,20 @@ void tell_limit(const TrimProblem& problem, const NewtonResult& found, TrimResul
                                leaning, needed, worst.rotor + 1);
   if (worst.above)
     result.culprit += fmt::format("turn at {:.1f} rad/s, limit {:.1f} rad/s: {:.1f} rad/s too fast",
-                                  curve.speed(thrust), curve.greatest_speed(),
-                                  curve.speed(thrust) - curve.greatest_speed());
+                                  curve.speed(thrust), curve.max_speed(),
+                                  curve.speed(thrust) - curve.max_speed());
   else if (thrust < 0)
     result.culprit +=
         fmt::format("push down with {:.3g} N, but it can only lift, with at least {:.3g} N",
-                    -thrust, curve.least_thrust());
+                    -thrust, curve.min_thrust());
   else
     result.culprit += fmt::format(
         "turn at {:.1f} rad/s, minimum {:.1f} rad/s: {:.1f} rad/s too slow", curve.speed(thrust),
-        curve.least_speed(), curve.least_speed() - curve.speed(thrust));
+        curve.min_speed(), curve.min_speed() - curve.speed(thrust));
 }
 
 // Explains a missing balance: whether thrusts that carry the weight cannot cancel the torques.
-void tell_imbalance(const TrimProblem& problem, const NewtonResult& found, TrimResult& result) {
+void explain_imbalance(const TrimProblem& problem, const NewtonResult& found, TrimResult& result) {
   const Eigen::Index n = problem.rotors();
   const TrimProblem at_rest = problem.slowed(0);
   const internal::ValueAndJacobian at = at_rest.balance(at_rest.first_guess());
@@ -172,7 +172,7 @@ void tell_imbalance(const TrimProblem& problem, const NewtonResult& found, TrimR
   }
   result.status = TrimStatus::no_convergence;
   result.culprit = fmt::format("{}: Newton's method stopped at residual {:.2g} after {} steps",
-                               in_words(result.condition), found.residual, found.iterations);
+                               describe(result.condition), found.residual, found.iterations);
 }
 
 // The start of Newton's method: the initial guess or the neighbour, whichever has the smaller
@@ -233,7 +233,7 @@ TrimResult trim(const Vehicle& vehicle, const FlightCondition& condition,
   result.condition = condition;
   result.density_ratio = options.density_ratio;
   result.yaw_rate = problem.yaw_rate();
-  result.thrust_to_weight = greatest_thrust(problem) / problem.weight();
+  result.thrust_to_weight = max_thrust(problem) / problem.weight();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   result.x = Eigen::VectorXd::Constant(12, nan);
   result.u = Eigen::VectorXd::Constant(problem.rotors(), nan);
@@ -243,7 +243,7 @@ TrimResult trim(const Vehicle& vehicle, const FlightCondition& condition,
   result.residual = unlimited.residual;
   result.iterations = unlimited.iterations;
   if (!(unlimited.residual <= options.tolerance)) {
-    tell_imbalance(problem, unlimited, result);
+    explain_imbalance(problem, unlimited, result);
     return result;
   }
   if (worst_violation(problem, unlimited.z).by <= kAtLimit) {
@@ -265,7 +265,7 @@ TrimResult trim(const Vehicle& vehicle, const FlightCondition& condition,
       return result;
     }
   }
-  tell_limit(problem, unlimited, result);
+  explain_limit(problem, unlimited, result);
   return result;
 }
 

@@ -35,23 +35,23 @@ double yaw_rate_of(const FlightCondition& condition) {
 RotorCurve::RotorCurve(const Rotor& rotor, const MotorCommand& motor, double density_ratio,
                        int number)
     : rotor_(rotor), density_ratio_(density_ratio) {
-  greatest_speed_ = speed_of_command(motor, motor.max);
-  greatest_thrust_ = rotor_thrust(rotor, greatest_speed_, density_ratio);
-  join_speed_ = kStandingSpeed * greatest_speed_;
+  max_speed_ = speed_of_command(motor, motor.max);
+  max_thrust_ = rotor_thrust(rotor, max_speed_, density_ratio);
+  join_speed_ = kStandingSpeed * max_speed_;
   if (rotor.thrust_a1 < 0)
     join_speed_ = std::max(join_speed_, -kAboveZeroThrust * rotor.thrust_a1 / rotor.thrust_a2);
-  if (!(rotor.thrust_a2 >= 0) || !(greatest_thrust_ > 0) || !std::isfinite(greatest_thrust_) ||
-      !(join_speed_ < greatest_speed_))
+  if (!(rotor.thrust_a2 >= 0) || !(max_thrust_ > 0) || !std::isfinite(max_thrust_) ||
+      !(join_speed_ < max_speed_))
     throw InvalidInput(
         fmt::format("rotor {}", number),
         fmt::format("thrust {} w² + {} w is {} N at the maximum speed of {} rad/s, expected a "
                     "thrust that increases up to that speed",
-                    rotor.thrust_a2, rotor.thrust_a1, greatest_thrust_, greatest_speed_));
+                    rotor.thrust_a2, rotor.thrust_a1, max_thrust_, max_speed_));
   join_thrust_ = rotor_thrust(rotor, join_speed_, density_ratio);
   slope_ = (2 * rotor.torque_d2 * join_speed_ + rotor.torque_d1) /
            (2 * rotor.thrust_a2 * join_speed_ + rotor.thrust_a1);
-  least_speed_ = std::max(join_speed_, speed_of_command(motor, motor.min));
-  least_thrust_ = rotor_thrust(rotor, least_speed_, density_ratio);
+  min_speed_ = std::max(join_speed_, speed_of_command(motor, motor.min));
+  min_thrust_ = rotor_thrust(rotor, min_speed_, density_ratio);
 }
 
 template <class T>
@@ -87,14 +87,14 @@ TrimProblem::TrimProblem(const Vehicle& vehicle, const FlightCondition& conditio
 Eigen::VectorXd TrimProblem::low() const {
   Eigen::VectorXd f(rotors());
   for (Eigen::Index i = 0; i < f.size(); ++i)
-    f(i) = curves_[static_cast<std::size_t>(i)].least_thrust() / weight();
+    f(i) = curves_[static_cast<std::size_t>(i)].min_thrust() / weight();
   return f;
 }
 
 Eigen::VectorXd TrimProblem::high() const {
   Eigen::VectorXd f(rotors());
   for (Eigen::Index i = 0; i < f.size(); ++i)
-    f(i) = curves_[static_cast<std::size_t>(i)].greatest_thrust() / weight();
+    f(i) = curves_[static_cast<std::size_t>(i)].max_thrust() / weight();
   return f;
 }
 
@@ -212,7 +212,7 @@ NewtonResult newton(const TrimProblem& problem, Eigen::VectorXd z, const TrimOpt
                     bool within_limits) {
   constexpr double kRounding = 1e-13;  // smaller residuals cannot be improved
   constexpr double kStepDone = 1e-10;  // the distribution of thrust has converged
-  constexpr double kLeastStep = 1e-6;  // minimum fraction of a Newton step
+  constexpr double kMinStep = 1e-6;    // minimum fraction of a Newton step
   constexpr double kDecrease = 1e-4;   // sufficient decrease (Armijo)
   NewtonResult result;
   double merit = problem.residual(z).norm();
@@ -223,11 +223,11 @@ NewtonResult newton(const TrimProblem& problem, Eigen::VectorXd z, const TrimOpt
     ++result.iterations;
     double share = 1;
     double next = problem.residual(z + step.dz).norm();
-    while (!(next <= std::max((1 - kDecrease * share) * merit, kRounding)) && share > kLeastStep) {
+    while (!(next <= std::max((1 - kDecrease * share) * merit, kRounding)) && share > kMinStep) {
       share /= 2;
       next = problem.residual(z + share * step.dz).norm();
     }
-    if (share <= kLeastStep) break;
+    if (share <= kMinStep) break;
     z += share * step.dz;
     merit = next;
     if (merit <= kRounding && step.dz.norm() <= kStepDone) break;

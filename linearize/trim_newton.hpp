@@ -20,10 +20,10 @@ class RotorCurve {
   RotorCurve(const Rotor& rotor, const MotorCommand& motor, double density_ratio, int number);
 
   /// Thrust at the rotor's minimum and maximum speed [N].
-  [[nodiscard]] double least_thrust() const { return least_thrust_; }
-  [[nodiscard]] double greatest_thrust() const { return greatest_thrust_; }
-  [[nodiscard]] double least_speed() const { return least_speed_; }
-  [[nodiscard]] double greatest_speed() const { return greatest_speed_; }
+  [[nodiscard]] double min_thrust() const { return min_thrust_; }
+  [[nodiscard]] double max_thrust() const { return max_thrust_; }
+  [[nodiscard]] double min_speed() const { return min_speed_; }
+  [[nodiscard]] double max_speed() const { return max_speed_; }
 
   template <class T>
   [[nodiscard]] T speed(const T& thrust) const;
@@ -36,8 +36,8 @@ class RotorCurve {
   double join_speed_;  // speed at which the linear continuation begins
   double join_thrust_;
   double slope_;  // dQ/dT there
-  double least_speed_, greatest_speed_;
-  double least_thrust_, greatest_thrust_;
+  double min_speed_, max_speed_;
+  double min_thrust_, max_thrust_;
 };
 
 /// The equations of a flight with the given motion. Unknowns z: roll, pitch and the thrusts divided

@@ -15,9 +15,9 @@ namespace {
 
 /// @throws UsageError  if it is not an integer in the valid range
 int past_periods(double past, const std::string& verb) {
-  if (past != std::floor(past) || past < 0 || past > kMostPastCommands)
+  if (past != std::floor(past) || past < 0 || past > kMaxPastCommands)
     refuse(verb, "--past", "--past is {}, expected an integer from 0 to {}", number(past),
-           kMostPastCommands);
+           kMaxPastCommands);
   return static_cast<int>(past);
 }
 
@@ -86,7 +86,7 @@ LqiDesign lqi_design(const LqrArguments& common, const FlownLqrArguments& argume
 LqiDesign matrix_design(const LqrArguments& common, const FlownLqrArguments& arguments,
                         bool asks_for_inputs) {
   LqiDesign design = lqi_design(common, arguments);
-  MatrixWords words;
+  MatrixConvention words;
   words.convention = named_convention(common.plant.convention, "--convention").name;
   if (asks_for_inputs) words.input_kind = input_kind(common.plant.inputs, "--inputs");
   design.matrix = words;

@@ -23,7 +23,7 @@ namespace {
 /// Longest command that is quoted in full in a file [characters].
 constexpr std::size_t kCommentLength = 4096;
 /// Maximum number of draws.
-constexpr std::uint64_t kMostDraws = 100000;
+constexpr std::uint64_t kMaxDraws = 100000;
 
 MissionTuningOptions tuning_options(const MissionTuningArguments& arguments,
                                     const Context& context) {
@@ -88,8 +88,8 @@ void require_sane(const std::string& verb, const MissionTuningArguments& argumen
            arguments.budget);
   for (const auto& [option, draws] :
        {std::pair("--monte-carlo", arguments.draws), std::pair("--proof", arguments.proof)})
-    if (draws > kMostDraws)
-      refuse(verb, option, "{} is {}, expected at most {}", option, draws, kMostDraws);
+    if (draws > kMaxDraws)
+      refuse(verb, option, "{} is {}, expected at most {}", option, draws, kMaxDraws);
   require_design_name(arguments.file, verb);
   if (arguments.report.empty()) return;
   if (!arguments.report.ends_with(".html"))

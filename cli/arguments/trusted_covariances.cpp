@@ -10,7 +10,7 @@ namespace quadtune::cli {
 
 void require_tuned(const DesignOutcome& outcome, bool force, const Context& context) {
   const std::string file = outcome.design.file.string();
-  for (const std::string& doubt : doubtful_covariances(outcome.design)) {
+  for (const std::string& doubt : unconfirmed_covariances(outcome.design)) {
     if (!force) throw Refusal(fmt::format("{}: {}; use --force to accept it", file, doubt), file);
     context.note("design: warning: " + doubt);
   }

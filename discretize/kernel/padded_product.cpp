@@ -124,7 +124,7 @@ double norm(const double* M, std::ptrdiff_t rows, std::ptrdiff_t cols) {
   V sums = {};
   for (std::ptrdiff_t i = 0; i < rows; i += kVectorLength) {
     V sum = {};
-    for (std::ptrdiff_t j = 0; j < cols; ++j) sum += magnitude(load<V>(M + i + j * rows));
+    for (std::ptrdiff_t j = 0; j < cols; ++j) sum += abs_of(load<V>(M + i + j * rows));
     largest = sum > largest ? sum : largest;
     sums += sum;  // unlike a comparison, a sum propagates NaN
   }

@@ -22,7 +22,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 // Each sample of delay adds a state, and the matrices of the states are dense.
-constexpr double kMostSamples = 2000;
+constexpr double kMaxSamples = 2000;
 
 using internal::Samples;
 
@@ -40,11 +40,11 @@ std::vector<Samples> in_samples(const Eigen::VectorXd& delays, Index channels, d
                                      "more because a negative delay is not causal",
                                      what, i + 1, delays[i]));
     total += delays[i] / dt;
-    if (total > kMostSamples)
+    if (total > kMaxSamples)
       throw InvalidInput(
           "delays", fmt::format("the delays up to {} {} add up to {:.6g} samples, expected at most "
                                 "{} because each sample is a state",
-                                what, i + 1, total, kMostSamples));
+                                what, i + 1, total, kMaxSamples));
     all[static_cast<std::size_t>(i)] = internal::in_samples(delays[i], dt, "delays");
   }
   return all;
@@ -169,7 +169,7 @@ Later later(const ContinuousLti& plant, const MatrixXd& D, const std::vector<Sam
 
 /// The zero-order hold of a plant with delays of fractions of a sample only.
 DiscreteLti hold_with_fractions(const ContinuousLti& plant, double dt, const Delays& delays) {
-  DiscreteLti result = internal::written_out(plant, dt);
+  DiscreteLti result = internal::with_explicit_outputs(plant, dt);
   const MatrixXd C = result.C;
   const MatrixXd D = result.D;
   const std::vector<Signal> inputs = named(plant.inputs, plant.B.cols(), "u");

@@ -27,7 +27,7 @@ DiscreteLti discretize_foh(const ContinuousLti& plant, double dt) {
   const MatrixXd B1 = slope.topRows(nx);
   const MatrixXd B0 = Z.topRightCorner(nx, nu) - B1;
 
-  DiscreteLti result = internal::written_out(plant, dt);
+  DiscreteLti result = internal::with_explicit_outputs(plant, dt);
   result.A = Z.topLeftCorner(nx, nx);
   result.B = B0 + result.A * B1;
   result.D += result.C * B1;

@@ -37,7 +37,7 @@ void refuse_pole(const MatrixXd& A, double dt, const ImplicitRule& rule, const s
 DiscreteLti discretize_by_rule(const ContinuousLti& plant, double dt, const ImplicitRule& rule,
                                const std::string& where) {
   refuse_pole(plant.A, dt, rule, where);
-  DiscreteLti result = written_out(plant, dt);
+  DiscreteLti result = with_explicit_outputs(plant, dt);
   const MatrixXd I = MatrixXd::Identity(plant.A.rows(), plant.A.rows());
   const MatrixXd Ah = plant.A * rule.step;
   const Eigen::PartialPivLU<MatrixXd> lu(I - rule.alpha * Ah);

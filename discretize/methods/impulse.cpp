@@ -28,7 +28,7 @@ DiscreteLti discretize_impulse(const ContinuousLti& plant, double dt) {
   validate(plant, "impulse");
   internal::require_period(dt, "impulse");
   refuse_feedthrough(plant.D);
-  DiscreteLti result = internal::written_out(plant, dt);
+  DiscreteLti result = internal::with_explicit_outputs(plant, dt);
   result.A = plant.A;
   Eigen::MatrixXd integral = plant.B;
   if (internal::exponential_and_integral(plant.A, plant.B, dt, result.A, integral) !=

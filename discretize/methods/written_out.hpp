@@ -10,7 +10,7 @@ namespace quadtune::internal {
 
 /// The plant's names and its C and D; an empty C becomes the identity and an empty D zero. A and B
 /// are empty.
-[[nodiscard]] DiscreteLti written_out(const ContinuousLti& plant, double dt);
+[[nodiscard]] DiscreteLti with_explicit_outputs(const ContinuousLti& plant, double dt);
 
 /// @throws InvalidInput  if an entry exceeds the range of a double.
 void refuse_overflow(const DiscreteLti& result, const std::string& where);

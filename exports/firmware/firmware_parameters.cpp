@@ -63,16 +63,16 @@ class Writer {
   }
 
   [[nodiscard]] Factored factored(const Sizes& sizes, const std::string& loop) const {
-    const double greatest = greatest_p_pi_integral(sizes.Kp, sizes.Kd);
+    const double max = max_p_pi_integral(sizes.Kp, sizes.Kd);
     // The gains of a design may be exactly at the limit.
-    if (sizes.Ki > greatest * (1 + 1e-9))
+    if (sizes.Ki > max * (1 + 1e-9))
       throw InvalidInput(
           name_,
           fmt::format(
               "the {} loop has Kp {:.6g}, Ki {:.6g}, |Kd| {:.6g}, expected |Ki| <= "
               "Kp^2/(4 |Kd|) = {:.6g}, because a gain on the error before a PI controller of "
               "the rate gives no other; `quadtune pid V --structure p-pi` designs within it",
-              loop, sizes.Kp, sizes.Ki, sizes.Kd, greatest));
+              loop, sizes.Kp, sizes.Ki, sizes.Kd, max));
     const double root = std::sqrt(std::max(0.0, sizes.Kp * sizes.Kp - 4 * sizes.Kd * sizes.Ki));
     // The smaller zero is computed from the product, because the difference would cancel.
     const double outer = (sizes.Kp + root) / (2 * sizes.Kd);
@@ -219,8 +219,8 @@ double thrust_expo(const Vehicle& vehicle, double low, double high) {
     return rotor_thrust(vehicle.rotors.front(),
                         speed_of_command(motor, motor.min + signal * (motor.max - motor.min)));
   };
-  const double least = thrust(0), all = thrust(1) - least;
-  return std::clamp(2 - 4 * (thrust(0.5) - least) / all, -1.0, 1.0);
+  const double min = thrust(0), all = thrust(1) - min;
+  return std::clamp(2 - 4 * (thrust(0.5) - min) / all, -1.0, 1.0);
 }
 
 void write_ardupilot(Writer& w) {
@@ -345,12 +345,12 @@ void write_crazyflie(Writer& w) {
   w.set("posCtlPid.thrustMin", std::min(kUsualLeast, scale.hover / 2));
   for (const exports::TurnWords& turn : kTurns) {
     const double kp = w.sizes(turn.axis).Kd / (scale.torque[turn.index] * kDegrees);
-    constexpr double kGreatestOutput = 32767;
-    if (kp * kDegrees > kGreatestOutput)
+    constexpr double kMaxOutput = 32767;
+    if (kp * kDegrees > kMaxOutput)
       throw InvalidInput("crazyflie",
                          fmt::format("pid_rate.{}_kp would be {:.6g}, expected at most {:.4g}, at "
                                      "which an error of 1 rad/s saturates the output",
-                                     turn.small, kp, kGreatestOutput / kDegrees));
+                                     turn.small, kp, kMaxOutput / kDegrees));
   }
   w.note(
       "the firmware limits the integral of the angle's error to 20 deg s (yaw 360); there is no "

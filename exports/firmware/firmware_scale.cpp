@@ -193,9 +193,9 @@ FirmwareScale firmware_scale(const Firmware& firmware, const Vehicle& vehicle,
         share = mix.row(i);
         break;
       case FirmwareKind::ardupilot: {
-        const double least = 0.1 * std::hypot(x, y);
-        share = {std::abs(y) > least ? std::copysign(0.5, right) : 0,
-                 std::abs(x) > least ? std::copysign(0.5, front) : 0, std::copysign(0.5, yaw)};
+        const double min = 0.1 * std::hypot(x, y);
+        share = {std::abs(y) > min ? std::copysign(0.5, right) : 0,
+                 std::abs(x) > min ? std::copysign(0.5, front) : 0, std::copysign(0.5, yaw)};
         break;
       }
       case FirmwareKind::betaflight:

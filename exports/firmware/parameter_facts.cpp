@@ -15,7 +15,7 @@ namespace quadtune {
 namespace {
 
 constexpr double kOfVehicle = std::numeric_limits<double>::quiet_NaN();
-constexpr int kMostRotors = 12;
+constexpr int kMaxRotors = 12;
 using Bound = std::optional<double>;
 
 class Table {
@@ -74,8 +74,8 @@ std::vector<ParameterFacts> px4_facts(const Firmware& firmware) {
   t.add("MPC_Z_VEL_D_ACC", 0, 0, 2);
   t.add("MPC_THR_HOVER", 0.5, 0.1, 0.8);
   t.add("THR_MDL_FAC", 0, 0, 1);
-  t.add_integer("CA_ROTOR_COUNT", kOfVehicle, 0, kMostRotors);
-  for (int i = 0; i < kMostRotors; ++i) {
+  t.add_integer("CA_ROTOR_COUNT", kOfVehicle, 0, kMaxRotors);
+  for (int i = 0; i < kMaxRotors; ++i) {
     const std::string name = fmt::format("CA_ROTOR{}_", i);
     t.add(name + "PX", kOfVehicle, -100, 100, "m");
     t.add(name + "PY", kOfVehicle, -100, 100, "m");

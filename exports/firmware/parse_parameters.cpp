@@ -90,8 +90,8 @@ class Collector {
     std::vector<std::string> known;
     for (const ParameterFacts& one : facts_) known.push_back(one.name);
     const std::string near = internal::nearest(name, known);
-    constexpr std::size_t kMostNotes = 10;
-    if (file.notes.size() < kMostNotes && !near.empty() && internal::edit_distance(name, near) == 1)
+    constexpr std::size_t kMaxNotes = 10;
+    if (file.notes.size() < kMaxNotes && !near.empty() && internal::edit_distance(name, near) == 1)
       file.notes.push_back(fmt::format("{}:{}: {} is ignored; did you mean {}?", origin_, line,
                                        printable(name), near));
   }

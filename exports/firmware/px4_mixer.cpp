@@ -133,11 +133,11 @@ MatrixXd px4_mix(const Vehicle& vehicle, const ParameterValues& value) {
     throw InvalidInput("px4", fmt::format("CA_ROTOR_COUNT is {:g} but the vehicle has {} rotors; "
                                           "expected the same number",
                                           count, vehicle.rotors.size()));
-  constexpr std::size_t kMostRotors = 12;
-  if (vehicle.rotors.size() > kMostRotors)
+  constexpr std::size_t kMaxRotors = 12;
+  if (vehicle.rotors.size() > kMaxRotors)
     throw InvalidInput("px4", fmt::format("the vehicle has {} rotors; expected at most {}, for "
                                           "which there are parameters",
-                                          vehicle.rotors.size(), kMostRotors));
+                                          vehicle.rotors.size(), kMaxRotors));
   const BoardRotors board = board_rotors(vehicle, value);
   const MatrixXd effect = geometry(board.rotors);
   MatrixXd mix = effect.completeOrthogonalDecomposition().pseudoInverse();

@@ -235,7 +235,7 @@ std::string flight_code_name(const std::string& name) {
   }
   if (result.empty() || std::isalpha(static_cast<unsigned char>(result[0])) == 0)
     result = "vehicle_" + result;
-  if (result.size() > kLongestFlightCodeName) result.resize(kLongestFlightCodeName);
+  if (result.size() > kMaxFlightCodeName) result.resize(kMaxFlightCodeName);
   return result;
 }
 

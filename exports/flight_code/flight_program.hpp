@@ -38,7 +38,7 @@ template <class T>
   to.attitude_limit = T(from.attitude_limit);
   to.weight = T(from.weight);
   to.take_off_thrust = T(from.take_off_thrust);
-  to.greatest_thrust = T(from.greatest_thrust);
+  to.max_thrust = T(from.max_thrust);
   to.velocity_feed_forward = from.velocity_feed_forward;
   to.conditional_integration = from.conditional_integration;
   return to;
@@ -89,9 +89,9 @@ template <class T>
 template <class T>
 [[nodiscard]] ThrustLimits<T> program_cast(const ThrustLimits<double>& from) {
   ThrustLimits<T> to;
-  for (std::size_t i = 0; i < from.least.size(); ++i) {
-    to.least[i] = T(from.least[i]);
-    to.greatest[i] = T(from.greatest[i]);
+  for (std::size_t i = 0; i < from.min.size(); ++i) {
+    to.min[i] = T(from.min[i]);
+    to.max[i] = T(from.max[i]);
   }
   to.floor = T(from.floor);
   return to;
@@ -209,13 +209,13 @@ class FlightProgram {
       output.limited = any(made.limited);
       speeds_ = speeds_of_wrench(allocation_, made.wrench);
       drive(speeds_, output.commands);
-      carried_out(cascade_settings_, cascade_, asked, made.wrench);
+      on_realized(cascade_settings_, cascade_, asked, made.wrench);
       return output;
     }
     const Inputs asked = step(feedback_settings_, feedback_, estimate, to);
     output.limited = make_speeds(asked, speeds_);
     drive(speeds_, output.commands);
-    carried_out(feedback_settings_, feedback_, asked,
+    on_realized(feedback_settings_, feedback_, asked,
                 output.limited ? inputs_of_speeds(speeds_) : asked);
     return output;
   }
@@ -227,10 +227,10 @@ class FlightProgram {
     if (!output.finite) return output;
     convert_field(output.commands, commands);
     for (Eigen::Index i = 0; i < speeds_.size(); ++i)
-      speeds_(i) = speed_of(greater(direction(i) * T(commands(i)), T(0)));
+      speeds_(i) = speed_of(max_of(direction(i) * T(commands(i)), T(0)));
     if (settings_.cascade() || !feedback_settings_.remembers) return output;
     const Inputs told = inputs_of_speeds(speeds_);
-    carried_out(feedback_settings_, feedback_, told, told);
+    on_realized(feedback_settings_, feedback_, told, told);
     return output;
   }
 
@@ -314,17 +314,16 @@ class FlightProgram {
     for (Eigen::Index i = 0; i < speeds.size(); ++i) {
       const auto k = static_cast<std::size_t>(i);
       if (feedback_settings_.input_kind == InputKind::rotor_speed)
-        speeds(i) = greater(asked(i), T(0));
+        speeds(i) = max_of(asked(i), T(0));
       else if (feedback_settings_.input_kind == InputKind::rotor_thrust)
         speeds(i) = speed_for_thrust(asked(i), allocation_.a2[k], allocation_.a1[k]);
       else
-        speeds(i) = speed_of(greater(asked(i), T(0)));
+        speeds(i) = speed_of(max_of(asked(i), T(0)));
     }
     const RotorSpeeds<T> thrusts = thrusts_of(speeds);
     for (Eigen::Index i = 0; i < speeds.size(); ++i) {
       const auto k = static_cast<std::size_t>(i);
-      limited =
-          limited || any(thrusts(i) < limits_.least[k]) || any(thrusts(i) > limits_.greatest[k]);
+      limited = limited || any(thrusts(i) < limits_.min[k]) || any(thrusts(i) > limits_.max[k]);
     }
     const LimitedWrench<T> made =
         prioritized(allocation_, limits_, wrench_of_thrusts(allocation_, thrusts));

@@ -39,7 +39,7 @@ class Flown {
 
   /// Informs the program of the actual commands in periods in which the law does not control the
   /// motors.
-  void carried_out(const Eigen::VectorXd& made) {
+  void on_realized(const Eigen::VectorXd& made) {
     if (std::exchange(commanded_, false)) return;
     Reference<double> reference;
     reference.phase = FlightPhase::off;
@@ -83,8 +83,8 @@ class FlownLaw final : public FlightLaw {
                           const Reference<double>& reference) override {
     return flown_->command(reference);
   }
-  void carried_out(const Eigen::VectorXd& /*asked*/, const Eigen::VectorXd& made) override {
-    flown_->carried_out(made);
+  void on_realized(const Eigen::VectorXd& /*asked*/, const Eigen::VectorXd& made) override {
+    flown_->on_realized(made);
   }
 
  private:

@@ -74,8 +74,8 @@ FlightSetup recorded_setup(const ExportContent& content) {
   setup.vehicle = content.vehicle;
   setup.mission = parse_mission(kRecordedMission, "recorded mission");
   setup.controller = controller_of(content);
-  constexpr double kMostPeriods = 5000;  // one line each
-  setup.duration = std::min(setup.mission.duration, kMostPeriods * control_period(setup));
+  constexpr double kMaxPeriods = 5000;  // one line each
+  setup.duration = std::min(setup.mission.duration, kMaxPeriods * control_period(setup));
   setup.allocation = AllocationRule::prioritized;
   setup.estimator = EstimatorKind::truth;
   const std::string estimator = included_estimator(content.estimator, content.flight_code.adapter);

@@ -264,12 +264,12 @@ class Drawn {
 /// are not finite.
 std::vector<Eigen::VectorXd> points_to_record(const GainSchedule& schedule, int count,
                                               Drawn& drawn) {
-  constexpr Eigen::Index kMostOfGrid = 32;
+  constexpr Eigen::Index kMaxOfGrid = 32;
   std::vector<Eigen::VectorXd> points;
   // The first point has gains, so that later points without gains have previous ones to keep.
   for (Eigen::Index p = 0; points.empty(); ++p)
     if (schedule.solved(p)) points.push_back(grid_point(schedule.axes, p));
-  const Eigen::Index of_grid = std::min(schedule.size(), kMostOfGrid);
+  const Eigen::Index of_grid = std::min(schedule.size(), kMaxOfGrid);
   for (Eigen::Index i = 0; i < of_grid; ++i)
     points.push_back(
         grid_point(schedule.axes, of_grid == 1 ? 0 : i * (schedule.size() - 1) / (of_grid - 1)));
@@ -413,7 +413,7 @@ std::string schedule_program_name(const ExportContent& content) {
   // Must differ from the name of the vehicle's flight program, which may be in the same folder.
   constexpr std::string_view kEnd = "_schedule";
   const std::string name =
-      flight_code_name(content.vehicle.name).substr(0, kLongestFlightCodeName - kEnd.size());
+      flight_code_name(content.vehicle.name).substr(0, kMaxFlightCodeName - kEnd.size());
   return name + std::string(kEnd);
 }
 

@@ -7,7 +7,7 @@
 namespace quadtune::exports {
 
 // source/state.h repeats these sizes as literals.
-static_assert(QT_HISTORY == kMostHistoryPeriods && QT_HORIZON == kMostHorizonPeriods);
+static_assert(QT_HISTORY == kMaxHistoryPeriods && QT_HORIZON == kMaxHorizonPeriods);
 static_assert(QT_ERRORS == kErrorStates);
 
 namespace {

@@ -112,7 +112,7 @@ void each_field(Archive& archive, Settings& settings) {
     a.number("variance_rad2_per_s2", flow.variance);
     a.vector("scale", flow.scale);
     a.vector("mean_square", flow.mean_square);
-    a.number("least_height_m", flow.least_height);
+    a.number("least_height_m", flow.min_height);
   });
   const auto aid_in = [](const char* variance) {
     return [variance](auto& a, auto& aid) {
@@ -123,9 +123,9 @@ void each_field(Archive& archive, Settings& settings) {
   };
   archive.part("range", settings.range, [&](auto& a, auto& range) {
     aid_in("variance_m2")(a, range.aid);
-    a.number("least_m", range.least);
-    a.number_unless(kInfinity, "greatest_m", range.greatest);
-    a.number("least_cosine_of_tilt", range.least_cosine);
+    a.number("least_m", range.min);
+    a.number_unless(kInfinity, "greatest_m", range.max);
+    a.number("least_cosine_of_tilt", range.min_cosine);
   });
   archive.part("pressure", settings.pressure, [&](auto& a, auto& pressure) {
     aid_in("variance_m2")(a, pressure.aid);

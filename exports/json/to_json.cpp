@@ -143,10 +143,10 @@ void read_dynamic_parts(const Json& json, const std::string& where, Gains& gains
   read.lag = internal::vector_from_json(at("lag_s"), memory_at + ".lag_s");
   read.K_lag = internal::matrix_from_json(at("K_lag"), memory_at + ".K_lag");
   const double past = internal::number_from_json(at("past"), memory_at + ".past");
-  if (past != std::floor(past) || past < 0 || past > kMostPastCommands)
+  if (past != std::floor(past) || past < 0 || past > kMaxPastCommands)
     throw InvalidInput(memory_at + ".past", fmt::format("is {}, expected a whole number from 0 to "
                                                         "{}",
-                                                        past, kMostPastCommands));
+                                                        past, kMaxPastCommands));
   read.past = static_cast<int>(past);
   read.K_past = internal::matrix_from_json(at("K_past"), memory_at + ".K_past");
   if (read.past == 0 && read.K_past.size() == 0) read.K_past.resize(gains.K.rows(), 0);

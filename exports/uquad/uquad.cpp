@@ -44,7 +44,7 @@ std::vector<int> columns(const std::vector<Signal>& signals,
   return result;
 }
 
-std::string in_words(const UquadFileSet& set) {
+std::string describe(const UquadFileSet& set) {
   if (set.integral.empty())
     return fmt::format("{} ({})", set.proportional, internal::joined(set.states, " "));
   return fmt::format("{} + {} ({}; integrals {})", set.proportional, set.integral,
@@ -53,7 +53,7 @@ std::string in_words(const UquadFileSet& set) {
 
 std::string all_in_words() {
   std::vector<std::string> words;
-  for (const UquadFileSet& set : uquad_file_sets()) words.push_back(in_words(set));
+  for (const UquadFileSet& set : uquad_file_sets()) words.push_back(describe(set));
   return fmt::format("{}", internal::joined(words, ", "));
 }
 

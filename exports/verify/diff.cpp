@@ -85,12 +85,12 @@ void compare(const std::string& matrix, const Eigen::MatrixXd& A, const Eigen::M
   const Eigen::MatrixXd size = A.cwiseAbs().cwiseMax(B.cwiseAbs());
   const Eigen::VectorXd row = size.rowwise().maxCoeff();
   const Eigen::RowVectorXd column = size.colwise().maxCoeff();
-  const double least = 1e-13 * size.maxCoeff();
+  const double min = 1e-13 * size.maxCoeff();
   for (Eigen::Index i = 0; i < A.rows(); ++i)
     for (Eigen::Index j = 0; j < A.cols(); ++j) {
       if (A(i, j) == B(i, j)) continue;
       const double difference = B(i, j) - A(i, j);
-      const double scale = std::max(std::min(row(i), column(j)), least);
+      const double scale = std::max(std::min(row(i), column(j)), min);
       result.entries.push_back({matrix, inputs[static_cast<std::size_t>(i)].name,
                                 columns[static_cast<std::size_t>(j)].name, A(i, j), B(i, j),
                                 difference, std::abs(difference) / scale});

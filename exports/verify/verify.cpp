@@ -115,7 +115,7 @@ VerifyCheck check_inputs(const Manifest& manifest, const std::vector<InputAtHand
   return check;
 }
 
-std::string in_words(const StoredLaws& laws) {
+std::string describe(const StoredLaws& laws) {
   std::string text;
   if (laws.gains)
     text = fmt::format("K {}x{}, K_int {}x{}, all finite", laws.gains->K.rows(),
@@ -136,7 +136,7 @@ void check_readable(const fs::path& directory, const Manifest* manifest, VerifyR
       if (const auto& check_files = exporter_of(manifest->kind, kManifestName).check)
         check_files(directory, *manifest, *laws.gains);
     check.detail = !laws.gains && !laws.cascade && holds_schedule(directory) ? "a gain schedule"
-                                                                             : in_words(laws);
+                                                                             : describe(laws);
     check.ok = true;
     report.gains = std::move(laws.gains);
     report.cascade = std::move(laws.cascade);

@@ -67,8 +67,8 @@ CascadeSpecification read_cascade_specification(const TomlTable& table, double d
     specification.method = pid_method(table.text("integrator"), table.where("integrator"));
   if (table.has("motor_lag_s"))
     specification.lag =
-        table.number("motor_lag_s", {0, Range::Bound::closed, kLongestLag, Range::Bound::closed});
-  const Range delays = {0, Range::Bound::closed, kMostDelaySamples * dt, Range::Bound::closed};
+        table.number("motor_lag_s", {0, Range::Bound::closed, kMaxLag, Range::Bound::closed});
+  const Range delays = {0, Range::Bound::closed, kMaxDelaySamples * dt, Range::Bound::closed};
   each_number(table, "sensor_delay_s", delays,
               [&](CascadeAxis axis, double delay) { specification.delay[index_of(axis)] = delay; });
   const Range below_nyquist = {0, Range::Bound::open, std::numbers::pi / dt, Range::Bound::open};

@@ -121,10 +121,10 @@ Eigen::Index checked_grid_size(const std::vector<ScheduleAxis>& axes, const std:
     const auto length = static_cast<Eigen::Index>(axes[a].values.size());
     // Both factors are at most the limit when they are multiplied, so the product does not
     // overflow.
-    if (length > kMostSchedulePoints || size * length > kMostSchedulePoints)
+    if (length > kMaxSchedulePoints || size * length > kMaxSchedulePoints)
       throw InvalidInput(where, fmt::format("the grid exceeds {} points at axis {}; is a "
                                             "step too small?",
-                                            kMostSchedulePoints, to_string(axes[a].quantity)));
+                                            kMaxSchedulePoints, to_string(axes[a].quantity)));
     size *= length;
   }
   return size;

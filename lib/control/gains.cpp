@@ -43,14 +43,14 @@ void validate(const Gains& gains, const std::string& where) {
                        "own past commands");
   require_shape(memory.lag, nu, 1, where, "lag", "one entry per input");
   for (const double lag : memory.lag)
-    if (!(lag > 0) || !(lag <= kMostActuatorLag))
+    if (!(lag > 0) || !(lag <= kMaxActuatorLag))
       throw InvalidInput(where, fmt::format("lag is {} s, expected more than 0, at most {} s", lag,
-                                            kMostActuatorLag));
+                                            kMaxActuatorLag));
   require_shape(memory.K_lag, nu, nu, where, "K_lag", "inputs: " + names(gains.inputs));
   require_finite(memory.K_lag, where, "K_lag");
-  if (memory.past < 0 || memory.past > kMostPastCommands)
+  if (memory.past < 0 || memory.past > kMaxPastCommands)
     throw InvalidInput(where, fmt::format("past is {}, expected 0 to {} control periods",
-                                          memory.past, kMostPastCommands));
+                                          memory.past, kMaxPastCommands));
   require_shape(memory.K_past, nu, nu * memory.past, where, "K_past",
                 fmt::format("past: {}; inputs: {}", memory.past, names(gains.inputs)));
   require_finite(memory.K_past, where, "K_past");

@@ -38,7 +38,7 @@ Eigen::VectorXd nearest_values(const GainSchedule& schedule, double speed, doubl
 }
 
 /// Gains for another mass or air density have the wrong thrust at hover.
-void require_own_vehicle(const GainSchedule& schedule) {
+void require_unscaled_vehicle(const GainSchedule& schedule) {
   constexpr double kRounding = 1e-9;
   for (const ScheduleAxis& axis : schedule.axes) {
     const bool ratio =
@@ -52,16 +52,16 @@ void require_own_vehicle(const GainSchedule& schedule) {
   }
 }
 
-double turn_of_reference(double now, double before, double dt, double greatest) {
+double turn_of_reference(double now, double before, double dt, double max) {
   constexpr double kRounding = 1e-6;  // relative to a difference of two headings
   const double rate = (now - before) / dt;
-  return std::abs(rate) <= greatest * (1 + kRounding) ? rate : 0;
+  return std::abs(rate) <= max * (1 + kRounding) ? rate : 0;
 }
 
 }  // namespace
 
 Gains hover_gains(const GainSchedule& schedule) {
-  require_own_vehicle(schedule);
+  require_unscaled_vehicle(schedule);
   const Eigen::VectorXd at = nearest_values(schedule, 0, 0, 0);
   const ScheduledGain found = schedule.at(at);
   if (!found.found())
@@ -84,7 +84,7 @@ ScheduledFeedback::ScheduledFeedback(const Vehicle& vehicle,
   words_ = feedback_words(vehicle, gains);
   now_ = state_feedback_settings(vehicle, gains, dt, {});
   if (const ScheduleAxis* turn = axis_of(*schedule_, ScheduleQuantity::yaw_rate))
-    greatest_turn_ = std::max(std::abs(turn->values.front()), std::abs(turn->values.back()));
+    max_yaw_rate_ = std::max(std::abs(turn->values.front()), std::abs(turn->values.back()));
 }
 
 Eigen::VectorXd ScheduledFeedback::on_grid(const Vector3<double>& velocity, double heading,
@@ -113,7 +113,7 @@ void ScheduledFeedback::set(const Estimate<double>& estimate, const Reference<do
       words_.set_gain(found.K, found.K_int, now_);
   }
   const double turns =
-      turn_of_reference(reference.yaw, yaw_before_.value_or(reference.yaw), dt_, greatest_turn_);
+      turn_of_reference(reference.yaw, yaw_before_.value_or(reference.yaw), dt_, max_yaw_rate_);
   yaw_before_ = reference.yaw;
   at = on_grid(reference.velocity, reference.yaw, turns);
   if (trim_at_.size() == 0 || at != trim_at_) {

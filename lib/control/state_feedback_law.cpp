@@ -56,21 +56,21 @@ const std::vector<IntegralGuard>& uquad_integral_guards() {
   return guards;
 }
 
-void FeedbackWords::set_gain(const Eigen::MatrixXd& K, const Eigen::MatrixXd& K_int,
-                             StateFeedbackSettings<double>& settings) const {
+void FeedbackTransformation::set_gain(const Eigen::MatrixXd& K, const Eigen::MatrixXd& K_int,
+                                      StateFeedbackSettings<double>& settings) const {
   const Eigen::Index nu = inputs.rows();
   settings.K.topLeftCorner(nu, 12) = law * inputs * K * states;
   settings.K_int.topLeftCorner(nu, integrals.size()) =
       law * inputs * K_int * integrals.asDiagonal();
 }
 
-void FeedbackWords::set_trim(const Eigen::VectorXd& x0, const Eigen::VectorXd& u0,
-                             StateFeedbackSettings<double>& settings) const {
+void FeedbackTransformation::set_trim(const Eigen::VectorXd& x0, const Eigen::VectorXd& u0,
+                                      StateFeedbackSettings<double>& settings) const {
   settings.x0 = states.transpose() * x0;
   settings.u0.head(inputs.rows()) = inputs * u0;
 }
 
-FeedbackWords feedback_words(const Vehicle& vehicle, const Gains& gains) {
+FeedbackTransformation feedback_words(const Vehicle& vehicle, const Gains& gains) {
   validate(gains, "gains");
   const Convention& words = convention(gains.convention, "gains");
   const int rotors = static_cast<int>(vehicle.rotors.size());
@@ -78,14 +78,14 @@ FeedbackWords feedback_words(const Vehicle& vehicle, const Gains& gains) {
   if (rotors < 1 || rotors > kMaxRotors)
     throw InvalidInput("gains", fmt::format("'{}' has {} rotors, expected 1 to {}", vehicle.name,
                                             rotors, kMaxRotors));
-  if (gains.integrals.size() > static_cast<std::size_t>(kMostIntegrals))
+  if (gains.integrals.size() > static_cast<std::size_t>(kMaxIntegrals))
     throw InvalidInput("gains", fmt::format("{} integrals, expected at most {}, one for each state",
-                                            gains.integrals.size(), kMostIntegrals));
+                                            gains.integrals.size(), kMaxIntegrals));
   if (gains.K.rows() != inputs)
     throw InvalidInput("gains", fmt::format("K has {} rows, expected {}, one for each input of "
                                             "'{}'",
                                             gains.K.rows(), inputs, vehicle.name));
-  FeedbackWords result;
+  FeedbackTransformation result;
   // The inverse of a signed permutation is its transpose.
   result.inputs = input_from_ned(words, gains.input_kind, rotors).transpose();
   result.law = gains.sign_law == SignLaw::set_point_minus_state ? 1 : -1;
@@ -104,7 +104,7 @@ FeedbackWords feedback_words(const Vehicle& vehicle, const Gains& gains) {
 StateFeedbackSettings<double> state_feedback_settings(const Vehicle& vehicle, const Gains& gains,
                                                       double dt,
                                                       const std::vector<IntegralGuard>& guards) {
-  const FeedbackWords words = feedback_words(vehicle, gains);
+  const FeedbackTransformation words = feedback_words(vehicle, gains);
   if (gains.dt > 0 && std::abs(gains.dt - dt) > 1e-9 * dt)
     throw InvalidInput("gains", fmt::format("the sample period is {} s, expected {} s, the control "
                                             "period of the law",

@@ -37,11 +37,11 @@ void require_covariance(const Eigen::MatrixXd& M, const std::string& name,
   require_symmetric(M, where, name);
   if (M.size() == 0) return;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(M, Eigen::EigenvaluesOnly);
-  const double least = eigen.eigenvalues()(0);
-  if (least < -1e-12 * M.cwiseAbs().maxCoeff())
+  const double min = eigen.eigenvalues()(0);
+  if (min < -1e-12 * M.cwiseAbs().maxCoeff())
     throw InvalidInput(where, fmt::format("{} has the eigenvalue {:.3g}, expected no negative one "
                                           "because it is a covariance",
-                                          name, least));
+                                          name, min));
 }
 
 void check_terms(const CovarianceModel& model, Index size, const std::string& name,

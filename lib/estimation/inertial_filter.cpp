@@ -27,7 +27,7 @@ using internal::ExtendedVector;
 /// [s].
 constexpr double kLevelling = 1;
 /// Maximum step of the inertial sensors; longer ones are divided [s].
-constexpr double kLongestStep = 0.02;
+constexpr double kMaxStep = 0.02;
 /// Number of candidate headings at the start, and the time over which they are compared [s].
 constexpr int kHeadings = 12;
 constexpr double kComparison = 30;
@@ -215,7 +215,7 @@ class InertialFilter final : public internal::ExtendedFilter {
  public:
   InertialFilter(FilterModel model, const std::vector<FilterRecord>& records,
                  const std::function<bool()>& stop)
-      : ExtendedFilter(std::move(model), records, true, kLongestStep) {
+      : ExtendedFilter(std::move(model), records, true, kMaxStep) {
     for (const internal::DrivenRecord& driven : driven_)
       attitude_.push_back(attitude_at_start(
           model_, driven, level(mean_force(records[driven.of], driven.first), *model_.gravity),

@@ -17,8 +17,8 @@ namespace {
 using internal::common_unit;
 
 /// Maximum number of names in a message.
-constexpr std::size_t kMostCandidates = 6;
-constexpr std::size_t kMostListed = 6;
+constexpr std::size_t kMaxCandidates = 6;
+constexpr std::size_t kMaxListed = 6;
 
 std::string name_in(const LogSurvey& log, const LogChannelSurvey& channel) {
   return full_name(log.groups[channel.group].group, channel.channel);
@@ -76,7 +76,7 @@ std::vector<std::string> candidates_for(const Signal& signal, const LogSurvey& l
       others.push_back(name_in(log, channel));
   }
   near.insert(near.end(), others.begin(), others.end());
-  if (near.size() > kMostCandidates) near.resize(kMostCandidates);
+  if (near.size() > kMaxCandidates) near.resize(kMaxCandidates);
   return near;
 }
 
@@ -160,9 +160,9 @@ std::string list_of(const ModelNeeds& needs) {
     if (!one.why.empty()) item += fmt::format(" ({})", one.why);
     items.push_back(std::move(item));
   }
-  if (items.size() > kMostListed) {
-    const std::size_t more = items.size() - kMostListed;
-    items.resize(kMostListed);
+  if (items.size() > kMaxListed) {
+    const std::size_t more = items.size() - kMaxListed;
+    items.resize(kMaxListed);
     items.push_back(fmt::format("{} more", more));
   }
   return fmt::format("{}", internal::joined(items, ", "));
@@ -184,7 +184,7 @@ std::vector<ModelSignals> signals_of_built_in_models() {
   return result;
 }
 
-ModelNeeds needs_of_model(const ModelSignals& model, const LogSurvey& log) {
+ModelNeeds model_needs(const ModelSignals& model, const LogSurvey& log) {
   ModelNeeds needs;
   needs.model = model.name;
   Matcher matcher(log, model.z_up, needs);
@@ -213,7 +213,7 @@ std::string to_text(const ModelNeeds& needs) {
   std::string text = fmt::format("{}: needs {}; use --map {}=CHANNEL if {} named differently",
                                  needs.model, list_of(needs), needs.missing.front().signal.name,
                                  needs.missing.size() == 1 ? "it is" : "one of them is");
-  for (std::size_t i = 0; i < std::min(needs.missing.size(), kMostListed); ++i) {
+  for (std::size_t i = 0; i < std::min(needs.missing.size(), kMaxListed); ++i) {
     const MissingSignal& one = needs.missing[i];
     if (!one.candidates.empty())
       text +=

@@ -76,7 +76,7 @@ OwnSignal flow_velocity(int axis) {
 
 OwnSignal tilt() {
   return {"accelerometer.* as roll", kForce, "rad",
-          [](const Values& of) { return tilt_of_force<double>(three(of, 0)).roll; }};
+          [](const Values& of) { return tilt_from_force<double>(three(of, 0)).roll; }};
 }
 
 /// Axis in the name of a signal, e.g. 0 for "gyro_x" with the prefix "gyro_"; -1 for other names.

@@ -112,22 +112,22 @@ class Builder {
       cursors_.push_back({of_signal_[k], delay});
       if (of_signal_[k] != nullptr) require_countable(*of_signal_[k], delay);
       if (is_input)
-        longest_hold_.push_back(internal::kLongestHold * internal::typical_period(*of_signal_[k]) /
+        longest_hold_.push_back(internal::kMaxHold * internal::typical_period(*of_signal_[k]) /
                                 unit_);
     }
   }
 
   /// Instants are integers and must be in their range.
   void require_countable(const LogSeries& series, double delay) const {
-    constexpr double kMost = 4e18;
+    constexpr double kMax = 4e18;
     for (const double time : {series.time.front(), series.time.back()})
-      if (!(std::abs(time - delay - start_) < kMost * unit_))
+      if (!(std::abs(time - delay - start_) < kMax * unit_))
         throw InvalidInput(
             name_, fmt::format("'{}' has a sample {:.4g} s after the first of all{}, expected less "
                                "than {:.2g} s because instants are resolved to {:.2g} s",
                                internal::printable(series.name), time - start_,
                                delay != 0 ? fmt::format(" and a delay of {:.4g} s", delay) : "",
-                               kMost * unit_, unit_));
+                               kMax * unit_, unit_));
   }
 
   [[nodiscard]] static bool is_left(const Cursor& cursor) {
@@ -154,12 +154,12 @@ class Builder {
     std::vector<double> held(nu, 0);
     std::vector<std::int64_t> since(nu, std::numeric_limits<std::int64_t>::min());
     Samples times, y, u;
-    std::size_t most = 0;  // expected number of instants
+    std::size_t max = 0;  // expected number of instants
     for (const LogSeries* series : of_signal_)
-      if (series != nullptr) most = std::max(most, series->time.size());
-    times.reserve(most);
-    y.reserve(most * static_cast<std::size_t>(ny));
-    u.reserve(most * nu);
+      if (series != nullptr) max = std::max(max, series->time.size());
+    times.reserve(max);
+    y.reserve(max * static_cast<std::size_t>(ny));
+    u.reserve(max * nu);
     const auto finish = [&] {
       const auto N = static_cast<Index>(times.size());
       const bool measured =

@@ -64,7 +64,7 @@ struct Truth {
     if (where.share == 1) return scale * here;
     const double before = series->values[where.i - 1];
     double change = scale * (here - before);
-    if (angle) change = wrapped(change);
+    if (angle) change = wrap_angle(change);
     return scale * before + where.share * change;
   }
 };
@@ -78,7 +78,7 @@ Truth truth_of(const ChannelUse& use, const std::string& unit, const std::string
   else if (!unit.empty() && !given.empty())
     require_unit(use.series, unit, name);
   require_usable(use.series, name);
-  truth.longest = kLongestHold * typical_period(use.series);
+  truth.longest = kMaxHold * typical_period(use.series);
   return truth;
 }
 

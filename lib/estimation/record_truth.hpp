@@ -10,7 +10,7 @@
 namespace quadtune::internal {
 
 /// Maximum gap of a series, in typical periods, over which it is held or interpolated.
-inline constexpr double kLongestHold = 10;
+inline constexpr double kMaxHold = 10;
 /// Instants closer than this are equal [s].
 inline constexpr double kSameInstant = 1e-7;
 

@@ -76,7 +76,7 @@ NoisePerStep noise_per_step(const FilterModel& model, const DiscreteLti& filter,
   return noise;
 }
 
-void take_noise(const FilterModel& model, const std::string& where,
+void copy_noise(const FilterModel& model, const std::string& where,
                 UquadFilterSettings<double>& settings) {
   if (model.vehicle.empty())
     refuse(where, model,

@@ -30,7 +30,7 @@ void validate_uquad(const UquadFilterSettings<T>& settings, const std::string& w
   require_positive(settings.R_gps_position, "R_gps_position", " m2", where);
   require_positive(settings.R_gps_velocity, "R_gps_velocity", " m2/s2", where);
   require_positive(settings.R_vision, "R_vision", " m2", where);
-  require_positive(settings.still_variance, "still_variance", " m2/s2", where);
+  require_positive(settings.zero_velocity_variance, "still_variance", " m2/s2", where);
   require_positive(settings.standing_variance, "standing_variance", " m2/s2", where);
   if (!(settings.gate > 0))
     throw InvalidInput(

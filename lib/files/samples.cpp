@@ -44,7 +44,7 @@ void* spool(std::size_t bytes) {
 }  // namespace
 
 void* allocate_samples(std::size_t bytes) {
-  if (bytes < kLeastSpooled) return ::operator new(bytes);
+  if (bytes < kMinSpooled) return ::operator new(bytes);
   void* block = spool(bytes);
   if (!block) block = map_block(bytes, MAP_PRIVATE | MAP_ANONYMOUS, -1);
   if (!block) throw std::bad_alloc();
@@ -52,7 +52,7 @@ void* allocate_samples(std::size_t bytes) {
 }
 
 void free_samples(void* block, std::size_t bytes) noexcept {
-  if (bytes < kLeastSpooled)
+  if (bytes < kMinSpooled)
     ::operator delete(block);
   else
     munmap(block, bytes);

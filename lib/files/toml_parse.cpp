@@ -105,7 +105,7 @@ void require_short_lines(const std::string& text, const std::string& origin) {
 
 // Rewrites messages such as "Error while parsing key-value pair: cannot redefine existing integer
 // 'a'".
-std::string in_our_words(std::string_view description) {
+std::string translate_message(std::string_view description) {
   std::string words;
   for (const char c : description) words += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
   const std::size_t twice = words.find("cannot redefine existing ");
@@ -133,7 +133,7 @@ TomlTable TomlTable::parse(const std::string& text, const std::string& origin, s
     return TomlTable(std::move(root), node, origin, "");
   } catch (const toml::parse_error& error) {
     const auto line = std::max<toml::source_index>(error.source().begin.line, 1);
-    throw InvalidInput(fmt::format("{}:{}", origin, line), in_our_words(error.description()));
+    throw InvalidInput(fmt::format("{}:{}", origin, line), translate_message(error.description()));
   }
 }
 

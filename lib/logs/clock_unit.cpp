@@ -11,9 +11,9 @@
 namespace quadtune::internal {
 namespace {
 
-constexpr double kLongestStep = 10;     // [s] between samples of a log
-constexpr double kShortestStep = 5e-5;  // [s]: 20 kHz
-constexpr double kLastSecond = 1e10;    // since 1970: the year 2286
+constexpr double kMaxStep = 10;       // [s] between samples of a log
+constexpr double kMinStep = 5e-5;     // [s]: 20 kHz
+constexpr double kLastSecond = 1e10;  // since 1970: the year 2286
 constexpr double kStraySeconds = 10;
 constexpr double kStraySteps = 1000;
 
@@ -35,7 +35,7 @@ double median(std::vector<double> values) {
 }
 
 bool plausible(double step, double ticks) {
-  return step == 0 || (step / ticks >= kShortestStep && step / ticks <= kLongestStep);
+  return step == 0 || (step / ticks >= kMinStep && step / ticks <= kMaxStep);
 }
 
 }  // namespace
@@ -53,7 +53,7 @@ ClockSample sample_of_clock(const std::vector<double>& times) {
 ClockUnit unit_of_clock(const ClockSample& sample) {
   const double time = std::abs(sample.time);
   const double step = sample.step;
-  if (time < kLastSecond && step <= kLongestStep) return {1, "s", "is taken as seconds"};
+  if (time < kLastSecond && step <= kMaxStep) return {1, "s", "is taken as seconds"};
   if (time < kLastSecond)
     return {0, "us",
             fmt::format("in seconds its samples would be {:.6g} s apart; they may be milliseconds, "

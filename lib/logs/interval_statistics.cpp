@@ -23,7 +23,7 @@ int bin_of(double interval) {
 
 void IntervalStatistics::take(double time) {
   least_ = std::min(least_, time);
-  greatest_ = std::max(greatest_, time);
+  max_ = std::max(max_, time);
   if (samples_++ == 0) {
     first_ = previous_ = time;
     return;
@@ -46,7 +46,7 @@ LogTiming IntervalStatistics::timing() const {
   LogTiming timing;
   if (samples_ == 0) return timing;
   timing.first_s = first_;
-  timing.duration_s = greatest_ - least_;
+  timing.duration_s = max_ - least_;
   timing.duplicates = duplicates_;
   timing.backwards = backwards_;
   std::uint64_t intervals = 0;

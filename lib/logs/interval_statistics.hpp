@@ -19,8 +19,8 @@ class IntervalStatistics {
 
   [[nodiscard]] LogTiming timing() const;
   /// Minimum and maximum time; inf and -inf before the first.
-  [[nodiscard]] double least() const { return least_; }
-  [[nodiscard]] double greatest() const { return greatest_; }
+  [[nodiscard]] double min() const { return least_; }
+  [[nodiscard]] double max() const { return max_; }
 
  private:
   struct Bin {
@@ -33,7 +33,7 @@ class IntervalStatistics {
   double first_ = std::numeric_limits<double>::quiet_NaN();
   double previous_ = std::numeric_limits<double>::quiet_NaN();
   double least_ = std::numeric_limits<double>::infinity();
-  double greatest_ = -std::numeric_limits<double>::infinity();
+  double max_ = -std::numeric_limits<double>::infinity();
   std::uint64_t samples_ = 0;
   std::uint64_t duplicates_ = 0;
   std::uint64_t backwards_ = 0;

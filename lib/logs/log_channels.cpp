@@ -149,7 +149,7 @@ LogChannels read_log_channels(const std::string& path, const std::vector<std::st
 }
 
 LogSeries interpolated(const LogSeries& series, const Samples& times) {
-  constexpr double kLongest = 10;  // median steps
+  constexpr double kMax = 10;  // median steps
   LogSeries result{series.name, series.unit, series.timed, {}, {}};
   const Samples& t = series.time;
   if (t.empty()) return result;
@@ -159,7 +159,7 @@ LogSeries interpolated(const LogSeries& series, const Samples& times) {
   if (!steps.empty()) {
     const auto middle = steps.begin() + std::ssize(steps) / 2;
     std::nth_element(steps.begin(), middle, steps.end());
-    longest = kLongest * *middle;
+    longest = kMax * *middle;
   }
   std::size_t after = 0;
   for (const double time : times) {
@@ -176,7 +176,7 @@ LogSeries interpolated(const LogSeries& series, const Samples& times) {
   return result;
 }
 
-void require_usable(const LogSeries& series, const std::string& where, std::size_t least) {
+void require_usable(const LogSeries& series, const std::string& where, std::size_t min) {
   if (!series.timed)
     throw InvalidInput(where, fmt::format("'{}' has no time, expected a time column or a rate",
                                           printable(series.name)));
@@ -184,9 +184,9 @@ void require_usable(const LogSeries& series, const std::string& where, std::size
     throw InvalidInput(where, fmt::format("'{}' has no samples, expected at least one: every "
                                           "row of it is empty or NaN",
                                           printable(series.name)));
-  if (series.values.size() < least)
+  if (series.values.size() < min)
     throw InvalidInput(where, fmt::format("'{}' has {} samples, expected {} or more",
-                                          printable(series.name), series.values.size(), least));
+                                          printable(series.name), series.values.size(), min));
   const auto step = std::adjacent_find(series.time.begin(), series.time.end(),
                                        [](double a, double b) { return !(a < b); });
   if (step != series.time.end())

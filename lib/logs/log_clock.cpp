@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Limit that keeps differences of whole seconds within the range of an integer.
-constexpr double kFarthest = 1e15;   // [s]
-constexpr double kLeastEpoch = 1e6;  // [s]: up to here a double resolves a tenth of a nanosecond
+constexpr double kFarthest = 1e15;  // [s]
+constexpr double kMinEpoch = 1e6;   // [s]: up to here a double resolves a tenth of a nanosecond
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -57,14 +57,14 @@ double LogClock::seconds(const LogTicks& ticks, double ticks_per_s) {
   const auto left = static_cast<double>(ticks.whole % per_s);
   if (!std::isfinite(ticks.rest) || std::abs(static_cast<double>(whole_s)) > kFarthest)
     return seconds((static_cast<double>(ticks.whole) + ticks.rest) / ticks_per_s);
-  if (!epoch_s_) epoch_s_ = std::abs(static_cast<double>(whole_s)) >= kLeastEpoch ? whole_s : 0;
+  if (!epoch_s_) epoch_s_ = std::abs(static_cast<double>(whole_s)) >= kMinEpoch ? whole_s : 0;
   return static_cast<double>(whole_s - *epoch_s_) + (left + ticks.rest) / ticks_per_s;
 }
 
 double LogClock::seconds(double time_s) {
   if (!std::isfinite(time_s)) return kNaN;
   if (!epoch_s_)
-    epoch_s_ = std::abs(time_s) >= kLeastEpoch && std::abs(time_s) < kFarthest
+    epoch_s_ = std::abs(time_s) >= kMinEpoch && std::abs(time_s) < kFarthest
                    ? static_cast<std::int64_t>(time_s)
                    : 0;
   return time_s - static_cast<double>(*epoch_s_);

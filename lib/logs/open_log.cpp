@@ -48,8 +48,8 @@ void require_options(const LogOptions& options, const std::string& format,
 }
 
 std::string cleaned(const std::string& text) {
-  constexpr std::size_t kLongest = 200;
-  std::string clean = text.substr(0, kLongest);
+  constexpr std::size_t kMax = 200;
+  std::string clean = text.substr(0, kMax);
   const bool utf8 = internal::utf16_of(clean).has_value();
   for (char& c : clean) {
     const auto byte = static_cast<unsigned char>(c);

@@ -36,7 +36,7 @@ double number_of(const std::string& text, const std::string& key, const std::str
 
 }  // namespace
 
-Wind wind_of_words(const std::string& words, const std::string& where) {
+Wind parse_wind(const std::string& words, const std::string& where) {
   // Wind speeds at 6 m according to [MIL-F-8785C].
   static const std::vector<std::pair<std::string, double>> kinds = {
       {"calm", 0}, {"light", 7.7}, {"moderate", 15.4}, {"severe", 23.2}};

@@ -18,7 +18,7 @@ namespace {
 /// Lower bound of the search as a fraction of the speed range.
 constexpr double kTolerance = 1e-12;  // on MixResult::residual
 constexpr double kFloor = 1e-6;
-constexpr int kMostSteps = 50;  // total number of Newton steps; five are typical
+constexpr int kMaxSteps = 50;  // total number of Newton steps; five are typical
 constexpr const char* kAxes[] = {"T", "tau_x", "tau_y", "tau_z"};
 constexpr const char* kUnits[] = {"N", "N m", "N m", "N m"};
 
@@ -50,11 +50,11 @@ class SpeedSearch {
       : vehicle_(vehicle),
         target_(target),
         density_ratio_(density_ratio),
-        low_(least_speed(vehicle)),
-        high_(greatest_speed(vehicle)),
+        low_(min_speed(vehicle)),
+        high_(max_speed(vehicle)),
         free_(vehicle.rotors.size(), true) {
     // Newtons or newton metres per unit of the residual.
-    const double thrust = greatest_thrust(vehicle, density_ratio);
+    const double thrust = max_thrust(vehicle, density_ratio);
     double arm = 0;
     double drag = 0;
     for (const Rotor& rotor : vehicle.rotors) {
@@ -104,7 +104,7 @@ class SpeedSearch {
   // the limits here, but not fall below the turning point of their thrust curve.
   void newton() {
     double residual = error(w_).norm();
-    while (residual > kTolerance && steps_ < kMostSteps) {
+    while (residual > kTolerance && steps_ < kMaxSteps) {
       ++steps_;
       Eigen::MatrixXd J =
           scale_.cwiseInverse().asDiagonal() * wrench_jacobian(vehicle_, w_, density_ratio_);
@@ -142,8 +142,8 @@ class SpeedSearch {
       if (!free_[static_cast<std::size_t>(i)]) continue;
       // A rotor at the lower bound of stepped() would need less thrust than it produces at any
       // speed.
-      const double least = std::max(low_ - slack, above_turn(i, 1.001 * kFloor));
-      if (w_(i) <= high_ + slack && w_(i) >= least) continue;
+      const double min = std::max(low_ - slack, above_turn(i, 1.001 * kFloor));
+      if (w_(i) <= high_ + slack && w_(i) >= min) continue;
       free_[static_cast<std::size_t>(i)] = false;
       any = true;
     }
@@ -213,11 +213,11 @@ Eigen::Vector4d wrench_authority(const Vehicle& vehicle, const Eigen::VectorXd& 
   Eigen::Vector4d authority = Eigen::Vector4d::Zero();
   for (Eigen::Index i = 0; i < 4; ++i) {
     const Eigen::VectorXd change = speeds.col(i).cwiseAbs();
-    double most = std::numeric_limits<double>::infinity();
+    double max = std::numeric_limits<double>::infinity();
     for (Eigen::Index k = 0; k < w.size(); ++k)
       if (change(k) > 0)
-        most = std::min(most, std::max(0.0, std::min(fastest - w(k), w(k) - slowest)) / change(k));
-    if (std::isfinite(most)) authority(i) = most;
+        max = std::min(max, std::max(0.0, std::min(fastest - w(k), w(k) - slowest)) / change(k));
+    if (std::isfinite(max)) authority(i) = max;
   }
   return authority;
 }
@@ -276,27 +276,27 @@ MixResult speeds_for_wrench(const Vehicle& vehicle, const Eigen::Vector4d& wrenc
   return SpeedSearch(vehicle, wrench, density_ratio).run();
 }
 
-double least_speed(const Vehicle& vehicle) {
+double min_speed(const Vehicle& vehicle) {
   return speed_of_command(vehicle.motor, vehicle.motor.min);
 }
 
-double greatest_speed(const Vehicle& vehicle) {
+double max_speed(const Vehicle& vehicle) {
   return speed_of_command(vehicle.motor, vehicle.motor.max);
 }
 
-double greatest_thrust(const Vehicle& vehicle, double density_ratio) {
+double max_thrust(const Vehicle& vehicle, double density_ratio) {
   double total = 0;
   for (const Rotor& rotor : vehicle.rotors)
-    total += rotor_thrust(rotor, greatest_speed(vehicle), density_ratio);
+    total += rotor_thrust(rotor, max_speed(vehicle), density_ratio);
   return total;
 }
 
 double thrust_to_weight(const Vehicle& vehicle) {
-  return greatest_thrust(vehicle) / (vehicle.mass * vehicle.gravity);
+  return max_thrust(vehicle) / (vehicle.mass * vehicle.gravity);
 }
 
 double altitude_thrust_limit(const Vehicle& vehicle) {
-  return vehicle.altitude_thrust_fraction * greatest_thrust(vehicle);
+  return vehicle.altitude_thrust_fraction * max_thrust(vehicle);
 }
 
 double command_per_thrust(const Vehicle& vehicle) {

@@ -115,7 +115,7 @@ class Search {
   bool weight() {
     const double ratio = thrust_to_weight(vehicle_);
     const bool speed = vehicle_.motor.law == CommandLaw::speed;
-    const std::string most = speed ? "max_rad_s" : "max_count";
+    const std::string max = speed ? "max_rad_s" : "max_count";
     std::vector<Mistake> mistakes;
     if (speed) mistakes.push_back({1 / (kRpm * kRpm), "max_rad_s may be in rpm"});
     mistakes.insert(mistakes.end(), {{kRpm * kRpm, "the thrust curve may be for speeds in rpm"},
@@ -124,7 +124,7 @@ class Search {
                                      {1e3, "the thrust curve may be in mN, or mass_kg in t"},
                                      {1 / 9.81, "the thrust curve may be in kgf"},
                                      {1e3 / 9.81, "the thrust curve may be in gf"}});
-    return look("thrust-to-weight at " + most, "", ratio, {1, 10}, mistakes);
+    return look("thrust-to-weight at " + max, "", ratio, {1, 10}, mistakes);
   }
 
   /// Ratio of a rotor's drag torque to its thrust: a twentieth to a third of its radius.
@@ -173,14 +173,14 @@ class Search {
 
   /// Half the horizontal distance between the two rotors that are closest to each other.
   [[nodiscard]] double room() const {
-    double least = 0;
+    double min = 0;
     for (const Rotor& a : vehicle_.rotors)
       for (const Rotor& b : vehicle_.rotors) {
         const double distance = (a.position - b.position).head<2>().norm();
         // Coaxial rotors do not limit each other.
-        if (distance > 1e-6 * arm_ && (least == 0 || distance < least)) least = distance;
+        if (distance > 1e-6 * arm_ && (min == 0 || distance < min)) min = distance;
       }
-    return least / 2;
+    return min / 2;
   }
 
   void motors(bool inertia_fits) {
@@ -238,7 +238,9 @@ class Search {
 
 }  // namespace
 
-std::vector<Implausibility> implausible(const Vehicle& vehicle) { return Search(vehicle).found(); }
+std::vector<Implausibility> find_implausible_values(const Vehicle& vehicle) {
+  return Search(vehicle).found();
+}
 
 std::string to_string(const Implausibility& figure) {
   const std::string unit = figure.unit.empty() ? "" : " " + figure.unit;

@@ -16,7 +16,7 @@ constexpr Range kDelay = {0, Range::Bound::closed, 10, Range::Bound::closed};
 constexpr Range kHalfField = {0, Range::Bound::open, 1.5, Range::Bound::closed};
 constexpr Range kTilt = {0, Range::Bound::open, 1.5, Range::Bound::closed};
 /// Maximum number of samples that may be in transit at once.
-constexpr double kMostWaiting = 10000;
+constexpr double kMaxWaiting = 10000;
 
 std::vector<TomlKey> fault_keys(const std::string& unit) {
   return {{"rate", "Hz"},
@@ -60,10 +60,10 @@ SensorFaults read_faults(const TomlTable& table, const std::string& unit, int co
   SensorFaults faults;
   faults.rate = table.number("rate_Hz", kRate);
   faults.delay = table.number_or("delay_s", 0, kDelay);
-  if (faults.delay * faults.rate > kMostWaiting)
+  if (faults.delay * faults.rate > kMaxWaiting)
     throw InvalidInput(table.where("delay_s"),
                        fmt::format("delay_s in {} spans {:.0f} samples, expected at most {:.0f}",
-                                   table.title(), faults.delay * faults.rate, kMostWaiting));
+                                   table.title(), faults.delay * faults.rate, kMaxWaiting));
   faults.scale = axes(table, "scale", faults.scale, count, Range::positive());
   faults.bias = axes(table, "bias_" + unit, faults.bias, count, Range::any());
   faults.noise = axes(table, "noise_" + unit, faults.noise, count, Range::not_negative());
@@ -95,16 +95,15 @@ SonarSensor read_sonar(const TomlTable& table) {
   allow(table, "m", {{"least_range", "m"}, {"greatest_range", "m"}, {"greatest_tilt", "rad"}});
   SonarSensor sonar;
   sonar.faults = read_faults(table, "m", 1);
-  sonar.least_range = table.number_or("least_range_m", 0, Range::not_negative());
-  sonar.greatest_range =
-      table.number_or("greatest_range_m", sonar.greatest_range, Range::positive());
-  if (!(sonar.greatest_range > sonar.least_range))
+  sonar.min_range = table.number_or("least_range_m", 0, Range::not_negative());
+  sonar.max_range = table.number_or("greatest_range_m", sonar.max_range, Range::positive());
+  if (!(sonar.max_range > sonar.min_range))
     throw InvalidInput(
         table.where("greatest_range_m"),
         fmt::format("greatest_range_m in {} is {}, expected more than least_range_m, "
                     "{}",
-                    table.title(), sonar.greatest_range, sonar.least_range));
-  sonar.greatest_tilt = table.number_or("greatest_tilt_rad", sonar.greatest_tilt, kTilt);
+                    table.title(), sonar.max_range, sonar.min_range));
+  sonar.max_tilt = table.number_or("greatest_tilt_rad", sonar.max_tilt, kTilt);
   return sonar;
 }
 
@@ -120,14 +119,13 @@ FlowSensor read_flow(const TomlTable& table) {
   flow.faults = read_faults(table, "rad_per_s", 2);
   flow.half_field_x = table.number_or("half_field_x_rad", flow.half_field_x, kHalfField);
   flow.half_field_y = table.number_or("half_field_y_rad", flow.half_field_y, kHalfField);
-  flow.least_height = table.number_or("least_height_m", flow.least_height, Range::positive());
-  flow.greatest_height =
-      table.number_or("greatest_height_m", flow.greatest_height, Range::positive());
-  if (!(flow.greatest_height > flow.least_height))
+  flow.min_height = table.number_or("least_height_m", flow.min_height, Range::positive());
+  flow.max_height = table.number_or("greatest_height_m", flow.max_height, Range::positive());
+  if (!(flow.max_height > flow.min_height))
     throw InvalidInput(table.where("greatest_height_m"),
                        fmt::format("greatest_height_m in {} is {}, expected more than "
                                    "least_height_m, {}",
-                                   table.title(), flow.greatest_height, flow.least_height));
+                                   table.title(), flow.max_height, flow.min_height));
   flow.noise_per_height =
       table.number_or("noise_per_height_rad_per_s_per_m", 0, Range::not_negative());
   flow.simplified_rate_gain = table.number_or("simplified_rate_gain", flow.simplified_rate_gain);

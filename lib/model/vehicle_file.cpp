@@ -59,7 +59,7 @@ void require_one_of(const TomlTable& table, const std::string& a, const std::str
                                                    table.title(), a, b));
 }
 
-constexpr Range kLag = {0, Range::Bound::closed, kLongestLag, Range::Bound::closed};
+constexpr Range kLag = {0, Range::Bound::closed, kMaxLag, Range::Bound::closed};
 
 // lag_s sets both lag_up_s and lag_down_s.
 void read_lag(const TomlTable& table, Rotor& rotor) {
@@ -306,7 +306,7 @@ MotorCommand read_motor(const TomlTable& table, std::size_t rotors) {
                        fmt::format("max_{0} in [motor] is {1}, expected more than min_{0}, {2}",
                                    unit, motor.max, motor.min));
   motor.quantum = table.number_or("quantum_" + unit, 0, Range::not_negative());
-  constexpr Range kDelay = {0, Range::Bound::closed, kLongestCommandDelay, Range::Bound::closed};
+  constexpr Range kDelay = {0, Range::Bound::closed, kMaxCommandDelay, Range::Bound::closed};
   motor.delay = table.number_or("command_delay_s", 0, kDelay);
   motor.delay_jitter = table.number_or("command_jitter_s", 0, kDelay);
   motor.direction =

@@ -205,7 +205,7 @@ bool same_structure(const FlightSetup& a, const FlightSetup& b) {
   };
   // Motor range that the law assumes.
   const auto same_motors = [](const Vehicle& v, const Vehicle& w) {
-    return least_speed(v) == least_speed(w) && greatest_speed(v) == greatest_speed(w);
+    return min_speed(v) == min_speed(w) && max_speed(v) == max_speed(w);
   };
   const bool same_rotors =
       std::equal(a.vehicle.rotors.begin(), a.vehicle.rotors.end(), b.vehicle.rotors.begin(),
@@ -261,7 +261,7 @@ void calibrate_flow(FlightSetup& setup) {
       gyro.natural_frequency > 0 ? 2 * gyro.damping / gyro.natural_frequency : 0;
   // An image that would have to wait longer than flows are stored is used when it leaves the
   // buffer.
-  estimator.gyro_lag = std::min(gyro.delay + response, flow_delay + (kMostAlignedPeriods - 2) * dt);
+  estimator.gyro_lag = std::min(gyro.delay + response, flow_delay + (kMaxAlignedPeriods - 2) * dt);
   estimator.aligned_periods = flow_alignment_periods(estimator.gyro_lag, flow_delay, dt);
 }
 
@@ -292,11 +292,11 @@ void validate(const FlightSetup& setup) {
                    "mission '" + setup.mission.name + "'");
   const MotorCommand& motor = flown_vehicle(setup).motor;
   if (!(motor.delay >= 0) || !(motor.delay_jitter >= 0) ||
-      !(motor.delay + motor.delay_jitter <= kMostDelayPeriods * dt * (1 + 1e-9)))
+      !(motor.delay + motor.delay_jitter <= kMaxDelayPeriods * dt * (1 + 1e-9)))
     throw InvalidInput("flight",
                        fmt::format("the command delay is {} s and its jitter {} s, "
                                    "expected a sum of 0 to {} control periods of {} s",
-                                   motor.delay, motor.delay_jitter, kMostDelayPeriods, dt));
+                                   motor.delay, motor.delay_jitter, kMaxDelayPeriods, dt));
   (void)dryden_numbers(setup.environment.wind);
   // These settings are computed again in the thread of the flight; report mistakes before that.
   validate(setup.mission, "mission '" + setup.mission.name + "'");

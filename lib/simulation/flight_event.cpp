@@ -16,7 +16,7 @@ namespace {
 
 }  // namespace
 
-std::string in_words(const FlightEvent& event) {
+std::string describe(const FlightEvent& event) {
   if (const auto* fault = std::get_if<MotorFault>(&event.what)) {
     if (fault->thrust_share == 0) return fmt::format("motor {} stops", fault->motor);
     return fmt::format("motor {} keeps {} of its thrust", fault->motor, fault->thrust_share);

@@ -33,7 +33,7 @@ bool is_shown(Metric metric) {
 /// The mission's limit on a metric; NaN without one.
 double limit_of(const Mission& mission, Metric metric) {
   for (const Limit& limit : mission.limits)
-    if (limit.metric == metric) return limit.most;
+    if (limit.metric == metric) return limit.max;
   return std::numeric_limits<double>::quiet_NaN();
 }
 
@@ -66,8 +66,8 @@ Json spread_json(const MetricSpread& m) {
           {"flights", m.flights},
           {"mean", reached_or_word(m.mean)},
           {"deviation", reached_or_word(m.deviation)},
-          {"least", reached_or_word(m.least)},
-          {"greatest", reached_or_word(m.greatest)},
+          {"least", reached_or_word(m.min)},
+          {"greatest", reached_or_word(m.max)},
           {"p05", estimated_json(m.percentile_5)},
           {"median", estimated_json(m.median)},
           {"p95", estimated_json(m.percentile_95)},
@@ -90,10 +90,10 @@ std::string metrics_text(const CaseStatistics& of, const Mission& mission) {
 
 /// The strongest significant trends.
 std::string sensitivities_text(const CaseStatistics& of) {
-  constexpr std::size_t kMost = 8;
+  constexpr std::size_t kMax = 8;
   Cells cells = {{"  depends on", "figure", "rank correlation"}};
   for (const Sensitivity& s : of.sensitivities) {
-    if (cells.size() > kMost) break;
+    if (cells.size() > kMax) break;
     if (surely_not_zero(s.correlation))
       cells.push_back({"  " + s.quantity, s.figure,
                        fmt::format("{:+.2f}  ({:+.2f} to {:+.2f})", s.correlation.value,
@@ -218,8 +218,8 @@ std::string words_of(const UncertainNumber& number) {
                                  : logarithmic ? "deviation of the logarithm"
                                                : "deviation",
                                  d.second);
-  if (std::isfinite(d.least)) text += fmt::format(", minimum {:.4g}", d.least);
-  if (std::isfinite(d.most)) text += fmt::format(", maximum {:.4g}", d.most);
+  if (std::isfinite(d.min)) text += fmt::format(", minimum {:.4g}", d.min);
+  if (std::isfinite(d.max)) text += fmt::format(", maximum {:.4g}", d.max);
   return unit == "1" ? text : fmt::format("{} [{}]", text, unit);
 }
 
@@ -292,12 +292,12 @@ PageDistribution::Curve curve_of(std::span<const CampaignRecord> records, std::s
   std::sort(values.begin(), values.end());
   PageDistribution::Curve curve;
   curve.reached = known > 0 ? static_cast<double>(values.size()) / static_cast<double>(known) : 0;
-  constexpr std::size_t kMost = 200;
-  if (values.size() <= kMost) {
+  constexpr std::size_t kMax = 200;
+  if (values.size() <= kMax) {
     curve.x = std::move(values);
   } else {
-    for (std::size_t i = 0; i <= kMost; ++i)
-      curve.x.push_back(values[i * (values.size() - 1) / kMost]);
+    for (std::size_t i = 0; i <= kMax; ++i)
+      curve.x.push_back(values[i * (values.size() - 1) / kMax]);
   }
   return curve;
 }

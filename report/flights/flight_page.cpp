@@ -150,7 +150,7 @@ std::vector<ReportMetric> metric_rows(const FlownFlight& flight) {
     for (const LimitCheck& check : flight.verdict.checks)
       if (check.metric == metric) {
         row.limit = check.bound;
-        row.limit_is_least = check.at_least;
+        row.limit_is_minimum = check.at_least;
         row.ok = check.ok;
       }
     if (!std::isnan(row.value) || row.limit) rows.push_back(row);
@@ -179,7 +179,7 @@ FlightReport flight_page(const FlownFlight& flight, const std::string& command,
   about.insert(about.begin() + 2, {"description", setup.mission.description});
   about.push_back({"wind", flight.plan.wind});
   for (const WidenedLimit& widened : flight.plan.widened)
-    about.push_back({widened.label, in_words(widened)});
+    about.push_back({widened.label, describe(widened)});
   report.plots = plots_of(flight);
   report.replay = replay_of(setup.vehicle);
   report.gains = gains_of(setup.controller);

@@ -141,10 +141,10 @@ std::string flight_metrics_text(const FlownFlight& flight) {
     std::string limit;
     if (check != nullptr)
       limit = fmt::format("{} {}{}{}", check->at_least ? "at least" : "at most",
-                          in_words(metric, check->bound),
+                          describe(metric, check->bound),
                           widened_of(flight.plan, metric) != nullptr ? " (widened)" : "",
                           check->ok ? "" : "  VIOLATED");
-    cells.push_back({"  " + label_of(metric), in_words(metric, value), limit});
+    cells.push_back({"  " + label_of(metric), describe(metric, value), limit});
   }
   return cells.empty() ? "" : aligned(cells, "<") + "\n";
 }

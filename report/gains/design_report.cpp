@@ -82,16 +82,16 @@ std::string flight_text(const FlightCondition& condition) {
 std::string trim_text(const DesignOutcome& outcome) {
   const Vehicle& vehicle = outcome.design.vehicle;
   const TrimResult& trim = outcome.model.trim;
-  const double least = trim.u.minCoeff();
-  const double most = trim.u.maxCoeff();
+  const double min = trim.u.minCoeff();
+  const double max = trim.u.maxCoeff();
   const std::string speeds =
-      most - least < 1e-9 * most ? number(most) : number(least) + " ... " + number(most);
+      max - min < 1e-9 * max ? number(max) : number(min) + " ... " + number(max);
   return fmt::format(
       "{}: rotors at {} rad/s (limits {} ... {}), command {} {}\nthrust-to-weight {:.3f}, tilt "
       "{:.3g} deg, residual {:.2g}",
-      flight_text(outcome.design.condition), speeds, number(least_speed(vehicle)),
-      number(greatest_speed(vehicle)), number(command_of_speed(vehicle.motor, most)),
-      vehicle.motor.unit, thrust_to_weight(vehicle), degrees(trim.tilt), trim.residual);
+      flight_text(outcome.design.condition), speeds, number(min_speed(vehicle)),
+      number(max_speed(vehicle)), number(command_of_speed(vehicle.motor, max)), vehicle.motor.unit,
+      thrust_to_weight(vehicle), degrees(trim.tilt), trim.residual);
 }
 
 std::string problem_text(const DesignOutcome& outcome) {

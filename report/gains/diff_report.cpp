@@ -14,9 +14,9 @@ namespace {
 using internal::Json;
 
 /// @param most  maximum number of entries; those that differ most come first
-Json entries_json(const GainsDiff& difference, std::size_t most) {
+Json entries_json(const GainsDiff& difference, std::size_t max) {
   Json entries = Json::array();
-  for (std::size_t i = 0; i < std::min(most, difference.entries.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(max, difference.entries.size()); ++i) {
     const DiffEntry& entry = difference.entries[i];
     entries.push_back({{"matrix", entry.matrix},
                        {"input", entry.input},

@@ -31,7 +31,7 @@ struct Sensor {
   const char* residual_unit;  ///< unit of the residual
   double residual_factor;     ///< factor from the library's unit
   const SensorCalibration& found;
-  const MadeUpSensor* truth;
+  const SimulatedSensor* truth;
 };
 
 std::vector<Sensor> sensors_of(const CalibratedImu& imu) {
@@ -138,7 +138,7 @@ Json sensor_json(const SensorCalibration& c) {
 
 std::string log_text(const CalibratedImu& imu, std::size_t i) {
   const ImuLog& log = imu.logs[i];
-  const StillDetection& still = imu.found.still[i];
+  const StationaryDetection& still = imu.found.still[i];
   const double length = log.t(log.t.size() - 1) - log.t(0);
   std::string text = fmt::format(
       "{}: {} samples over {:.4g} s, {} stationary poses\nstationary if samples of {:.2g} s vary "
@@ -171,7 +171,7 @@ Json to_json(const CalibratedImu& imu, const std::string& file) {
   json["poses"] = imu.found.poses.size();
   json["still"] = Json::array();
   for (std::size_t i = 0; i < imu.logs.size(); ++i) {
-    const StillDetection& still = imu.found.still[i];
+    const StationaryDetection& still = imu.found.still[i];
     Json entry = {{"log", imu.logs[i].name},
                   {"poses", still.poses.size()},
                   {"accelerometer_threshold", still.accelerometer_threshold},

@@ -41,7 +41,7 @@ Json evidence_json(const CascadeLoopEvidence& evidence) {
           {"tracking_peak", evidence.tracking_peak},
           {"load_integral", evidence.load_integral},
           {"load_peak", evidence.load_peak},
-          {"load_left", evidence.load_left},
+          {"load_left", evidence.load_steady_state},
           {"value_noise", evidence.value_noise},
           {"rate_noise", evidence.rate_noise}};
 }
@@ -120,7 +120,7 @@ std::string comparison_text(const CascadeReport& report) {
     cells.push_back({to_string(loop.axis), pair(here.margins.Ms, there.margins.Ms, ".3f"),
                      pair(std::abs(loop.design.gains.Ki), std::abs(loop.published->Ki), ".3g"),
                      pair(here.load_peak, there.load_peak, ".4g"),
-                     pair(here.load_left, there.load_left, ".3g"),
+                     pair(here.load_steady_state, there.load_steady_state, ".3g"),
                      pair(here.value_noise, there.value_noise, ".3g"),
                      pair(here.rate_noise, there.rate_noise, ".3g"),
                      there.margins.stable ? "" : "published: UNSTABLE"});

@@ -77,9 +77,9 @@ std::string scale_text(const CertifiedLaw& law) {
       fmt::format("proved up to {:.4g} times the box around nominal", r.proved_scale);
   if (std::isfinite(r.found_scale))
     return text + fmt::format("\nunstable at {:.4g} times: {}", r.found_scale,
-                              in_words(law.family, r.found.parameters));
-  return text + fmt::format("\nnothing unstable found up to {:.4g} times: {}",
-                            law.family.greatest_scale, law.family.greatest_scale_reason);
+                              describe(law.family, r.found.parameters));
+  return text + fmt::format("\nnothing unstable found up to {:.4g} times: {}", law.family.max_scale,
+                            law.family.max_scale_reason);
 }
 
 std::string flown_text(const CertifiedLaw& law) {
@@ -89,7 +89,7 @@ std::string flown_text(const CertifiedLaw& law) {
       "{} vehicles of the box with their sensors and the estimator {}: {}\n"
       "worst: {}; {}",
       flown.vehicles, flown.worst->estimator, law.flown_unstable() ? "UNSTABLE" : "stable",
-      in_words(*flown.worst), in_words(law.family, flown.parameters));
+      describe(*flown.worst), describe(law.family, flown.parameters));
 }
 
 Json flown_json(const CertifiedLaw& law) {
@@ -101,7 +101,7 @@ Json flown_json(const CertifiedLaw& law) {
           {"sensors", flown.worst->sensors},
           {"stable", !law.flown_unstable()},
           {"radius", std::abs(flown.worst->mode.z)},
-          {"mode", in_words(*flown.worst)},
+          {"mode", describe(*flown.worst)},
           {"parameters", point_json(law.family, flown.parameters)}};
 }
 
@@ -112,7 +112,7 @@ std::string law_text(const CertifiedLaw& law) {
          section("proof", proof_text(r.proof)) +
          section("worst found", fmt::format("largest |z| {:.9f}{}: {}", r.worst.radius,
                                             r.worst.unstable() ? ", UNSTABLE" : "",
-                                            in_words(law.family, r.worst.parameters))) +
+                                            describe(law.family, r.worst.parameters))) +
          section("bracket", scale_text(law)) + (law.flown ? section("flown", flown_text(law)) : "");
 }
 
@@ -151,8 +151,8 @@ Json law_json(const CertifiedLaw& law) {
            {{"proved", r.proved_scale},
             {"found", r.found_scale},
             {"found_at", found ? point_json(law.family, r.found.parameters) : Json(nullptr)},
-            {"greatest", law.family.greatest_scale},
-            {"greatest_reason", law.family.greatest_scale_reason}}},
+            {"greatest", law.family.max_scale},
+            {"greatest_reason", law.family.max_scale_reason}}},
           {"flown", flown_json(law)},
           {"proved", law.proved()},
           {"reason", law.reason()}};

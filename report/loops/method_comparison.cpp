@@ -81,17 +81,16 @@ std::string flown_law_text(const ComparedLaw& law, const std::array<double, 3>& 
     for (const FlownPeriod& at : method.periods) {
       if (!at.loop || at.loop->grows()) {
         const std::string reason = fmt::format(
-            "{} s: {}", number(at.dt), at.loop ? "unstable; " + in_words(*at.loop) : at.why);
+            "{} s: {}", number(at.dt), at.loop ? "unstable; " + describe(*at.loop) : at.why);
         for (auto* column : {&phase, &Ms, &disk}) column->emplace_back(at.loop ? "lost" : "-");
         if (std::find(reasons.begin(), reasons.end(), reason) == reasons.end())
           reasons.push_back(reason);
         continue;
       }
-      const LeastMargins least = least_margins(*at.loop);
-      phase.push_back(std::isfinite(least.phase) ? fmt::format("{:.1f}", degrees(least.phase))
-                                                 : "any");
-      Ms.push_back(fmt::format("{:.2f}", least.Ms));
-      disk.push_back(fmt::format("{:.2f}", least.disk));
+      const MinMargins min = min_margins(*at.loop);
+      phase.push_back(std::isfinite(min.phase) ? fmt::format("{:.1f}", degrees(min.phase)) : "any");
+      Ms.push_back(fmt::format("{:.2f}", min.Ms));
+      disk.push_back(fmt::format("{:.2f}", min.disk));
     }
     cells.push_back({method.name});
     for (const auto* column : {&phase, &Ms, &disk})
@@ -133,11 +132,11 @@ void add_flown(Json& flown, const ComparedLaw& law) {
       const bool lost = at.loop->grows();
       entry["estimator"] = at.loop->estimator;
       entry["stable"] = !lost;
-      entry["slowest_mode"] = in_words(*at.loop);
-      const LeastMargins least = least_margins(*at.loop);
-      entry["phase_margin_deg"] = lost ? Json(nullptr) : Json(degrees(least.phase));
-      entry["Ms"] = lost ? Json(nullptr) : Json(least.Ms);
-      entry["disk"] = lost ? Json(nullptr) : Json(least.disk);
+      entry["slowest_mode"] = describe(*at.loop);
+      const MinMargins min = min_margins(*at.loop);
+      entry["phase_margin_deg"] = lost ? Json(nullptr) : Json(degrees(min.phase));
+      entry["Ms"] = lost ? Json(nullptr) : Json(min.Ms);
+      entry["disk"] = lost ? Json(nullptr) : Json(min.disk);
       flown.push_back(entry);
     }
 }

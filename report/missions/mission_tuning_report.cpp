@@ -184,7 +184,7 @@ std::string flown_text(const Report& report) {
   if (!flown.after) return "the flown loop was not analysed: " + flown.why;
   std::string text;
   const auto unstable = [&](const std::optional<FlownLoop>& loop, const std::string& what) {
-    if (loop && loop->grows()) text += fmt::format("{}: unstable, {}\n", what, in_words(*loop));
+    if (loop && loop->grows()) text += fmt::format("{}: unstable, {}\n", what, describe(*loop));
   };
   unstable(flown.before, "start");
   unstable(flown.after, found_word(report));
@@ -234,7 +234,7 @@ Json flown_json(const std::optional<FlownLoop>& loop) {
   if (!loop) return nullptr;
   return {{"estimator", loop->estimator},
           {"stable", !loop->grows()},
-          {"slowest_mode", in_words(*loop)},
+          {"slowest_mode", describe(*loop)},
           {"margins", margins_json(named(loop))}};
 }
 
@@ -251,7 +251,7 @@ Json outcome_json(const Report& report, const TrialOutcome& outcome) {
     limits.push_back({{"mission", limit.mission},
                       {"metric", name_of(limit.metric)},
                       {"value", limit.value},
-                      {"at_most", limit.most},
+                      {"at_most", limit.max},
                       {"ok", limit.excess() <= kLimitTolerance}});
   return {{"cost", outcome.cost},
           {"flights", outcome.flights},
@@ -324,7 +324,7 @@ PageComparedTable missions_table(const Report& report) {
       auto at = static_cast<std::size_t>(limit - mission.limits.begin());
       for (std::size_t m = 0; m < figure.mission; ++m)
         at += report.request.missions[m].limits.size();
-      compared.limit = limit->most;
+      compared.limit = limit->max;
       for (const TrialOutcome* outcome : outcomes_of(report))
         compared.broken.push_back(outcome->limits[at].excess() > kLimitTolerance);
       compared.binds = binds(report, fmt::format("{} of {}", name_of(figure.metric), mission.name));
@@ -433,10 +433,10 @@ PageComparedTable gains_table(const Report& report) {
 }
 
 PageSearch search_of(const MissionSearchResult& result) {
-  constexpr std::size_t kMostPoints = 2000;
+  constexpr std::size_t kMaxPoints = 2000;
   PageSearch search;
   const std::vector<SearchStep>& steps = result.steps;
-  const std::size_t stride = steps.size() / kMostPoints + 1;
+  const std::size_t stride = steps.size() / kMaxPoints + 1;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const bool improved = i == 0 || i + 1 == steps.size() || steps[i].best != steps[i - 1].best;
     if (!improved && i % stride != 0) continue;
@@ -450,7 +450,7 @@ PageSearch search_of(const MissionSearchResult& result) {
 /// The distance of each controller from the reference, for each mission.
 std::vector<PageFlown> flown(const std::vector<TunedFlights>& missions,
                              const std::vector<std::string>& names) {
-  constexpr double kLeast = 1e-4;  // [m]; the axis is logarithmic
+  constexpr double kMin = 1e-4;  // [m]; the axis is logarithmic
   std::vector<PageFlown> all;
   for (const TunedFlights& mission : missions) {
     const DistanceOverTime& longest = *std::max_element(
@@ -464,7 +464,7 @@ std::vector<PageFlown> flown(const std::vector<TunedFlights>& missions,
       LogColumn column{fmt::format("c{}", c), "m", {}};
       for (const double t : longest.time) {
         const double distance = mission.distances[c].at(t);
-        column.values.push_back(std::isnan(distance) ? distance : std::max(distance, kLeast));
+        column.values.push_back(std::isnan(distance) ? distance : std::max(distance, kMin));
       }
       page.plot.series.push_back({names[c], column.name});
       page.log.columns.push_back(std::move(column));
@@ -486,7 +486,7 @@ std::string to_text(const Report& report) {
   if (!report.widened.empty()) {
     std::vector<std::string> lines;
     for (const TunedLimit& one : report.widened)
-      lines.push_back(fmt::format("{}: {}, {}", one.mission, one.limit.label, in_words(one.limit)));
+      lines.push_back(fmt::format("{}: {}, {}", one.mission, one.limit.label, describe(one.limit)));
     text += section("widened", fmt::format("{}", internal::joined(lines, "\n")));
   }
   text += section("margins", margins_text(report));

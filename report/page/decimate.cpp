@@ -15,24 +15,22 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 std::pair<double, double> two_for(const std::vector<double>& values, std::size_t begin,
                                   std::size_t end) {
   const std::size_t middle = begin + (end - begin) / 2;
-  std::size_t least = end;
-  std::size_t greatest = end;
+  std::size_t min = end;
+  std::size_t max = end;
   std::size_t count = 0;
   for (std::size_t i = begin; i < end; ++i) {
     if (!std::isfinite(values[i])) continue;
     ++count;
-    if (least == end || values[i] < values[least]) least = i;
-    if (greatest == end || values[i] > values[greatest]) greatest = i;
+    if (min == end || values[i] < values[min]) min = i;
+    if (max == end || values[i] > values[max]) max = i;
   }
   if (count == 0) return {kNaN, kNaN};
-  if (count == 1)
-    return least < middle ? std::pair(values[least], kNaN) : std::pair(kNaN, values[least]);
+  if (count == 1) return min < middle ? std::pair(values[min], kNaN) : std::pair(kNaN, values[min]);
   const double a = values[begin], b = values[middle], c = values[end];
   const bool shown = std::isfinite(a) && std::isfinite(b) && std::isfinite(c) &&
-                     values[least] >= std::min({a, b, c}) &&
-                     values[greatest] <= std::max({a, b, c});
+                     values[min] >= std::min({a, b, c}) && values[max] <= std::max({a, b, c});
   if (shown) return {a, b};
-  return {values[std::min(least, greatest)], values[std::max(least, greatest)]};
+  return {values[std::min(min, max)], values[std::max(min, max)]};
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ json metrics_json(const std::vector<ReportMetric>& metrics) {
     if (metric.limit) {
       item["limit"] = *metric.limit;
       item["limit_text"] = number_text(*metric.limit);
-      item["limit_is_least"] = metric.limit_is_least;
+      item["limit_is_least"] = metric.limit_is_minimum;
       item["ok"] = metric.ok;
     }
     list.push_back(std::move(item));

@@ -24,8 +24,8 @@ struct ReportMetric {
                                                             ///< is shown in words
   std::string unit = {};                                    ///< empty or "1" for none
   std::optional<double> limit = {};                         ///< [unit]
-  bool limit_is_least = false;  ///< whether the limit is a minimum; else a maximum
-  bool ok = true;               ///< whether the limit is met; meaningless without a limit
+  bool limit_is_minimum = false;  ///< whether the limit is a minimum; else a maximum
+  bool ok = true;                 ///< whether the limit is met; meaningless without a limit
 };
 
 struct ReportRotor {

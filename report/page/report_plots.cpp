@@ -18,7 +18,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kPlotRows = 4000;
-constexpr std::size_t kLeastPlotRows = 200;
+constexpr std::size_t kMinPlotRows = 200;
 constexpr std::size_t kPlotCells = 80 * kPlotRows;  // 1.7 MB in base64
 
 constexpr const char* kReport = "report";
@@ -109,7 +109,7 @@ json plots_json(const LogTable& log, const std::vector<ReportPlot>& plots) {
   }
   const std::size_t shown = columns.all().size();
   if (shown == 0 || log.rows() == 0) return {{"plots", json::array()}, {"rows", log.rows()}};
-  const std::size_t rows = std::clamp(kPlotCells / shown, kLeastPlotRows, kPlotRows);
+  const std::size_t rows = std::clamp(kPlotCells / shown, kMinPlotRows, kPlotRows);
   const Decimated kept = decimate(log.columns.front().values, columns.all(), rows);
   json data = json::array();
   for (const std::vector<double>& values : kept.values) data.push_back(float32_base64(values));

@@ -91,9 +91,9 @@ std::string summary(const MarginsReport& report, std::size_t drawn) {
 }
 
 std::string shortened(std::string text) {
-  constexpr std::size_t kMost = 110;
-  if (text.size() <= kMost) return text;
-  std::size_t end = kMost;  // must not be within a character
+  constexpr std::size_t kMax = 110;
+  if (text.size() <= kMax) return text;
+  std::size_t end = kMax;  // must not be within a character
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
   text.resize(end);
   return text + "…";

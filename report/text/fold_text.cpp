@@ -106,7 +106,7 @@ struct Table {
 
 /// The table around line `k`, not before line `least`. A line that starts in the first column among
 /// lines that do not is the heading of a section: a table ends before it.
-Table table_around(const std::vector<Line>& lines, std::size_t k, std::size_t least) {
+Table table_around(const std::vector<Line>& lines, std::size_t k, std::size_t min) {
   Table table{k, k + 1, blanks_of(lines[k])};
   if (columns_of(table.blank).size() < 3) return table;
   const auto is_heading = [&](std::size_t i) {
@@ -127,7 +127,7 @@ Table table_around(const std::vector<Line>& lines, std::size_t k, std::size_t le
          joins(lines[table.end]))
     ++table.end;
   const bool indented = !is_heading(table.end - 1);
-  while (table.begin > least && !(indented && is_heading(table.begin)) &&
+  while (table.begin > min && !(indented && is_heading(table.begin)) &&
          joins(lines[table.begin - 1]))
     --table.begin;
   return table;

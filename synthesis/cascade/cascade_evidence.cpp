@@ -25,8 +25,8 @@ LoadStep load_step(const CascadePlant& loop) {
   step.left = std::abs(loop.C.row(0).dot(rest));
   step.peak = step.left;
   constexpr double kSettled = 1e-4;
-  constexpr double kMostSteps = 1e5;
-  const double steps = std::min(kMostSteps, std::ceil(std::log(kSettled) / std::log(radius)));
+  constexpr double kMaxSteps = 1e5;
+  const double steps = std::min(kMaxSteps, std::ceil(std::log(kSettled) / std::log(radius)));
   // With z = (x, 1), z[k+1] = M z[k], compute kBlock steps at once: y[k+j] = (C M^j) z[k].
   constexpr Index kBlock = 32;
   MatrixXd M = MatrixXd::Zero(n + 1, n + 1);
@@ -88,7 +88,7 @@ CascadeLoopEvidence cascade_loop_evidence(const CascadePlant& plant, const PidGa
   evidence.load_integral = gains.Ki != 0 && evidence.margins.stable ? 1 / gains.Ki : kInfinity;
   const internal::LoadStep load = internal::load_step(responses.closed(gains));
   evidence.load_peak = load.peak;
-  evidence.load_left = gains.Ki != 0 && std::isfinite(load.left) ? 0 : load.left;
+  evidence.load_steady_state = gains.Ki != 0 && std::isfinite(load.left) ? 0 : load.left;
   evidence.tracking_peak = responses.tracking_peak(gains);
   evidence.value_noise = responses.value_noise(gains);
   evidence.rate_noise = std::abs(gains.Kd) * evidence.margins.Ms;

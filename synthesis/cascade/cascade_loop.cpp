@@ -34,10 +34,9 @@ class LoopProblem : public internal::GainProblem {
       : responses_(responses), bounds_(bounds) {}
 
   [[nodiscard]] PidGains gains(const GainPoint& x, double log_gain) const override {
-    const double greatest = std::exp(log_gain);
+    const double max = std::exp(log_gain);
     const double Kd = std::exp(x.log_Kd);
-    return bounds_.integral ? PidGains{std::exp(x.log_Kp), greatest, Kd, 0}
-                            : PidGains{greatest, 0, Kd, 0};
+    return bounds_.integral ? PidGains{std::exp(x.log_Kp), max, Kd, 0} : PidGains{max, 0, Kd, 0};
   }
   [[nodiscard]] const std::vector<double>& grid() const override { return responses_.grid(); }
   void forbid_on_grid(const PidGains& base, std::vector<GainInterval>& forbidden) const override {
@@ -72,18 +71,18 @@ class LoopProblem : public internal::GainProblem {
                            std::vector<GainInterval>& forbidden) const {
     if (bounds_.p_pi && bounds_.integral)
       forbidden.push_back(
-          {greatest_p_pi_integral(base.Kp, base.Kd), std::numeric_limits<double>::infinity(), w});
+          {max_p_pi_integral(base.Kp, base.Kd), std::numeric_limits<double>::infinity(), w});
   }
   void forbid_with(const PidGains& base, double w, const CascadeResponses::Point& p,
                    std::vector<GainInterval>& forbidden) const {
     const Complex value_slope = bounds_.integral ? p.integral : 1.0;  // of the value feedback
     const internal::AffineResponse returned{1.0 + base.Kp * p.value + base.Kd * p.rate,
                                             value_slope * p.value};
-    const double least = std::max(1 / bounds_.Ms_max, base.Kd / bounds_.rate_noise_max);
-    internal::forbid(returned, {}, least, w, forbidden);
-    const auto bound = [&](double most, Complex through) {
-      if (std::isfinite(most))
-        internal::forbid(returned, {base.Kp * through / most, value_slope * through / most}, 0, w,
+    const double min = std::max(1 / bounds_.Ms_max, base.Kd / bounds_.rate_noise_max);
+    internal::forbid(returned, {}, min, w, forbidden);
+    const auto bound = [&](double max, Complex through) {
+      if (std::isfinite(max))
+        internal::forbid(returned, {base.Kp * through / max, value_slope * through / max}, 0, w,
                          forbidden);
     };
     bound(bounds_.value_noise_max, 1);
@@ -153,7 +152,7 @@ bool kept(const CascadeLoopBounds& bounds, const CascadeLoopEvidence& evidence) 
          evidence.rate_noise <= kSlack * bounds.rate_noise_max;
 }
 
-std::string in_words(const CascadeLoopBounds& bounds) {
+std::string describe(const CascadeLoopBounds& bounds) {
   std::string text = fmt::format("Ms <= {:.6g}", bounds.Ms_max);
   const auto add = [&](const char* name, double bound) {
     if (std::isfinite(bound)) text += fmt::format(", {} <= {:.4g}", name, bound);
@@ -170,7 +169,7 @@ std::string in_words(const CascadeLoopBounds& bounds) {
 constexpr internal::EnumName<CascadeLoopStatus> kCascadeLoopStatuses[] = {
     {CascadeLoopStatus::not_run, "not run"},
     {CascadeLoopStatus::solved, "solved"},
-    {CascadeLoopStatus::crossover_out_of_reach, "crossover out of reach"},
+    {CascadeLoopStatus::crossover_infeasible, "crossover out of reach"},
     {CascadeLoopStatus::not_found, "not found"}};
 
 std::string to_string(CascadeLoopStatus status) {
@@ -192,7 +191,7 @@ CascadeLoopDesign design_cascade_loop(const CascadePlant& plant, const CascadeLo
       highest_rate_crossover(CascadeResponses(plant, method, 0), bounds.Ms_max);
   const bool fixed = bounds.rate_crossover > 0;
   if (fixed && bounds.rate_crossover >= design.highest_rate_crossover) {
-    design.status = CascadeLoopStatus::crossover_out_of_reach;
+    design.status = CascadeLoopStatus::crossover_infeasible;
     design.culprit = fmt::format(
         "the crossover of the rate loop is {:.4g} rad/s, expected less than {:.4g} because at that "
         "frequency the hold, the lag and the delay raise max |S| of the rate loop alone to {:.4g}",
@@ -214,13 +213,13 @@ CascadeLoopDesign design_cascade_loop(const CascadePlant& plant, const CascadeLo
                                        .Kd_reach = 0.2,
                                        .Kd_width = 1e-5,
                                        .log_Kd_max = std::log(high_Kd)});
-  const internal::GreatestGain greatest = search.greatest(best);
-  if (!greatest.within_bounds()) {
+  const internal::MaxGain max = search.max(best);
+  if (!max.within_bounds()) {
     design.status = CascadeLoopStatus::not_found;
-    design.culprit = "no stabilizing gains were found with " + in_words(bounds);
+    design.culprit = "no stabilizing gains were found with " + describe(bounds);
     return design;
   }
-  const PidGains gains = problem.gains(best, greatest.log_gain);
+  const PidGains gains = problem.gains(best, max.log_gain);
   const CascadeLoopEvidence evidence = cascade_loop_evidence(plant, gains, method);
   if (!kept(bounds, evidence)) {
     design.status = CascadeLoopStatus::not_found;
@@ -237,7 +236,7 @@ CascadeLoopDesign design_cascade_loop(const CascadePlant& plant, const CascadeLo
     if (met > 0.999 * bound) design.binding.emplace_back(name);
   };
   if (bounds.p_pi && bounds.integral)
-    note(gains.Ki, greatest_p_pi_integral(gains.Kp, gains.Kd), "structure");
+    note(gains.Ki, max_p_pi_integral(gains.Kp, gains.Kd), "structure");
   note(design.evidence.margins.Ms, bounds.Ms_max, "Ms");
   note(design.evidence.tracking_peak, bounds.tracking_max, "tracking");
   note(design.evidence.load_peak, bounds.load_peak_max, "load peak");

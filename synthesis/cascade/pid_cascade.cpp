@@ -179,7 +179,7 @@ PidLoop as_written(CascadeAxis axis, const PidGains& gains, double sign) {
 
 /// The maximum command per error that the available authority permits; see
 /// CascadeVehicle::authority.
-double greatest_gain(CascadeAxis axis, const Eigen::Vector4d& authority) {
+double max_gain(CascadeAxis axis, const Eigen::Vector4d& authority) {
   constexpr double kTilt = 0.2;      // [rad]
   constexpr double kHeading = 0.35;  // [rad]
   constexpr double kDistance = 0.5;  // [m]
@@ -264,10 +264,10 @@ CascadeAxisDesign design_axis(const Hover& hover, const CascadeVehicle& vehicle,
   loop.axis = axis;
   if (vehicle.published) add_published(hover, *vehicle.published, specification.method, loop);
   const bool measured = loop.published && specification.use_published;
-  loop.bounds = bounds_of(specification.requirements[index_of(axis)],
-                          inner ? inner->evidence.bandwidth / kSeparation : by_clock,
-                          greatest_gain(axis, vehicle.authority),
-                          measured ? &loop.published_evidence : nullptr);
+  loop.bounds =
+      bounds_of(specification.requirements[index_of(axis)],
+                inner ? inner->evidence.bandwidth / kSeparation : by_clock,
+                max_gain(axis, vehicle.authority), measured ? &loop.published_evidence : nullptr);
   loop.bounds.p_pi = specification.structure == CascadeStructure::p_pi;
   loop.design = design_cascade_loop(hover.plant(axis, inner ? inner->gains : PidGains{}),
                                     loop.bounds, specification.method);

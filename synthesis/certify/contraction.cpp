@@ -178,9 +178,9 @@ double size_in(const Coordinates& z, const MatrixXd& R) {
 }
 
 double corner_expansion(const Coordinates& z, const Corners& corners) {
-  double most = 0;
-  for (const MatrixXd& N : seen_in(z, corners)) most = std::max(most, largest_singular_value(N));
-  return most;
+  double max = 0;
+  for (const MatrixXd& N : seen_in(z, corners)) max = std::max(max, largest_singular_value(N));
+  return max;
 }
 
 /// The maximum ‖Y M X‖₂ in the box, approximately.
@@ -202,30 +202,30 @@ double inner(const Excess& a, const Excess& b) {
   return a.sigma * b.sigma * (uu * uu - uv * uv - vu * vu + vv * vv);
 }
 
-/// Computes the excesses of all corners; the largest ones if there are more than kMostExcesses.
+/// Computes the excesses of all corners; the largest ones if there are more than kMaxExcesses.
 /// @param most  the largest singular value of all corners
 /// @return      none if a corner is not finite
 std::optional<std::vector<Excess>> excesses(const Coordinates& z, const Corners& corners,
-                                            double target, double& most) {
-  constexpr std::size_t kMostExcesses = 256;  // each adds one linear equation
+                                            double target, double& max) {
+  constexpr std::size_t kMaxExcesses = 256;  // each adds one linear equation
   std::vector<Excess> all;
-  most = 0;
+  max = 0;
   for (const MatrixXd& N : seen_in(z, corners)) {
     const MatrixXd square = N.transpose() * N;
     if (!square.allFinite()) return std::nullopt;
     const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(square);
     for (Index k = square.rows() - 1; k >= 0; --k) {
       const double sigma = std::sqrt(std::max(0.0, eigen.eigenvalues()(k)));
-      most = std::max(most, sigma);
+      max = std::max(max, sigma);
       if (!(sigma > target)) break;
       const VectorXd v = eigen.eigenvectors().col(k);
       all.push_back({sigma, N * v / sigma, v});
     }
   }
-  if (all.size() > kMostExcesses) {
-    std::nth_element(all.begin(), all.begin() + kMostExcesses, all.end(),
+  if (all.size() > kMaxExcesses) {
+    std::nth_element(all.begin(), all.begin() + kMaxExcesses, all.end(),
                      [](const Excess& a, const Excess& b) { return a.sigma > b.sigma; });
-    all.resize(kMostExcesses);
+    all.resize(kMaxExcesses);
   }
   return all;
 }
@@ -259,26 +259,25 @@ MatrixXd step_towards(double target, const std::vector<Excess>& excesses) {
 /// singular values that exceed a target. The target is half way between the spectral radius at the
 /// midpoint, which is a lower bound in all coordinates, and the value that suffices for a proof.
 /// @param least  in: the expansion in z; out: that of the result
-Coordinates improved(Coordinates z, const Corners& corners, double radius, double& least) {
+Coordinates improved(Coordinates z, const Corners& corners, double radius, double& min) {
   constexpr int kSteps = 60;
-  constexpr double kLongest = 0.4;  // maximum step, so that I + E is regular
+  constexpr double kMax = 0.4;  // maximum step, so that I + E is regular
   Coordinates best = z;
-  for (int step = 0; step < kSteps && !(least < 1); ++step) {
+  for (int step = 0; step < kSteps && !(min < 1); ++step) {
     const double bend = size_in(z, corners.R);
     const double target = std::max(radius, 0.5 * (radius + 1 - bend));
-    double most = 0;
-    const std::optional<std::vector<Excess>> beyond = excesses(z, corners, target, most);
+    double max = 0;
+    const std::optional<std::vector<Excess>> beyond = excesses(z, corners, target, max);
     if (!beyond) break;
-    if (most + bend < least) {
-      least = most + bend;
+    if (max + bend < min) {
+      min = max + bend;
       best = z;
     }
-    if (least < 1 || beyond->empty()) break;
+    if (min < 1 || beyond->empty()) break;
     const MatrixXd E = step_towards(target, *beyond);
     const double size = E.norm();
     if (!(size > 0) || !std::isfinite(size)) break;
-    const MatrixXd turn =
-        MatrixXd::Identity(E.rows(), E.cols()) + std::min(1.0, kLongest / size) * E;
+    const MatrixXd turn = MatrixXd::Identity(E.rows(), E.cols()) + std::min(1.0, kMax / size) * E;
     z.Y = (turn * z.Y).eval();
     z.X = (z.X * turn.inverse()).eval();
   }
@@ -290,19 +289,19 @@ Coordinates improved(Coordinates z, const Corners& corners, double radius, doubl
 /// @param least  in: the expansion in the coordinates of `start`, infinite if there are none; out:
 ///               that of the result
 std::optional<Coordinates> chosen(const MatrixXd& middle, const Modes& modes,
-                                  const Corners& corners, const Coordinates* start, double least) {
+                                  const Corners& corners, const Coordinates* start, double min) {
   std::optional<Coordinates> best;
   if (start != nullptr) best = *start;
   for (const double share : {0.0, 0.3, 1.0, 3.0}) {
     std::optional<Coordinates> z = along(middle, modes, share);
     if (!z) continue;
-    const double most = expansion(*z, corners);
-    if (!(most < least)) continue;
-    least = most;
+    const double max = expansion(*z, corners);
+    if (!(max < min)) continue;
+    min = max;
     best = std::move(z);
-    if (least < 1) return best;
+    if (min < 1) return best;
   }
-  if (best && std::isfinite(least)) best = improved(*best, corners, modes.radius, least);
+  if (best && std::isfinite(min)) best = improved(*best, corners, modes.radius, min);
   return best;
 }
 
@@ -313,15 +312,15 @@ Index widest(const Coordinates& z, const Corners& corners) {
   const bool bent = corner_expansion(z, corners) < 1 && size_in(z, corners.R) > kNothing;
   const std::vector<MatrixXd> seen = seen_in(z, corners);
   Index place = -1;
-  double most = -1;
+  double max = -1;
   for (std::size_t b = 0; b < corners.free.size(); ++b) {
     double apart = 0;
     if (bent) apart = size_in(z, corners.bends[b]);
     for (std::size_t index = 0; index < seen.size() && !bent; ++index)
       if ((index >> b & 1) == 0)
         apart = std::max(apart, (seen[index | std::size_t{1} << b] - seen[index]).norm());
-    if (!(apart <= most)) {
-      most = apart;
+    if (!(apart <= max)) {
+      max = apart;
       place = corners.free[b];
     }
   }
@@ -339,17 +338,17 @@ void prove(const Coordinates& z, const Corners& corners, Contraction& result) {
   const double g = norm_bound(off);
   if (!(g < 0.5)) return;
   const Enclosure GG = G.transpose() * G;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (const Enclosure& value : corners.values) {
     const Enclosure M(value.mid, bounded_above(value.rad + corners.R));
     const Enclosure H = Y * M * X;
     // GᵀG - HᵀH = Xᵀ (YᵀY - MᵀYᵀYM) X ≥ c I also proves that X, and therefore Y, is regular.
-    const double c = least_eigenvalue_bound(GG - H.transpose() * H);
+    const double c = min_eigenvalue_bound(GG - H.transpose() * H);
     if (!(c > 0)) return;
-    least = std::min(least, c);
+    min = std::min(min, c);
   }
   // ‖Y M X ξ‖² ≤ ‖z‖² - c ‖ξ‖² with z = G ξ, ‖ξ‖ ≥ ‖z‖/(1 + g).
-  result.gap = least / (2 * (1 + g) * (1 + g)) * (1 - 1e-12);
+  result.gap = min / (2 * (1 + g) * (1 + g)) * (1 - 1e-12);
   result.condition =
       bounded_above(norm_bound(z.Y.cwiseAbs()) * norm_bound(z.X.cwiseAbs()) / (1 - g));
   result.proved = result.gap > 0 && std::isfinite(result.condition);
@@ -362,10 +361,10 @@ Contraction prove_contraction(const UncertainLoop& loop, const EnclosedBox& box,
   Contraction result;
   const Corners corners = corners_of(loop, box);
   if (!corners.free.empty()) result.widest = corners.free.back();
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   if (start != nullptr) {
-    least = expansion(*start, corners);
-    if (least < 1) prove(*start, corners, result);
+    min = expansion(*start, corners);
+    if (min < 1) prove(*start, corners, result);
     if (result.proved) {
       result.radius = std::numeric_limits<double>::quiet_NaN();
       return result;
@@ -377,7 +376,7 @@ Contraction prove_contraction(const UncertainLoop& loop, const EnclosedBox& box,
   const Modes modes = modes_of(middle);
   result.radius = modes.radius;
   if (!(modes.radius < 1)) return result;
-  result.coordinates = chosen(middle, modes, corners, start, least);
+  result.coordinates = chosen(middle, modes, corners, start, min);
   if (!result.coordinates) return result;
   prove(*result.coordinates, corners, result);
   if (!result.proved && !corners.free.empty()) result.widest = widest(*result.coordinates, corners);

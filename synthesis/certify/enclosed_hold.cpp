@@ -11,7 +11,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 constexpr int kTerms = 16;
-constexpr int kMostDoublings = 40;
+constexpr int kMaxDoublings = 40;
 
 // Σ_{j>N} r^j/(j+1)! ≤ 2 r^(N+1)/(N+2)! for r ≤ 1: the remainder of the series of ∫ e^(Xs) ds.
 double remainder(double r) {
@@ -31,7 +31,7 @@ EnclosedHold enclosed_hold(const Enclosure& A, const NumberEnclosure& t) {
   const Enclosure one{MatrixXd(MatrixXd::Identity(n, n))};
   double r = bounded_above(row_sum(A.magnitude()) * (std::abs(t.mid) + t.rad));
   int doublings = 0;
-  while (r > 0.5 && doublings < kMostDoublings) {
+  while (r > 0.5 && doublings < kMaxDoublings) {
     r /= 2;
     ++doublings;
   }

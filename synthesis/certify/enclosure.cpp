@@ -98,7 +98,7 @@ double norm_bound(const ConstRef& R) {
   return bounded_above(std::sqrt(columns * rows));
 }
 
-double least_eigenvalue_bound(const Enclosure& S) {
+double min_eigenvalue_bound(const Enclosure& S) {
   const Index n = S.rows();
   if (!S.mid.allFinite() || !S.rad.allFinite()) return std::numeric_limits<double>::quiet_NaN();
   const MatrixXd mid = 0.5 * (S.mid + S.mid.transpose());

@@ -62,6 +62,6 @@ struct NumberEnclosure {
 ///
 /// If the Cholesky factorization of S.mid - t I completes, S.mid - t I ≥ -δ I, where δ bounds the
 /// rounding errors of the factorization. Source: Rump 2006; Higham 2002, theorem 10.5.
-[[nodiscard]] double least_eigenvalue_bound(const Enclosure& S);
+[[nodiscard]] double min_eigenvalue_bound(const Enclosure& S);
 
 }  // namespace quadtune::internal

@@ -25,7 +25,7 @@ using internal::Coordinates;
 using internal::EnclosedBox;
 using internal::LoopPart;
 
-constexpr Index kMostNumbers = 10;
+constexpr Index kMaxNumbers = 10;
 
 // Number of boxes that the threads examine together. A constant, so that the result does not depend
 // on the number of threads.
@@ -133,10 +133,10 @@ class Proof {
   }
 
   bool part_is_proved(const LoopPart& part, const EnclosedBox& region, PartEvidence& evidence) {
-    if (std::ssize(part.terms) > kMostNumbers)
+    if (std::ssize(part.terms) > kMaxNumbers)
       throw InvalidInput("prove_stability",
                          fmt::format("{} parameters affect {}, expected at most {}",
-                                     part.terms.size(), name_of(part), kMostNumbers));
+                                     part.terms.size(), name_of(part), kMaxNumbers));
     std::vector<OpenBox> open = {{part.share(region), nullptr}};
     const int before = result_.boxes;
     while (!open.empty()) {
@@ -144,7 +144,7 @@ class Proof {
         return fail(StabilityProofStatus::not_proved, part, open.back().box,
                     fmt::format("{} boxes were examined, and {:.2g} of the box is proved",
                                 result_.boxes, evidence.share));
-      const auto left = static_cast<std::size_t>(options_.most_boxes - result_.boxes);
+      const auto left = static_cast<std::size_t>(options_.max_boxes - result_.boxes);
       if (left == 0)
         return fail(StabilityProofStatus::not_proved, part, open.back().box,
                     fmt::format("{} boxes were examined", result_.boxes));
@@ -178,7 +178,7 @@ class Proof {
   /// @param share  fraction of the part's box that they prove
   [[nodiscard]] bool takes_too_long(int boxes, double share) const {
     constexpr int kEnoughToTell = 128;
-    return boxes >= kEnoughToTell && boxes > share * options_.give_up * options_.most_boxes;
+    return boxes >= kEnoughToTell && boxes > share * options_.abort_factor * options_.max_boxes;
   }
 
   /// Records the evidence of a proved box; splits a box that is not proved.
@@ -264,9 +264,9 @@ StabilityProof prove_stability(const UncertainLoop& loop, const LoopBox& box,
                                const StabilityProofOptions& options) {
   validate(loop, "prove_stability");
   validate(box, loop, "prove_stability");
-  if (options.most_boxes < 1)
+  if (options.max_boxes < 1)
     throw InvalidInput("prove_stability",
-                       fmt::format("most_boxes is {}, expected 1 or more", options.most_boxes));
+                       fmt::format("most_boxes is {}, expected 1 or more", options.max_boxes));
   return Proof(loop, options).run(box);
 }
 

@@ -25,15 +25,15 @@ StabilityProof prove_scaled(const LoopFamily& family, double scale,
 void narrow_bracket(const LoopFamily& family, const RobustnessOptions& options,
                     Robustness& result) {
   StabilityProofOptions proof_options = options.proof;
-  proof_options.most_boxes = options.bracket_boxes;
-  proof_options.give_up = 2;
+  proof_options.max_boxes = options.bracket_boxes;
+  proof_options.abort_factor = 2;
   int taken = result.proof.boxes;
-  double beyond = std::min(result.found_scale, family.greatest_scale);
+  double beyond = std::min(result.found_scale, family.max_scale);
   if (!result.proof.proved()) beyond = std::min(beyond, 1.0);
   double scale =
-      result.found_scale <= family.greatest_scale ? beyond * (1 - 0.5 * options.tolerance) : beyond;
-  constexpr int kMostProofs = 12;
-  for (int i = 0; i < kMostProofs && result.proved_scale < beyond * (1 - options.tolerance); ++i) {
+      result.found_scale <= family.max_scale ? beyond * (1 - 0.5 * options.tolerance) : beyond;
+  constexpr int kMaxProofs = 12;
+  for (int i = 0; i < kMaxProofs && result.proved_scale < beyond * (1 - options.tolerance); ++i) {
     if (result.proved_scale > 0 && 2 * taken > options.bracket_boxes) return;
     if (scale <= result.proved_scale) scale = 0.5 * (result.proved_scale + beyond);
     const StabilityProof proof = prove_scaled(family, scale, proof_options);
@@ -62,9 +62,9 @@ void validate(const LoopFamily& family, const std::string& where) {
       throw InvalidInput(where, fmt::format("{} is in {} … {} with the nominal value {}, expected "
                                             "finite bounds around the nominal value",
                                             p.name, p.low, p.high, p.nominal));
-  if (!(family.greatest_scale > 0) || !std::isfinite(family.greatest_scale))
-    throw InvalidInput(where, fmt::format("the greatest scale is {}, expected more than 0",
-                                          family.greatest_scale));
+  if (!(family.max_scale > 0) || !std::isfinite(family.max_scale))
+    throw InvalidInput(
+        where, fmt::format("the greatest scale is {}, expected more than 0", family.max_scale));
 }
 
 ParameterBox scaled_box(const LoopFamily& family, double scale) {

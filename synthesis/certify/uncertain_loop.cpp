@@ -123,10 +123,10 @@ PlantSize plant_size(const UncertainLoop& loop, const EnclosedBox& box) {
   PlantSize size{loop.plant.A.cwiseAbs(), loop.plant.B.cwiseAbs()};
   for (std::size_t j = 0; j < loop.terms.size(); ++j) {
     const auto i = static_cast<Index>(j);
-    const double most = std::max(std::abs(box.low(i)), std::abs(box.high(i)));
+    const double max = std::max(std::abs(box.low(i)), std::abs(box.high(i)));
     const PlantTerm& term = loop.terms[j];
-    if (term.A.size() > 0) size.A += most * term.A.cwiseAbs();
-    if (term.B.size() > 0) size.B += most * term.B.cwiseAbs();
+    if (term.A.size() > 0) size.A += max * term.A.cwiseAbs();
+    if (term.B.size() > 0) size.B += max * term.B.cwiseAbs();
   }
   return {internal::bounded_above(size.A), internal::bounded_above(size.B)};
 }
@@ -188,11 +188,11 @@ void validate(const LoopBox& box, const UncertainLoop& loop, const std::string& 
           fmt::format("{} is in {} … {}, expected finite bounds in increasing order",
                       loop.terms[static_cast<std::size_t>(i)].name, box.low(i), box.high(i)));
   if (!(box.delay_low >= 0) || !(box.delay_low <= box.delay_high) ||
-      !(box.delay_high <= kMostDelayPeriods * loop.law.dt))
+      !(box.delay_high <= kMaxDelayPeriods * loop.law.dt))
     throw InvalidInput(where,
                        fmt::format("the delay is in {} … {} s, expected bounds in "
                                    "increasing order from 0 to {} periods of {} s",
-                                   box.delay_low, box.delay_high, kMostDelayPeriods, loop.law.dt));
+                                   box.delay_low, box.delay_high, kMaxDelayPeriods, loop.law.dt));
 }
 
 MatrixXd closed_loop_matrix(const UncertainLoop& loop, const VectorXd& numbers, double delay) {

@@ -96,11 +96,11 @@ class Equations {
     if (sensors_.sonar) {
       const SonarSensor& sonar = *sensors_.sonar;
       const T range = height / R_WB(2, 2);
-      if (range >= T(sonar.least_range) && range <= T(sonar.greatest_range))
+      if (range >= T(sonar.min_range) && range <= T(sonar.max_range))
         all(first(Reading::sonar)) = range;
     }
-    if (sensors_.flow && !(height < T(sensors_.flow->least_height)) &&
-        !(height > T(sensors_.flow->greatest_height))) {
+    if (sensors_.flow && !(height < T(sensors_.flow->min_height)) &&
+        !(height > T(sensors_.flow->max_height))) {
       const FlowSensor& flow = *sensors_.flow;
       const int at = first(Reading::flow);
       const auto mean_square = [](double half) { return std::tan(half) * std::tan(half) / 3; };
@@ -141,7 +141,7 @@ VectorXd hover_speeds(const Vehicle& vehicle) {
 
 }  // namespace
 
-MatrixXd told_speeds(const Vehicle& believed, const VectorXd& speeds, InputKind inputs) {
+MatrixXd commanded_speeds(const Vehicle& believed, const VectorXd& speeds, InputKind inputs) {
   const Index rotors = speeds.size();
   VectorXd per_thrust(rotors);
   for (Index i = 0; i < rotors; ++i) {
@@ -222,7 +222,7 @@ FlownBody flown_body(const FlightSetup& setup, InputKind inputs, double height) 
   result.B = slopes.topRightCorner(nx, rotors);
   result.C = slopes.bottomLeftCorner(kFrameSize, nx);
   result.D = slopes.bottomRightCorner(kFrameSize, rotors);
-  result.commands = told_speeds(setup.vehicle, result.speeds, inputs);
+  result.commands = commanded_speeds(setup.vehicle, result.speeds, inputs);
   result.states = ned_convention().states;
   for (const int i : equations.lagging())
     result.states.push_back({fmt::format("speed of rotor {}", i + 1), "rad/s"});

@@ -31,7 +31,7 @@ struct FlownBody {
 /// Computes the change of the commanded rotor speeds per input of a law (rotors × inputs) [rad/s
 /// per unit of the input].
 /// @param speeds  rotor speeds in the hover [rad/s]
-[[nodiscard]] Eigen::MatrixXd told_speeds(const Vehicle& believed, const Eigen::VectorXd& speeds,
-                                          InputKind inputs);
+[[nodiscard]] Eigen::MatrixXd commanded_speeds(const Vehicle& believed,
+                                               const Eigen::VectorXd& speeds, InputKind inputs);
 
 }  // namespace quadtune::internal

@@ -141,7 +141,7 @@ MamboEstimatorState<EstimatorJet> as_jets(const MamboEstimatorState<double>& fro
   to.flow_position = from.flow_position.cast<EstimatorJet>();
   to.position_variance = EstimatorJet(from.position_variance);
   to.echo_height = EstimatorJet(from.echo_height);
-  to.unbelieved_time = EstimatorJet(from.unbelieved_time);
+  to.rejected_time = EstimatorJet(from.rejected_time);
   to.flow = from.flow.cast<EstimatorJet>();
   to.flow_age = EstimatorJet(from.flow_age);
   to.flow_seen = from.flow_seen;
@@ -305,7 +305,7 @@ class General {
     // than the horizon is propagated and needs the readings of the periods in between.
     const double before = std::max(0.0, oldest - horizon * dt);
     const int carried =
-        std::min(kMostHistoryPeriods, static_cast<int>(std::ceil(before / dt - 1e-9)));
+        std::min(kMaxHistoryPeriods, static_cast<int>(std::ceil(before / dt - 1e-9)));
     const double fresher = std::min(settings_.gyroscope.lag, settings_.accelerometer.lag);
     parts_.readings = horizon - static_cast<int>(std::floor(fresher / dt + 1e-9)) + 1 + carried;
     parts_.queue = horizon;
@@ -347,7 +347,7 @@ class Linearizing {
   LinearEstimator run(const StateVector<double>& x,
                       const std::function<HoverFrame(std::size_t)>& frame, std::size_t N,
                       double dt) {
-    constexpr double kLongest = 100;  // [s]
+    constexpr double kMax = 100;  // [s]
     constexpr double kSettled = 1e-9;
     auto state = estimator_.start(x);
     LinearEstimator result;
@@ -359,8 +359,8 @@ class Linearizing {
           result.scale(std::ssize(result.states) - 1) = scale;
         });
     // Advance by whole periods of the clocks until the covariances no longer change.
-    const auto rounds = static_cast<std::size_t>(
-        std::max(2.0, std::ceil(kLongest / (dt * static_cast<double>(N)))));
+    const auto rounds =
+        static_cast<std::size_t>(std::max(2.0, std::ceil(kMax / (dt * static_cast<double>(N)))));
     std::size_t k = N;  // a whole number of periods of the clocks
     VectorXd before;
     result.settled = false;

@@ -38,8 +38,8 @@ using internal::LinearEstimator;
 using internal::Reading;
 
 constexpr const char* kPlantWhere = "flown plant";
-constexpr std::size_t kLongestRound = 1000;  ///< [control periods]
-/// If a clock does not repeat with the others within kLongestRound, its samples per control period
+constexpr std::size_t kMaxRound = 1000;  ///< [control periods]
+/// If a clock does not repeat with the others within kMaxRound, its samples per control period
 /// are rounded to a multiple of 1/kRounding.
 constexpr double kRounding = 1000;
 constexpr double kSlack = SampleClock::kSlack;
@@ -106,7 +106,7 @@ std::optional<SensorFaults> faults_of(const Sensors& sensors, Reading reading) {
 
 /// The period of a clock in control periods: the smallest q with integer q·r, 0 if there is none.
 std::size_t round_of(double samples_per_period) {
-  for (std::size_t q = 1; q <= kLongestRound; ++q) {
+  for (std::size_t q = 1; q <= kMaxRound; ++q) {
     const double turns = static_cast<double>(q) * samples_per_period;
     if (std::abs(turns - std::round(turns)) < 1e-9 * std::max(1.0, turns) && turns > 0.5) return q;
   }
@@ -225,14 +225,14 @@ class Assembly {
     const auto effect = [&](const Rotor& rotor) {
       return rotor.ground_effect ? ground_effect(rotor.radius, options_.height) - 1 : 0;
     };
-    double most = 0;
-    for (const Rotor& rotor : vehicle.rotors) most = std::max(most, effect(rotor));
+    double max = 0;
+    for (const Rotor& rotor : vehicle.rotors) max = std::max(max, effect(rotor));
     constexpr double kMatters = 1e-3;
-    if (most > kMatters)
+    if (max > kMatters)
       notes_.push_back(fmt::format(
           "the model omits the ground effect; at a height of {:.6g} m it adds {:.2g} % of "
           "thrust",
-          options_.height, 100 * most));
+          options_.height, 100 * max));
   }
 
   void add_channels(const FlightSetup& setup) {
@@ -242,12 +242,12 @@ class Assembly {
       if (!internal::reads(setup, reading)) continue;
       const std::optional<SensorFaults> faults = faults_of(sensors, reading);
       if (!faults || std::isnan(body_.readings(kReadingFirst[i]))) continue;
-      if (faults->delay > kMostDelayPeriods * options_.dt * (1 + 1e-9))
+      if (faults->delay > kMaxDelayPeriods * options_.dt * (1 + 1e-9))
         throw InvalidInput(
             kPlantWhere,
             fmt::format("the {} has a delay of {} s, expected at most {} "
                         "control periods of {} s",
-                        kReadingNames[i], faults->delay, kMostDelayPeriods, options_.dt));
+                        kReadingNames[i], faults->delay, kMaxDelayPeriods, options_.dt));
       Channel channel;
       channel.reading = reading;
       channel.rate = faults->rate;
@@ -263,7 +263,7 @@ class Assembly {
     for (Channel& channel : channels_) {
       const double samples = channel.rate * options_.dt;
       std::size_t round = round_of(samples);
-      if (round == 0 || std::lcm(period_, round) > kLongestRound) {
+      if (round == 0 || std::lcm(period_, round) > kMaxRound) {
         const double parts = std::max(1.0, std::round(samples * kRounding));
         channel.rate = parts / (kRounding * options_.dt);
         notes_.push_back(fmt::format(
@@ -321,10 +321,10 @@ class Assembly {
       channel.drift_at = std::ssize(states_);
       channel.white_at = nw_;
       if (!options_.noise) continue;
-      long most = 0;
+      long max = 0;
       for (std::size_t k = first_; k < first_ + period_; ++k)
-        most = std::max(most, channel.taken(time(k + 1)) - channel.taken(time(k)));
-      channel.slow_at = channel.white_at + most * channel.size();
+        max = std::max(max, channel.taken(time(k + 1)) - channel.taken(time(k)));
+      channel.slow_at = channel.white_at + max * channel.size();
       nw_ = channel.slow_at + 2 * channel.size();
       for (const char* error : {" random walk", " correlated error"})
         for (Index axis = 0; axis < channel.size(); ++axis) add(name + error, 1);
@@ -513,8 +513,8 @@ bool flies_by_flow(const FlightSetup& setup, double height) {
       !(sensors.gps->position.rate < kSlow))
     return false;
   sensors.gps.reset();
-  return general_filter_lacks(sensors).empty() && height >= sensors.flow->least_height &&
-         height <= sensors.flow->greatest_height;
+  return general_filter_lacks(sensors).empty() && height >= sensors.flow->min_height &&
+         height <= sensors.flow->max_height;
 }
 
 }  // namespace
@@ -525,10 +525,10 @@ FlownPlant flown_plant(const FlightSetup& setup, const FlownPlantOptions& option
   require(options.height > 0 && std::isfinite(options.height),
           fmt::format("the height is {} m", options.height), "a positive number");
   const auto short_enough = [&](double delay) {
-    return delay >= 0 && delay <= kMostDelayPeriods * options.dt * (1 + 1e-9);
+    return delay >= 0 && delay <= kMaxDelayPeriods * options.dt * (1 + 1e-9);
   };
   const std::string allowed =
-      fmt::format("0 to {} control periods of {} s", kMostDelayPeriods, options.dt);
+      fmt::format("0 to {} control periods of {} s", kMaxDelayPeriods, options.dt);
   require(short_enough(options.command_delay),
           fmt::format("the command delay is {} s", options.command_delay), allowed);
   const MotorCommand& motor = flown_vehicle(setup).motor;

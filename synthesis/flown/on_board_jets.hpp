@@ -15,11 +15,11 @@ template <class T, int N>
   return mask ? a : b;
 }
 template <class T, int N>
-[[nodiscard]] Jet<T, N> lesser(const Jet<T, N>& a, const Jet<T, N>& b) {
+[[nodiscard]] Jet<T, N> min_of(const Jet<T, N>& a, const Jet<T, N>& b) {
   return a.a < b.a ? a : b;
 }
 template <class T, int N>
-[[nodiscard]] Jet<T, N> greater(const Jet<T, N>& a, const Jet<T, N>& b) {
+[[nodiscard]] Jet<T, N> max_of(const Jet<T, N>& a, const Jet<T, N>& b) {
   return a.a > b.a ? a : b;
 }
 template <class T, int N>
@@ -27,7 +27,7 @@ template <class T, int N>
   return std::isfinite(x.a) && x.v.allFinite();
 }
 template <class T, int N>
-[[nodiscard]] Jet<T, N> magnitude(const Jet<T, N>& x) {
+[[nodiscard]] Jet<T, N> abs_of(const Jet<T, N>& x) {
   return x.a < 0 ? Jet<T, N>(-x) : x;
 }
 template <class T, int N>

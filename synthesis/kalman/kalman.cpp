@@ -33,15 +33,15 @@ void require_covariance(const KalmanNoise& noise) {
   }
   const Eigen::MatrixXd correlations = units.asDiagonal() * joint * units.asDiagonal();
   constexpr double kTyped = 1e-9;  // as 0.3333333333 for a third
-  const double least =
+  const double min =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlations, Eigen::EigenvaluesOnly)
           .eigenvalues()
           .minCoeff();
-  if (least >= -kTyped) return;
+  if (min >= -kTyped) return;
   throw InvalidInput(
       "kalman", fmt::format("[Q N; N' R] is indefinite: its correlation matrix has the eigenvalue "
                             "{:.3g}, expected all >= 0 because it is the covariance of w and v",
-                            least));
+                            min));
 }
 
 template <class Lti>
@@ -70,11 +70,11 @@ StateNoise check_and_map(const Lti& model, const KalmanNoise& noise) {
   require_symmetric(noise.Q, where, "Q");
   require_symmetric(noise.R, where, "R");
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(noise.Q, Eigen::EigenvaluesOnly);
-  const double least = eigen.eigenvalues().minCoeff();
-  if (least < -1e-12 * eigen.eigenvalues().cwiseAbs().maxCoeff())
+  const double min = eigen.eigenvalues().minCoeff();
+  if (min < -1e-12 * eigen.eigenvalues().cwiseAbs().maxCoeff())
     throw InvalidInput(where, fmt::format("Q has the eigenvalue {:.6g}, expected Q >= 0 because it "
                                           "is a covariance",
-                                          least));
+                                          min));
   if (noise.N.size()) require_covariance(noise);
   StateNoise mapped;
   mapped.W = G * noise.Q * G.transpose();

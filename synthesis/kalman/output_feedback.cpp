@@ -71,10 +71,10 @@ class Factor {
 /// if and only if all eigenvalues of Φ lie inside the unit circle.
 /// @return  whether it converged
 bool smith(MatrixXd Phi, MatrixXd& X) {
-  constexpr int kMostDoublings = 40;  // 2^40 periods
+  constexpr int kMaxDoublings = 40;  // 2^40 periods
   constexpr double kConverged = 1e-15;
   MatrixXd half(Phi.rows(), Phi.cols()), added(Phi.rows(), Phi.cols());
-  for (int i = 0; i < kMostDoublings; ++i) {
+  for (int i = 0; i < kMaxDoublings; ++i) {
     half.noalias() = X * Phi;
     added.noalias() = Phi.transpose() * half;
     const double size = X.diagonal().cwiseAbs().sum();

@@ -35,7 +35,7 @@ VectorXd lags(const Vehicle& vehicle, InputKind inputs) {
 
 /// Torque about the yaw axis per rate of change of each actuator's state, -Σ s_i J_i ∂w_i/∂u.
 Eigen::RowVectorXd reaction(const Vehicle& vehicle, const VectorXd& speeds, InputKind inputs) {
-  const MatrixXd E = internal::told_speeds(vehicle, speeds, inputs);
+  const MatrixXd E = internal::commanded_speeds(vehicle, speeds, inputs);
   Eigen::RowVectorXd torque = Eigen::RowVectorXd::Zero(E.cols());
   for (Index i = 0; i < E.rows(); ++i) {
     const Rotor& rotor = vehicle.rotors[static_cast<std::size_t>(i)];
@@ -71,9 +71,9 @@ std::vector<Index> integrated_states(const ActuatorLqiOptions& options) {
 void require(const ActuatorLqiWeights& weights, const ActuatorLqiOptions& options, Index nu) {
   if (!(options.dt > 0) || !std::isfinite(options.dt))
     throw InvalidInput(kWhere, fmt::format("dt is {} s, expected a positive period", options.dt));
-  if (options.past < 0 || options.past > kMostPastCommands)
+  if (options.past < 0 || options.past > kMaxPastCommands)
     throw InvalidInput(kWhere, fmt::format("past is {}, expected 0 to {} control periods",
-                                           options.past, kMostPastCommands));
+                                           options.past, kMaxPastCommands));
   const Index ni = std::ssize(options.integrals);
   require_shape(weights.Q, 12, 12, kWhere, "Q", "one row and column per state");
   require_shape(weights.R, nu, nu, kWhere, "R", "one row and column per input");

@@ -24,9 +24,9 @@ MatrixXd balanced_pattern(const UncertainLoop& loop, const EnclosedBox& box) {
   MatrixXd B = loop.plant.B.cwiseAbs();
   for (std::size_t j = 0; j < loop.terms.size(); ++j) {
     const auto i = static_cast<Index>(j);
-    const double most = std::max(std::abs(box.low(i)), std::abs(box.high(i)));
-    if (loop.terms[j].A.size() > 0) A += most * loop.terms[j].A.cwiseAbs();
-    if (loop.terms[j].B.size() > 0) B += most * loop.terms[j].B.cwiseAbs();
+    const double max = std::max(std::abs(box.low(i)), std::abs(box.high(i)));
+    if (loop.terms[j].A.size() > 0) A += max * loop.terms[j].A.cwiseAbs();
+    if (loop.terms[j].B.size() > 0) B += max * loop.terms[j].B.cwiseAbs();
   }
   MatrixXd W = MatrixXd::Zero(nx + ni + nu, nx + ni + nu);
   W.block(0, 0, nx, nx) = loop.law.dt * A;

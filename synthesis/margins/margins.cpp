@@ -184,7 +184,7 @@ class SingleLoop {
 };
 
 /// Wraps an angle to (-π, π].
-double wrapped(double angle) {
+double wrap_angle(double angle) {
   const double turned = std::remainder(angle, 2 * kPi);
   return turned <= -kPi ? turned + 2 * kPi : turned;
 }
@@ -192,7 +192,7 @@ double wrapped(double angle) {
 std::vector<GainCrossover> gain_crossovers(const SingleLoop& loop) {
   std::vector<GainCrossover> all;
   for (const double w : loop.roots(log_size)) {
-    const double phase = wrapped(std::arg(loop.at(w)) + kPi);
+    const double phase = wrap_angle(std::arg(loop.at(w)) + kPi);
     all.push_back({w, phase, w > 0 ? (phase > 0 ? phase : phase + 2 * kPi) / w : kInfinite});
   }
   return all;

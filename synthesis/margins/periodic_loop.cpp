@@ -261,7 +261,7 @@ PeriodicLti channel(const PeriodicLti& loop, Index index) {
   return one;
 }
 
-std::vector<PeriodicLti> own_channels(const PeriodicLti& loop) {
+std::vector<PeriodicLti> decoupled_channels(const PeriodicLti& loop) {
   const std::vector<std::vector<Index>> groups = independent(closed(loop));
   std::vector<PeriodicLti> channels;
   for (Index i = 0; i < loop.C.rows(); ++i) {

@@ -22,14 +22,14 @@ struct AffineResponse {
 
 /// Appends the intervals of g > 0 in which |larger|² < |smaller|² + least²: between the roots of a
 /// quadratic function of g, or outside them.
-void forbid(const AffineResponse& larger, const AffineResponse& smaller, double least, double w,
+void forbid(const AffineResponse& larger, const AffineResponse& smaller, double min, double w,
             std::vector<GainInterval>& forbidden);
 
 /// Computes the feasible intervals of g > 0 in increasing order, without the last one if it has no
 /// upper end. Sorts `forbidden`.
 /// @param reached  out: the end of the last forbidden interval; infinite if no gain beyond it is
 ///                 feasible
-[[nodiscard]] std::vector<GainInterval> gaps_between(std::vector<GainInterval>& forbidden,
-                                                     double& reached);
+[[nodiscard]] std::vector<GainInterval> feasible_intervals(std::vector<GainInterval>& forbidden,
+                                                           double& reached);
 
 }  // namespace quadtune::internal

@@ -51,18 +51,18 @@ double climb_from(const F& f, double centre, double reach, double width) {
 
 }  // namespace
 
-bool GreatestGain::operator>(const GreatestGain& other) const {
+bool MaxGain::operator>(const MaxGain& other) const {
   if (status != other.status) return status > other.status;
   return within_bounds() ? log_gain > other.log_gain : violation < other.violation;
 }
 
-GreatestGain GainSearch::greatest(const GainPoint& x) {
+MaxGain GainSearch::max(const GainPoint& x) {
   ++evaluations_;
   const PidGains base = problem_.gains(x, -kUnbounded);
   forbidden_.clear();
   problem_.forbid_on_grid(base, forbidden_);
   double reached = 0;
-  const std::vector<GainInterval> gaps = gaps_between(forbidden_, reached);
+  const std::vector<GainInterval> gaps = feasible_intervals(forbidden_, reached);
   if (problem_.is_unlimited(x, reached)) return {GainStatus::within_bounds, 0, kUnbounded};
   for (std::size_t k = gaps.size(); k-- > 0;) {
     const double log_gain = log_end_of(gaps[k], base);
@@ -98,9 +98,9 @@ double GainSearch::log_end_of(const GainInterval& gap, const PidGains& base) con
 
 GainPoint GainSearch::best_of(const std::vector<GainPoint>& points) {
   GainPoint best;
-  GreatestGain best_gain;
+  MaxGain best_gain;
   for (const GainPoint& x : points) {
-    const GreatestGain found = greatest(x);
+    const MaxGain found = max(x);
     if (!(found > best_gain)) continue;
     best_gain = found;
     best = x;
@@ -114,7 +114,7 @@ GainPoint GainSearch::climb(GainPoint x, const ClimbRange& range) {
     if (range.over_Kp)
       x.log_Kp = climb_from(
           [&](double log_Kp) {
-            return greatest({log_Kp, inside});
+            return max({log_Kp, inside});
           },
           x.log_Kp, range.Kp_reach, range.Kp_width);
     return {x.log_Kp, inside};
@@ -122,7 +122,7 @@ GainPoint GainSearch::climb(GainPoint x, const ClimbRange& range) {
   if (range.over_Kd)
     x.log_Kd = climb_from(
         [&](double log_Kd) {
-          GreatestGain found = greatest(at_Kd(log_Kd));
+          MaxGain found = max(at_Kd(log_Kd));
           // Decrease the objective beyond the maximum Kd, so that the search returns.
           const double beyond = std::max(0.0, log_Kd - range.log_Kd_max);
           found.log_gain -= beyond;

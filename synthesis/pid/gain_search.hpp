@@ -61,7 +61,7 @@ enum class GainStatus {
 
 /// The maximum gain for given other gains. A result is greater if its status is better or, for
 /// equal status, if its violation is smaller (outside the bounds) or its gain larger (within them).
-struct GreatestGain {
+struct MaxGain {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   GainStatus status = GainStatus::out_of_bounds;
@@ -69,7 +69,7 @@ struct GreatestGain {
   double log_gain = -kInfinity;  ///< infinite if unlimited
 
   [[nodiscard]] bool within_bounds() const { return status == GainStatus::within_bounds; }
-  [[nodiscard]] bool operator>(const GreatestGain& other) const;
+  [[nodiscard]] bool operator>(const MaxGain& other) const;
 };
 
 /// Options of GainSearch::climb().
@@ -93,7 +93,7 @@ class GainSearch {
   /// Maximizes the gain for given other gains. All frequencies together leave feasible intervals; a
   /// loop is either stable or unstable in the whole of an interval. The result is the end of the
   /// highest interval with a stable loop.
-  [[nodiscard]] GreatestGain greatest(const GainPoint& x);
+  [[nodiscard]] MaxGain max(const GainPoint& x);
 
   /// Returns the best point, the first one if several are equal.
   [[nodiscard]] GainPoint best_of(const std::vector<GainPoint>& points);

@@ -178,22 +178,22 @@ double LoopShape::noise_gain(const PidGains& gains) const {
   return highest_peak(gain, grid_, values).value;
 }
 
-LeastPhaseMargin LoopShape::least_phase_margin(const PidGains& gains) const {
+MinPhaseMargin LoopShape::min_phase_margin(const PidGains& gains) const {
   std::vector<double> values(grid_.size());
   for (std::size_t k = 0; k < grid_.size(); ++k)
     values[k] = std::log(std::abs(gains({0, grid_[k]}) * responses_[k]));
-  LeastPhaseMargin least;
+  MinPhaseMargin min;
   for (const double w :
        crossings([&](double at_w) { return std::log(std::abs(at(gains, at_w))); }, grid_, values)) {
     const double margin = std::arg(-at(gains, w));
-    if (least.w == 0 || std::abs(margin) < std::abs(least.margin)) {
-      least.w = w;
-      least.margin = margin;
+    if (min.w == 0 || std::abs(margin) < std::abs(min.margin)) {
+      min.w = w;
+      min.margin = margin;
     }
-    least.last_w = w;
-    least.last_margin = margin;
+    min.last_w = w;
+    min.last_margin = margin;
   }
-  return least;
+  return min;
 }
 
 }  // namespace quadtune::internal

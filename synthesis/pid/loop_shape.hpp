@@ -18,7 +18,7 @@ struct SensitivityPeaks {
   double w_Mt = 0;  ///< [rad/s]
 };
 
-struct LeastPhaseMargin {
+struct MinPhaseMargin {
   double w = 0;       ///< [rad/s]; 0 if |L| is nowhere 1
   double margin = 0;  ///< [rad], that of minimum magnitude
   double last_w = 0;  ///< the highest frequency at which |L| = 1 [rad/s]
@@ -40,7 +40,7 @@ class LoopShape {
   [[nodiscard]] SensitivityPeaks peaks(const PidGains& gains) const;
   /// max |C/(1 + L)| over the frequencies of the grid.
   [[nodiscard]] double noise_gain(const PidGains& gains) const;
-  [[nodiscard]] LeastPhaseMargin least_phase_margin(const PidGains& gains) const;
+  [[nodiscard]] MinPhaseMargin min_phase_margin(const PidGains& gains) const;
 
   [[nodiscard]] std::complex<double> at(const PidGains& gains, double w) const;
   /// Sign of the plant's response at low frequencies: 1 or -1.

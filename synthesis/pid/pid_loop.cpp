@@ -19,8 +19,8 @@
 namespace quadtune {
 namespace {
 
-using internal::LeastPhaseMargin;
 using internal::LoopShape;
+using internal::MinPhaseMargin;
 using internal::SensitivityPeaks;
 using std::numbers::pi;
 using Complex = std::complex<double>;
@@ -107,7 +107,7 @@ class Problem {
   }
 
   struct Attempt {
-    PidLoopStatus status = PidLoopStatus::phase_out_of_reach;
+    PidLoopStatus status = PidLoopStatus::phase_infeasible;
     PidGains gains;
     double evidence = 0;  ///< margin of the other crossover, or minimum Ms, by status
     double at = 0;        ///< its frequency [rad/s]
@@ -119,7 +119,7 @@ class Problem {
     // with integral action. In that case the required phase is out of reach.
     if (result.status == PidLoopStatus::unstable && result.gains.Kp * low_sign_ < 0 &&
         !plant_unstable_)
-      result.status = PidLoopStatus::phase_out_of_reach;
+      result.status = PidLoopStatus::phase_infeasible;
     return result;
   }
 
@@ -150,7 +150,7 @@ class Problem {
         return judged({t.sign * std::max(t.X - t.a * Kd, 0.0), 0, t.sign * Kd, requirement_.Tf}, w);
       }
       case PidType::PID:
-        if (requirement_.freedom == PidFreedom::greatest_Ki) return greatest_Ki(t);
+        if (requirement_.freedom == PidFreedom::max_Ki) return max_Ki(t);
         const double Kd = Kd_of_double_zero(t);
         if (!(Kd >= 0) || !not_negative(t.X - t.a * Kd, scale)) return {};
         return judged(t.at(Kd), w);
@@ -165,7 +165,7 @@ class Problem {
     const Attempt second = judged({-low_sign_ / std::abs(P), 0, 0, 0}, w);
     if (second.status == PidLoopStatus::solved) return second;
     if (first.status == PidLoopStatus::other_crossover)
-      first.status = PidLoopStatus::phase_out_of_reach;
+      first.status = PidLoopStatus::phase_infeasible;
     return first;
   }
 
@@ -177,15 +177,15 @@ class Problem {
       result.status = PidLoopStatus::unstable;
       return result;
     }
-    const LeastPhaseMargin least = shape_.least_phase_margin(gains);
-    if (!(std::abs(least.margin) >= requirement_.phase_margin - 1e-7)) {
+    const MinPhaseMargin min = shape_.min_phase_margin(gains);
+    if (!(std::abs(min.margin) >= requirement_.phase_margin - 1e-7)) {
       result.status = PidLoopStatus::other_crossover;
-      result.evidence = least.margin;
-      result.at = least.w;
-    } else if (!(std::abs(least.last_w - w) <= 1e-6 * w)) {
+      result.evidence = min.margin;
+      result.at = min.w;
+    } else if (!(std::abs(min.last_w - w) <= 1e-6 * w)) {
       result.status = PidLoopStatus::other_crossover;
-      result.evidence = least.last_margin;
-      result.at = least.last_w;
+      result.evidence = min.last_margin;
+      result.at = min.last_w;
     }
     return result;
   }
@@ -203,7 +203,7 @@ class Problem {
 
   /// Ki increases with Kd along the line of solutions: computes the largest accepted Kd by a scan
   /// and bisection.
-  [[nodiscard]] Attempt greatest_Ki(const Target& t) const {
+  [[nodiscard]] Attempt max_Ki(const Target& t) const {
     const double size = std::hypot(t.X, t.Y) / t.b;
     const double low = std::max(0.0, t.Y / t.b);
     const double high = t.a > 0 ? std::min(t.X / t.a, low + 1e3 * size) : low + 1e3 * size;
@@ -291,7 +291,7 @@ std::string obstacle(const Problem& problem, const LoopRequirement& requirement,
   const std::string what =
       fmt::format("{} at {:.4g} rad/s", to_string(requirement.type), requirement.crossover);
   switch (attempt.status) {
-    case PidLoopStatus::phase_out_of_reach:
+    case PidLoopStatus::phase_infeasible:
       return fmt::format("{} must have a phase of {:.4g} deg, but its range is {}", what,
                          problem.needed_phase(requirement.crossover) / kDegree,
                          phases(requirement));
@@ -324,7 +324,7 @@ std::string possible(const PidLoopDesign& design) {
 constexpr internal::EnumName<PidLoopStatus> kPidLoopStatuses[] = {
     {PidLoopStatus::not_run, "not run"},
     {PidLoopStatus::solved, "solved"},
-    {PidLoopStatus::phase_out_of_reach, "phase out of reach"},
+    {PidLoopStatus::phase_infeasible, "phase out of reach"},
     {PidLoopStatus::unstable, "unstable"},
     {PidLoopStatus::other_crossover, "other crossover"},
     {PidLoopStatus::Ms_exceeded, "Ms exceeded"}};
@@ -356,9 +356,9 @@ PidLoopDesign pid_for_crossover(const ContinuousTransferFunction& plant,
     return design;
   }
   design.gains = attempt.gains;
-  const LeastPhaseMargin least = problem.shape().least_phase_margin(design.gains);
-  design.crossover = least.w;
-  design.phase_margin = least.margin;
+  const MinPhaseMargin min = problem.shape().min_phase_margin(design.gains);
+  design.crossover = min.w;
+  design.phase_margin = min.margin;
   const SensitivityPeaks peaks = problem.shape().peaks(design.gains);
   design.Ms = peaks.Ms;
   design.w_Ms = peaks.w_Ms;

@@ -159,8 +159,8 @@ std::ostream& operator<<(std::ostream& out, const PidOptimum& optimum) {
   return out;
 }
 
-PidOptimum greatest_integral_gain(const ContinuousTransferFunction& plant, PidType type,
-                                  const PidBounds& bounds, double Tf) {
+PidOptimum max_integral_gain(const ContinuousTransferFunction& plant, PidType type,
+                             const PidBounds& bounds, double Tf) {
   quadtune::validate(plant, "greatest_integral_gain");
   validate_bounds(bounds, type, Tf);
   if (plant.num.isZero(0))
@@ -171,10 +171,10 @@ PidOptimum greatest_integral_gain(const ContinuousTransferFunction& plant, PidTy
   internal::GainSearch search(problem);
   const GainPoint best =
       search.climb(search.best_of(problem.starts()), {.over_Kd = type == PidType::PID});
-  const internal::GreatestGain greatest = search.greatest(best);
+  const internal::MaxGain max = search.max(best);
   PidOptimum optimum;
   optimum.evaluations = search.evaluations();
-  if (!greatest.within_bounds()) {
+  if (!max.within_bounds()) {
     optimum.status = PidOptimumStatus::not_found;
     optimum.culprit = fmt::format(
         "no stabilizing {} was found with Ms <= {:.4g}, Mt <= {:.4g} "
@@ -183,7 +183,7 @@ PidOptimum greatest_integral_gain(const ContinuousTransferFunction& plant, PidTy
     return optimum;
   }
   // A first-order loop is stable with any gain: the search then ends at the end of its grid.
-  if (!(greatest.log_gain < std::log(shape.grid().back() / 10) + best.log_Kp)) {
+  if (!(max.log_gain < std::log(shape.grid().back() / 10) + best.log_Kp)) {
     optimum.status = PidOptimumStatus::unbounded;
     optimum.culprit = fmt::format(
         "Ki of a {} is unbounded: the plant has neither enough delay "
@@ -192,7 +192,7 @@ PidOptimum greatest_integral_gain(const ContinuousTransferFunction& plant, PidTy
     return optimum;
   }
   optimum.status = PidOptimumStatus::solved;
-  optimum.gains = problem.gains(best, greatest.log_gain);
+  optimum.gains = problem.gains(best, max.log_gain);
   const SensitivityPeaks peaks = shape.peaks(optimum.gains);
   optimum.Ms = peaks.Ms;
   optimum.Mt = peaks.Mt;

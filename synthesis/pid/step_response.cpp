@@ -24,10 +24,10 @@ using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
 constexpr int kSteps = 4000;
-constexpr int kMostSteps = 400000;
+constexpr int kMaxSteps = 400000;
 constexpr double kSettled = 0.02;  ///< relative to the largest distance from the final value
 constexpr double kLeft = 8;        ///< the response of an unstable loop ends at this value
-constexpr int kMostTurns = 20;
+constexpr int kMaxTurns = 20;
 
 /// ẋ = A x + Bv v + Bw w, q = Cq x + Dqv v + Dqw w, z = Cz x + Dzv v + Dzw w, where w is the step,
 /// z is the output, and q is fed back as v, immediately or after a delay.
@@ -164,9 +164,9 @@ Ramp ramp(const Feedback& f, double dt) {
 /// time step, where the signals have a value before and a value after it.
 StepResponse simulate_delayed(const Feedback& f, double delay, double duration) {
   const double parts = std::ceil(delay / (duration / kSteps));
-  const auto late = static_cast<std::size_t>(std::clamp(parts, 1.0, kMostSteps / 2.0));
+  const auto late = static_cast<std::size_t>(std::clamp(parts, 1.0, kMaxSteps / 2.0));
   const double dt = delay / static_cast<double>(late);
-  const auto count = static_cast<std::size_t>(std::min(duration / dt, double(kMostSteps))) + 1;
+  const auto count = static_cast<std::size_t>(std::min(duration / dt, double(kMaxSteps))) + 1;
   const Ramp step = ramp(f, dt);
   std::vector<double> before(count + 1);  // q before a time step
   std::vector<double> after(count + 1);   // q after it
@@ -207,15 +207,15 @@ double settling_time(const StepResponse& response) {
 }
 
 /// Shortens a sufficient duration to one that shows the transient well.
-StepResponse settled(const Simulation& simulate, double duration, double least) {
-  constexpr int kMostTries = 40;
+StepResponse settled(const Simulation& simulate, double duration, double min) {
+  constexpr int kMaxTries = 40;
   StepResponse response = simulate(duration);
-  for (int i = 0; i < kMostTries; ++i) {
+  for (int i = 0; i < kMaxTries; ++i) {
     const double t = settling_time(response);
-    const bool shorten = t < 0.5 * duration && duration > 1.5 * least;
+    const bool shorten = t < 0.5 * duration && duration > 1.5 * min;
     const bool lengthen = t > 0.9 * duration && i < 8;
     if (!shorten && !lengthen) break;
-    duration = lengthen ? 2 * duration : std::max({1.5 * t, duration / 50, least});
+    duration = lengthen ? 2 * duration : std::max({1.5 * t, duration / 50, min});
     response = simulate(duration);
   }
   return response;
@@ -234,8 +234,7 @@ StepResponse cut_off(StepResponse response) {
   const auto left = std::find_if(response.y.begin(), response.y.end(),
                                  [](double y) { return !(std::abs(y) <= kLeft); });
   const auto values = static_cast<std::size_t>(left - response.y.begin()) + 1;
-  const std::size_t count =
-      std::min({values, after_turns(response, kMostTurns), response.y.size()});
+  const std::size_t count = std::min({values, after_turns(response, kMaxTurns), response.y.size()});
   response.t.resize(count);
   response.y.resize(count);
   return response;
@@ -243,9 +242,9 @@ StepResponse cut_off(StepResponse response) {
 
 /// Extends the duration until the response exceeds the limit or has oscillated often enough.
 StepResponse diverging(const Simulation& simulate, double duration) {
-  constexpr int kMostTries = 24;
+  constexpr int kMaxTries = 24;
   StepResponse response = cut_off(simulate(duration));
-  for (int i = 0; i < kMostTries && response.t.back() >= 0.9 * duration; ++i) {
+  for (int i = 0; i < kMaxTries && response.t.back() >= 0.9 * duration; ++i) {
     if (!(std::abs(response.y.back()) <= kLeft)) break;
     duration *= 2;
     response = cut_off(simulate(duration));
@@ -255,8 +254,8 @@ StepResponse diverging(const Simulation& simulate, double duration) {
 
 /// Time constants of the fastest and of the slowest pole of the closed loop [s].
 struct TimeConstants {
-  double least = std::numeric_limits<double>::infinity();
-  double most = 0;
+  double min = std::numeric_limits<double>::infinity();
+  double max = 0;
 };
 
 TimeConstants time_constants(const OpenLoop& loop) {
@@ -269,22 +268,22 @@ TimeConstants time_constants(const OpenLoop& loop) {
   for (const std::complex<double>& pole : poles) {
     if (!std::isfinite(std::abs(pole))) continue;
     // A pole that is smaller than rounding relative to the fastest is not a motion.
-    if (std::abs(pole) > 1e-10 * fastest) found.least = std::min(found.least, 1 / std::abs(pole));
+    if (std::abs(pole) > 1e-10 * fastest) found.min = std::min(found.min, 1 / std::abs(pole));
     const double decay = std::max(std::abs(pole.real()), 1e-3 * std::abs(pole));
-    if (decay > 1e-10 * fastest) found.most = std::max(found.most, 1 / decay);
+    if (decay > 1e-10 * fastest) found.max = std::max(found.max, 1 / decay);
   }
-  if (!std::isfinite(found.least)) found.least = std::max(loop.dt(), loop.delay());
-  if (!(found.least > 0)) found.least = 1;
-  found.most = std::max(found.most, found.least);
+  if (!std::isfinite(found.min)) found.min = std::max(loop.dt(), loop.delay());
+  if (!(found.min > 0)) found.min = 1;
+  found.max = std::max(found.max, found.min);
   return found;
 }
 
 StepResponse chosen_duration(const OpenLoop& loop, const Simulation& simulate) {
   const TimeConstants constants = time_constants(loop);
-  const double least = 5 * (loop.dt() + loop.delay()) + 1e-3 * constants.least;
+  const double min = 5 * (loop.dt() + loop.delay()) + 1e-3 * constants.min;
   return internal::closed_loop_is_stable(loop)
-             ? settled(simulate, 10 * constants.most + 20 * (loop.dt() + loop.delay()), least)
-             : diverging(simulate, 5 * constants.least + least);
+             ? settled(simulate, 10 * constants.max + 20 * (loop.dt() + loop.delay()), min)
+             : diverging(simulate, 5 * constants.min + min);
 }
 
 void require_duration(double duration) {
@@ -304,7 +303,7 @@ StepResponse step_response(const OpenLoop& loop, Index channel, double duration)
   const Simulation simulate = [&](double T) {
     if (loop.delay() > 0) return simulate_delayed(feedback, loop.delay(), T);
     if (!loop.discrete()) return simulate_prompt(close(feedback), T);
-    const double samples = std::clamp(std::round(T / loop.dt()), 5.0, double(kMostSteps));
+    const double samples = std::clamp(std::round(T / loop.dt()), 5.0, double(kMaxSteps));
     return simulate_samples(close(feedback), loop.dt(), static_cast<Index>(samples) + 1);
   };
   return duration > 0 ? simulate(duration) : chosen_duration(loop, simulate);

@@ -168,7 +168,7 @@ class KernelOps {
     Real largest = 0;
     for (int j = 0; j < row(); ++j) {
       V sums = {};
-      for (int i = 0; i < k_.n(); ++i) sums += magnitude(at(A, i, j));
+      for (int i = 0; i < k_.n(); ++i) sums += abs_of(at(A, i, j));
       for (int lane = 0; lane < W; ++lane) largest = std::max(largest, sums[lane]);
     }
     return largest;
@@ -232,9 +232,9 @@ class KernelOps {
 
   // Scaling of the states.
   void balance(const Square& A, const Square& G, const Square& Q) {
-    scratch_.assign([&](int i) { return magnitude(A.begin()[i]); });
-    factor_.assign([&](int i) { return magnitude(G.begin()[i]); });
-    absolute_.assign([&](int i) { return magnitude(Q.begin()[i]); });
+    scratch_.assign([&](int i) { return abs_of(A.begin()[i]); });
+    factor_.assign([&](int i) { return abs_of(G.begin()[i]); });
+    absolute_.assign([&](int i) { return abs_of(Q.begin()[i]); });
     transpose(scratch_, columns_);
     const auto dot = [this](const double* a, const double* b) {
       V sum = {};
@@ -304,7 +304,7 @@ class KernelOps {
 
   static void add_sizes(V a, V b, V& squares, V& sums) {
     squares = multiply_add(a, a, multiply_add(b, b, squares));
-    sums += magnitude(a) + magnitude(b);
+    sums += abs_of(a) + abs_of(b);
   }
 
   template <class M>

@@ -184,13 +184,13 @@ class LaneOps {
   // Norms.
   /// The maximum over all lanes.
   [[nodiscard]] static double norm1(const Square& A) {
-    Lane most = {};
+    Lane max = {};
     for (int j = 0; j < A.columns(); ++j) {
       Lane sum = {};
-      for (int i = 0; i < A.rows(); ++i) sum += magnitude(A(i, j));
-      most = larger(sum, most);
+      for (int i = 0; i < A.rows(); ++i) sum += abs_of(A(i, j));
+      max = larger(sum, max);
     }
-    return largest(most);
+    return largest(max);
   }
   [[nodiscard]] static Lane squared_norm(const LaneMatrix& A) {
     Lane sum = {};
@@ -370,7 +370,7 @@ class LaneOps {
     LaneTile x = less_product(factor_, k, k, 0, k);
 #pragma GCC unroll 4
     for (int p = 0; p < T; ++p) {
-      const Lane size = magnitude(x.at[p][p]);
+      const Lane size = abs_of(x.at[p][p]);
       smallest = size < smallest || size != size ? size : smallest;
       x.at[p][p] = 1 / x.at[p][p];
 #pragma GCC unroll 4

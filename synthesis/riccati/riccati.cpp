@@ -176,7 +176,7 @@ struct RiccatiSolver::State {
     if (result.poles.size() > 0) result.poles.resize(0);
     if (problem.A.rows() != nx || problem.B.cols() != nu) refuse_sizes(problem);
     const WeightR weight_R = internal::check_problem(problem, buffers, result.warning);
-    if (options.refuse_indefinite_Q && !result.warning.empty())
+    if (options.reject_indefinite_Q && !result.warning.empty())
       throw InvalidInput(internal::equation_name(problem.time), result.warning);
     const bool want_poles = options.evidence == RiccatiEvidence::full;
     if (weight_R == WeightR::well_conditioned && solve_by_doubling(problem)) {

@@ -67,12 +67,12 @@ std::string indefiniteness(const ConstRef& M, const Look& look, const char* name
   if (look.diagonal && M.diagonal().minCoeff() >= 0) return {};
   const double norm = M.norm();
   if (cholesky(M, 0.5 * kIndefiniteByRounding * norm, buffer) > 0) return {};
-  const double least = smallest_eigenvalue(M);
-  if (least >= -kIndefiniteByRounding * norm) return {};
+  const double min = smallest_eigenvalue(M);
+  if (min >= -kIndefiniteByRounding * norm) return {};
   return fmt::format(
       "{} has eigenvalue {:.6g}, expected {} >= 0 (up to a rounding error of {:g} of its "
       "norm {:.3g})",
-      name, least, name, kIndefiniteByRounding, norm);
+      name, min, name, kIndefiniteByRounding, norm);
 }
 
 WeightR check_R(const RiccatiEquation& problem, const Look& look, const std::string& where,
@@ -83,9 +83,9 @@ WeightR check_R(const RiccatiEquation& problem, const Look& look, const std::str
   if (pivot > 1e-10) return WeightR::well_conditioned;
   if (pivot > singular_pivot) return WeightR::ill_conditioned;
   if (problem.time == Time::continuous) {
-    const double least = smallest_eigenvalue(problem.R);
-    throw InvalidInput(where, fmt::format("R has eigenvalue {:.6g}, expected R > 0{}", least,
-                                          least > 0 ? " beyond rounding" : ""));
+    const double min = smallest_eigenvalue(problem.R);
+    throw InvalidInput(where, fmt::format("R has eigenvalue {:.6g}, expected R > 0{}", min,
+                                          min > 0 ? " beyond rounding" : ""));
   }
   const std::string indefinite = indefiniteness(problem.R, look, "R", buffers.factor_R);
   if (!indefinite.empty()) throw InvalidInput(where, indefinite);

@@ -10,7 +10,7 @@ namespace {
 
 /// Sets of states or inputs.
 using Set = std::uint64_t;
-constexpr Eigen::Index kMostMembers = 64;
+constexpr Eigen::Index kMaxMembers = 64;
 
 Set only(Eigen::Index i) { return Set{1} << i; }
 
@@ -55,8 +55,8 @@ class Group {
 
   /// Copies the problem of a group. States without inputs get one input that has no effect.
   void fill(const RiccatiEquation& whole, const Eigen::MatrixXd& factor_R, const Members& members) {
-    states_.reserve(kMostMembers);
-    inputs_.reserve(kMostMembers);
+    states_.reserve(kMaxMembers);
+    inputs_.reserve(kMaxMembers);
     list(members.states, states_);
     list(members.inputs, inputs_);
     const auto nx = row(states_.size());
@@ -104,7 +104,7 @@ class GroupedSolver final : public DoublingSolver {
 
   bool solve(const RiccatiEquation& problem, const Eigen::MatrixXd& factor_R,
              const RiccatiOptions& options, Candidate& found, SquaredNorms& norms) override {
-    if (nx_ == 1 || nx_ > kMostMembers || nu_ > kMostMembers || !falls_apart(problem))
+    if (nx_ == 1 || nx_ > kMaxMembers || nu_ > kMaxMembers || !falls_apart(problem))
       return whole_->solve(problem, factor_R, options, found, norms);
     norms = {};
     found.iterations = 0;
@@ -143,7 +143,7 @@ class GroupedSolver final : public DoublingSolver {
       }
     }
     members_.clear();
-    const Set all = nx_ == kMostMembers ? ~Set{0} : only(nx_) - 1;
+    const Set all = nx_ == kMaxMembers ? ~Set{0} : only(nx_) - 1;
     for (Set rest = all; rest != 0; rest &= ~members_.back().states)
       members_.push_back(connected(static_cast<std::size_t>(std::countr_zero(rest))));
     return members_.size() > 1;

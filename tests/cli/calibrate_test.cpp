@@ -15,7 +15,7 @@
 #include "log_files/ulog_writer.hpp"
 #include "matrix_near.hpp"
 #include "quadtune/exports/imu_calibration_file.hpp"
-#include "quadtune/tuning/made_up_imu.hpp"
+#include "quadtune/tuning/simulated_imu.hpp"
 #include "run_program.hpp"
 #include "shared_data.hpp"
 #include "temporary_directory.hpp"
@@ -80,7 +80,7 @@ class StandardInput {
 
 TEST(CalibrateVerb, WritesTheFileThatTheFlightProgramReads) {
   const TemporaryDirectory folder;
-  const MadeUpImu made = make_up_imu({.seed = 3, .warming = 8});
+  const SimulatedImu made = simulate_imu({.seed = 3, .warming = 8});
   const std::string log = folder.write("log.csv", csv(made.log)).string();
   const std::string file = (folder.path() / "imu_calib.txt").string();
   const SortedJson json = json_of({"calibrate", "imu", "--log", log, "-o", file});
@@ -107,7 +107,7 @@ TEST(CalibrateVerb, WritesTheFileThatTheFlightProgramReads) {
 // The magnetometer in a separate file, at half the rate and with its own times.
 TEST(CalibrateVerb, TakesSensorsOfAnotherFile) {
   const TemporaryDirectory folder;
-  const MadeUpImu made = make_up_imu({.seed = 3, .warming = 8});
+  const SimulatedImu made = simulate_imu({.seed = 3, .warming = 8});
   const std::string imu = folder.write("imu.csv", csv(made.log, false)).string();
   std::string text = "t[s],mx,my,mz\n";
   for (Eigen::Index i = 0; i + 1 < made.log.t.size(); i += 2)
@@ -129,7 +129,7 @@ TEST(CalibrateVerb, TakesSensorsOfAnotherFile) {
 // Columns by number, a rate for the times, no header, the log on standard input.
 TEST(CalibrateVerb, TakesColumnsByNumber) {
   const TemporaryDirectory folder;
-  const std::string text = csv(make_up_imu({.seed = 3}).log);
+  const std::string text = csv(simulate_imu({.seed = 3}).log);
   std::string rows = text.substr(text.find('\n') + 1);
   std::replace(rows.begin(), rows.end(), ',', '\t');
   const StandardInput input(folder.write("rows.txt", rows).string());
@@ -146,7 +146,7 @@ TEST(CalibrateVerb, TakesColumnsByNumber) {
 // Raw frames contain times, names and a temperature.
 TEST(CalibrateVerb, TakesRawFrames) {
   const TemporaryDirectory folder;
-  const ImuLog log = make_up_imu({.seed = 3}).log;
+  const ImuLog log = simulate_imu({.seed = 3}).log;
   std::string text;
   for (Eigen::Index i = 0; i < log.t.size(); ++i) {
     text += "A 10000";
@@ -172,7 +172,7 @@ TEST(CalibrateVerb, TakesRawFrames) {
 TEST(CalibrateVerb, KeepsWhatTheLogDoesNotTell) {
   const TemporaryDirectory folder;
   const std::string log =
-      folder.write("log.csv", csv(make_up_imu({.seed = 5}).log, false)).string();
+      folder.write("log.csv", csv(simulate_imu({.seed = 5}).log, false)).string();
   const std::string file = (folder.path() / "new.txt").string();
   const ProgramResult refused = run_program({"calibrate", "imu", "--log", log, "-o", file});
   EXPECT_EQ(refused.status, 2);
@@ -191,7 +191,8 @@ TEST(CalibrateVerb, KeepsWhatTheLogDoesNotTell) {
 
 TEST(CalibrateVerb, RefusesPosesThatDoNotTell) {
   const TemporaryDirectory folder;
-  const std::string log = folder.write("log.csv", csv(make_up_imu({.upright = true}).log)).string();
+  const std::string log =
+      folder.write("log.csv", csv(simulate_imu({.upright = true}).log)).string();
   const std::string file = (folder.path() / "new.txt").string();
   const ProgramResult result = run_program({"calibrate", "imu", "--log", log, "-o", file});
   EXPECT_EQ(result.status, 4);
@@ -241,7 +242,7 @@ TEST(CalibrateVerb, RefusesBadCommandLinesAndLogs) {
 }
 
 std::string record(int samples, const std::string& header = "") {
-  const MadeUpGyroscope made = make_up_gyroscope(2);
+  const SimulatedGyroscope made = simulate_gyroscope(2);
   std::string text = header;
   for (int i = 0; i < samples; ++i) text += fmt::format("{},{}\n", i * 10000000LL, made.rate(i));
   return text;
@@ -296,7 +297,7 @@ TEST(AllanVerb, ReadsNamedColumns) {
 // A wrapped angle has the same noise as the unwrapped one.
 TEST(AllanVerb, UnwrapsAPhase) {
   const TemporaryDirectory folder;
-  const MadeUpGyroscope made = make_up_gyroscope(2);
+  const SimulatedGyroscope made = simulate_gyroscope(2);
   std::string free = "t[s],angle[rad]\n", within = "t[s],angle[rad]\n",
               degrees = "t[s],angle[deg]\n";
   double angle = 0;
@@ -326,7 +327,7 @@ TEST(AllanVerb, UnwrapsAPhase) {
 // The error of a clock, an angle: the deviation is that of the rate of which it is the integral.
 TEST(AllanVerb, TakesAPhase) {
   const TemporaryDirectory folder;
-  const MadeUpGyroscope made = make_up_gyroscope(2);
+  const SimulatedGyroscope made = simulate_gyroscope(2);
   std::string rates = "t[s],w[rad/s]\n", angles = "t[s],angle[rad]\n";
   double angle = 0.5;
   for (int i = 0; i < 3000; ++i) {
@@ -358,7 +359,7 @@ TEST(AllanVerb, TakesAPhase) {
 // The warnings of the reader are also printed by commands that use the log.
 TEST(AllanVerb, SaysWhatTheReaderWarnsOf) {
   const TemporaryDirectory folder;
-  const MadeUpGyroscope made = make_up_gyroscope(2);
+  const SimulatedGyroscope made = simulate_gyroscope(2);
   std::string text = "timestamp,w[rad/s]\n0,7\n";
   for (std::int64_t i = 0; i < 1000; ++i)
     text += fmt::format("{},{}\n", 1403636579758555392 + i * 5000000, made.rate(i));
@@ -413,7 +414,7 @@ TEST(AllanVerb, RefusesGaps) {
 // A channel of a log that no text holds, with the times and gaps of the log itself.
 TEST(AllanVerb, ReadsOtherLogs) {
   const TemporaryDirectory folder;
-  const MadeUpGyroscope made = make_up_gyroscope(2);
+  const SimulatedGyroscope made = simulate_gyroscope(2);
   testing::UlogWriter log;
   log.flags().format("imu:uint64_t timestamp;double w;");
   log.subscribe(0, 0, "imu");
@@ -439,7 +440,7 @@ TEST(AllanVerb, ReadsOtherLogs) {
 TEST(AllanVerb, TakesTheRowsThatHoldAValue) {
   const TemporaryDirectory folder;
   std::string text = "Zeit[ms],w[rad/s]\n";
-  const MadeUpGyroscope made = make_up_gyroscope(2);
+  const SimulatedGyroscope made = simulate_gyroscope(2);
   for (int i = 0; i < 1000; ++i)
     text += fmt::format("{},{}\n{},\n", 20 * i, made.rate(i), 20 * i + 10);
   const SortedJson json = json_of(

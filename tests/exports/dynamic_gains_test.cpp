@@ -214,7 +214,7 @@ TEST(StoredEstimator, ReadsBackAsWritten) {
   // A missing sensor is not read; an infinite range stays infinite.
   GeneralFilterSettings& settings = *content.estimator->general;
   settings.vision.reset();
-  settings.range->greatest = std::numeric_limits<double>::infinity();
+  settings.range->max = std::numeric_limits<double>::infinity();
   content.estimator->name = "general";
   const std::filesystem::path again = directory.write("again.json", gains_json_text(content));
   EXPECT_EQ(*read_laws(again).estimator, *content.estimator);

@@ -117,9 +117,9 @@ TEST(Firmware, BetaflightUnitsArePerThousandAndPerDegree) {
   expect_share(quadratic.hover, 0.465805);
   expect_share(quadratic.thrust / 4, 7.918682);
   // Without D-min, the maximum D is used.
-  const auto greatest = firmware_loops(
-      betaflight, testing::racing_vehicle(CommandLaw::speed_squared), {{"d_min_roll", 0}});
-  expect_share(loop_of(greatest, CascadeAxis::roll).derivative(), 0.00412209);
+  const auto max = firmware_loops(betaflight, testing::racing_vehicle(CommandLaw::speed_squared),
+                                  {{"d_min_roll", 0}});
+  expect_share(loop_of(max, CascadeAxis::roll).derivative(), 0.00412209);
 }
 
 TEST(Firmware, CrazyflieScaleChangesWithVersionAndPropellers) {

@@ -68,11 +68,11 @@ TEST_P(Adapter, OfTheCrazyflieGivesTheForcesOfTheLawInTheFirmwaresAxes) {
 TEST_P(Adapter, OfPx4GivesTheThrustsOfTheLawByItsTopics) {
   const ExportContent content = adapted("crazyflie", "px4", 0.004, GetParam());
   const Rotor& rotor = content.vehicle.rotors[0];
-  const double greatest = rotor.thrust_a2 * content.vehicle.motor.max * content.vehicle.motor.max;
+  const double max = rotor.thrust_a2 * content.vehicle.motor.max * content.vehicle.motor.max;
   EXPECT_THAT(run(content, fmt::format("c++ -std=c++17 {} -Wno-double-promotion -c -I. -I$S/px4 "
                                        "$S/px4/fly.cpp && cc -std=c99 {} -c prog*.c && "
                                        "c++ -o fly *.o -lm && ./fly flight.txt {:.17g} {:.17g}",
-                                       kFlags, kFlags, rotor.thrust_a2, greatest)),
+                                       kFlags, kFlags, rotor.thrust_a2, max)),
               HasSubstr("periods as the law"));
 }
 

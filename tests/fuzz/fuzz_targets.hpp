@@ -30,10 +30,10 @@ inline void columns(std::string_view bytes) {
 
 /// At most 4 MiB.
 inline void mat(std::string_view bytes) {
-  constexpr std::size_t kMost = std::size_t{1} << 22U;
+  constexpr std::size_t kMax = std::size_t{1} << 22U;
   internal::ByteStream stream(bytes, "f");
   try {
-    const internal::MatContent content = internal::decode_mat(stream, kMost);
+    const internal::MatContent content = internal::decode_mat(stream, kMax);
     for (const internal::MatTable& table : content.tables) {
       for (const std::vector<double>& column : table.columns)
         require(column.size() == table.rows(), "columns have one length");

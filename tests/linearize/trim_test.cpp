@@ -36,9 +36,9 @@ FlightCondition circle(double radius, double speed, double climb = 0, double yaw
   return {.kind = FlightKind::circle, .yaw = yaw, .speed = speed, .climb = climb, .radius = radius};
 }
 
-Vehicle with_limits(Vehicle vehicle, double least, double greatest) {
-  vehicle.motor.min = least;
-  vehicle.motor.max = greatest;
+Vehicle with_limits(Vehicle vehicle, double min, double max) {
+  vehicle.motor.min = min;
+  vehicle.motor.max = max;
   return vehicle;
 }
 
@@ -90,8 +90,8 @@ TEST(Trim, HoverOfTheUquadIsThePublishedSpeedAtAnyYaw) {
     EXPECT_NEAR(result.tilt, 0, 1e-7);
     EXPECT_NEAR(result.thrust.sum(), 1.741 * 9.81, 1e-11);
   }
-  const double greatest = 4 * (4.60160135072435e-5 * 387 * 387 - 0.00103822726273726 * 387);
-  EXPECT_NEAR(trim(plus_quadrotor(), hover()).thrust_to_weight, greatest / (1.741 * 9.81), 1e-14);
+  const double max = 4 * (4.60160135072435e-5 * 387 * 387 - 0.00103822726273726 * 387);
+  EXPECT_NEAR(trim(plus_quadrotor(), hover()).thrust_to_weight, max / (1.741 * 9.81), 1e-14);
 }
 
 TEST(Trim, HoverOfTheMamboIsThePublishedCommand) {

@@ -38,10 +38,10 @@ std::string read_file(const fs::path& file) {
   return text.str();
 }
 
-std::string first_lines(const std::string& text, int most) {
+std::string first_lines(const std::string& text, int max) {
   std::istringstream lines(text);
   std::string result;
-  for (std::string line; most > 0 && std::getline(lines, line); --most) result += line + "\n";
+  for (std::string line; max > 0 && std::getline(lines, line); --max) result += line + "\n";
   return result;
 }
 
@@ -69,10 +69,10 @@ void set_alarm(double first_s, double again_s) {
   ::setitimer(ITIMER_PROF, &timer, nullptr);
 }
 
-void limit(__rlimit_resource_t what, rlim_t most) {
+void limit(__rlimit_resource_t what, rlim_t max) {
   rlimit now{};
   ::getrlimit(what, &now);
-  now.rlim_cur = std::min(now.rlim_max, most);
+  now.rlim_cur = std::min(now.rlim_max, max);
   now.rlim_max = now.rlim_cur;
   ::setrlimit(what, &now);
 }

@@ -258,7 +258,7 @@ TEST(Design, FliesNothingWhereNothingIsAsked) {
   const DesignOutcome outcome = design(load_vehicle("crazyflie"), requirements);
   EXPECT_THAT(outcome.flights, IsEmpty());
   EXPECT_TRUE(missions_passed(outcome));
-  EXPECT_THAT(doubtful_covariances(outcome.design), IsEmpty());
+  EXPECT_THAT(unconfirmed_covariances(outcome.design), IsEmpty());
 }
 
 TEST(Design, RefusesAMissionThatThereIsNot) {

@@ -110,8 +110,8 @@ TEST(Diagnosis, FindsLimitsThatAreTight) {
 }
 
 /// Limits that these sensors do not allow, without widening.
-PlannedFlight with_limit(PlannedFlight plan, Metric metric, double most) {
-  plan.setup.mission.limits = {{metric, most}};
+PlannedFlight with_limit(PlannedFlight plan, Metric metric, double max) {
+  plan.setup.mission.limits = {{metric, max}};
   plan.widened.clear();
   return plan;
 }

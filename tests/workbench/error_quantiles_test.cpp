@@ -92,14 +92,14 @@ TEST(ErrorSize, OfAnErrorThatForgets) {
   const double keep = std::exp(-T / kFine), add = std::sqrt(1 - keep * keep);
   int over_most = 0, over_rms = 0;
   for (int i = 0; i < kFlights; ++i) {
-    double x = normal(random), y = normal(random), most = 0, sum = 0;
+    double x = normal(random), y = normal(random), max = 0, sum = 0;
     for (int k = 0; k < kFine; ++k) {
       x = keep * x + add * normal(random);
       y = keep * y + add * normal(random);
-      most = std::max(most, x * x + y * y);
+      max = std::max(max, x * x + y * y);
       sum += (x * x + y * y) / kFine;
     }
-    over_most += std::sqrt(most) > size.most_rarely;
+    over_most += std::sqrt(max) > size.most_rarely;
     over_rms += std::sqrt(sum) > size.rms_rarely;
   }
   EXPECT_LT(over_most, 1.3 * share * kFlights);

@@ -86,9 +86,9 @@ bool dies_out(const Vehicle& vehicle, const StoredParameters& parameters, int ax
       angle += h * (rate + 0.5 * h * acceleration);
       rate += h * acceleration;
     }
-    double& greatest = t > 0.5 * kTime ? late : early;
+    double& max = t > 0.5 * kTime ? late : early;
     if (t > 0.9 * kTime || (t > 0.1 * kTime && t < 0.2 * kTime))
-      greatest = std::max(greatest, std::abs(rate));
+      max = std::max(max, std::abs(rate));
   }
   return late < 0.7 * early;  // a growing one ends at its limits
 }
@@ -115,8 +115,8 @@ TEST(FirmwareLaw, ShakesWhereTheGainMarginEnds) {
         };
         // The differencing of D and the sampling of the filters reduce it: by 4 % at 400 and 800
         // Hz, by 19 % for the Crazyflie, whose D has a period of 2 ms and no filter.
-        const double least = kind == FirmwareKind::crazyflie ? 0.78 : 0.93;
-        EXPECT_TRUE(holds(least * turn.whole.gain_margin))
+        const double min = kind == FirmwareKind::crazyflie ? 0.78 : 0.93;
+        EXPECT_TRUE(holds(min * turn.whole.gain_margin))
             << name << " " << to_string(kind) << " " << to_string(turn.gains.axis);
         EXPECT_FALSE(holds(1.05 * turn.whole.gain_margin))
             << name << " " << to_string(kind) << " " << to_string(turn.gains.axis);
@@ -213,7 +213,7 @@ TEST(FirmwareLaw, IntegralGrowsToItsLimit) {
       torque = asked(1);
       Eigen::VectorXd made = asked;
       made(1) -= excess;
-      law->carried_out(asked, made);
+      law->on_realized(asked, made);
     }
     return torque;
   };
@@ -334,12 +334,12 @@ TEST(FirmwareLaw, ThrustAtItsLimitFillsNoIntegral) {
       const StateVector<double> rest = StateVector<double>::Zero();
       for (double t = 0; t < seconds; t += controller.dt) {
         const Eigen::VectorXd asked = law->command(at(rest), high);
-        law->carried_out(asked, asked);
+        law->on_realized(asked, asked);
       }
       double thrust = 0;  // of a hover right after, its filters settled
       for (double t = 0; t < 0.3; t += controller.dt) {
         const Eigen::VectorXd asked = law->command(at(rest), Reference<double>());
-        law->carried_out(asked, asked);
+        law->on_realized(asked, asked);
         thrust = asked(0);
       }
       return thrust;

@@ -53,7 +53,7 @@ TEST_P(FlownDesign, CascadeKeepsItsBounds) {
     at.height = height;
     at.evidence = MarginsEvidence::none;
     const FlownLoop loop = flown_loop(plan, at);
-    EXPECT_TRUE(loop.stable()) << height << ": " << in_words(loop);
+    EXPECT_TRUE(loop.stable()) << height << ": " << describe(loop);
   }
 }
 
@@ -82,7 +82,7 @@ TEST_P(FlownDesign, RegulatorHasItsMargins) {
   FlownLoopOptions at;
   at.evidence = MarginsEvidence::none;
   const FlownLoop loop = flown_loop(plan, at);
-  EXPECT_TRUE(loop.stable()) << in_words(loop);
+  EXPECT_TRUE(loop.stable()) << describe(loop);
 }
 
 INSTANTIATE_TEST_SUITE_P(Vehicles, FlownDesign,

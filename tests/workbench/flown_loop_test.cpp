@@ -40,7 +40,7 @@ TEST(FlownLoop, OfADesignedCascadeHoldsAtEveryHeight) {
   const PlannedFlight plan = plan_of_vehicle("mambo");
   for (const double height : {0.5, 1.1, 2.0, 3.0, 4.0}) {
     const FlownLoop loop = flown_loop(plan, at_height(height));
-    EXPECT_TRUE(loop.stable()) << height << ": " << in_words(loop);
+    EXPECT_TRUE(loop.stable()) << height << ": " << describe(loop);
     EXPECT_GT(loop.decay(), 0);
     EXPECT_EQ(loop.period, 10U);
     ASSERT_EQ(loop.margins.loops.size(), 4U);
@@ -59,8 +59,8 @@ TEST(FlownLoop, KnowsWhyTheMamboFell) {
   before.setup.mambo_estimator.aligned_periods = 0;
   EXPECT_TRUE(flown_loop(before, at_height(2.0)).stable());
   const FlownLoop loop = flown_loop(before, at_height(4.0));
-  EXPECT_TRUE(loop.grows()) << in_words(loop);
-  EXPECT_THAT(in_words(loop), HasSubstr("doubles in"));
+  EXPECT_TRUE(loop.grows()) << describe(loop);
+  EXPECT_THAT(describe(loop), HasSubstr("doubles in"));
   const std::string why = what_helps(before, loop);
   EXPECT_THAT(why, HasSubstr("true states"));
   EXPECT_THAT(why, HasSubstr("sensors without delay"));

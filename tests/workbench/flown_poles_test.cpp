@@ -102,12 +102,12 @@ double unexplained(const VectorXd& signal, double step,
 /// The factor on all poles with which they fit a signal best.
 double best_factor(const VectorXd& signal, double step,
                    const std::vector<std::complex<double>>& poles) {
-  double best = 0, least = std::numeric_limits<double>::infinity();
+  double best = 0, min = std::numeric_limits<double>::infinity();
   for (int i = -300; i <= 300; ++i) {
     const double alpha = 1 + 0.0005 * i;
     const double rest = unexplained(signal, step, poles, alpha);
-    if (rest >= least) continue;
-    least = rest;
+    if (rest >= min) continue;
+    min = rest;
     best = alpha;
   }
   return best;

@@ -116,8 +116,8 @@ TEST_F(ScheduledFeedbackOfCrazyflie, HasTheDesignedGainAsItsDerivativeAtEveryTri
     Eigen::Matrix2d turn;
     turn << std::cos(kHeading), std::sin(kHeading), -std::sin(kHeading), std::cos(kHeading);
     K.leftCols(2) = position * turn;
-    const double greatest = K.cwiseAbs().maxCoeff();
-    EXPECT_THAT(derivative, MatrixNear(-K, 1e-4 * greatest)) << at.transpose();
+    const double max = K.cwiseAbs().maxCoeff();
+    EXPECT_THAT(derivative, MatrixNear(-K, 1e-4 * max)) << at.transpose();
     turning += at(0) > 0 && at(1) != 0 ? 1 : 0;
   }
   EXPECT_EQ(turning, 6);

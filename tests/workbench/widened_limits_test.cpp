@@ -29,7 +29,7 @@ MissionBound bound_of(double rms) {
 
 double limit_of(const Mission& mission, Metric metric) {
   for (const Limit& limit : mission.limits)
-    if (limit.metric == metric) return limit.most;
+    if (limit.metric == metric) return limit.max;
   return -1;
 }
 
@@ -59,15 +59,15 @@ TEST(WidenedLimits, FollowTheBound) {
   EXPECT_EQ(mission.settling.band, 0.1);  // steps are detected with it
   EXPECT_EQ(mission.settling.settled_band, 1.5 * (3.5 * 0.32));
   EXPECT_EQ(mission.settling.settled_yaw_band, 0);
-  for (const auto& [metric, most] :
+  for (const auto& [metric, max] :
        {std::pair(Metric::tilt_max, 0.01), std::pair(Metric::speed_max, 0.1),
         std::pair(Metric::saturation_time, 0.0), std::pair(Metric::energy, 1.0),
         std::pair(Metric::touchdown_speed, 0.0), std::pair(Metric::settling_time, 10.0)})
-    EXPECT_EQ(limit_of(mission, metric), most) << name_of(metric);
+    EXPECT_EQ(limit_of(mission, metric), max) << name_of(metric);
   ASSERT_EQ(widened.size(), 10U);
-  EXPECT_EQ(in_words(widened[0]), "bound of the sensors 0.16 rms; judged by 0.84 instead of 0.1");
+  EXPECT_EQ(describe(widened[0]), "bound of the sensors 0.16 rms; judged by 0.84 instead of 0.1");
   EXPECT_EQ(widened[1].what, "tracking_rms");
-  EXPECT_EQ(in_words(widened[1]),
+  EXPECT_EQ(describe(widened[1]),
             "bound of the sensors 0.32 m rms; judged by 0.48 m instead of 0.05 m");
   EXPECT_EQ(widened.back().what, "settling_band");
 }

@@ -168,10 +168,10 @@ VectorXd stationary_round(const GainTarget& target, const Stationarity& of, cons
   if (!M.allFinite() || !(size.minCoeff() > 0)) return w;
   const Eigen::JacobiSVD<MatrixXd> svd(M * size.cwiseInverse().asDiagonal(), Eigen::ComputeFullV);
   const VectorXd& sigma = svd.singularValues();
-  const double least = std::max(2 * sigma.minCoeff(), 1e-9 * sigma(0));
+  const double min = std::max(2 * sigma.minCoeff(), 1e-9 * sigma(0));
   VectorXd v = VectorXd::Zero(size.size());
   for (Index k = 0; k < svd.matrixV().cols(); ++k)
-    if (k >= sigma.size() || sigma(k) <= least)
+    if (k >= sigma.size() || sigma(k) <= min)
       v += svd.matrixV().col(k) * svd.matrixV().col(k).dot(size);
   v = v.cwiseQuotient(size).eval();
   if (!v.allFinite() || !(v.maxCoeff() > 0)) return w;
@@ -238,14 +238,14 @@ VectorXd stationary_weights(const GainTarget& target, const VectorXd& w0) {
   return w;
 }
 
-GainSearch search_weights(const GainTarget& target, const VectorXd& w0, int most,
+GainSearch search_weights(const GainTarget& target, const VectorXd& w0, int max,
                           std::uint64_t seed) {
   GainSearch search;
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal(0, kSpread);
   const std::vector<int> free = moving(target, w0);
   std::vector<double> costs;
-  for (int k = 0; k < most && !search.stopped; ++k) {
+  for (int k = 0; k < max && !search.stopped; ++k) {
     VectorXd from = w0;
     if (k == 1) {
       from = stationary_weights(target, w0);

@@ -59,6 +59,6 @@ struct GainSearch {
 /// @param w0    (p) equal within each group
 /// @param most  maximum number of searches, ≥ 1
 [[nodiscard]] GainSearch search_weights(const GainTarget& target, const Eigen::VectorXd& w0,
-                                        int most, std::uint64_t seed);
+                                        int max, std::uint64_t seed);
 
 }  // namespace quadtune::internal

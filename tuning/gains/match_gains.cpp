@@ -29,8 +29,8 @@ using internal::GainTarget;
 
 constexpr char kMatchWhere[] = "match_gains";
 /// Minimum scale of a difference, relative to the largest entry of its row and of the matrix.
-constexpr double kLeastInRow = 1e-6;
-constexpr double kLeast = 1e-9;
+constexpr double kMinInRow = 1e-6;
+constexpr double kMin = 1e-9;
 
 void check(const MatrixXd& K, const DiagonalLqr& problem, const VectorXd& w0,
            const GainMatchOptions& options) {
@@ -64,7 +64,7 @@ MatrixXd scale_of(const MatrixXd& K) {
   for (Index i = 0; i < K.rows(); ++i)
     for (Index j = 0; j < K.cols(); ++j)
       scale(i, j) =
-          std::max({std::min(row(i), column(j)), kLeastInRow * row(i), kLeast * size.maxCoeff()});
+          std::max({std::min(row(i), column(j)), kMinInRow * row(i), kMin * size.maxCoeff()});
   return scale;
 }
 

@@ -31,9 +31,9 @@ constexpr double kNoDesign = 2 * MissionTrial::kFailure;
 /// of the search.
 constexpr double kDistance = 0.01;
 /// Minimum distance between a bound and the smallest possible value.
-constexpr double kLeastRoom = 0.01;
+constexpr double kMinRoom = 0.01;
 /// Smallest cost reduction that justifies a change of gains [%].
-constexpr double kLeastGain = 0.1;
+constexpr double kMinGain = 0.1;
 /// A limit is active if the point is closer than this to the largest allowed excess, as a share.
 constexpr double kEdge = 0.005;
 /// Draws of the proof after an interrupt, few so that it ends soon.
@@ -330,10 +330,10 @@ class Search {
     constexpr double kStep = 0.02, kReach = 0.1;
     const Eigen::Index n = best_.x.size(), m = best_.excess.size();
     // As in the search: a limit that the start exceeds is penalized from its target on.
-    const Eigen::VectorXd most =
+    const Eigen::VectorXd max =
         (slack_.array() > kLimitTolerance).select(target_, slack_).cwiseMax(best_.excess);
-    LinearProgram program{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(m, n),
-                          most - best_.excess, kReach};
+    LinearProgram program{Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(m, n), max - best_.excess,
+                          kReach};
     for (Eigen::Index j = 0; j < n; ++j)
       for (const double step : {kStep, -kStep}) {
         Eigen::VectorXd x = best_.x;
@@ -344,11 +344,11 @@ class Search {
         program.slopes.col(j) = (beside.excess - best_.excess) / step;
         break;
       }
-    const double kept = flown_cost(program, most, best_.cost);
+    const double kept = flown_cost(program, max, best_.cost);
     std::vector<double> buys;
     for (const std::string& binding : result.binding) {
       LinearProgram loosened = program;
-      Eigen::VectorXd looser = most;
+      Eigen::VectorXd looser = max;
       for (const auto& [name, i] : names(best_))
         if (name == binding) {
           loosened.room(i) += kLoosened;
@@ -361,12 +361,12 @@ class Search {
 
   /// The cost at the solution of a program, or at half or a quarter of the step to it: the first of
   /// these that satisfies the limits. At most `usual`.
-  double flown_cost(const LinearProgram& program, const Eigen::VectorXd& most, double usual) {
+  double flown_cost(const LinearProgram& program, const Eigen::VectorXd& max, double usual) {
     const Eigen::VectorXd change = solution(program);
     for (const double share : {1.0, 0.5, 0.25}) {
       const Tried point = tried(best_.x + share * change);
       if (!point.design.controller) continue;
-      if (most.size() == 0 || (point.excess - most).maxCoeff() <= kEdge)
+      if (max.size() == 0 || (point.excess - max).maxCoeff() <= kEdge)
         return std::min(point.cost, usual);
     }
     return usual;
@@ -377,9 +377,9 @@ class Search {
   void prove(MissionSearchResult& result) {
     const bool hurried = end_ == SearchEnd::interrupted;
     const std::uint32_t first = trial_.request().draws;
-    const std::uint32_t most = std::max(kHurriedProof, least_draws(trial_.request()));
+    const std::uint32_t max = std::max(kHurriedProof, min_draws(trial_.request()));
     const std::uint32_t count =
-        hurried ? std::min(options_.proof_draws, most) : options_.proof_draws;
+        hurried ? std::min(options_.proof_draws, max) : options_.proof_draws;
     const auto fresh = [&](const Tried& point) {
       return trial_.fly(*point.design.controller, first, count,
                         hurried ? MissionTrial::Stop{} : options_.stop);
@@ -415,7 +415,7 @@ class Search {
   /// Whether the best point satisfies all limits on fresh draws and the start does not.
   [[nodiscard]] bool repaired(const MissionSearchResult& result) const {
     const auto keeps = [](const Tried& point, const TrialOutcome& proof) {
-      return proof.keeps_limits() &&
+      return proof.satisfies_limits() &&
              std::all_of(
                  point.design.limits.begin(), point.design.limits.end(),
                  [](const DesignLimit& limit) { return limit.excess() <= kLimitTolerance; });
@@ -430,17 +430,17 @@ class Search {
       if (now.limits[i].excess() > std::max(then.limits[i].excess(), 0.0) + kLimitTolerance)
         return fmt::format("on {} fresh draws it exceeds {} of {}: {:.4g}, expected at most {:.4g}",
                            count, name_of(now.limits[i].metric), now.limits[i].mission,
-                           now.limits[i].value, std::max(now.limits[i].most, then.limits[i].value));
+                           now.limits[i].value, std::max(now.limits[i].max, then.limits[i].value));
     if (now.failed > then.failed)
       return fmt::format("{} of {} fresh flights end early, compared with {} for the start",
                          now.failed, now.flights, then.failed);
     if (repaired(result)) return {};
-    if (!(result.less_low > kLeastGain))
+    if (!(result.less_low > kMinGain))
       return fmt::format(
           "on {} fresh draws {} {:.3g} % less than {} ({:.3g} to {:.3g} %): not significantly {} % "
           "less",
           count, compared(), result.less, of_quantile() ? "the start's" : "the start",
-          result.less_low, result.less_high, kLeastGain);
+          result.less_low, result.less_high, kMinGain);
     // The mean is significantly lower, but the worst case, if that is the measure, may not be.
     if (now.cost > then.cost)
       return fmt::format("on {} fresh draws the {} of its cost is {:.4g}, that of the start {:.4g}",
@@ -466,7 +466,7 @@ class Search {
 
 double DesignLimit::excess() const {
   if (at_least && value == std::numeric_limits<double>::infinity()) return -1;
-  const double size = std::max(std::abs(bound - least), kLeastRoom);
+  const double size = std::max(std::abs(bound - min), kMinRoom);
   return excess_of((at_least ? bound - value : value - bound) / size);
 }
 
@@ -482,10 +482,10 @@ MissionSearchResult search_missions(const DesignSpace& space, const MissionTrial
       !(space.reach > 0) || space.start.size() == 0 ||
       space.start.size() != std::ssize(space.names))
     throw InvalidInput("search", "seconds, evaluations, proof draws or the space are out of range");
-  if (const std::uint32_t least = least_draws(trial.request()); options.proof_draws < least)
+  if (const std::uint32_t min = min_draws(trial.request()); options.proof_draws < min)
     throw InvalidInput("search", fmt::format("{} fresh draws are too few for the {:g} quantile, "
                                              "expected at least {}",
-                                             options.proof_draws, trial.request().share, least));
+                                             options.proof_draws, trial.request().share, min));
   return Search(space, trial, options).run();
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A metric this small relative to its unit counts as zero.
-constexpr double kLeastScale = 1e-9;
+constexpr double kMinScale = 1e-9;
 
 /// Combines values, which may be infinite, by the measure.
 double robust(const TrialRequest& request, std::vector<double> values) {
@@ -36,11 +36,11 @@ double robust(const TrialRequest& request, std::vector<double> values) {
 }
 
 void require_pairs(const char* where, const std::vector<double>& first,
-                   const std::vector<double>& second, std::size_t least) {
-  if (first.size() != second.size() || first.size() < least)
+                   const std::vector<double>& second, std::size_t min) {
+  if (first.size() != second.size() || first.size() < min)
     throw InvalidInput(where,
                        fmt::format("there are {} and {} values; expected equal numbers, {} or more",
-                                   first.size(), second.size(), least));
+                                   first.size(), second.size(), min));
 }
 
 bool ended_early(const FlightResult& result) { return result.end != FlightEnd::completed; }
@@ -75,9 +75,9 @@ void validate(const TrialRequest& request, const std::string& where) {
   if (!(sum > 0))
     throw InvalidInput(where, "the cost has no weight; expected at least one greater than 0");
   if (request.draws == 0) throw InvalidInput(where, "there are 0 draws, expected 1 or more");
-  if (!(request.share >= kLeastTail && request.share <= 1 - kLeastTail))
+  if (!(request.share >= kMinTail && request.share <= 1 - kMinTail))
     throw InvalidInput(where, fmt::format("the quantile is {}, expected from {} to {}",
-                                          request.share, kLeastTail, 1 - kLeastTail));
+                                          request.share, kMinTail, 1 - kMinTail));
   validate(request.uncertainty, where);
   for (const TrialMission& mission : request.missions) {
     FlightSetup setup = mission.setup;
@@ -90,9 +90,9 @@ double excess_of(double share) {
   return share > 1 ? 2 - 1 / share : std::max(share, -1.0);
 }
 
-double TrialLimit::excess() const { return excess_of(most > 0 ? value / most - 1 : value); }
+double TrialLimit::excess() const { return excess_of(max > 0 ? value / max - 1 : value); }
 
-bool TrialOutcome::keeps_limits() const {
+bool TrialOutcome::satisfies_limits() const {
   return std::all_of(limits.begin(), limits.end(),
                      [](const TrialLimit& limit) { return limit.excess() <= kLimitTolerance; });
 }
@@ -118,7 +118,7 @@ MissionTrial::MissionTrial(TrialRequest request, const Controller& reference, st
         sum += value;
         ++count;
       }
-      scales.push_back({count > 0 && sum / count > kLeastScale ? sum / count : 1,
+      scales.push_back({count > 0 && sum / count > kMinScale ? sum / count : 1,
                         completed == 0 || lacking<completed, completed> 0});
     }
   }
@@ -205,7 +205,7 @@ TrialOutcome MissionTrial::fly(const Controller& controller, std::uint32_t first
         values.push_back(ended_early(of_mission[d]) || std::isnan(value) ? kInfinity : value);
       }
       outcome.limits.push_back(
-          {mission.name, limit.metric, robust(request_, std::move(values)), limit.most});
+          {mission.name, limit.metric, robust(request_, std::move(values)), limit.max});
     }
     MetricValues& means = outcome.means.emplace_back();
     for (std::size_t i = 0; i < kMetrics; ++i) {
@@ -230,18 +230,18 @@ Estimated paired_difference(const std::vector<double>& first, const std::vector<
   return {mean, mean - width, mean + width};
 }
 
-std::uint32_t least_draws(double share) {
+std::uint32_t min_draws(double share) {
   // Rounding of 1 - share must not add a draw.
   return static_cast<std::uint32_t>(std::ceil(2 / std::min(share, 1 - share) * (1 - 1e-12)));
 }
 
-std::uint32_t least_draws(const TrialRequest& request) {
-  return request.measure == RobustMeasure::quantile ? least_draws(request.share) : 2;
+std::uint32_t min_draws(const TrialRequest& request) {
+  return request.measure == RobustMeasure::quantile ? min_draws(request.share) : 2;
 }
 
 Estimated paired_quantile_difference(const std::vector<double>& first,
                                      const std::vector<double>& second, double share) {
-  require_pairs("paired_quantile_difference", first, second, least_draws(share));
+  require_pairs("paired_quantile_difference", first, second, min_draws(share));
   constexpr std::size_t kResamples = 4000;
   std::vector<double> a = first, b = second, differences;
   const double value = sample_quantile(b, share) - sample_quantile(a, share);

@@ -28,8 +28,8 @@ using internal::SlopeBounds;
 constexpr const char* kHoverWhere = "uncertain hover";
 
 // A ratio below this share of its nominal value is not realistic.
-constexpr double kLeastRatio = 0.05;
-constexpr double kMostScale = 100;
+constexpr double kMinRatio = 0.05;
+constexpr double kMaxScale = 100;
 
 // Indices of the parameters.
 enum Place : Index { kMass, kInertiaX, kInertiaY, kInertiaZ, kThrust };
@@ -333,21 +333,21 @@ class HoverFamily {
   }
 
   void limit_scale(LoopFamily& family) const {
-    family.greatest_scale = kMostScale;
-    family.greatest_scale_reason = "the search is limited to this";
+    family.max_scale = kMaxScale;
+    family.max_scale_reason = "the search is limited to this";
     const auto limit = [&](double scale, const std::string& why) {
-      if (!(scale < family.greatest_scale)) return;
-      family.greatest_scale = scale;
-      family.greatest_scale_reason = why;
+      if (!(scale < family.max_scale)) return;
+      family.max_scale = scale;
+      family.max_scale_reason = why;
     };
     for (const UncertainParameter& p : family.parameters)
       if (p.name != "delay" && p.low < p.nominal)
-        limit((1 - kLeastRatio) * p.nominal / (p.nominal - p.low),
-              fmt::format("{} is then {:g} of nominal", p.name, kLeastRatio));
+        limit((1 - kMinRatio) * p.nominal / (p.nominal - p.low),
+              fmt::format("{} is then {:g} of nominal", p.name, kMinRatio));
     const UncertainParameter& delay = family.parameters.back();
     if (delay.high > delay.low)
-      limit((0.999 * kMostDelayPeriods * law_.law.dt - delay.low) / (delay.high - delay.low),
-            fmt::format("the delay is then {} periods", kMostDelayPeriods));
+      limit((0.999 * kMaxDelayPeriods * law_.law.dt - delay.low) / (delay.high - delay.low),
+            fmt::format("the delay is then {} periods", kMaxDelayPeriods));
     limit_by_hover(family);
   }
 
@@ -358,11 +358,11 @@ class HoverFamily {
       const std::string heavy = cannot_hover(vehicle_, box.high(kMass), box.low(kThrust));
       return heavy.empty() ? cannot_hover(vehicle_, box.low(kMass), box.high(kThrust)) : heavy;
     };
-    if (why_not(family.greatest_scale).empty()) return;
+    if (why_not(family.max_scale).empty()) return;
     const auto [low, high] = internal::border([&](double scale) { return why_not(scale).empty(); },
-                                              0.0, family.greatest_scale, 1e-12);
-    family.greatest_scale = std::max(low, 1e-9);
-    family.greatest_scale_reason = why_not(high);
+                                              0.0, family.max_scale, 1e-12);
+    family.max_scale = std::max(low, 1e-9);
+    family.max_scale_reason = why_not(high);
   }
 
   const Vehicle& vehicle_;

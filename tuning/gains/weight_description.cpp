@@ -38,7 +38,7 @@ MatrixXd eliminated(MatrixXd rows) {
 }
 
 /// Describes a direction of the logarithms of the weights along which the gain is constant.
-std::string in_words(const VectorXd& direction, const std::vector<Index>& main,
+std::string describe(const VectorXd& direction, const std::vector<Index>& main,
                      const std::vector<std::string>& names) {
   const auto name = [&](Index g) { return names[static_cast<std::size_t>(g)]; };
   if (main.size() == 1) return fmt::format("{}: the gain does not determine it", name(main[0]));
@@ -47,7 +47,7 @@ std::string in_words(const VectorXd& direction, const std::vector<Index>& main,
     return fmt::format("only the {} of {} {} {} is determined", a * b > 0 ? "ratio" : "product",
                        name(main[0]), a * b > 0 ? "to" : "and", name(main[1]));
   // Both signs are the same direction; rounding must not determine the text.
-  if (a < 0) return in_words(-direction, main, names);
+  if (a < 0) return describe(-direction, main, names);
   std::vector<std::string> up, down;
   for (const Index g : main) {
     if (std::abs(direction(g) - 1) < 1e-3) up.push_back(name(g));
@@ -78,7 +78,7 @@ void name_unseen(const MatrixXd& directions, const std::vector<std::string>& nam
       group.low = 0;
       group.high = std::numeric_limits<double>::infinity();
     }
-    unseen.push_back(in_words(row.transpose(), main, names));
+    unseen.push_back(describe(row.transpose(), main, names));
   }
 }
 

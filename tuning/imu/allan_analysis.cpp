@@ -22,7 +22,7 @@ using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
 constexpr double kFloorOfBias = 0.664;  // √(2 ln 2/π), IEEE 952, C.1.3
-constexpr std::size_t kLeastMeans = 5;  // minimum number of independent means of a point of the fit
+constexpr std::size_t kMinMeans = 5;    // minimum number of independent means of a point of the fit
 // Allowed relative errors of a variance, because real noises deviate from power laws. The smallest
 // sufficient one is used.
 constexpr std::array<double, 3> kModelErrors = {0.01, 0.03, 0.1};
@@ -62,7 +62,7 @@ struct Octaves {
 Octaves octaves_of(const Eigen::Ref<const Vector>& rate, double dt) {
   const auto samples = static_cast<std::size_t>(rate.size());
   std::vector<std::size_t> factors = allan_factors(samples, AllanTaus::octaves);
-  std::erase_if(factors, [&](std::size_t m) { return m * kLeastMeans > samples; });
+  std::erase_if(factors, [&](std::size_t m) { return m * kMinMeans > samples; });
   Octaves octaves{allan_deviation(rate, dt, factors), {}};
   octaves.covariances.reserve(factors.size() * factors.size());
   for (const std::size_t m1 : factors)
@@ -120,7 +120,7 @@ Fit least_squares(const Octaves& octaves, Index from, const Eigen::LLT<Matrix>& 
 Fit best_choice(const Octaves& octaves, Index from, const Matrix& covariance) {
   const Eigen::LLT<Matrix> C(covariance);
   Fit best;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (unsigned choice = 1; choice < (1U << kAllanNoises); ++choice) {
     std::array<bool, kAllanNoises> in{};
     int count = 0;
@@ -130,8 +130,8 @@ Fit best_choice(const Octaves& octaves, Index from, const Matrix& covariance) {
     bool allowed = std::isfinite(fit.chi_squared);
     for (std::size_t k = 0; k < kAllanNoises; ++k)
       allowed = allowed && (!in[k] || fit.noises[k] > 0);
-    if (allowed && fit.chi_squared + kWorthATerm * count < least) {
-      least = fit.chi_squared + kWorthATerm * count;
+    if (allowed && fit.chi_squared + kWorthATerm * count < min) {
+      min = fit.chi_squared + kWorthATerm * count;
       best = fit;
     }
   }
@@ -167,8 +167,8 @@ Matrix covariance_from(const Octaves& octaves, Index from, const NoiseVariances&
 /// changes.
 Fit choose_noises(const Octaves& octaves, Index from, std::size_t samples, double error) {
   Fit fit = best_choice(octaves, from, first_covariance(octaves, from, samples, error));
-  constexpr int kMostRounds = 8;
-  for (int round = 0; round < kMostRounds && std::isfinite(fit.chi_squared); ++round) {
+  constexpr int kMaxRounds = 8;
+  for (int round = 0; round < kMaxRounds && std::isfinite(fit.chi_squared); ++round) {
     const Fit next = best_choice(
         octaves, from,
         with_model_error(covariance_from(octaves, from, fit.noises), octaves, from, error));
@@ -195,9 +195,9 @@ double model_variance(const NoiseVariances& noises, double tau) {
 /// Whether white noise dominates the first octaves of a fit. Only then may the fit omit earlier
 /// octaves, which a low-pass filter shaped.
 bool begins_white(const Octaves& octaves, Index from, const Fit& fit) {
-  constexpr Index kLeast = 3;
+  constexpr Index kMin = 3;
   const auto white = static_cast<std::size_t>(AllanNoise::white);
-  for (Index i = from; i < from + kLeast; ++i) {
+  for (Index i = from; i < from + kMin; ++i) {
     const double tau = octaves.points[static_cast<std::size_t>(i)].tau;
     if (fit.noises[white] / tau < 0.5 * model_variance(fit.noises, tau)) return false;
   }
@@ -214,13 +214,13 @@ struct Described {
 };
 
 Described describe(const Octaves& octaves, std::size_t samples) {
-  constexpr Index kLeastPoints = 4;
+  constexpr Index kMinPoints = 4;
   Fit all;
   for (const double error : kModelErrors) {
     all = choose_noises(octaves, 0, samples, error);
     if (acceptable(all, error == kModelErrors.front() ? kMisfit : kMisfitOfSome))
       return {all, 0, true, error};
-    const Index last = std::min(octaves.size() - kLeastPoints, octaves.size() / 2);
+    const Index last = std::min(octaves.size() - kMinPoints, octaves.size() / 2);
     for (Index from = 1; from <= last; ++from) {
       const Fit fit = choose_noises(octaves, from, samples, error);
       if (acceptable(fit, kMisfitOfSome) && begins_white(octaves, from, fit))
@@ -255,8 +255,8 @@ double bound(const Octaves& octaves, const Described& described, std::size_t ter
   const Eigen::LLT<Matrix> C(covariance_from(octaves, described.from, described.fit.noises));
   if (C.info() != Eigen::Success) return 0;
   const Fit fit = least_squares(octaves, described.from, C, in);
-  const double most = std::max(fit.noises[term], 0.0) + kOneSided * fit.errors[term];
-  return std::isfinite(most) ? std::sqrt(most) : 0;
+  const double max = std::max(fit.noises[term], 0.0) + kOneSided * fit.errors[term];
+  return std::isfinite(max) ? std::sqrt(max) : 0;
 }
 
 /// @param absence  why the curve does not show this noise, with the ends of tau in braces
@@ -314,22 +314,22 @@ AllanReading read_floor(const Octaves& octaves, const Described& described, std:
   const auto end =
       std::find_if(octaves.points.begin() + 1, octaves.points.end(),
                    [&](const AllanPoint& point) { return point.m * kMeansOfAFloor > samples; });
-  const auto least = std::min_element(
+  const auto min = std::min_element(
       octaves.points.begin(), end,
       [](const AllanPoint& a, const AllanPoint& b) { return a.deviation < b.deviation; });
-  const AllanCurvePoint at = with_interval(*least, described.fit, samples, dt);
-  const NoiseVariances unit = allan_variance_of_noises(least->tau);
+  const AllanCurvePoint at = with_interval(*min, described.fit, samples, dt);
+  const NoiseVariances unit = allan_variance_of_noises(min->tau);
   const NoiseVariances& noises = described.fit.noises;
   const auto flicker = static_cast<std::size_t>(AllanNoise::flicker);
   const auto walk = static_cast<std::size_t>(AllanNoise::rate_random_walk);
   const double falling = noises[0] * unit[0] + noises[1] * unit[1];
   AllanReading reading;
-  if (least == octaves.points.begin()) {
+  if (min == octaves.points.begin()) {
     reading.reason = "the curve rises from the first tau on, so it has no floor";
     return reading;
   }
-  reading.tau_from = reading.tau_to = least->tau;
-  if (falling > 0.8 * model_variance(noises, least->tau)) {
+  reading.tau_from = reading.tau_to = min->tau;
+  if (falling > 0.8 * model_variance(noises, min->tau)) {
     reading.tau_from = reading.tau_to = 0;
     reading.reason =
         fmt::format("too short: the curve still falls at {:.4g} s, the longest usable tau",
@@ -338,10 +338,10 @@ AllanReading read_floor(const Octaves& octaves, const Described& described, std:
     return reading;
   }
   reading.seen = true;
-  reading.value = least->deviation / kFloorOfBias;
+  reading.value = min->deviation / kFloorOfBias;
   reading.low = at.low / kFloorOfBias;
   reading.high = at.high / kFloorOfBias;
-  if (noises[flicker] * unit[flicker] < 0.5 * model_variance(noises, least->tau))
+  if (noises[flicker] * unit[flicker] < 0.5 * model_variance(noises, min->tau))
     reading.reason = noises[walk] > 0
                          ? "the intersection of noise density and random walk, not flicker"
                          : "an upper bound: the curve is not flat there";
@@ -353,11 +353,11 @@ AllanReading read_floor(const Octaves& octaves, const Described& described, std:
 AllanAnalysis analyse_allan(const Eigen::Ref<const Vector>& rate, double dt,
                             std::vector<std::size_t> factors) {
   const auto samples = static_cast<std::size_t>(rate.size());
-  if (samples < kLeastAllanSamples)
+  if (samples < kMinAllanSamples)
     throw InvalidInput("allan",
                        fmt::format("there are {} samples; expected at least {}, because fewer "
                                    "do not determine a slope",
-                                   samples, kLeastAllanSamples));
+                                   samples, kMinAllanSamples));
   if (factors.empty()) factors = allan_factors(samples, AllanTaus::octaves);
   const std::vector<AllanPoint> points = allan_deviation(rate, dt, factors);
   const Octaves octaves = octaves_of(rate, dt);

@@ -23,8 +23,8 @@ using Index = Eigen::Index;
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-constexpr double kOutlier = 5;        // robust standard deviations
-constexpr double kMostScatter = 0.2;  // maximum, of the radii before calibration, relative
+constexpr double kOutlier = 5;       // robust standard deviations
+constexpr double kMaxScatter = 0.2;  // maximum, of the radii before calibration, relative
 constexpr double kNormalByMad = 1.4826;
 // number of poses in excess of the parameters before any is rejected
 constexpr Index kSpareForOutliers = 5;
@@ -62,7 +62,7 @@ NormScaling sphere(const NormProblem& problem) {
     const Eigen::RowVectorXd radii = (a.colwise() - centre).colwise().norm();
     const double scatter = std::sqrt((radii.array() - radii.mean()).square().mean());
     // If all poses are equal, their noise does not determine a sphere.
-    if (decomposition.rank() == 4 && scatter < kMostScatter * radii.mean())
+    if (decomposition.rank() == 4 && scatter < kMaxScatter * radii.mean())
       scaling.centre = mean + centre;
   }
   const double size = (problem.raw.colwise() - scaling.centre).colwise().norm().mean();
@@ -186,7 +186,7 @@ std::vector<Pose> poses_to_hold() {
 /// Poses to add. Each is the one that maximizes the determinant of the information. A simple pose
 /// is preferred to one that is only slightly better.
 std::vector<std::string> missing_poses(const Matrix& J, int parameters) {
-  constexpr int kMost = 9;
+  constexpr int kMax = 9;
   constexpr double kEnough = 0.15;   // smallest singular value of 9 well-chosen poses
   constexpr double kNothing = 1e-3;  // singular value of an undetermined direction
   constexpr double kSimple = 2;      // factor by which a pose that is harder to hold must be better
@@ -195,20 +195,20 @@ std::vector<std::string> missing_poses(const Matrix& J, int parameters) {
   std::vector<std::string> names;
   Matrix information = J.transpose() * J;
   information.diagonal().array() += kNothing * kNothing;
-  for (int i = 0; i < kMost; ++i) {
+  for (int i = 0; i < kMax; ++i) {
     const Eigen::SelfAdjointEigenSolver<Matrix> eigen(information);
     if (eigen.eigenvalues()(0) > kEnough * kEnough) break;
     const Matrix inverse = eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() *
                            eigen.eigenvectors().transpose();
     auto best = all.end();
-    double most = 0;
+    double max = 0;
     Eigen::RowVectorXd row;
     for (auto pose = all.begin(); pose != all.end(); ++pose) {
       const Eigen::RowVectorXd candidate =
           sensitivity({pose->direction, 0}, ideal).head(parameters);
       const double told = candidate * inverse * candidate.transpose();
-      if (told > most * (best == all.end() || best->faces == pose->faces ? 1.001 : kSimple)) {
-        most = told;
+      if (told > max * (best == all.end() || best->faces == pose->faces ? 1.001 : kSimple)) {
+        max = told;
         best = pose;
         row = candidate;
       }
@@ -223,10 +223,10 @@ std::vector<std::string> missing_poses(const Matrix& J, int parameters) {
 
 /// Names of the parameters that change along a direction.
 void name_unseen(const Vector& direction, std::vector<std::string>& names) {
-  const double most = direction.cwiseAbs().maxCoeff();
+  const double max = direction.cwiseAbs().maxCoeff();
   for (Index k = 0; k < direction.size(); ++k) {
     const std::string name = kNames[static_cast<std::size_t>(k)];
-    if (std::abs(direction(k)) >= 0.4 * most &&
+    if (std::abs(direction(k)) >= 0.4 * max &&
         std::find(names.begin(), names.end(), name) == names.end())
       names.push_back(name);
   }
@@ -329,7 +329,7 @@ NormSolution norm_calibration(const NormProblem& problem) {
     const Vector& singular = svd.singularValues();
     for (Index k = 0; k < numbers; ++k)
       if (!(singular(k) > 1e-6 * singular(0)) ||
-          calibration.quantile * result.noise / singular(k) > problem.greatest_error)
+          calibration.quantile * result.noise / singular(k) > problem.max_error)
         name_unseen(svd.matrixV().col(k), calibration.unseen);
     if (calibration.unseen.empty()) continue;
     refuse(calibration, J_start, numbers);

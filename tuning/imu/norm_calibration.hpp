@@ -15,7 +15,7 @@ struct NormProblem {
   Eigen::VectorXd temperature;    ///< (poses) [°C]; used where with_temperature
   double norm = 1;                ///< [unit]
   bool with_temperature = false;  ///< for z only, as in the flight program
-  double greatest_error = 0.05;
+  double max_error = 0.05;
 };
 
 /// The same with parameters of order 1: U = [θ0 θ1 θ2; 0 θ3 θ4; 0 0 θ5], β = θ6..8, κ = θ9; the

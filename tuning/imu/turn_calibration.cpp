@@ -24,10 +24,10 @@ using Index = Eigen::Index;
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-constexpr std::size_t kLeastTurns = 6;
+constexpr std::size_t kMinTurns = 6;
 constexpr double kTurnOutlier = 5;  // robust standard deviations
 constexpr double kMedianOfRayleigh = 1.17741;
-constexpr double kMostMismatch = 0.3;  // [rad] rms, above which the turns do not match
+constexpr double kMaxMismatch = 0.3;  // [rad] rms, above which the turns do not match
 
 /// All fitted parameters, scaled to order 1.
 struct Unknowns {
@@ -76,7 +76,7 @@ class Fitter {
 Fitter::Fitter(const TurnProblem& problem) : problem_(problem) {
   sigma_up_ = std::max(problem.accelerometer.noise, 1e-9);
   x_.acc = problem.accelerometer.parameters;
-  for (const StillPose& pose : problem.poses) {
+  for (const StationaryPose& pose : problem.poses) {
     const Vector3d direction =
         norm_direction(x_.acc.data(), problem.accelerometer.scaling.scaled(pose.accelerometer),
                        (pose.temperature - problem.accelerometer.scaling.t0) /
@@ -117,7 +117,7 @@ void Fitter::scale_rest() {
   Matrix A = Matrix::Ones(n, problem_.with_temperature ? 2 : 1);
   Matrix y(n, 3);
   for (Index i = 0; i < n; ++i) {
-    const StillPose& pose = problem_.poses[static_cast<std::size_t>(i)];
+    const StationaryPose& pose = problem_.poses[static_cast<std::size_t>(i)];
     y.row(i) = pose.gyroscope.transpose();
     if (problem_.with_temperature) A(i, 1) = -(pose.temperature - scaling.t0) / scaling.span;
   }
@@ -147,13 +147,13 @@ double Fitter::rms_angle() const {
 /// of gravity itself does not move gravity and contains no information; the angle of a turn is
 /// never smaller than that of gravity.
 bool Fitter::guess_scale() {
-  constexpr Index kMostSamples = 20000;
+  constexpr Index kMaxSamples = 20000;
   constexpr int kSteps = 80;
   double most_turned = 0, least_scale = 0;
   std::vector<double> integrals, angles;
   std::vector<std::size_t> looked_at;
   Index samples = 0;
-  for (std::size_t i = 0; i < samples_.size() && samples < kMostSamples; ++i) {
+  for (std::size_t i = 0; i < samples_.size() && samples < kMaxSamples; ++i) {
     const TurnSamples& turn = samples_[i];
     Vector3d sum = Vector3d::Zero();
     for (Index k = 1; k < turn.t.size(); ++k)
@@ -169,7 +169,7 @@ bool Fitter::guess_scale() {
     if (integrals[i] > 0.3 * most_turned)
       least_scale = std::max(least_scale, angles[i] / integrals[i]);
   if (!(least_scale > 0)) return false;
-  double least = std::numeric_limits<double>::infinity(), best = 0;
+  double min = std::numeric_limits<double>::infinity(), best = 0;
   for (const double sign : {1.0, -1.0})
     for (int k = 0; k < kSteps; ++k) {
       const double scale = sign * least_scale * 0.5 * std::pow(8.0, double(k) / kSteps);
@@ -178,8 +178,8 @@ bool Fitter::guess_scale() {
         samples_[i].scale = scale;
         sum += mismatch(i, seen_up_).squaredNorm();
       }
-      if (sum < least) {
-        least = sum;
+      if (sum < min) {
+        min = sum;
         best = scale;
       }
     }
@@ -200,7 +200,7 @@ void Fitter::build(ceres::Problem& problem) {
   const NormScaling& scaling = problem_.accelerometer.scaling;
   for (std::size_t i = 0; i < problem_.poses.size(); ++i) {
     if (!problem_.accelerometer.used[i]) continue;
-    const StillPose& pose = problem_.poses[i];
+    const StationaryPose& pose = problem_.poses[i];
     const double warmth =
         problem_.with_temperature ? (pose.temperature - scaling.t0) / scaling.span : 0;
     problem.AddResidualBlock(
@@ -284,16 +284,16 @@ void Fitter::weigh_turns() {
 }
 
 void Fitter::leave_out_outliers() {
-  if (samples_.size() < kLeastTurns + 4) return;
+  if (samples_.size() < kMinTurns + 4) return;
   std::vector<double> sizes;
   for (std::size_t i = 0; i < samples_.size(); ++i)
     sizes.push_back(mismatch(i, seen_up_).norm() / std::hypot(turn_sigma(i), sigma_up_));
   std::vector<double> sorted = sizes;
   const auto middle = sorted.begin() + std::ssize(sorted) / 2;
   std::nth_element(sorted.begin(), middle, sorted.end());
-  const double most = kTurnOutlier * *middle / kMedianOfRayleigh;
+  const double max = kTurnOutlier * *middle / kMedianOfRayleigh;
   for (std::size_t i = samples_.size(); i-- > 0;)
-    if (sizes[i] > most && samples_.size() > kLeastTurns) {
+    if (sizes[i] > max && samples_.size() > kMinTurns) {
       const auto at = static_cast<std::ptrdiff_t>(i);
       refused_.push_back(index_[i]);
       samples_.erase(samples_.begin() + at);
@@ -323,7 +323,7 @@ void Fitter::name_open(const Matrix& covariance, SensorCalibration& result) cons
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(covariance.topLeftCorner(9, 9));
   std::array<bool, 3> axis{};
   for (Index k = 0; k < 9; ++k) {
-    if (result.quantile * std::sqrt(eigen.eigenvalues()(k)) <= problem_.greatest_error) continue;
+    if (result.quantile * std::sqrt(eigen.eigenvalues()(k)) <= problem_.max_error) continue;
     const Vector v = eigen.eigenvectors().col(k);
     for (int i = 0; i < 9; ++i) {
       if (std::abs(v(i)) < 0.4 * v.cwiseAbs().maxCoeff()) continue;
@@ -379,11 +379,11 @@ SensorCalibration Fitter::run() {
     result.culprit = fmt::format(
         "there are {} turns between poses; expected at least {}, because each "
         "determines 2 of 9 parameters",
-        samples_.size(), kLeastTurns);
+        samples_.size(), kMinTurns);
     result.missing = {"turns about x, y and z, each with that axis level"};
     return result;
   };
-  if (samples_.size() < kLeastTurns) return too_few();
+  if (samples_.size() < kMinTurns) return too_few();
   if (!guess_scale()) {
     result.status = CalibrationStatus::not_observable;
     result.culprit = "no turn moves gravity; expected turns about level axes";
@@ -402,12 +402,12 @@ SensorCalibration Fitter::run() {
   result.residual_after = rms_angle();
   result.used = samples_.size();
   result.refused = refused_;
-  if (!(result.residual_after < kMostMismatch)) {
+  if (!(result.residual_after < kMaxMismatch)) {
     result.status = CalibrationStatus::no_match;
     result.culprit = fmt::format(
         "gravity rotated by the gyroscope deviates by {:.2g} rad (rms); "
         "expected less than {}; are its axes those of the accelerometer?",
-        result.residual_after, kMostMismatch);
+        result.residual_after, kMaxMismatch);
     return result;
   }
   finish(result);

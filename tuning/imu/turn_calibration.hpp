@@ -18,12 +18,12 @@ struct Turn {
 };
 
 struct TurnProblem {
-  std::vector<StillPose> poses;
+  std::vector<StationaryPose> poses;
   std::vector<Turn> turns;  ///< each between two consecutive poses
   NormSolution accelerometer;
   double noise = 0;  ///< of a sample of the gyroscope [raw]
   bool with_temperature = false;
-  double greatest_error = 0.05;
+  double max_error = 0.05;
 };
 
 /// Fits the 9 + 3 parameters of the gyroscope together with those of the accelerometer and with the

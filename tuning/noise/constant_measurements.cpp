@@ -135,21 +135,21 @@ std::string exact_measurement(const FilterModel& model, const std::vector<Filter
   for (const FilterSensor& sensor : model.sensors)
     for (Index i = 0; i < sensor.C.rows(); ++i, ++row) {
       if (!is_free(model, sensor.R, i)) continue;
-      double most = 0, size = 0;
+      double max = 0, size = 0;
       Index count = 0;
       for (std::size_t r = 0; r < runs.size(); ++r)
         for (Index k = 0; k < runs[r].innovation.cols(); ++k) {
           const double e = runs[r].innovation(row, k);
           if (std::isnan(e)) continue;
           ++count;
-          most = std::max(most, std::abs(e));
+          max = std::max(max, std::abs(e));
           size = std::max(size, std::abs(records[r].y(row, k)));
         }
-      if (count < 2 || most > kRounding * size) continue;
+      if (count < 2 || max > kRounding * size) continue;
       return fmt::format(
           "{}: the model predicts all {} measurements of {} to {:.2g}, which is rounding; expected "
           "ones with noise, because it is estimated from them",
-          sensor.name, count, sensor.outputs[static_cast<std::size_t>(i)].name, most);
+          sensor.name, count, sensor.outputs[static_cast<std::size_t>(i)].name, max);
     }
   return "";
 }

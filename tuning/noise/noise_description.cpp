@@ -21,9 +21,9 @@ using Eigen::VectorXd;
 void name_direction(const VectorXd& direction, const std::vector<int>& free,
                     std::vector<FittedParameter>& parameters, std::vector<std::string>& unseen) {
   std::vector<Index> main;
-  const double most = direction.cwiseAbs().maxCoeff();
+  const double max = direction.cwiseAbs().maxCoeff();
   for (Index q = 0; q < direction.size(); ++q)
-    if (std::abs(direction(q)) > 0.3 * most) main.push_back(q);
+    if (std::abs(direction(q)) > 0.3 * max) main.push_back(q);
   const auto parameter = [&](Index q) -> FittedParameter& {
     return parameters[static_cast<std::size_t>(free[static_cast<std::size_t>(q)])];
   };
@@ -36,7 +36,7 @@ void name_direction(const VectorXd& direction, const std::vector<int>& free,
     return;
   }
   const double a = direction(main[0]), b = direction(main[1]);
-  if (main.size() == 2 && std::abs(std::abs(a) - std::abs(b)) < 0.2 * most) {
+  if (main.size() == 2 && std::abs(std::abs(a) - std::abs(b)) < 0.2 * max) {
     unseen.push_back(fmt::format("only the {} of {} {} {} is determined",
                                  a * b > 0 ? "ratio" : "product", parameter(main[0]).name,
                                  a * b > 0 ? "to" : "and", parameter(main[1]).name));
@@ -101,10 +101,10 @@ void describe_seen(const MatrixXd& information, const std::vector<int>& free,
   }
 }
 
-double edge_of_loss(const std::function<double(double)>& loss, double most, double centre, int side,
+double edge_of_loss(const std::function<double(double)>& loss, double max, double centre, int side,
                     double step) {
-  const auto over = [&](double value) { return loss(value) - most; };
-  double inside = centre, outside = centre, before = -most, after = before;
+  const auto over = [&](double value) { return loss(value) - max; };
+  double inside = centre, outside = centre, before = -max, after = before;
   for (int tries = 0; tries < 40; ++tries) {
     outside = inside + side * step;
     after = over(outside);

@@ -41,7 +41,7 @@ void describe_seen(const Eigen::MatrixXd& information, const std::vector<int>& f
 /// @param side  -1 below, +1 above
 /// @param step  initial guess of the distance, > 0
 /// @return      NaN if the loss does not reach `most`
-[[nodiscard]] double edge_of_loss(const std::function<double(double)>& loss, double most,
+[[nodiscard]] double edge_of_loss(const std::function<double(double)>& loss, double max,
                                   double centre, int side, double step);
 
 /// Quantile of the normal distribution at the end of a two-sided interval of this confidence.

@@ -70,8 +70,8 @@ class Fit {
   void tell(double value) {
     if (!options_.progress) return;
     const std::lock_guard lock(telling_);
-    if (told_ == 0 || value > greatest_) greatest_ = value;
-    options_.progress(++told_, greatest_);
+    if (told_ == 0 || value > max_) max_ = value;
+    options_.progress(++told_, max_);
   }
 
   /// Ends with the best point so far, without its uncertainty.
@@ -305,7 +305,7 @@ class Fit {
   NoiseFit fit_;
   std::mutex telling_;
   int told_ = 0;
-  double greatest_ = 0;
+  double max_ = 0;
 };
 
 }  // namespace

@@ -25,12 +25,12 @@ using Eigen::VectorXd;
 constexpr double kConverged = 1e-6;
 /// Directions with less information are treated as if they had this information, so that their
 /// steps stay within a few e-folds.
-constexpr double kLeastInformation = 0.1;
+constexpr double kMinInformation = 0.1;
 /// Share of a parameter in flat directions (at most 1) from which on long steps are tried along it.
-constexpr double kLeastShare = 0.01;
+constexpr double kMinShare = 0.01;
 /// Slope of a flat direction at which a search ends: the slope decays exponentially, so the
 /// remaining gain is about as large.
-constexpr double kLeastGain = 1e-4;
+constexpr double kMinGain = 1e-4;
 /// Rounding error of a sum relative to the size of its terms: 7e-13 was observed with eight million
 /// terms.
 constexpr double kSearchRounding = 1e-11;
@@ -50,23 +50,22 @@ struct Whitening {
 Whitening whitening(const MatrixXd& information, const VectorXd& gradient,
                     const std::vector<int>& free, bool rough) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(information);
-  const VectorXd known = eigen.eigenvalues().cwiseMax(kLeastInformation);
+  const VectorXd known = eigen.eigenvalues().cwiseMax(kMinInformation);
   Whitening result;
   result.W = eigen.eigenvectors() * known.cwiseSqrt().cwiseInverse().asDiagonal();
   VectorXd share = VectorXd::Zero(known.size());
   for (Index q = 0; q < known.size(); ++q)
-    if (eigen.eigenvalues()(q) < kLeastInformation)
-      share += eigen.eigenvectors().col(q).cwiseAbs2();
+    if (eigen.eigenvalues()(q) < kMinInformation) share += eigen.eigenvectors().col(q).cwiseAbs2();
   for (Index i = 0; i < share.size(); ++i)
-    if (share(i) > kLeastShare) result.flat.push_back(free[static_cast<std::size_t>(i)]);
+    if (share(i) > kMinShare) result.flat.push_back(free[static_cast<std::size_t>(i)]);
   const VectorXd slope = eigen.eigenvectors().transpose() * gradient;
   result.still = true;
   for (Index q = 0; q < slope.size(); ++q) {
-    const bool is_flat = eigen.eigenvalues()(q) < kLeastInformation;
+    const bool is_flat = eigen.eigenvalues()(q) < kMinInformation;
     result.still =
         result.still &&
         std::abs(slope(q)) <
-            (is_flat ? kLeastGain : (rough ? kNearEnough : kConverged) * std::sqrt(known(q)));
+            (is_flat ? kMinGain : (rough ? kNearEnough : kConverged) * std::sqrt(known(q)));
   }
   return result;
 }
@@ -152,7 +151,7 @@ void polish(const NoiseObjective& objective, const std::vector<int>& free, Searc
   // In the directions with enough information.
   MatrixXd inverse = MatrixXd::Zero(eigen.eigenvalues().size(), eigen.eigenvalues().size());
   for (Index q = 0; q < inverse.cols(); ++q)
-    if (eigen.eigenvalues()(q) > kLeastInformation)
+    if (eigen.eigenvalues()(q) > kMinInformation)
       inverse += eigen.eigenvectors().col(q) * eigen.eigenvectors().col(q).transpose() /
                  eigen.eigenvalues()(q);
   auto at = objective.at(result.theta, LikelihoodOrder::gradient);

@@ -21,7 +21,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 /// Maximum number of fits, each with a new path or new rejected measurements.
-constexpr int kMostRounds = 20;
+constexpr int kMaxRounds = 20;
 /// Change of θ at which the fits end, in standard errors, or in logarithms if not determined.
 constexpr double kSettled = 0.01;
 /// If the last, precise fit changes by more than this, the fits are repeated, because it found a
@@ -206,8 +206,8 @@ class Tuner {
         begin_(std::chrono::steady_clock::now()) {
     require(options.seconds > 0, "seconds", options.seconds, "a positive number");
     require(options.holdout >= 0 && options.holdout <= 0.9, "holdout", options.holdout, "0 to 0.9");
-    require(options.most_refused >= 0 && options.most_refused < 1, "most_refused",
-            options.most_refused, "0 or more and less than 1");
+    require(options.max_rejected >= 0 && options.max_rejected < 1, "most_refused",
+            options.max_rejected, "0 or more and less than 1");
   }
 
   /// @param all    the measurements before any gate
@@ -362,12 +362,12 @@ class Tuner {
       logs = std::move(next);
       if (!logs.culprit.empty()) return;
       if (settled && finish(logs, with_noise(model_, tuning_.fit.theta))) return;
-      if (tuning_.rounds == kMostRounds) {
+      if (tuning_.rounds == kMaxRounds) {
         tuning_.fit.status = NoiseFitStatus::not_converged;
         tuning_.fit.culprit = fmt::format(
             "the path of the filter and the measurements that its gates reject still change after "
             "{} fits",
-            kMostRounds);
+            kMaxRounds);
         return;
       }
       model = with_noise(model_, tuning_.fit.theta);
@@ -393,13 +393,13 @@ class Tuner {
 
   /// Largest change of a free parameter from `before`, in its standard errors.
   [[nodiscard]] double change(const VectorXd& before) const {
-    double greatest = 0;
+    double max = 0;
     for (Index i = 0; i < before.size(); ++i) {
       const FittedParameter& p = tuning_.fit.parameters[static_cast<std::size_t>(i)];
       if (p.verdict != ParameterVerdict::seen) continue;
-      greatest = std::max(greatest, std::abs(tuning_.fit.theta(i) - before(i)) / p.standard_error);
+      max = std::max(max, std::abs(tuning_.fit.theta(i) - before(i)) / p.standard_error);
     }
-    return greatest;
+    return max;
   }
 
   void compare(const LinearizedLogs& logs, const LinearizedLogs& at_start, const VectorXd& start) {
@@ -529,7 +529,7 @@ class Tuner {
     for (const std::string& direction : fit.unseen) worsen(CheckVerdict::fail, direction);
     for (const RefusedCount& count : tuning_.refused)
       if (static_cast<double>(count.refused) >
-          options_.most_refused * static_cast<double>(count.measured))
+          options_.max_rejected * static_cast<double>(count.measured))
         worsen(CheckVerdict::fail,
                fmt::format("{}: the gate rejects {} of {} measurements, too many to be outliers",
                            count.output, count.refused, count.measured));

@@ -83,9 +83,9 @@ CampaignDesign read_design(const TomlTable& table, const std::filesystem::path& 
 CampaignKeep read_keep(const TomlTable& table) {
   table.allow({{"failures"}, {"sample"}});
   CampaignKeep keep;
-  constexpr int kMost = 1000;
-  if (table.has("failures")) keep.failures = table.integer("failures", 0, kMost);
-  if (table.has("sample")) keep.sample = table.integer("sample", 0, kMost);
+  constexpr int kMax = 1000;
+  if (table.has("failures")) keep.failures = table.integer("failures", 0, kMax);
+  if (table.has("sample")) keep.sample = table.integer("sample", 0, kMax);
   return keep;
 }
 
@@ -138,15 +138,15 @@ CampaignRequest read_campaign(const std::filesystem::path& path) {
               {"vary"},
               {"correlation"}});
   const std::filesystem::path folder = path.parent_path();
-  constexpr int kMost = std::numeric_limits<int>::max();
+  constexpr int kMax = std::numeric_limits<int>::max();
   CampaignRequest request;
   request.name = file.word("name");
   request.vehicle = beside(folder, file.text("vehicle"));
   request.vehicle_where = file.where("vehicle");
-  request.flights = static_cast<std::uint32_t>(file.integer("flights", 1, kMost));
-  if (file.has("seed")) request.seed = static_cast<std::uint64_t>(file.integer("seed", 0, kMost));
+  request.flights = static_cast<std::uint32_t>(file.integer("flights", 1, kMax));
+  if (file.has("seed")) request.seed = static_cast<std::uint64_t>(file.integer("seed", 0, kMax));
   if (file.has("shards")) {
-    request.shards = static_cast<std::uint32_t>(file.integer("shards", 1, kMost));
+    request.shards = static_cast<std::uint32_t>(file.integer("shards", 1, kMax));
     if (request.shards > request.flights)
       throw InvalidInput(file.where("shards"),
                          fmt::format("shards is {}, expected at most {}, the number of "

@@ -53,8 +53,8 @@ Json to_json(const Uncertainty& uncertainty) {
                        {"distribution", to_string(d.kind)},
                        {"first", d.first},
                        {"second", d.second},
-                       {"least", finite_or_null(d.least)},
-                       {"most", finite_or_null(d.most)}});
+                       {"least", finite_or_null(d.min)},
+                       {"most", finite_or_null(d.max)}});
   }
   return {{"numbers", numbers},
           {"correlation", internal::matrix_to_json(uncertainty.correlation, "correlation")}};
@@ -72,8 +72,8 @@ Uncertainty uncertainty_of(const Json& json, const std::string& where) {
       if (to_string(known) == kind) d.kind = known;
     d.first = member(entry, "first", where).get<double>();
     d.second = member(entry, "second", where).get<double>();
-    d.least = number_or(member(entry, "least", where), d.least);
-    d.most = number_or(member(entry, "most", where), d.most);
+    d.min = number_or(member(entry, "least", where), d.min);
+    d.max = number_or(member(entry, "most", where), d.max);
     uncertainty.numbers.push_back(number);
   }
   uncertainty.correlation =
@@ -194,7 +194,7 @@ void require_stable(const PlannedFlight& plan, const CampaignDesign& design) {
       fmt::format("{}: the design '{}' does not stabilize the vehicle '{}' in flight with the "
                   "estimator {}: {}; {}",
                   design.where, design.name, plan.setup.vehicle.name, plan.estimator,
-                  in_words(*loop), what_helps(plan, *loop)),
+                  describe(*loop), what_helps(plan, *loop)),
       design.where);
 }
 
@@ -385,15 +385,15 @@ void check_inputs(const Json& json, const std::filesystem::path& folder, const s
 }
 
 /// A non-negative integer of the plan; a plain conversion would turn -1.5 into four billion.
-std::uint32_t count_of(const Json& json, const char* key, std::uint32_t least, std::uint32_t most,
+std::uint32_t count_of(const Json& json, const char* key, std::uint32_t min, std::uint32_t max,
                        const std::string& where) {
   const Json& value = member(json, key, where);
-  if (!value.is_number_unsigned() || value.get<std::uint64_t>() < least ||
-      value.get<std::uint64_t>() > most)
+  if (!value.is_number_unsigned() || value.get<std::uint64_t>() < min ||
+      value.get<std::uint64_t>() > max)
     throw InvalidInput(where,
                        fmt::format("has been modified since it was written: {} is {}, expected {} "
                                    "to {}",
-                                   key, internal::json_text(value), least, most));
+                                   key, internal::json_text(value), min, max));
   return value.get<std::uint32_t>();
 }
 
@@ -413,16 +413,16 @@ const Item& named(const std::vector<Item>& items, const std::string& name,
 
 CampaignPlan plan_of(const Json& json, const std::filesystem::path& folder,
                      const std::string& where) {
-  constexpr std::uint32_t kMost = std::numeric_limits<std::int32_t>::max();
+  constexpr std::uint32_t kMax = std::numeric_limits<std::int32_t>::max();
   CampaignPlan plan;
   plan.name = member(json, "name", where).get<std::string>();
   const Json& keep = member(json, "keep", where);
-  plan.keep = {static_cast<int>(count_of(keep, "failures", 0, kMost, where)),
-               static_cast<int>(count_of(keep, "sample", 0, kMost, where))};
+  plan.keep = {static_cast<int>(count_of(keep, "failures", 0, kMax, where)),
+               static_cast<int>(count_of(keep, "sample", 0, kMax, where))};
   Campaign& campaign = plan.campaign;
-  campaign.flights = count_of(json, "flights", 1, kMost, where);
+  campaign.flights = count_of(json, "flights", 1, kMax, where);
   plan.shards = count_of(json, "shards", 1, campaign.flights, where);
-  campaign.seed = count_of(json, "seed", 0, kMost, where);
+  campaign.seed = count_of(json, "seed", 0, kMax, where);
   campaign.uncertainty = uncertainty_of(member(json, "uncertainty", where), where);
   const Json& body = member(json, "vehicle", where);
   const Vehicle vehicle = parse_vehicle(member(body, "text", where).get<std::string>(),

@@ -146,7 +146,7 @@ Json setup_to_json(const FlightSetup& setup) {
   each_field_of_safety(Writing{safety}, setup.safety);
   each_field_of_environment(Writing{environment}, setup.environment);
   for (const Limit& limit : setup.mission.limits)
-    limits[quadtune::name_of(limit.metric)] = number_json(limit.most);
+    limits[quadtune::name_of(limit.metric)] = number_json(limit.max);
   json["safety"] = safety;
   json["environment"] = environment;
   json["limits"] = limits;

@@ -69,15 +69,15 @@ void each_axis(const std::string& text, const std::string& key, const char* what
 }
 
 void read_sensor_delays(const std::string& text, CascadeSpecification& specification) {
-  const double most = kMostDelaySamples * specification.dt;
+  const double max = kMaxDelaySamples * specification.dt;
   each_axis(text, "sensor-delay", "seconds, 0 or more, or a list like roll=0.005,x=0.02",
             [&](CascadeAxis axis, double delay) {
-              if (delay > most)
+              if (delay > max)
                 throw OptionError(
                     "sensor-delay",
                     fmt::format("sensor-delay of {} is {} s, expected at most "
                                 "{} samples, {} s",
-                                to_string(axis), number(delay), kMostDelaySamples, number(most)));
+                                to_string(axis), number(delay), kMaxDelaySamples, number(max)));
               specification.delay[index_of(axis)] = delay;
             });
 }
@@ -123,9 +123,9 @@ CascadeSpecification cascade_specification(const CascadeOptions& options, const 
   }
   if (options.integrator) specification.method = method_of(*options.integrator);
   if (options.structure) specification.structure = structure_of(*options.structure);
-  if (options.motor_lag && !(*options.motor_lag >= 0 && *options.motor_lag <= kLongestLag))
+  if (options.motor_lag && !(*options.motor_lag >= 0 && *options.motor_lag <= kMaxLag))
     throw OptionError("motor-lag", fmt::format("motor-lag is {} s, expected 0 to {} s",
-                                               number(*options.motor_lag), number(kLongestLag)));
+                                               number(*options.motor_lag), number(kMaxLag)));
   specification.lag = options.motor_lag;
   read_sensor_delays(options.sensor_delay.value_or(""), specification);
   read_bandwidths(options.bandwidth.value_or(""), specification);

@@ -283,7 +283,7 @@ DesignOutcome run_design(const std::filesystem::path& file) {
   return run_design(names_vehicle(word) ? usual_design(word) : load_design(file));
 }
 
-std::vector<std::string> doubtful_covariances(const Design& design) {
+std::vector<std::string> unconfirmed_covariances(const Design& design) {
   std::vector<std::string> doubts;
   const auto add = [&](const std::string& tuned, const std::string& filter,
                        const std::string& verdict) {

@@ -28,7 +28,7 @@ Mission mission_of(const MissionRequest& request) {
 void take_tuned_noise(const Design& design, FlightSetup& setup) {
   if (design.estimator && setup.estimator == EstimatorKind::uquad) {
     setup.uquad_filter.dt = control_period(setup);
-    take_noise(design.estimator->model, "design", setup.uquad_filter);
+    copy_noise(design.estimator->model, "design", setup.uquad_filter);
   }
   MamboEstimatorSettings<double>& estimator = setup.mambo_estimator;
   for (const KalmanDesign& filter : design.kalman) {
@@ -112,7 +112,7 @@ void loosen(Mission& mission) {
       case Metric::height_peak:
       case Metric::yaw_max:
       case Metric::final_distance:
-        limit.most *= kDisturbedSlack;
+        limit.max *= kDisturbedSlack;
         break;
       default:
         break;
@@ -121,7 +121,7 @@ void loosen(Mission& mission) {
 
 void add_gust(PlannedFlight& plan) {
   FlightSetup& setup = plan.setup;
-  if (!feels_wind(setup.vehicle))
+  if (!has_aerodynamics(setup.vehicle))
     plan.notes.push_back(
         fmt::format("the file of '{}' has no drag: the gust does not move it", setup.vehicle.name));
   Gust& gust = setup.environment.wind.gust;

@@ -63,8 +63,8 @@ std::string turns_on_board(const ExportContent& content, ExportKind kind) {
                        content.vehicle.name);
     text += fmt::format(" {} phase {:.1f} deg, Ms {:.2f};", to_string(turn.gains.axis), phase,
                         turn.whole.Ms);
-    constexpr double kLeastPhase = 20, kGreatestMs = 3;
-    weak = weak || phase < kLeastPhase || turn.whole.Ms > kGreatestMs;
+    constexpr double kMinPhase = 20, kMaxMs = 3;
+    weak = weak || phase < kMinPhase || turn.whole.Ms > kMaxMs;
   }
   text.pop_back();
   return text +

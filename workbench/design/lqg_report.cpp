@@ -36,10 +36,10 @@ MarginsReport margins_at_estimates(const PlannedFlight& plan, const FlownLoopOpt
 
 /// The smallest share over all channels.
 double share_of(const FlownLoop& loop, const FlownMargins& asked) {
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (const LoopMargins& margins : loop.margins.loops)
-    least = std::min(least, quadtune::share_of(margins, asked));
-  return loop.grows() ? 0 : least;
+    min = std::min(min, quadtune::share_of(margins, asked));
+  return loop.grows() ? 0 : min;
 }
 
 GeneralFilterSettings with_noise(GeneralFilterSettings settings, double factor) {

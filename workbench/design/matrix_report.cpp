@@ -60,9 +60,9 @@ void require(const Vehicle& vehicle, const LqiDesign& design) {
 void drop_rounding(MatrixXd& K) {
   constexpr double kRounding = 1e-12;
   for (Index i = 0; i < K.rows(); ++i) {
-    const double least = kRounding * K.row(i).cwiseAbs().maxCoeff();
+    const double min = kRounding * K.row(i).cwiseAbs().maxCoeff();
     for (Index j = 0; j < K.cols(); ++j)
-      if (std::abs(K(i, j)) < least) K(i, j) = 0;
+      if (std::abs(K(i, j)) < min) K(i, j) = 0;
   }
 }
 
@@ -85,7 +85,7 @@ std::vector<std::string> matrix_messages(const MatrixReport& report, const std::
 
 }  // namespace
 
-Gains in_words(const Gains& gains, const Vehicle& vehicle, const MatrixWords& words) {
+Gains describe(const Gains& gains, const Vehicle& vehicle, const MatrixConvention& words) {
   if (gains.memory)
     throw InvalidInput(vehicle.name,
                        "the law feeds back its past commands, expected a matrix on the states");
@@ -114,7 +114,7 @@ Gains in_words(const Gains& gains, const Vehicle& vehicle, const MatrixWords& wo
 MatrixReport matrix_report(const Vehicle& vehicle, const LqiDesign& design,
                            const FlightOptions& flight, const FlownLoopOptions& at) {
   require(vehicle, design);
-  const MatrixWords words = design.matrix.value_or(MatrixWords{});
+  const MatrixConvention words = design.matrix.value_or(MatrixConvention{});
   FlightOptions flown = flight;
   if (flown.estimator.empty()) flown.estimator = estimator_of_program(vehicle, words.convention);
   FlownGainsOptions options;
@@ -128,7 +128,7 @@ MatrixReport matrix_report(const Vehicle& vehicle, const LqiDesign& design,
   report.design = flown_gains(vehicle, options);
   Gains gains = as_state_feedback(report.design, vehicle, design.dt);
   gains.axes = PositionAxes::world;
-  report.gains = in_words(gains, vehicle, words);
+  report.gains = describe(gains, vehicle, words);
   // quadtune's own convention supports the features of quadtune's own law, as for other gains.
   if (words.convention == "ned") keep_near_hover(vehicle, report.gains);
   report.flown = flown_loop(hover_under(vehicle, report.gains, flown), at);

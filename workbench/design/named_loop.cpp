@@ -94,12 +94,12 @@ FlownLoop flown_vehicle_loop(FlightOptions flight, const std::string& controller
                              const FlownLoopOptions& at) {
   flight.controller = controller;
   const PlannedFlight plan = plan_flight(flight, "margins");
-  const double most = kMostDelayPeriods * control_period(plan.setup);
-  if (at.command_delay > most * (1 + 1e-9))
+  const double max = kMaxDelayPeriods * control_period(plan.setup);
+  if (at.command_delay > max * (1 + 1e-9))
     throw OptionError("delay",
                       fmt::format("delay is {:.6g} s, expected at most {:.6g} s, {} samples, "
                                   "because each delayed sample is a state of the loop",
-                                  at.command_delay, most, kMostDelayPeriods));
+                                  at.command_delay, max, kMaxDelayPeriods));
   return flown_loop(plan, at);
 }
 
@@ -111,10 +111,10 @@ int whole_samples(double delay, double dt) {
     throw OptionError("delay", fmt::format("delay is {:.6g} s, expected a whole number of samples "
                                            "of {:.6g} s because the loop is discrete",
                                            delay, dt));
-  constexpr double kMost = 2000;
-  if (samples > kMost)
+  constexpr double kMax = 2000;
+  if (samples > kMax)
     throw OptionError("delay",
-                      fmt::format("delay is {:.6g} samples, expected at most {}", samples, kMost));
+                      fmt::format("delay is {:.6g} samples, expected at most {}", samples, kMax));
   return static_cast<int>(std::round(samples));
 }
 

@@ -20,7 +20,7 @@ void keep_near_hover(const Vehicle& vehicle, Gains& gains) {
     const double of_position = law.K.col(position).norm(), of_angle = law.K.col(angle).norm();
     if (of_position > 0 && of_angle > 0)
       gains.limits.position_error =
-          std::min(gains.limits.position_error, kMostCommandedTilt * of_angle / of_position);
+          std::min(gains.limits.position_error, kMaxCommandedTilt * of_angle / of_position);
   }
 }
 

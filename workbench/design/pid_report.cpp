@@ -110,7 +110,7 @@ Found by_bounds(const ContinuousTransferFunction& plant, const PidRequest& reque
                 const PidBounds& bounds) {
   if (request.type != PidType::PI && request.type != PidType::PID)
     throw OptionError("type", "Ms-max maximizes the integral gain; expected --type PI or PID");
-  const PidOptimum optimum = greatest_integral_gain(plant, request.type, bounds, request.Tf);
+  const PidOptimum optimum = max_integral_gain(plant, request.type, bounds, request.Tf);
   if (!optimum.solved())
     throw NoSolution(fmt::format("pid: {}: {}", to_string(optimum.status), optimum.culprit),
                      "--Ms-max");

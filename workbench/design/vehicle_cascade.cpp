@@ -130,7 +130,7 @@ std::vector<std::string> notes_of(const VehicleCascade& cascade) {
   add("note: ", flown_notes(loop));
   add("note: ", margin_notes(loop.margins));
   if (loop.grows())
-    notes.push_back(fmt::format("warning: the flown loop is unstable; {}{}", in_words(loop),
+    notes.push_back(fmt::format("warning: the flown loop is unstable; {}{}", describe(loop),
                                 cascade.ideal
                                     ? "; without --plant ideal the design includes the rotors' "
                                       "lag, the sensors and the estimator"

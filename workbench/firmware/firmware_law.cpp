@@ -168,7 +168,7 @@ struct FirmwareHabits {
   bool guards = true;              ///< whether integrals stop while the motors saturate
   double mass = 0;                 ///< [kg]
   double weight = 0;               ///< feed-forward thrust [N]
-  double least_thrust = 0;         ///< [N]
+  double min_thrust = 0;           ///< [N]
   /// ArduPilot's loop of the vertical acceleration: thrust per error [N s²/m] and per integral of
   /// it, the limit of the integral's part [N], and the low pass of the error [Hz].
   struct Acceleration {
@@ -213,7 +213,7 @@ FirmwareHabits habits_of(const Firmware& firmware, const Vehicle& vehicle,
       habits.tilt = std::min(value("posCtlPid.rLimit"), value("posCtlPid.pLimit")) * kDegree;
       habits.guards = false;
       habits.weight = scale.thrust * value("posCtlPid.thrustBase");
-      habits.least_thrust = scale.thrust * value("posCtlPid.thrustMin");
+      habits.min_thrust = scale.thrust * value("posCtlPid.thrustMin");
       break;
   }
   return habits;
@@ -382,7 +382,7 @@ FirmwareSettings settings_of(const Vehicle& vehicle, const StoredParameters& par
 }
 
 /// Wraps an angle to half a turn in either direction.
-double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+double wrap_angle(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
 class FirmwareLaw final : public FlightLaw {
  public:
@@ -406,7 +406,7 @@ class FirmwareLaw final : public FlightLaw {
     return now;
   }
 
-  void carried_out(const Eigen::VectorXd& asked, const Eigen::VectorXd& made) override {
+  void on_realized(const Eigen::VectorXd& asked, const Eigen::VectorXd& made) override {
     if (!s_.habits.guards) return;
     constexpr double kRounding = 1e-9;
     for (int i = 0; i < 4; ++i) {
@@ -494,7 +494,7 @@ class FirmwareLaw final : public FlightLaw {
     const double tilt = std::cos(x(3)) * std::cos(x(4));
     const double share = s_.habits.tilt_compensation ? std::max(tilt, 0.5) : 1.0;
     const double asked = (s_.habits.weight - force) / share;
-    thrust_ = std::clamp(asked, s_.habits.least_thrust, s_.frame.greatest_thrust);
+    thrust_ = std::clamp(asked, s_.habits.min_thrust, s_.frame.max_thrust);
     lifted_out_ = asked - thrust_;
   }
 
@@ -525,7 +525,7 @@ class FirmwareLaw final : public FlightLaw {
   void aim_turns(const StateVector<double>& x, const Reference<double>& reference) {
     axis(CascadeAxis::roll).aim(roll_ - x(3));
     axis(CascadeAxis::pitch).aim(pitch_ - x(4));
-    axis(CascadeAxis::yaw).aim(wrapped(reference.yaw - x(5)));
+    axis(CascadeAxis::yaw).aim(wrap_angle(reference.yaw - x(5)));
   }
 
   FirmwareSettings s_;

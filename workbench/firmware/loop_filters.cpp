@@ -61,8 +61,8 @@ LoopFilters betaflight_filters(CascadeAxis axis, const ParameterValues& value) {
   if (!turns(axis)) return {};
   // If a cut-off depends on the throttle, its lower end is used.
   const auto first = [&](const std::string& name) {
-    const double least = value(name + "_dyn_min_hz");
-    return filter_of(1, least > 0 ? least : value(name + "_static_hz"));
+    const double min = value(name + "_dyn_min_hz");
+    return filter_of(1, min > 0 ? min : value(name + "_static_hz"));
   };
   LoopFilters filters;
   filters.rate = series(first("gyro_lpf1"), filter_of(1, value("gyro_lpf2_static_hz")));

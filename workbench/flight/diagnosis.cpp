@@ -24,7 +24,7 @@ constexpr double kNearly = 1.5;
 void restore_limits(PlannedFlight& plan) {
   for (const WidenedLimit& widened : plan.widened)
     for (Limit& limit : plan.setup.mission.limits)
-      if (name_of(limit.metric) == widened.what) limit.most = widened.asked;
+      if (name_of(limit.metric) == widened.what) limit.max = widened.asked;
   plan.setup.mission.settling.settled_band = 0;
   plan.setup.mission.settling.settled_yaw_band = 0;
   plan.widened.clear();
@@ -59,13 +59,13 @@ bool misses(const FlownFlight& flight, Metric metric) {
 /// The largest factor by which a limit is exceeded; infinite if the flight ended early.
 double missed_by(const FlownFlight& flight) {
   if (flight.result.end != FlightEnd::completed) return INFINITY;
-  double most = 0;
+  double max = 0;
   for (const LimitCheck& check : flight.verdict.checks) {
     if (check.ok) continue;
     const double factor = check.bound > 0 ? check.value / check.bound : INFINITY;
-    most = std::max(most, std::isnan(factor) ? INFINITY : factor);
+    max = std::max(max, std::isnan(factor) ? INFINITY : factor);
   }
-  return most;
+  return max;
 }
 
 /// Describes the first limit that was exceeded.
@@ -73,7 +73,7 @@ std::string first_missed(const FlownFlight& flight) {
   for (const LimitCheck& check : flight.verdict.checks)
     if (!check.ok && !check.at_least)
       return fmt::format("{} {} of at most {}", label_of(check.metric),
-                         in_words(check.metric, check.value), in_words(check.metric, check.bound));
+                         describe(check.metric, check.value), describe(check.metric, check.bound));
   return fmt::format("{} at {:.3g} s", to_string(flight.result.end), flight.result.end_time);
 }
 
@@ -108,10 +108,10 @@ std::vector<FlightEvent> events_at_fault(const PlannedFlight& plan) {
 }
 
 /// For example "motor 2 stops at 5 s and a load of 0.1 kg is dropped at 9 s".
-std::string in_words(const std::vector<FlightEvent>& events) {
+std::string describe(const std::vector<FlightEvent>& events) {
   std::string text;
   for (const FlightEvent& event : events)
-    text += fmt::format("{}{} at {:.3g} s", text.empty() ? "" : " and ", quadtune::in_words(event),
+    text += fmt::format("{}{} at {:.3g} s", text.empty() ? "" : " and ", quadtune::describe(event),
                         event.time);
   return text;
 }
@@ -133,7 +133,7 @@ bool too_heavy(const PlannedFlight& plan, const std::vector<FlightEvent>& events
     if (const auto* load = std::get_if<LoadChange>(&event.what)) mass += load->mass;
   const double fraction = plan.setup.vehicle.altitude_thrust_fraction;
   return mass > flown.mass &&
-         mass * flown.gravity > greatest_thrust(flown) * (fraction > 0 ? fraction : 1);
+         mass * flown.gravity > max_thrust(flown) * (fraction > 0 ? fraction : 1);
 }
 
 /// The vehicle as an argument of a command: a file, or a built-in name.
@@ -248,7 +248,7 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
     case FlightCause::estimator_loop:
       diagnosis.why =
           fmt::format("the flown loop is unstable, largest |z| {:.6f} ({}); {}",
-                      evidence.largest_pole, in_words(*loop.loop), what_helps(plan, *loop.loop));
+                      evidence.largest_pole, describe(*loop.loop), what_helps(plan, *loop.loop));
       diagnosis.next = diagnosis.cause == FlightCause::unstable_loop
                            ? fmt::format("weaker gains, `{}`; `{}` shows the loop",
                                          tune_command(plan), margins_command(plan))
@@ -262,7 +262,7 @@ void explain(const PlannedFlight& plan, const FlownFlight& flight, const FlownFl
       const bool saturated = evidence.saturation_with_true_states > kSaturated;
       diagnosis.why =
           fmt::format("{}: with true states the law passes without it and fails with it: {}{}",
-                      in_words(at_fault), first_missed(truth),
+                      describe(at_fault), first_missed(truth),
                       heavy       ? ", heavier than the maximum thrust of the law"
                       : saturated ? fmt::format(", a motor at its limit for {:.0f} % of the flight",
                                                 100 * evidence.saturation_with_true_states)

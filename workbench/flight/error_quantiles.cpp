@@ -159,12 +159,12 @@ ErrorSize error_size(const std::vector<ErrorCovariance>& axes, const std::vector
       judged.begin(), judged.end(),
       [&](std::size_t a, std::size_t b) { return joint.sum(at(a)) < joint.sum(at(b)); });
   const SquaredNorm largest(joint.sum(at(worst)), joint.squares(at(worst)));
-  const auto exceeds = [&](double most) {
-    double sum = largest.exceeds(most);
+  const auto exceeds = [&](double max) {
+    double sum = largest.exceeds(max);
     for (const Crossing& crossing : crossings)
       if (crossing.norm.scale > 0)
-        sum += crossing.time_over_tau * most * most / crossing.norm.scale *
-               crossing.norm.exceeds(most);
+        sum +=
+            crossing.time_over_tau * max * max / crossing.norm.scale * crossing.norm.exceeds(max);
     return sum;
   };
   size.most_rarely = size_of(exceeds, 3 * size.rms, share);

@@ -14,8 +14,8 @@
 namespace quadtune {
 namespace {
 
-constexpr double kSameTime = 1e-9;      // times closer than this are equal [s]
-constexpr double kMostSamples = 20000;  // of one sensor
+constexpr double kSameTime = 1e-9;     // times closer than this are equal [s]
+constexpr double kMaxSamples = 20000;  // of one sensor
 
 /// [Φ, ∫Φ Q Φᵀ] for integrators with A⁴ = 0 and decaying states that drive no other.
 template <int N>
@@ -74,7 +74,7 @@ class Filter {
     decay_.setZero();
     decay_.head(model.decay.size()) = model.decay;
     for (const LinearSensor& sensor : model.sensors) {
-      const double lumped = std::max(1.0, std::ceil((end - begin) * sensor.rate / kMostSamples));
+      const double lumped = std::max(1.0, std::ceil((end - begin) * sensor.rate / kMaxSamples));
       Clock<N> clock;
       clock.period = lumped / sensor.rate;
       clock.delay = sensor.delay;
@@ -210,8 +210,8 @@ void require(bool holds, const std::string& what) {
 void validate(const ErrorModel& model, double begin, const std::vector<double>& times,
               const std::vector<std::size_t>& starts) {
   const Eigen::Index n = model.A.rows();
-  require(n >= 1 && n <= kMostErrorStates,
-          fmt::format("it has {} states, expected 1 to {}", n, kMostErrorStates));
+  require(n >= 1 && n <= kMaxErrorStates,
+          fmt::format("it has {} states, expected 1 to {}", n, kMaxErrorStates));
   for (const auto& [matrix, name] :
        {std::pair(&model.A, "A"), std::pair(&model.Q, "Q"), std::pair(&model.P0, "P0")})
     require(matrix->rows() == n && matrix->cols() == n && matrix->allFinite(),
@@ -252,7 +252,7 @@ auto with_size(Eigen::Index states, const Job& job) {
   if (states <= 4) return job(std::integral_constant<int, 4>());
   if (states <= 5) return job(std::integral_constant<int, 5>());
   if (states <= 7) return job(std::integral_constant<int, 7>());
-  return job(std::integral_constant<int, kMostErrorStates>());
+  return job(std::integral_constant<int, kMaxErrorStates>());
 }
 
 }  // namespace

@@ -117,7 +117,7 @@ FlightWords words_of(const FlightOptions& options) {
     return flow_model(options.flow.empty() ? "full" : options.flow, key);
   });
   words.wind =
-      word_of("wind", [&](const std::string& key) { return wind_of_words(options.wind, key); });
+      word_of("wind", [&](const std::string& key) { return parse_wind(options.wind, key); });
   words.solver =
       word_of("solver", [&](const std::string& key) { return integrator(options.solver, key); });
   if (!options.allocation.empty())
@@ -138,13 +138,13 @@ FlightWords words_of(const FlightOptions& options) {
 /// forgets a persistent tilt, and a position loop that is slower than this becomes unstable.
 void slow_down_attitude_filter(const ChosenLaw& law, const FlightOptions& options,
                                PlannedFlight& flight) {
-  constexpr double kLeastProduct = 0.5;  // of the loop's bandwidth and the filter's time constant
+  constexpr double kMinProduct = 0.5;  // of the loop's bandwidth and the filter's time constant
   FlightSetup& setup = flight.setup;
   double& time_constant = setup.mambo_estimator.attitude_time_constant;
   if (setup.estimator != EstimatorKind::mambo || options.estimator == "mambo-original" ||
-      !(law.position_bandwidth * time_constant < kLeastProduct && law.position_bandwidth > 0))
+      !(law.position_bandwidth * time_constant < kMinProduct && law.position_bandwidth > 0))
     return;
-  time_constant = kLeastProduct / law.position_bandwidth;
+  time_constant = kMinProduct / law.position_bandwidth;
   flight.notes.push_back(fmt::format(
       "the loops of x and y have a bandwidth of only {:.2g} rad/s: the attitude filter gets a time "
       "constant of {:.2g} s instead of 1 s",
@@ -232,15 +232,15 @@ std::optional<StoredEstimator> stored_estimator(const Vehicle& vehicle, const st
 }
 
 void keep_log(PlannedFlight& plan) {
-  constexpr double kMostRows = 2e6;  // about 1.5 GB
+  constexpr double kMaxRows = 2e6;  // about 1.5 GB
   FlightSetup& setup = plan.setup;
   const double dt = control_period(setup);
   const double duration = duration_of(setup);
-  if (duration / dt > kMostRows)
+  if (duration / dt > kMaxRows)
     throw OptionError("duration",
                       fmt::format("duration is {} s, expected at most {} s if every control "
                                   "period is logged, because the log is kept in memory",
-                                  number(duration), number(kMostRows * dt)));
+                                  number(duration), number(kMaxRows * dt)));
   setup.log = true;
 }
 
@@ -289,7 +289,7 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   flight.sensors = words.real_sensors ? "real" : "ideal";
   if (setup.real_sensors && !vehicle.sensors_known)
     flight.notes.push_back(fmt::format("the file of '{}' has no [sensors]; assumed: {}",
-                                       vehicle.name, in_words(vehicle.sensors)));
+                                       vehicle.name, describe(vehicle.sensors)));
   setup.flow = words.flow;
   setup.flow_rate = options.flow_rate.value_or(0);
   setup.duration = options.duration.value_or(0);
@@ -323,7 +323,7 @@ PlannedFlight plan_flight(const FlightOptions& options, const Vehicle& vehicle,
   flight.wind = options.wind;
   const Wind& wind = setup.environment.wind;
   const bool windy = !wind.mean.isZero(0) || !wind.gust.velocity.isZero(0) || wind.turbulence > 0;
-  if (windy && !feels_wind(vehicle))
+  if (windy && !has_aerodynamics(vehicle))
     flight.notes.push_back(
         fmt::format("the file of '{}' has no drag_area_m2 and no drag_linear_N_s_per_m: the wind "
                     "does not move it",

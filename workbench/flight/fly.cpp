@@ -165,7 +165,7 @@ std::string label_of(Metric metric) {
   return "";
 }
 
-std::string in_words(Metric metric, double value) {
+std::string describe(Metric metric, double value) {
   if (std::isnan(value)) return "none";
   if (std::isinf(value)) return "never";
   const std::string& unit = unit_of(metric);
@@ -193,7 +193,7 @@ std::vector<std::string> reasons(const FlownFlight& flight) {
   if (flight.loop && flight.loop->grows())
     why.push_back(fmt::format("the flown loop is unstable at {} m, largest |z| {:.6f}: {}; {}",
                               flight.loop->at.height, std::abs(flight.loop->mode.z),
-                              in_words(*flight.loop), what_helps(flight.plan, *flight.loop)));
+                              describe(*flight.loop), what_helps(flight.plan, *flight.loop)));
   if (result.end == FlightEnd::diverged)
     why.push_back(fmt::format("diverged at {:.4g} s: state {} left its plausible range",
                               result.end_time, result.culprit));
@@ -208,10 +208,10 @@ std::vector<std::string> reasons(const FlownFlight& flight) {
     if (check.ok || (ended && (check.metric == Metric::duration || std::isnan(check.value))))
       continue;
     std::string reason = fmt::format(
-        "{} is {}, expected {} {}", label_of(check.metric), in_words(check.metric, check.value),
-        check.at_least ? "at least" : "at most", in_words(check.metric, check.bound));
+        "{} is {}, expected {} {}", label_of(check.metric), describe(check.metric, check.value),
+        check.at_least ? "at least" : "at most", describe(check.metric, check.bound));
     for (const WidenedLimit& widened : flight.plan.widened)
-      if (widened.what == name_of(check.metric)) reason += fmt::format(" ({})", in_words(widened));
+      if (widened.what == name_of(check.metric)) reason += fmt::format(" ({})", describe(widened));
     why.push_back(std::move(reason));
   }
   return why;

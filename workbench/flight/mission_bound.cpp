@@ -9,9 +9,9 @@
 namespace quadtune {
 namespace {
 
-constexpr double kStep = 0.02;         // step at which the mission's references are evaluated [s]
-constexpr double kMostSteps = 50000;   // maximum for a long mission
-constexpr double kLeastHeight = 0.05;  // minimum height of the equivalent flight [m]
+constexpr double kStep = 0.02;       // step at which the mission's references are evaluated [s]
+constexpr double kMaxSteps = 50000;  // maximum for a long mission
+constexpr double kMinHeight = 0.05;  // minimum height of the equivalent flight [m]
 
 /// A jump of the reference, and the outputs until the next one.
 struct Jump {
@@ -35,7 +35,7 @@ Judged judged_periods(const Mission& mission, const std::vector<double>& times, 
   judged.position.assign(times.size(), false);
   MissionRunner runner(mission);
   const bool waypoints = std::holds_alternative<Waypoints>(mission.kind);
-  const double step = std::max(kStep, duration / kMostSteps);
+  const double step = std::max(kStep, duration / kMaxSteps);
   StateVector<double> believed = StateVector<double>::Zero();
   believed.head<3>() = mission.start.position;
   Reference<double> before;
@@ -142,7 +142,7 @@ std::optional<MissionBound> mission_bound(const FlightSetup& setup) {
     options.allowed.start = general_filter_settings(setup).start;
   const std::vector<double> times = bound_times(options.duration);
   const Judged judged = judged_periods(mission, times, options.duration);
-  options.height = std::max(judged.height, kLeastHeight);
+  options.height = std::max(judged.height, kMinHeight);
   const std::optional<SensorBound> bound = sensor_bound(sensors_of(setup), options);
   if (!bound) return std::nullopt;
   result.bound = *bound;

@@ -67,11 +67,11 @@ struct Instant {
 VectorXd added_by_turning(const std::vector<Step>& periods, const VectorXd& turn,
                           const std::vector<Instant>& instants, const MatrixXd& read, double dt) {
   // The correlation is negligible beyond 20 s, and motion is slower than 5 ms.
-  constexpr double kLongest = 20, kFine = 0.005, kNegligible = 1e-4;  // [s], [s], [1]
+  constexpr double kMax = 20, kFine = 0.005, kNegligible = 1e-4;  // [s], [s], [1]
   const auto N = periods.size();
   const auto stride = static_cast<Index>(std::max(1.0, std::floor(kFine / dt + 1e-9)));
   const double h = dt * static_cast<double>(stride);
-  const auto longest = static_cast<Index>(std::ceil(kLongest / h));
+  const auto longest = static_cast<Index>(std::ceil(kMax / h));
   const auto advance = [&](VectorXd& x, std::size_t& period) {
     for (Index i = 0; i < stride; ++i, period = (period + 1) % N) x = periods[period].F * x;
   };

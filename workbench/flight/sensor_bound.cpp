@@ -65,9 +65,9 @@ Eigen::Index add_state(ErrorModel& model, double P0, double Q, double decay) {
 /// @param least  lower limits that the filter assumes: standard deviation of the bias at turn-on
 ///               and its walk, in units of H x
 void add_sensor(ErrorModel& model, const SensorFaults& faults, int axis, LinearSensor sensor,
-                double unit, std::pair<double, double> least = {0, 0}) {
-  const double turn_on = std::max(std::abs(unit) * faults.turn_on_bias(axis), least.first);
-  const double walk = std::max(std::abs(unit) * faults.bias_walk(axis), least.second);
+                double unit, std::pair<double, double> min = {0, 0}) {
+  const double turn_on = std::max(std::abs(unit) * faults.turn_on_bias(axis), min.first);
+  const double walk = std::max(std::abs(unit) * faults.bias_walk(axis), min.second);
   const double correlated = std::abs(unit) * faults.correlated_noise(axis);
   sensor.H.conservativeResizeLike(Eigen::VectorXd::Zero(model.A.rows()));
   model.sensors.push_back(std::move(sensor));
@@ -112,14 +112,12 @@ SensorFaults velocity_of(const GpsSensor& gps) {
 
 bool sees_flow(const Sensors& sensors, const SensorBoundOptions& options) {
   return sensors.flow && present(sensors.flow->faults) &&
-         options.height >= sensors.flow->least_height &&
-         options.height <= sensors.flow->greatest_height;
+         options.height >= sensors.flow->min_height && options.height <= sensors.flow->max_height;
 }
 
 bool hears_echo(const Sensors& sensors, const SensorBoundOptions& options) {
   return sensors.sonar && present(sensors.sonar->faults) &&
-         options.height >= sensors.sonar->least_range &&
-         options.height <= sensors.sonar->greatest_range;
+         options.height >= sensors.sonar->min_range && options.height <= sensors.sonar->max_range;
 }
 
 /// One horizontal axis: position, velocity, tilt, bias of the gyroscope, bias of the accelerometer.

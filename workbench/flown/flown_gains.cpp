@@ -141,16 +141,16 @@ FlownAxisGains search_from(const RowVectorXd& start, const std::vector<FlownFami
   members.reserve(family.size());
   for (const FlownFamilyMember& member : family) members.push_back(member_of(member, law, weights));
   RowVectorXd F = start;
-  constexpr int kMostSlowings = 25;
-  for (int i = 0; i < kMostSlowings && !stable(members, F); ++i) F = slowed(F, 1.25);
+  constexpr int kMaxSlowings = 25;
+  for (int i = 0; i < kMaxSlowings && !stable(members, F); ++i) F = slowed(F, 1.25);
   FlownAxisGains result;
   result.axis = law.axis;
   result.tilt_integral = law.tilt_integral;
   MarginBounds bounds = asked;
   // The search bounds the margins only on a grid and for the mean response of the plant. The next
   // search compensates the excess of the actual closed loop over the bounds.
-  constexpr int kMostSearches = 3;
-  for (int i = 0; i < kMostSearches; ++i) {
+  constexpr int kMaxSearches = 3;
+  for (int i = 0; i < kMaxSearches; ++i) {
     for (FixedGainsMember& member : members) member.bounds = bounds;
     result.search = fixed_gains(members, F, {.products = structure_bounds(law)});
     if (result.search.status == FixedGainsStatus::unstable_start) return result;
@@ -193,7 +193,7 @@ FlownAxisGains design(const Vehicle& vehicle, const std::vector<FlownFamilyMembe
   const bool tilts = states.size() == 4;
   if (!tilts || !options.tilt_integral || result.F.size() == 0) return result;
   const double Kp = std::abs(result.F(2)), Kd = std::abs(result.F(3));
-  if (load_of(vehicle, axis) <= kGreatestLoadTilt * Kp) return result;
+  if (load_of(vehicle, axis) <= kMaxLoadTilt * Kp) return result;
   // Slower than the tilt loop, so that it costs little phase. The load in the cost is much smaller
   // than that of the motor: the cost grows with its square, and a large load would make the
   // position integrals so strong that steps overshoot.

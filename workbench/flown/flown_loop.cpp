@@ -115,14 +115,14 @@ FlownLoop flown_loop(const PlannedFlight& plan, const FlownLoopOptions& options)
   loop.margins.dt = loop.dt;
   for (const Signal& input : cut.inputs) loop.margins.names.push_back(input.name);
   if (options.evidence == MarginsEvidence::none) return loop;
-  const std::vector<PeriodicLti> channels = own_channels(cut);
+  const std::vector<PeriodicLti> channels = decoupled_channels(cut);
   loop.margins.loops.resize(channels.size());
   const auto one = [&](std::size_t i) { loop.margins.loops[i] = loop_margins(channels[i]); };
   internal::in_parallel(channels.size(), internal::thread_count(0), [&] { return one; }, {});
   return loop;
 }
 
-std::string in_words(const FlownLoop& loop) {
+std::string describe(const FlownLoop& loop) {
   const double rate = std::abs(loop.decay());
   std::string text = joined(loop.mode.states) + ": ";
   constexpr double kNeutral = 1e-6;  // [1/s], too small to be observable in a flight

@@ -29,7 +29,7 @@ int late_periods(const Vehicle& vehicle, double dt) {
     if (gyroscope->natural_frequency > 0)
       delay += 2 * gyroscope->damping / gyroscope->natural_frequency;
   }
-  return std::clamp(static_cast<int>(std::lround(delay / dt)), 0, kMostPastCommands);
+  return std::clamp(static_cast<int>(std::lround(delay / dt)), 0, kMaxPastCommands);
 }
 
 /// Sets couplings between independent groups of axes that result from rounding to zero.
@@ -71,7 +71,7 @@ class Softening {
   /// @param lower  whether to lower the weights of positions instead of raising those of commands
   FlownLqi run(int steps, bool lower) {
     FlownLqi best;
-    double most = -1;
+    double max = -1;
     std::array<double, 4> factors{1, 1, 1, 1};
     for (int i = 0; i <= steps; ++i) {
       FlownLqi result;
@@ -81,8 +81,8 @@ class Softening {
       const double share = *std::min_element(shares.begin(), shares.end());
       result.met = share >= 1;
       result.share = share;
-      if (share > most) {
-        most = share;
+      if (share > max) {
+        max = share;
         best = std::move(result);
       }
       if (best.met) break;
@@ -120,18 +120,18 @@ class Softening {
   /// @return  the share of the margins of one group's loop over the nominal members; 0 if it is
   ///          unstable for any member
   double share(const DiscreteLti& law, FlownAxis axis) const {
-    double least = std::numeric_limits<double>::infinity();
+    double min = std::numeric_limits<double>::infinity();
     for (const FlownFamilyMember& member : family_) {
       const PeriodicLti loop = axis_loop(member.plant, axis, law);
       if (member.nominal) {
-        least = std::min(least, share_of(loop_margins(loop), options_.margins));
+        min = std::min(min, share_of(loop_margins(loop), options_.margins));
       } else {
         const Eigen::VectorXcd poles = periodic_poles(closed(loop));
-        if (poles.size() > 0 && !(std::abs(poles(0)) < 1)) least = 0;
+        if (poles.size() > 0 && !(std::abs(poles(0)) < 1)) min = 0;
       }
-      if (!(least > 0)) return 0;
+      if (!(min > 0)) return 0;
     }
-    return least;
+    return min;
   }
 
   /// The gains that determine the command of one group.
@@ -237,7 +237,7 @@ FlownLqiOptions flown_lqi_options(const Vehicle& vehicle, const LqiDesign& desig
   if (design.R) weights.R = design.R->asDiagonal();
   if (design.R_change) {
     weights.R_change = design.R_change->asDiagonal();
-    options.least_past = 1;
+    options.min_past = 1;
   }
   options.weights = weights;
   return options;
@@ -256,7 +256,7 @@ FlownLqi flown_lqi(const Vehicle& vehicle, const FlownLqiOptions& options) {
   else
     for (const int more : {0, 1, 2, 4})
       lengths.emplace_back(vehicle, options, family,
-                           std::clamp(late + more, options.least_past, kMostPastCommands));
+                           std::clamp(late + more, options.min_past, kMaxPastCommands));
   const auto attempt = [&](int steps, bool lower) {
     for (Softening& length : lengths) {
       if (best.met && total(best) <= 1) return;

@@ -11,7 +11,7 @@
 #include "quadtune/errors.hpp"
 #include "quadtune/internal/suggest.hpp"
 #include "quadtune/internal/text_file.hpp"
-#include "quadtune/tuning/made_up_imu.hpp"
+#include "quadtune/tuning/simulated_imu.hpp"
 #include "quadtune/workbench/logs/channel_place.hpp"
 #include "quadtune/workbench/logs/sensor_log.hpp"
 
@@ -92,8 +92,8 @@ SensorAllan allan_of_log(const AllanOptions& options) {
   return analysed(read(options), options.taus);
 }
 
-SensorAllan allan_of_made_up(std::uint64_t seed, const std::string& unit, AllanTaus taus) {
-  MadeUpGyroscope made = make_up_gyroscope(seed);
+SensorAllan allan_of_simulated(std::uint64_t seed, const std::string& unit, AllanTaus taus) {
+  SimulatedGyroscope made = simulate_gyroscope(seed);
   return analysed({fmt::format("made up with seed {}", seed), "wz", unit.empty() ? "rad/s" : unit,
                    std::move(made.rate), 1 / made.sample_rate},
                   taus);

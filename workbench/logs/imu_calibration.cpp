@@ -41,15 +41,15 @@ class SensorWishes {
       if (&series_[i] != present.front() && channel_place(required_[i], path).file != path)
         series_[i] = interpolated(series_[i], present.front()->time);
     joined_ = join(present, log_name(path));
-    const auto most = std::max_element(present.begin(), present.end(), [](auto* a, auto* b) {
+    const auto max = std::max_element(present.begin(), present.end(), [](auto* a, auto* b) {
       return a->time.size() < b->time.size();
     });
-    if (options.note && joined_.t.size() < std::ssize((*most)->time))
+    if (options.note && joined_.t.size() < std::ssize((*max)->time))
       options.note(
           fmt::format("warning: {} of {} samples of '{}' in {} have no sample of another channel "
                       "at the same time and are ignored",
-                      std::ssize((*most)->time) - joined_.t.size(), (*most)->time.size(),
-                      internal::printable((*most)->name), log_name(path)));
+                      std::ssize((*max)->time) - joined_.t.size(), (*max)->time.size(),
+                      internal::printable((*max)->name), log_name(path)));
   }
 
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
@@ -142,7 +142,7 @@ CalibratedImu calibrate_from_logs(const ImuLogOptions& options) {
   CalibratedImu result;
   result.options = options.calibration;
   if (options.made_up) {
-    result.truth = make_up_imu({.seed = *options.made_up, .warming = 8});
+    result.truth = simulate_imu({.seed = *options.made_up, .warming = 8});
     result.logs = {result.truth->log};
   } else {
     for (const std::string& path : options.logs)

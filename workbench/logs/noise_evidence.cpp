@@ -14,7 +14,7 @@ namespace {
 using Eigen::Index;
 
 /// Maximum number of covariance entries for the smoother; above it, the filter's states are used.
-constexpr double kMostEntries = 5e7;
+constexpr double kMaxEntries = 5e7;
 
 /// Window of the running mean: enough innovations to be steady, few enough to resolve changes.
 int window_of(Index innovations) {
@@ -25,7 +25,7 @@ int window_of(Index innovations) {
 void smooth_states(const FilterModel& model, const Eigen::VectorXd& theta,
                    const FilterRecord& record, NoiseRun& run) {
   const Index nx = run.x.rows(), N = record.samples();
-  if (!(static_cast<double>(N) * static_cast<double>(nx * nx) < kMostEntries)) return;
+  if (!(static_cast<double>(N) * static_cast<double>(nx * nx) < kMaxEntries)) return;
   const SmoothedStates states = smooth(model, theta, record);
   if (!states.solved()) return;
   run.smoothed = true;
@@ -41,7 +41,8 @@ std::optional<NoiseRun> run_of(const FilterModel& model, const Eigen::VectorXd& 
   NoiseRun run;
   for (Index row = 0; row < filter.innovation.rows(); ++row) {
     const Index missing = filter.innovation.row(row).array().isNaN().count();
-    run.size.push_back(running_size(filter, row, window_of(record.samples() - missing)));
+    run.size.push_back(
+        normalized_innovation_window(filter, row, window_of(record.samples() - missing)));
   }
   run.innovation = std::move(filter.innovation);
   run.variance = std::move(filter.variance);

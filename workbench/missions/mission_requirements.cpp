@@ -49,7 +49,7 @@ std::vector<CostTerm> read_cost(const TomlTable& table, MissionRequirements& req
     requirements.measure = robust_measure(table.text("measure"), table.where("measure"));
   requirements.share =
       table.number_or("quantile", requirements.share,
-                      {kLeastTail, Range::Bound::closed, 1 - kLeastTail, Range::Bound::closed});
+                      {kMinTail, Range::Bound::closed, 1 - kMinTail, Range::Bound::closed});
   if (table.has("draws"))
     requirements.draws = static_cast<std::uint32_t>(table.integer("draws", 1, 100000));
   std::vector<CostTerm> cost;
@@ -92,11 +92,11 @@ void add_limits(const MarginLimits& limits, const NamedMargins& loop,
                 std::vector<DesignLimit>& all) {
   const LoopMargins& m = loop.margins;
   const auto add = [&](const char* what, double value, const std::optional<double>& bound,
-                       bool at_least, double least = 0) {
+                       bool at_least, double min = 0) {
     if (bound)
       all.push_back({fmt::format("{} of {}", what, loop.name),
                      m.stable ? value : std::numeric_limits<double>::quiet_NaN(), *bound, at_least,
-                     least});
+                     min});
   };
   add("Ms", m.Ms, limits.Ms_max, false, 1);
   add("phase margin", m.phase_margin, limits.phase_min, true);

@@ -20,13 +20,13 @@ namespace {
 constexpr std::uint32_t kUsualDraws = 4, kUsualProof = 24;
 
 std::uint32_t proof_draws(const TrialRequest& request, const MissionTuningOptions& options) {
-  const std::uint32_t least = least_draws(request);
-  if (options.proof == 0) return std::max(kUsualProof, least);
-  if (options.proof < least)
+  const std::uint32_t min = min_draws(request);
+  if (options.proof == 0) return std::max(kUsualProof, min);
+  if (options.proof < min)
     throw OptionError("proof",
                       fmt::format("proof is {}, expected at least {} because the {:g} quantile "
                                   "requires as many draws",
-                                  options.proof, least, request.share));
+                                  options.proof, min, request.share));
   return options.proof;
 }
 
@@ -136,7 +136,7 @@ double DistanceOverTime::at(double t) const {
 
 std::vector<TunedFlights> tuned_flights(const MissionTuningResult& result,
                                         const std::function<bool()>& stop) {
-  constexpr double kMostRows = 2e6;  // of a log in memory
+  constexpr double kMaxRows = 2e6;  // of a log in memory
   std::vector<Controller> controllers = {
       *result.tuning.design(result.tuning.start).point.controller,
       *result.tuning.design(result.search.candidate).point.controller};
@@ -146,7 +146,7 @@ std::vector<TunedFlights> tuned_flights(const MissionTuningResult& result,
     TunedFlights flights{result.request.missions[m].name, {}};
     for (const Controller& controller : controllers) {
       FlightSetup setup = result.trial->setup(controller, m, result.request.draws);
-      if (duration_of(setup) / control_period(setup) > kMostRows) return all;
+      if (duration_of(setup) / control_period(setup) > kMaxRows) return all;
       setup.log = true;
       flights.distances.push_back(distance_of(fly(setup, stop).log));
     }

@@ -186,14 +186,14 @@ MethodComparison compare_sampling_methods(const std::string& vehicle_name, doubl
   return comparison;
 }
 
-LeastMargins least_margins(const FlownLoop& loop) {
-  LeastMargins least;
+MinMargins min_margins(const FlownLoop& loop) {
+  MinMargins min;
   for (const LoopMargins& one : loop.margins.loops) {
-    least.phase = std::min(least.phase, one.phase_margin);
-    least.Ms = std::max(least.Ms, one.Ms);
-    least.disk = std::min(least.disk, one.disk.alpha);
+    min.phase = std::min(min.phase, one.phase_margin);
+    min.Ms = std::max(min.Ms, one.Ms);
+    min.disk = std::min(min.disk, one.disk.alpha);
   }
-  return least;
+  return min;
 }
 
 }  // namespace quadtune

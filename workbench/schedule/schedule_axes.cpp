@@ -51,9 +51,9 @@ std::vector<double> range_values(double first, double step, double last, const s
                     "first",
                     axis, first, last));
   const double steps = (last - first) / step;
-  if (!(steps < static_cast<double>(kMostSchedulePoints)))
+  if (!(steps < static_cast<double>(kMaxSchedulePoints)))
     refuse(fmt::format("axis {} has {:.3g} steps, expected at most {} points", axis, steps,
-                       kMostSchedulePoints));
+                       kMaxSchedulePoints));
   const auto count = static_cast<Eigen::Index>(std::llround(steps));
   if (std::abs(steps - static_cast<double>(count)) > kRounding)
     refuse(

@@ -34,20 +34,20 @@ VehicleUncertainty uncertainty_of(const CertifyOptions& options, const Vehicle& 
   const double late = vehicle.motor.delay;  // plus up to the jitter and one period for computation
   u.delay = options.delay.value_or(UncertainRange{late, late + vehicle.motor.delay_jitter + dt});
   // Beyond this, the states of the delay make the proof too expensive.
-  if (u.delay.high > kMostDelayPeriods * dt)
+  if (u.delay.high > kMaxDelayPeriods * dt)
     throw OptionError("delay", fmt::format("delay is up to {:.6g} s, expected at most {} periods "
                                            "of {:.6g} s",
-                                           u.delay.high, kMostDelayPeriods, dt));
+                                           u.delay.high, kMaxDelayPeriods, dt));
   const double own = slower_lag(vehicle.rotors.front());
   u.lag = options.lag.value_or(UncertainRange{own * (1 - spread.motor_lag),
-                                              std::min(own * (1 + spread.motor_lag), kLongestLag)});
+                                              std::min(own * (1 + spread.motor_lag), kMaxLag)});
   if (!options.lag && std::any_of(vehicle.rotors.begin(), vehicle.rotors.end(),
                                   [&](const Rotor& rotor) { return slower_lag(rotor) != own; }))
     throw InvalidInput(vehicle.name,
                        "the rotors have different lags; expected --lag LOW:HIGH for all of them");
-  if (u.lag.high > kLongestLag)
+  if (u.lag.high > kMaxLag)
     throw OptionError("lag", fmt::format("lag is up to {:.6g} s, expected at most {:.6g} s",
-                                         u.lag.high, kLongestLag));
+                                         u.lag.high, kMaxLag));
   return u;
 }
 
@@ -99,8 +99,9 @@ AskedLaw asked_cascade(CascadeDesign cascade, const StoredLaws& stored,
 std::vector<AskedLaw> laws_of(const std::string& directory, const CertifyOptions& options,
                               const std::string& controller, const Vehicle& vehicle) {
   if (holds_schedule(directory))
-    throw InvalidInput(directory, "the export holds a gain schedule; certify covers one law about "
-                                  "one hover, so export and certify the gains of a grid point");
+    throw InvalidInput(directory,
+                       "the export holds a gain schedule; certify covers one law about "
+                       "one hover, so export and certify the gains of a grid point");
   const StoredLaws stored = read_laws(directory);
   const auto asked_for = [&](const char* kind) { return controller.empty() || controller == kind; };
   std::vector<AskedLaw> laws;
@@ -138,22 +139,22 @@ FlownBox flown_of(const AskedLaw& asked, const CertifyOptions& options) {
 bool CertifiedLaw::proved() const { return reason().empty(); }
 
 std::string CertifiedLaw::reason() const {
-  if (family.greatest_scale < 1)
+  if (family.max_scale < 1)
     return fmt::format("the vehicle cannot hover everywhere in the box: {}",
-                       family.greatest_scale_reason);
+                       family.max_scale_reason);
   if (robustness.worst.unstable())
     return fmt::format("{} is unstable, largest |z| {:.6f}, at {}", name, robustness.worst.radius,
-                       in_words(family, robustness.worst.parameters));
+                       describe(family, robustness.worst.parameters));
   if (flown_unstable())
     return fmt::format(
         "{}: the flown loop, with sensors and the estimator {}, is unstable: {}; at {}", name,
-        flown->worst->estimator, in_words(*flown->worst), in_words(family, flown->parameters));
+        flown->worst->estimator, describe(*flown->worst), describe(family, flown->parameters));
   if (robustness.proof.proved()) return "";
   return fmt::format(
       "{} is not proved, nor was an unstable loop found: {}; the worst found has "
       "|z| {:.6f}, at {}",
       name, robustness.proof.culprit, robustness.worst.radius,
-      in_words(family, robustness.worst.parameters));
+      describe(family, robustness.worst.parameters));
 }
 
 bool CertifyReport::proved() const {
@@ -183,7 +184,7 @@ CertifyReport certify(const std::string& directory, const CertifyOptions& option
   report.vehicle = vehicle.name;
   RobustnessOptions robustness;
   robustness.seed = options.seed;
-  robustness.proof.most_boxes = options.most_boxes;
+  robustness.proof.max_boxes = options.max_boxes;
   robustness.proof.threads = options.threads;
   robustness.proof.interrupted = options.stop;
   for (AskedLaw& asked : laws_of(directory, options, controller, vehicle)) {
@@ -195,7 +196,7 @@ CertifyReport certify(const std::string& directory, const CertifyOptions& option
   return report;
 }
 
-std::string in_words(const LoopFamily& family, const Eigen::VectorXd& values) {
+std::string describe(const LoopFamily& family, const Eigen::VectorXd& values) {
   std::string text;
   for (std::size_t i = 0; i < family.parameters.size(); ++i) {
     const UncertainParameter& p = family.parameters[i];

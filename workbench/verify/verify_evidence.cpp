@@ -77,8 +77,8 @@ double difference(const Gains& gains, const std::vector<Signal>& states,
   double worst = 0;
   for (Index i = 0; i < given.rows(); ++i) {
     const double scale = given.row(i).cwiseAbs().maxCoeff();
-    const double most = (given.row(i) - solved.row(i)).cwiseAbs().maxCoeff();
-    worst = std::max(worst, scale > 0 ? most / scale : most);
+    const double max = (given.row(i) - solved.row(i)).cwiseAbs().maxCoeff();
+    worst = std::max(worst, scale > 0 ? max / scale : max);
   }
   return worst;
 }

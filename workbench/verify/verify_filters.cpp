@@ -20,8 +20,8 @@ double apart(const Eigen::MatrixXd& given, const Eigen::MatrixXd& solved) {
     return std::numeric_limits<double>::infinity();
   if (solved.size() == 0) return 0;
   const double largest = solved.cwiseAbs().maxCoeff();
-  const double most = (given - solved).cwiseAbs().maxCoeff();
-  return most == 0 ? 0 : most / largest;
+  const double max = (given - solved).cwiseAbs().maxCoeff();
+  return max == 0 ? 0 : max / largest;
 }
 
 }  // namespace

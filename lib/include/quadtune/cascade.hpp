@@ -88,12 +88,12 @@ enum class CascadeStructure {
 [[nodiscard]] CascadeStructure cascade_structure(const std::string& name, const std::string& where);
 
 /// The maximum Ki for which gains of the structure p_pi exist.
-[[nodiscard]] constexpr double greatest_p_pi_integral(double Kp, double Kd) {
+[[nodiscard]] constexpr double max_p_pi_integral(double Kp, double Kd) {
   return Kp * Kp / (4 * (Kd < 0 ? -Kd : Kd));
 }
 
 /// Maximum delay of a sensor [samples]: each sample adds a state to every loop that is evaluated.
-inline constexpr int kMostDelaySamples = 40;
+inline constexpr int kMaxDelaySamples = 40;
 
 /// Requirements on a cascade, with the control period, motor lag and sensor delays it flies with.
 struct CascadeSpecification {

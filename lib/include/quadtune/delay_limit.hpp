@@ -5,6 +5,6 @@
 namespace quadtune {
 
 /// Maximum delay of commands and sensors [control periods].
-inline constexpr int kMostDelayPeriods = 40;
+inline constexpr int kMaxDelayPeriods = 40;
 
 }  // namespace quadtune

@@ -48,7 +48,7 @@ struct LqrDesign {
 
 /// Convention and inputs of flight code that applies one matrix to the 12 states and one to the
 /// integrals.
-struct MatrixWords {
+struct MatrixConvention {
   std::string convention = "ned";
   InputKind input_kind = InputKind::wrench;
 };
@@ -66,7 +66,7 @@ struct LqiDesign {
   std::optional<int> past;                    ///< prediction horizon [control periods]
   /// If set, the design is a matrix on the 12 states and the usual integrals, without memory of
   /// past commands, in this convention. The weights remain those of ned_convention().
-  std::optional<MatrixWords> matrix = {};
+  std::optional<MatrixConvention> matrix = {};
 };
 
 /// A steady-state Kalman filter to design: x[k+1] = A x + B u + G w, y = C x + v.

@@ -8,7 +8,7 @@
 namespace quadtune {
 
 /// Maximum number of characters of the prefix of exported flight code.
-inline constexpr std::size_t kLongestFlightCodeName = 24;
+inline constexpr std::size_t kMaxFlightCodeName = 24;
 
 /// @throws InvalidInput  if the name cannot prefix the files, types and functions of a C program.
 ///                       It must consist of lower-case letters, digits and _, start with a letter,

@@ -42,12 +42,12 @@ struct ScheduleAxis {
 };
 
 /// Maximum number of grid points: a larger grid is most likely a mistyped step.
-inline constexpr Eigen::Index kMostSchedulePoints = 100'000;
+inline constexpr Eigen::Index kMaxSchedulePoints = 100'000;
 
 /// Number of points of the grid.
 /// @throws InvalidInput  with the name of the axis, if there are no axes, a quantity is repeated,
 ///                       values are missing, not finite, not ascending or out of the quantity's
-///                       range, or the grid exceeds kMostSchedulePoints.
+///                       range, or the grid exceeds kMaxSchedulePoints.
 Eigen::Index checked_grid_size(const std::vector<ScheduleAxis>& axes, const std::string& where);
 
 /// The values of grid point `index`, one per axis. The last axis varies fastest.

@@ -14,8 +14,8 @@
 namespace quadtune {
 
 /// Maximum lag of an actuator [s], and maximum number of past commands that a law feeds back.
-inline constexpr double kMostActuatorLag = 1;
-inline constexpr int kMostPastCommands = 40;
+inline constexpr double kMaxActuatorLag = 1;
+inline constexpr int kMaxPastCommands = 40;
 
 /// Feedback of a law's own past commands, for actuators that follow the commands with a delay.
 ///

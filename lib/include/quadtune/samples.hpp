@@ -14,7 +14,7 @@
 namespace quadtune {
 
 /// Blocks of fewer bytes are allocated on the heap.
-inline constexpr std::size_t kLeastSpooled = std::size_t{4} << 20;
+inline constexpr std::size_t kMinSpooled = std::size_t{4} << 20;
 
 namespace internal {
 /// Creates the file in $TMPDIR, or in /var/tmp if that is not set. If the file system has no room,

@@ -31,14 +31,14 @@ using MaskOf = typename MaskOfScalar<T>::type;
 /// The minimum and the maximum. If a is NaN the result is b; the result is unspecified if b is NaN.
 template <class T>
 requires std::is_floating_point_v<T>
-[[nodiscard]] constexpr T lesser(T a, T b) noexcept { return a < b ? a : b; }
+[[nodiscard]] constexpr T min_of(T a, T b) noexcept { return a < b ? a : b; }
 template <class T>
 requires std::is_floating_point_v<T>
-[[nodiscard]] constexpr T greater(T a, T b) noexcept { return a > b ? a : b; }
+[[nodiscard]] constexpr T max_of(T a, T b) noexcept { return a > b ? a : b; }
 /// x limited to [low, high]; low if x is NaN.
 template <class T>
 [[nodiscard]] constexpr T clamped(const T& x, const T& low, const T& high) noexcept {
-  return lesser(greater(x, low), high);
+  return min_of(max_of(x, low), high);
 }
 
 template <class T>
@@ -46,15 +46,15 @@ requires std::is_floating_point_v<T>
 [[nodiscard]] inline bool is_finite(T x) noexcept { return std::isfinite(x); }
 template <class T>
 requires std::is_floating_point_v<T>
-[[nodiscard]] inline T magnitude(T x) noexcept { return std::abs(x); }
+[[nodiscard]] inline T abs_of(T x) noexcept { return std::abs(x); }
 
 /// Whether the mask is true in any lane or in every lane. A number has one lane.
 [[nodiscard]] constexpr bool any(bool mask) noexcept { return mask; }
 [[nodiscard]] constexpr bool all(bool mask) noexcept { return mask; }
 /// Lane by lane and, or and not for both kinds of mask; && and || do not work on a Pack's masks.
-[[nodiscard]] constexpr bool both(bool a, bool b) noexcept { return a && b; }
-[[nodiscard]] constexpr bool either(bool a, bool b) noexcept { return a || b; }
-[[nodiscard]] constexpr bool negated(bool a) noexcept { return !a; }
+[[nodiscard]] constexpr bool logical_and(bool a, bool b) noexcept { return a && b; }
+[[nodiscard]] constexpr bool logical_or(bool a, bool b) noexcept { return a || b; }
+[[nodiscard]] constexpr bool logical_not(bool a) noexcept { return !a; }
 
 /// Calls f(0), f(1) … f(N - 1), inlined, with constant indices: unlike a loop, this lets the
 /// compiler keep the elements of small arrays in registers.

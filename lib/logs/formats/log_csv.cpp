@@ -27,7 +27,7 @@ constexpr std::string_view kFirstLine = "# quadtune-log,1";
 constexpr std::string_view kNote =
     "# note,units stand in brackets after the names; 1 is a count or a truth value; an empty field "
     "is no value";
-constexpr std::size_t kLongestNumber = 24;  // -1.2345678901234567e-308
+constexpr std::size_t kMaxNumber = 24;  // -1.2345678901234567e-308
 
 // --- writing ---
 
@@ -63,11 +63,11 @@ std::string title(const LogColumn& column) {
 
 // Writes a number without a final zero at `out`; returns the end.
 char* write_number(double value, char* out) {
-  return std::to_chars(out, out + kLongestNumber, value).ptr;
+  return std::to_chars(out, out + kMaxNumber, value).ptr;
 }
 
 std::string number_text(double value) {
-  char digits[kLongestNumber];
+  char digits[kMaxNumber];
   return std::isnan(value) ? "nan" : std::string(digits, write_number(value, digits));
 }
 
@@ -311,7 +311,7 @@ std::string csv_of(const LogTable& table) {
   for (std::size_t i = 0; i < columns; ++i) text += (i > 0 ? "," : "") + title(table.columns[i]);
   text += '\n';
 
-  std::vector<char> row(columns * (kLongestNumber + 1));
+  std::vector<char> row(columns * (kMaxNumber + 1));
   for (std::size_t i = 0; i < table.rows(); ++i) {
     char* end = row.data();
     for (std::size_t k = 0; k < columns; ++k) {

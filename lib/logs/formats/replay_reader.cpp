@@ -19,9 +19,9 @@
 namespace quadtune::internal {
 namespace {
 
-constexpr double kTicks = 1e6;            // microseconds
-constexpr std::size_t kMostGroups = 256;  // a replay has about ten sensors
-constexpr std::size_t kMostValues = 256;  // per line
+constexpr double kTicks = 1e6;           // microseconds
+constexpr std::size_t kMaxGroups = 256;  // a replay has about ten sensors
+constexpr std::size_t kMaxValues = 256;  // per line
 constexpr std::size_t kBlockValues = 4096;
 
 // Channels that the estimator's simulated sensors write, in their order.
@@ -120,9 +120,9 @@ class ReplayReader final : public LogReader {
     while (!rest.empty()) {
       const std::string_view word = next_word(rest, ',');
       const std::optional<double> value = number_of(word);
-      if (!value || waiting_.values.size() == kMostValues) {
+      if (!value || waiting_.values.size() == kMaxValues) {
         skip(fmt::format("'{}' is not a number in the range of a double, or more than {} values",
-                         printable(word), kMostValues));
+                         printable(word), kMaxValues));
         return false;
       }
       waiting_.values.push_back(*value);
@@ -134,8 +134,8 @@ class ReplayReader final : public LogReader {
     const std::size_t count = waiting_.values.size();
     const auto found = by_name_.find(sensor);
     if (found == by_name_.end()) {
-      if (groups().size() == kMostGroups) {
-        skip(fmt::format("sensor '{}' exceeds the limit of {} sensors", sensor, kMostGroups));
+      if (groups().size() == kMaxGroups) {
+        skip(fmt::format("sensor '{}' exceeds the limit of {} sensors", sensor, kMaxGroups));
         return std::nullopt;
       }
       add_group(group(sensor, count));

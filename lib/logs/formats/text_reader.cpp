@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kTextBlockValues = 8192;  // 64 KiB: fits in the cache
-constexpr std::size_t kMostColumns = 10000;     // a file with more is not a log
+constexpr std::size_t kMaxColumns = 10000;      // a file with more is not a log
 // [bytes] used to infer the unit of the time
 constexpr std::size_t kLookedAhead = std::size_t{1} << 18U;
 constexpr std::size_t kTimesLookedAt = 64;
@@ -194,9 +194,9 @@ class TextReader final : public LogReader {
   }
 
   void require_columns(std::size_t count) const {
-    if (count > kMostColumns)
+    if (count > kMaxColumns)
       throw InvalidInput(lines_.where(),
-                         fmt::format("has {} columns, expected at most {}", count, kMostColumns));
+                         fmt::format("has {} columns, expected at most {}", count, kMaxColumns));
   }
 
   void read_row_count(std::string_view text) {

@@ -39,8 +39,8 @@ struct UlogLayout {
   /// It begins with a field `timestamp` [us], which is not a channel
   bool timed = false;
   UlogLeaf timestamp{UlogType::kUint64, 0};
-  std::size_t least = 0;  ///< minimum size of a record [bytes]; padding at its end may be omitted
-  std::size_t most = 0;
+  std::size_t min = 0;  ///< minimum size of a record [bytes]; padding at its end may be omitted
+  std::size_t max = 0;
 };
 
 /// Value of a leaf in a record that contains it.

@@ -30,8 +30,8 @@ constexpr std::size_t kHeaderSize = 16;  // magic, version, time
 constexpr std::size_t kMessageHeader = 3;
 constexpr std::string_view kKnownTypes = "ABCDFILMOPQRS";
 constexpr std::string_view kSync = "\x2f\x73\x13\x20\x25\x0c\xbb\x12"sv;
-constexpr std::size_t kMostChannels = 200000;
-constexpr std::size_t kMostUlogGroups = 10000;
+constexpr std::size_t kMaxChannels = 200000;
+constexpr std::size_t kMaxUlogGroups = 10000;
 constexpr std::size_t kUlogBlockValues = 4096;
 constexpr double kUlogTicks = 1e6;       // microseconds
 constexpr std::size_t kTopicNumber = 2;  // [bytes] before the record's data
@@ -251,10 +251,10 @@ class UlogReader final : public LogReader {
     entry.group = place;
     if (same == groups().end()) {
       channels_ += entry.layout.channels.size() + 1;
-      if (channels_ > kMostChannels || groups().size() == kMostUlogGroups)
+      if (channels_ > kMaxChannels || groups().size() == kMaxUlogGroups)
         throw InvalidInput(stream_.name(),
                            fmt::format("has more than {} channels or {} topics, expected fewer",
-                                       kMostChannels, kMostUlogGroups));
+                                       kMaxChannels, kMaxUlogGroups));
       add_group({name, entry.layout.channels, entry.layout.timed});
     }
     topics_.insert_or_assign(id, std::move(entry));
@@ -274,8 +274,8 @@ class UlogReader final : public LogReader {
     }
     const UlogLayout& layout = found->second.layout;
     const std::string_view record = body.substr(kTopicNumber);
-    if (record.size() < layout.least || record.size() > layout.most) {
-      skip(fmt::format("a record of {} bytes, expected {}", record.size(), layout.most));
+    if (record.size() < layout.min || record.size() > layout.max) {
+      skip(fmt::format("a record of {} bytes, expected {}", record.size(), layout.max));
       return nullptr;
     }
     if (layout.timed && ulog_whole(layout.timestamp, record) > kLastTime) {
@@ -310,7 +310,7 @@ class UlogReader final : public LogReader {
       if (ahead[at + 2] == 'D' && body.size() == size && size > kTopicNumber) {
         const auto topic = topics_.find(read_number<std::uint16_t>(body, 0));
         if (topic != topics_.end() && topic->second.layout.timed &&
-            size - kTopicNumber >= topic->second.layout.least)
+            size - kTopicNumber >= topic->second.layout.min)
           if (const std::uint64_t time =
                   ulog_whole(topic->second.layout.timestamp, body.substr(kTopicNumber));
               time != 0)

@@ -9,7 +9,7 @@
 namespace quadtune::internal {
 namespace {
 
-constexpr std::size_t kLongestName = 63;
+constexpr std::size_t kMaxName = 63;
 constexpr int kDeepest = 4;  // levels of nested structs; further dots in a name are replaced by '_'
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
@@ -31,7 +31,7 @@ std::string identifier(std::string_view text) {
     if ((static_cast<unsigned char>(c) & 0xc0U) != 0x80)  // one '_' per UTF-8 character
       name += is_letter(c) || is_digit(c) ? c : '_';
   if (name.empty() || !is_letter(name[0]) || is_keyword(name)) name.insert(0, "x");
-  return name.substr(0, kLongestName);
+  return name.substr(0, kMaxName);
 }
 
 // Data that FieldTree does not contain: the struct of each part of a name. "a-b.c" and "a_b.c" are
@@ -70,7 +70,7 @@ std::string FieldNames::add(std::string_view text) {
   std::string candidate = name;
   for (int i = 2; !taken_.insert(candidate).second; ++i) {
     const std::string end = fmt::format("_{}", i);
-    candidate = name.substr(0, kLongestName - end.size()) + end;
+    candidate = name.substr(0, kMaxName - end.size()) + end;
   }
   return candidate;
 }

@@ -96,7 +96,7 @@ std::string variable_of(const LogTable& table) {
 
 // An upper bound of the file size [bytes]: a text appears up to three times in UTF-16, and each
 // array needs a few hundred bytes in addition.
-std::size_t most_bytes(const LogTable& table) {
+std::size_t max_bytes(const LogTable& table) {
   constexpr std::size_t kOwn = 2048;
   std::size_t texts = 0;
   for (const LogColumn& column : table.columns) texts += column.name.size() + column.unit.size();
@@ -110,7 +110,7 @@ std::size_t most_bytes(const LogTable& table) {
 
 std::string bytes_of_mat(const LogTable& table) {
   internal::require_log(table, "log");
-  if (most_bytes(table) >= kLogLimit)
+  if (max_bytes(table) >= kLogLimit)
     throw InvalidInput("log", fmt::format("has {} rows of {} columns and {} events, expected less "
                                           "than 2 GiB in all, as MAT v5 files hold no more: write "
                                           "a .csv",

@@ -111,8 +111,8 @@ MetricSpread spread_of(Metric metric, std::span<const double> values,
   std::vector<double> sorted(order.size());
   std::transform(order.begin(), order.end(), sorted.begin(),
                  [](const Placed& p) { return p.value; });
-  spread.least = sorted.front();
-  spread.greatest = sorted.back();
+  spread.min = sorted.front();
+  spread.max = sorted.back();
   spread.percentile_5 = quantile(sorted, 0.05);
   spread.median = quantile(sorted, 0.5);
   spread.percentile_95 = quantile(sorted, 0.95);
@@ -143,7 +143,7 @@ WorstLimit worst_limit(const FlightSetup& setup, const CampaignRecord& record) {
   WorstLimit worst;
   for (const Limit& limit : setup.mission.limits) {
     const double value = record.metrics[limit.metric];
-    const double share = std::isnan(value) ? kInfinity : value / limit.most;
+    const double share = std::isnan(value) ? kInfinity : value / limit.max;
     if (share > worst.share) worst = {share, &limit};
   }
   return worst;
@@ -154,8 +154,8 @@ std::string words_of(const Limit& limit, const CampaignRecord& record) {
   const double value = record.metrics[limit.metric];
   if (!std::isfinite(value))
     return fmt::format("{} {}, limit {:.3g}{}", name_of(limit.metric),
-                       std::isnan(value) ? "not measured" : "never reached", limit.most, unit);
-  return fmt::format("{} {:.3g}{} of {:.3g}{}", name_of(limit.metric), value, unit, limit.most,
+                       std::isnan(value) ? "not measured" : "never reached", limit.max, unit);
+  return fmt::format("{} {:.3g}{} of {:.3g}{}", name_of(limit.metric), value, unit, limit.max,
                      unit);
 }
 
@@ -379,8 +379,8 @@ Estimated rank_correlation(std::span<const double> x, std::span<const double> y)
 CampaignStatistics campaign_statistics(const Campaign& campaign, const Eigen::MatrixXd& drawn,
                                        std::span<const CampaignRecord> records,
                                        std::size_t threads) {
-  constexpr std::size_t kMostThreads = 8;
-  threads = std::min(internal::thread_count(threads), kMostThreads);
+  constexpr std::size_t kMaxThreads = 8;
+  threads = std::min(internal::thread_count(threads), kMaxThreads);
   std::vector<DrawnRanks> quantities(static_cast<std::size_t>(drawn.rows()));
   const auto rank_quantity = [&](std::size_t q) {
     const Eigen::VectorXd values = drawn.row(static_cast<Eigen::Index>(q));

@@ -153,7 +153,7 @@ void make_tables(const Beside& file, sqlite3* database, const Campaign& campaign
     row.put(number.quantity);
     row.put(uncertain_quantity(number.quantity, "table").unit);
     row.put(to_string(d.kind));
-    for (const double x : {d.first, d.second, d.least, d.most}) row.put(x);
+    for (const double x : {d.first, d.second, d.min, d.max}) row.put(x);
     row.insert();
   }
 }

@@ -10,7 +10,7 @@ namespace {
 
 using Parts = UncertainParts;
 
-constexpr double kLeastRatio = 0.01, kGreatestRatio = 100;
+constexpr double kMinRatio = 0.01, kMaxRatio = 100;
 constexpr double kStrongestWind = 50;  // [m/s]
 
 /// Builds the table of quantities.
@@ -18,15 +18,15 @@ class Table {
  public:
   void ratio(const std::string& name, const std::string& meaning,
              std::function<bool(Parts&, double)> change) {
-    add({name, "1", QuantityKind::ratio, kLeastRatio, kGreatestRatio, meaning}, std::move(change));
+    add({name, "1", QuantityKind::ratio, kMinRatio, kMaxRatio, meaning}, std::move(change));
   }
   void addition(const std::string& name, const std::string& unit, double size,
                 const std::string& meaning, std::function<bool(Parts&, double)> change) {
     add({name, unit, QuantityKind::addition, -size, size, meaning}, std::move(change));
   }
-  void value(const std::string& name, const std::string& unit, double least, double greatest,
+  void value(const std::string& name, const std::string& unit, double min, double max,
              const std::string& meaning, std::function<bool(Parts&, double)> change) {
-    add({name, unit, QuantityKind::value, least, greatest, meaning}, std::move(change));
+    add({name, unit, QuantityKind::value, min, max, meaning}, std::move(change));
   }
 
   std::vector<QuantityEffect> all;
@@ -39,7 +39,7 @@ class Table {
 };
 
 /// Wind affects a vehicle only through its drag.
-bool has_drag(const Parts& p) { return feels_wind(p.flown); }
+bool has_drag(const Parts& p) { return has_aerodynamics(p.flown); }
 
 void add_body(Table& table) {
   table.ratio("mass", "mass of the vehicle", [](Parts& p, double x) {
@@ -165,7 +165,7 @@ struct SensorWords {
   const char* name;
   const char* unit;
   int axes;
-  double greatest;  ///< maximum bias or noise, in the sensor's unit
+  double max;  ///< maximum bias or noise, in the sensor's unit
 };
 
 void add_sensor(Table& table, const SensorWords& sensor) {
@@ -182,13 +182,13 @@ void add_sensor(Table& table, const SensorWords& sensor) {
               with_faults([](SensorFaults& f, double x) { f.scale *= x; }));
   for (int axis = 0; axis < sensor.axes; ++axis)
     table.addition(sensor.axes == 1 ? name + "_bias" : fmt::format("{}_bias_{}", name, "xyz"[axis]),
-                   sensor.unit, sensor.greatest,
+                   sensor.unit, sensor.max,
                    sensor.axes == 1 ? fmt::format("bias of the {}", name)
                                     : fmt::format("bias of the {} along {}", name, "xyz"[axis]),
                    with_faults([axis](SensorFaults& f, double x) { f.bias(axis) += x; }));
   table.ratio(name + "_noise", fmt::format("noise of the {}", name),
               with_faults([](SensorFaults& f, double x) { f.noise *= x; }));
-  table.value(name + "_deviation", sensor.unit, 0, sensor.greatest,
+  table.value(name + "_deviation", sensor.unit, 0, sensor.max,
               fmt::format("standard deviation of a sample of the {}, every axis", name),
               with_faults([axes = sensor.axes](SensorFaults& f, double x) {
                 f.noise.head(axes).setConstant(x);

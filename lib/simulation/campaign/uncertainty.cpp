@@ -67,7 +67,7 @@ Cut cut_of(const Distribution& d) {
       return x <= 0 ? -std::numeric_limits<double>::infinity() : std::log(x / d.first) / d.second;
     return (x - d.first) / d.second;
   };
-  return {standard(d.least), standard(d.most)};
+  return {standard(d.min), standard(d.max)};
 }
 
 void check(const Distribution& d, const UncertainQuantity& quantity, const std::string& where) {
@@ -77,7 +77,7 @@ void check(const Distribution& d, const UncertainQuantity& quantity, const std::
   const auto number = [&](double x, const char* name) {
     if (!std::isfinite(x)) refuse(fmt::format("{} is {}, expected a finite number", name, x));
   };
-  double low = d.least, high = d.most;
+  double low = d.min, high = d.max;
   switch (d.kind) {
     case DistributionKind::normal:
       number(d.first, "mean");
@@ -117,12 +117,11 @@ void check(const Distribution& d, const UncertainQuantity& quantity, const std::
       high = std::min(high, value_at({d.kind, d.first, d.second}, 8));
     }
   }
-  if (low < quantity.least || high > quantity.greatest)
-    refuse(
-        fmt::format("draws from {:.6g} to {:.6g}{}, expected within {:.6g} to {:.6g}; least "
-                    "and most limit a distribution",
-                    low, high, quantity.unit == "1" ? "" : " " + quantity.unit, quantity.least,
-                    quantity.greatest));
+  if (low < quantity.min || high > quantity.max)
+    refuse(fmt::format(
+        "draws from {:.6g} to {:.6g}{}, expected within {:.6g} to {:.6g}; least "
+        "and most limit a distribution",
+        low, high, quantity.unit == "1" ? "" : " " + quantity.unit, quantity.min, quantity.max));
 }
 
 void check_correlation(const Uncertainty& uncertainty, const std::string& where) {
@@ -174,13 +173,13 @@ double value_at(const Distribution& d, double z) {
   if (d.kind == DistributionKind::uniform)
     return std::min(d.second, d.first + internal::normal_below(z) * (d.second - d.first));
   if (d.second == 0) return d.first;
-  if (std::isfinite(d.least) || std::isfinite(d.most)) {
+  if (std::isfinite(d.min) || std::isfinite(d.max)) {
     const Cut cut = cut_of(d);
     z = within(cut.low, cut.high, z);
   }
   const double value = d.kind == DistributionKind::normal ? d.first + d.second * z
                                                           : d.first * std::exp(d.second * z);
-  return std::clamp(value, d.least, d.most);
+  return std::clamp(value, d.min, d.max);
 }
 
 void validate(const Uncertainty& uncertainty, const std::string& where) {

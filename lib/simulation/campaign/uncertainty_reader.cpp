@@ -72,8 +72,8 @@ Distribution read_distribution(const TomlTable& vary, const UncertainQuantity& q
   result.first = quantity.kind == QuantityKind::value ? table.number(centre)
                                                       : table.number_or(centre, nominal);
   result.second = table.number("deviation");
-  result.least = table.number_or("least", result.least);
-  result.most = table.number_or("most", result.most);
+  result.min = table.number_or("least", result.min);
+  result.max = table.number_or("most", result.max);
   return result;
 }
 

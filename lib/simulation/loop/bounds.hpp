@@ -12,14 +12,14 @@
 
 namespace quadtune::internal {
 
-inline constexpr double kLongest = 86400;    // [s], a day
+inline constexpr double kMax = 86400;        // [s], a day
 inline constexpr double kFarthest = 1e5;     // [m], limit of the flat-earth model
 inline constexpr double kWidestAngle = 1e4;  // [rad], several turns included
 
-inline constexpr double kLeastWay = 1e-6;  // [m], below which two points count as equal
+inline constexpr double kMinWay = 1e-6;  // [m], below which two points count as equal
 
-inline constexpr Range kTimes{0, Range::Bound::closed, kLongest, Range::Bound::closed};
-inline constexpr Range kDurations{0, Range::Bound::open, kLongest, Range::Bound::closed};
+inline constexpr Range kTimes{0, Range::Bound::closed, kMax, Range::Bound::closed};
+inline constexpr Range kDurations{0, Range::Bound::open, kMax, Range::Bound::closed};
 inline constexpr Range kPlaces{-kFarthest, Range::Bound::closed, kFarthest, Range::Bound::closed};
 inline constexpr Range kHeights{0, Range::Bound::closed, kFarthest, Range::Bound::closed};
 inline constexpr Range kSizes{0, Range::Bound::open, kFarthest, Range::Bound::closed};

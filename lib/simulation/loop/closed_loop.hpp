@@ -109,7 +109,7 @@ class ClosedLoop {
   void report_to_law(const Inputs& asked, const Inputs& made);
   void follow_schedule(Reference<P>& reference);
   [[nodiscard]] Inputs inputs_of_speeds() const;
-  [[nodiscard]] RotorSpeeds<P> believed_thrusts() const;
+  [[nodiscard]] RotorSpeeds<P> model_thrusts() const;
   void watch(double t);
   void tell(RotorSpeeds<P> speeds);
   void advance(std::uint64_t index, double t);
@@ -161,9 +161,9 @@ class ClosedLoop {
   std::optional<SensorChannel<N, 1>> barometer_, sonar_;
   std::optional<SensorChannel<N, 2>> flow_;
   std::array<Sensors, N> sensors_;
-  P sonar_least_, sonar_greatest_, sonar_cosine_, ground_pressure_, pressure_fall_;
+  P sonar_min_, sonar_max_, sonar_cosine_, ground_pressure_, pressure_fall_;
   bool linear_pressure_ = false;
-  P flow_a2_, flow_b2_, flow_least_height_, flow_greatest_height_, flow_growth_, flow_gain_;
+  P flow_a2_, flow_b2_, flow_min_height_, flow_max_height_, flow_growth_, flow_gain_;
   bool flow_grows_ = false;  ///< whether its noise increases with height
   SensorFrame<P> frame_;
 

@@ -32,9 +32,9 @@ void ClosedLoop<N, R>::make_plant() {
   P reach = 0;  // the feet are below the rotors
   for (std::size_t i = 0; i < static_cast<std::size_t>(body.rotor_count); ++i) {
     const Vector3<P>& hub = body.rotors[i].position;
-    reach = greater(reach, greater(magnitude(hub(0)), magnitude(hub(1))));
+    reach = max_of(reach, max_of(abs_of(hub(0)), abs_of(hub(1))));
   }
-  plant_ = PlantOf(body, ground_contact(body.mass, lesser(body.J(0, 0), body.J(1, 1)), reach));
+  plant_ = PlantOf(body, ground_contact(body.mass, min_of(body.J(0, 0), body.J(1, 1)), reach));
   motors_ = MotorStage<N>(
       each<const Vehicle*>(setups_, [](const FlightSetup& s) { return &flown_vehicle(s); }));
   battery_ = flown_vehicle(common_).battery;
@@ -85,17 +85,17 @@ void ClosedLoop<N, R>::make_sensors() {
   }
   if (first.sonar) {
     sonar_.emplace(faults([](const Sensors& s) { return s.sonar->faults; }), kSonarStream);
-    sonar_least_ = number([](const Sensors& s) { return s.sonar->least_range; });
-    sonar_greatest_ = number([](const Sensors& s) { return s.sonar->greatest_range; });
-    sonar_cosine_ = number([](const Sensors& s) { return std::cos(s.sonar->greatest_tilt); });
+    sonar_min_ = number([](const Sensors& s) { return s.sonar->min_range; });
+    sonar_max_ = number([](const Sensors& s) { return s.sonar->max_range; });
+    sonar_cosine_ = number([](const Sensors& s) { return std::cos(s.sonar->max_tilt); });
   }
   if (first.flow) {
     flow_.emplace(faults([](const Sensors& s) { return s.flow->faults; }), kFlowStream);
     const auto square_of_tangent = [](double angle) { return std::tan(angle) * std::tan(angle); };
     flow_a2_ = number([&](const Sensors& s) { return square_of_tangent(s.flow->half_field_x); });
     flow_b2_ = number([&](const Sensors& s) { return square_of_tangent(s.flow->half_field_y); });
-    flow_least_height_ = number([](const Sensors& s) { return s.flow->least_height; });
-    flow_greatest_height_ = number([](const Sensors& s) { return s.flow->greatest_height; });
+    flow_min_height_ = number([](const Sensors& s) { return s.flow->min_height; });
+    flow_max_height_ = number([](const Sensors& s) { return s.flow->max_height; });
     flow_growth_ = number([](const Sensors& s) { return s.flow->noise_per_height; });
     flow_grows_ = any(flow_growth_ > P(0));
     flow_gain_ = number([](const Sensors& s) { return s.flow->simplified_rate_gain; });

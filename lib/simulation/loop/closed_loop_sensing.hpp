@@ -88,8 +88,8 @@ void ClosedLoop<N, R>::sense_ground(double now) {
     const State x = true_state(sonar_->next(), now);
     const Matrix3<P> M = rotation_of(x);
     const P range = -x(2) / M(2, 2);
-    const Mask<N> echo =
-        both(both(range >= sonar_least_, range <= sonar_greatest_), M(2, 2) >= sonar_cosine_);
+    const Mask<N> echo = logical_and(logical_and(range >= sonar_min_, range <= sonar_max_),
+                                     M(2, 2) >= sonar_cosine_);
     sonar_->take(
         Eigen::Matrix<P, 1, 1>(select(echo, range, P(std::numeric_limits<double>::quiet_NaN()))),
         source_);
@@ -113,7 +113,7 @@ void ClosedLoop<N, R>::sense_ground(double now) {
     const P growth = flow_growth_ * height;
     flow_->take(
         flow, source_,
-        either(either(height<flow_least_height_, height> flow_greatest_height_), M(2, 2) <= P(0)),
+        logical_or(logical_or(height<flow_min_height_, height> flow_max_height_), M(2, 2) <= P(0)),
         nullptr, flow_grows_ ? &growth : nullptr);
   }
 }

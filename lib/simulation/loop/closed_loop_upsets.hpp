@@ -48,7 +48,7 @@ void ClosedLoop<N, R>::happen(double t) {
     }
     for (int l = 0; l < N; ++l)
       if (lane(alive_, l))
-        results_[static_cast<std::size_t>(l)].events.push_back({t, "event", in_words(event)});
+        results_[static_cast<std::size_t>(l)].events.push_back({t, "event", describe(event)});
   }
 }
 

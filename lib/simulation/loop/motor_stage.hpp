@@ -26,7 +26,7 @@ class MotorStage {
       set_lane(min_, l, vehicle.motor.min);
       set_lane(max_, l, vehicle.motor.max);
       set_lane(quantum_, l, vehicle.motor.quantum);
-      set_lane(greatest_speed_, l, greatest_speed(vehicle));
+      set_lane(max_speed_, l, max_speed(vehicle));
       quantized_ = quantized_ || vehicle.motor.quantum > 0;
     }
   }
@@ -39,7 +39,7 @@ class MotorStage {
       P command = squared_ ? P(speeds(i) * speeds(i) / gain_) : P(speeds(i) / gain_);
       if (quantized_)
         command = select(quantum_ > P(0), nearest(command / quantum_) * quantum_, command);
-      saturated = either(saturated, either(command<min_, command> max_));
+      saturated = logical_or(saturated, logical_or(command<min_, command> max_));
       speeds(i) = speed(clamped(command, min_, max_));
     }
   }
@@ -49,7 +49,7 @@ class MotorStage {
   /// @param share  fraction of the ramp, 0 … 1
   void start_up(double share, std::uint64_t index, RotorSpeeds<P>& speeds) const {
     const double jump = index % 2 == 0 ? 0.9 : 1.1;
-    speeds.setConstant(speed(lesser(min_ * P(share * jump), min_)));
+    speeds.setConstant(speed(min_of(min_ * P(share * jump), min_)));
   }
 
   /// Speeds from fractions of the command range: 0 is the minimum, 1 the maximum; negative:
@@ -62,7 +62,7 @@ class MotorStage {
   /// Speeds from commands of a law; negative commands count as 0.
   void speeds_of_commands(const Eigen::Matrix<P, kMaxRotors, 1>& commands,
                           RotorSpeeds<P>& speeds) const {
-    for (Eigen::Index i = 0; i < speeds.size(); ++i) speeds(i) = speed(greater(commands(i), P(0)));
+    for (Eigen::Index i = 0; i < speeds.size(); ++i) speeds(i) = speed(max_of(commands(i), P(0)));
   }
 
   /// Inverse of speeds_of_commands().
@@ -78,9 +78,9 @@ class MotorStage {
     const P ratio = voltage_ratio(battery, state);
     for (Eigen::Index i = 0; i < speeds.size(); ++i) {
       if (battery.regulated) {
-        const P most = ratio * greatest_speed_;
-        saturated = either(saturated, speeds(i) > most);
-        speeds(i) = lesser(speeds(i), most);
+        const P max = ratio * max_speed_;
+        saturated = logical_or(saturated, speeds(i) > max);
+        speeds(i) = min_of(speeds(i), max);
       } else {
         speeds(i) = speeds(i) * ratio;
       }
@@ -93,7 +93,7 @@ class MotorStage {
   }
 
   bool squared_ = false, quantized_ = false;
-  P gain_, min_, max_, quantum_, greatest_speed_;
+  P gain_, min_, max_, quantum_, max_speed_;
 };
 
 }  // namespace quadtune::internal

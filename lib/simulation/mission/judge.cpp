@@ -16,11 +16,11 @@ Verdict judge(const Mission& mission, const MetricValues& values) {
   Verdict verdict;
   verdict.checks.reserve(mission.limits.size() + 1);
   const double flown = values[Metric::duration];
-  const double least = std::max(mission.duration - kEarly, 0.0);
-  verdict.checks.push_back({Metric::duration, flown, least, true, flown >= least});
+  const double min = std::max(mission.duration - kEarly, 0.0);
+  verdict.checks.push_back({Metric::duration, flown, min, true, flown >= min});
   for (const Limit& limit : mission.limits) {
     const double value = values[limit.metric];
-    verdict.checks.push_back({limit.metric, value, limit.most, false, value <= limit.most});
+    verdict.checks.push_back({limit.metric, value, limit.max, false, value <= limit.max});
   }
   verdict.ok = std::all_of(verdict.checks.begin(), verdict.checks.end(),
                            [](const LimitCheck& check) { return check.ok; });

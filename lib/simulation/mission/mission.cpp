@@ -67,7 +67,7 @@ void check(const Waypoints& way, const std::string& where) {
   require_within(way.yaw, internal::kAngles, where, "yaw", "rad");
   for (std::size_t i = 0; i < way.points.size(); ++i) {
     require_place(way.points[i], where, fmt::format("waypoint {}", i + 1));
-    if (i > 0 && (way.points[i] - way.points[i - 1]).norm() < internal::kLeastWay)
+    if (i > 0 && (way.points[i] - way.points[i - 1]).norm() < internal::kMinWay)
       refuse(where, fmt::format("waypoints {} and {} are the same point, expected points that "
                                 "differ",
                                 i, i + 1));
@@ -157,7 +157,7 @@ void check(const std::vector<Limit>& limits, const std::string& where) {
     const auto index = static_cast<std::size_t>(limit.metric);
     if (index >= kMetrics || limit.metric == Metric::duration)
       refuse(where, "a limit is for an unknown metric or the duration, expected another metric");
-    require_within(limit.most, internal::kLimits, where, "limit of " + name_of(limit.metric),
+    require_within(limit.max, internal::kLimits, where, "limit of " + name_of(limit.metric),
                    unit_of(limit.metric));
     if (!seen.insert(limit.metric).second)
       refuse(where, fmt::format("{} is limited twice, expected once", name_of(limit.metric)));

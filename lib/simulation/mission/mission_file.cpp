@@ -176,8 +176,7 @@ Waypoints read_waypoints(const TomlTable& table, const Context& context) {
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     const std::string where = table.where("points_m", static_cast<std::size_t>(i));
     way.points.push_back(point_of(points.row(i), where, fmt::format("waypoint {}", i + 1)));
-    if (i > 0 &&
-        (way.points.back() - way.points[way.points.size() - 2]).norm() < internal::kLeastWay)
+    if (i > 0 && (way.points.back() - way.points[way.points.size() - 2]).norm() < internal::kMinWay)
       throw InvalidInput(where, fmt::format("waypoints {} and {} are the same point, expected "
                                             "points that differ because a segment needs two "
                                             "other",

@@ -122,10 +122,10 @@ void validate_shape(const LinePath& path, const std::string& where) {
   internal::require_place(path.from, where, "the line's first point");
   internal::require_place(path.to, where, "the line's last point");
   internal::require_within(path.speed, internal::kSpeeds, where, "speed", "m/s");
-  require((path.to - path.from).norm() > internal::kLeastWay, where,
+  require((path.to - path.from).norm() > internal::kMinWay, where,
           "the line's first and last points are the same, expected different points");
   require(path.passage.nose == Nose::fixed ||
-              (path.to - path.from).head<2>().norm() > internal::kLeastWay,
+              (path.to - path.from).head<2>().norm() > internal::kMinWay,
           where, "the line is vertical, expected a fixed nose because the line has no heading");
 }
 

@@ -35,7 +35,7 @@ using ::testing::StartsWith;
 TEST(ErrorLine, KeepsThePlaceAndTheExpectation) {
   const std::string line =
       error_line("x.toml:3: '" + std::string(200000, 'a') + "' is invalid; expected a number");
-  EXPECT_LE(line.size(), kLongestError);
+  EXPECT_LE(line.size(), kMaxError);
   EXPECT_THAT(line, StartsWith("x.toml:3: 'aaaa"));
   EXPECT_THAT(line, HasSubstr(" ... "));
   EXPECT_THAT(line, EndsWith("aaaa' is invalid; expected a number"));
@@ -72,9 +72,9 @@ TEST(ErrorLine, IsShortWhateverComes) {
     with_json.emplace_back("--json");
     const ProgramResult result = run_program(with_json);
     EXPECT_NE(result.status, 0);
-    EXPECT_LE(result.err.size(), kLongestError + 1) << args[0].substr(0, 20);
+    EXPECT_LE(result.err.size(), kMaxError + 1) << args[0].substr(0, 20);
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1);
-    EXPECT_LE(result.out.size(), 2 * kLongestError + 100);
+    EXPECT_LE(result.out.size(), 2 * kMaxError + 100);
   }
 }
 

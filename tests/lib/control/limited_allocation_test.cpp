@@ -35,12 +35,12 @@ struct Case {
   // How far a rotor is outside its limits for this wrench [N].
   [[nodiscard]] double beyond(const Vector4d& wrench) const {
     const RotorSpeeds<double> thrusts = thrusts_of_wrench<double>(law, wrench);
-    double most = 0;
+    double max = 0;
     for (int i = 0; i < law.rotors; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      most = std::max({most, limits.least[k] - thrusts(i), thrusts(i) - limits.greatest[k]});
+      max = std::max({max, limits.min[k] - thrusts(i), thrusts(i) - limits.max[k]});
     }
-    return most;
+    return max;
   }
 };
 
@@ -53,8 +53,8 @@ std::vector<Case> cases() {
       Vehicle vehicle = random_vehicle(random, rotors);
       // Twice the weight at maximum speed, zero at minimum speed.
       vehicle.motor.min = 0;
-      vehicle.motor.max = vehicle.motor.max *
-                          std::sqrt(2 * vehicle.mass * vehicle.gravity / greatest_thrust(vehicle));
+      vehicle.motor.max =
+          vehicle.motor.max * std::sqrt(2 * vehicle.mass * vehicle.gravity / max_thrust(vehicle));
       try {
         all.emplace_back(vehicle);
       } catch (const InvalidInput&) {
@@ -94,8 +94,8 @@ double greatest_share(const Case& of, const Vector4d& asked) {
       const auto k = static_cast<std::size_t>(i);
       const double at_zero =
           thrusts_of_wrench<double>(of.law, Vector4d(0, share * asked(1), share * asked(2), 0))(i);
-      low = std::max(low, (of.limits.least[k] - at_zero) / of.law.P(i, 0));
-      high = std::min(high, (of.limits.greatest[k] - at_zero) / of.law.P(i, 0));
+      low = std::max(low, (of.limits.min[k] - at_zero) / of.law.P(i, 0));
+      high = std::min(high, (of.limits.max[k] - at_zero) / of.law.P(i, 0));
     }
     return low <= high;
   };
@@ -148,12 +148,12 @@ TEST(LimitedAllocation, KeepsTheTorqueOfALawThatAsksForNoThrust) {
   EXPECT_NEAR(made(2), 0, 1e-12);
   // Two rotors at their minimum, two above it as the torque requires: 4 t_min + τ/arm.
   const double arm = of.vehicle.rotors[1].position.y();
-  EXPECT_NEAR(made(0), std::max(of.limits.floor, 4 * of.limits.least[0] + torque / arm), 1e-9);
+  EXPECT_NEAR(made(0), std::max(of.limits.floor, 4 * of.limits.min[0] + torque / arm), 1e-9);
   const Vector4d cut = clipped<double>(of.law, of.limits, asked).wrench;
   EXPECT_LT(cut(1), 0.6 * torque);
   // And a thrust of 0 alone is raised to the floor.
   EXPECT_NEAR(prioritized<double>(of.law, of.limits, Vector4d(0, 0, 0, 0)).wrench(0),
-              kLeastCollective * of.weight, 1e-12);
+              kMinCollective * of.weight, 1e-12);
 }
 
 TEST(LimitedAllocation, ReturnsFiniteNumbersForEntriesThatAreNotFinite) {
@@ -181,8 +181,8 @@ TEST(LimitedAllocation, IsTheSameInEveryLane) {
   law.wrench0 = of.law.wrench0.cast<P>();
   law.thrust0 = of.law.thrust0.cast<P>();
   for (std::size_t k = 0; k < 4; ++k) {
-    limits.least[k] = of.limits.least[k];
-    limits.greatest[k] = of.limits.greatest[k];
+    limits.min[k] = of.limits.min[k];
+    limits.max[k] = of.limits.max[k];
   }
   limits.floor = of.limits.floor;
   std::array<Vector4d, kPackLanes> asked;

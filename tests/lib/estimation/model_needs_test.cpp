@@ -21,7 +21,7 @@ using testing::TemporaryDirectory;
 ModelNeeds needs(const std::string& model, const std::string& log) {
   const TemporaryDirectory folder;
   const auto reader = open_log(folder.write("log.csv", log).string());
-  return needs_of_model(signals_of(load_filter_model(model)), survey_log(*reader));
+  return model_needs(signals_of(load_filter_model(model)), survey_log(*reader));
 }
 
 TEST(ModelNeeds, FindsInputsAndOutputsByName) {
@@ -82,10 +82,10 @@ TEST(ModelNeeds, LeavesAChoiceBetweenTablesToTheUser) {
   const ModelSignals model = signals_of(load_filter_model("altitude"));
   add("imu0", "az", "m/s^2");
   add("sonar", "height", "m");
-  EXPECT_THAT(needs_of_model(model, log).uses,
+  EXPECT_THAT(model_needs(model, log).uses,
               ElementsAre(Pair("az", "imu0.az"), Pair("height", "sonar.height")));
   add("imu1", "az", "m/s^2");
-  const ModelNeeds found = needs_of_model(model, log);
+  const ModelNeeds found = model_needs(model, log);
   ASSERT_EQ(found.missing.size(), 1u);
   EXPECT_EQ(found.missing[0].why, "is in several tables");
   EXPECT_THAT(found.missing[0].candidates, ElementsAre("imu0.az", "imu1.az"));
@@ -98,11 +98,11 @@ TEST(ModelNeeds, TakesOneSensorOfSeveral) {
   const auto survey = [&](const std::string& text) {
     return survey_log(*open_log(folder.write("log.csv", text).string()));
   };
-  const ModelNeeds one = needs_of_model(model, survey("t,z\n0,1\n1,2\n"));
+  const ModelNeeds one = model_needs(model, survey("t,z\n0,1\n1,2\n"));
   EXPECT_TRUE(one.feeds);
   EXPECT_EQ(to_text(one),
             "two: fed by z; --map the measurements that are there, without x [m], y [m]");
-  const ModelNeeds half = needs_of_model(model, survey("t,x\n0,1\n1,2\n"));
+  const ModelNeeds half = model_needs(model, survey("t,x\n0,1\n1,2\n"));
   EXPECT_FALSE(half.feeds);
   EXPECT_THAT(to_text(half), HasSubstr("needs z [m] of baro, y [m] of gps"));
 }
@@ -114,7 +114,7 @@ TEST(ModelNeeds, DoesNotListForEver) {
       {{"s", {{"y", ""}}}}};
   const TemporaryDirectory folder;
   const std::string path = folder.write("log.csv", "t,x\n0,1\n1,2\n").string();
-  const ModelNeeds found = needs_of_model(model, survey_log(*open_log(path)));
+  const ModelNeeds found = model_needs(model, survey_log(*open_log(path)));
   EXPECT_EQ(found.missing.size(), 8u);
   EXPECT_THAT(to_text(found), HasSubstr("many: needs a, b, c, d, e, f, 2 more; --map a=CHANNEL"));
 }
@@ -136,7 +136,7 @@ TEST(ModelNeeds, EveryBuiltInModelIsFedByALogOfItsOwnNames) {
     const TemporaryDirectory folder;
     const std::string path =
         folder.write("log.csv", fmt::format("{}\n{}\n{}\n", head, first, second)).string();
-    EXPECT_TRUE(needs_of_model(model, survey_log(*open_log(path))).feeds) << model.name;
+    EXPECT_TRUE(model_needs(model, survey_log(*open_log(path))).feeds) << model.name;
     const LogChannels channels = read_log_channels(path, names);
     std::vector<ChannelUse> uses;
     for (std::size_t i = 0; i < names.size(); ++i) uses.push_back({names[i], channels.series[i]});

@@ -182,8 +182,7 @@ TEST(SpeedsForWrench, InvertsTheMapForAnyLayout) {
     for (int i = 0; i < 200; ++i) {
       Eigen::VectorXd w(n);
       for (Eigen::Index j = 0; j < n; ++j)
-        w(j) =
-            least_speed(vehicle) + share(random) * (greatest_speed(vehicle) - least_speed(vehicle));
+        w(j) = min_speed(vehicle) + share(random) * (max_speed(vehicle) - min_speed(vehicle));
       const Eigen::Vector4d wrench = wrench_of_speeds(vehicle, w);
       const MixResult result = speeds_for_wrench(vehicle, wrench);
       ASSERT_TRUE(result.solved()) << vehicle.name << ": " << result.culprit;
@@ -192,16 +191,16 @@ TEST(SpeedsForWrench, InvertsTheMapForAnyLayout) {
       if (n == 4) {
         EXPECT_THAT(result.w, MatrixRelativelyNear(w, 1e-9));
       }
-      EXPECT_GE(result.w.minCoeff(), least_speed(vehicle));
-      EXPECT_LE(result.w.maxCoeff(), greatest_speed(vehicle));
+      EXPECT_GE(result.w.minCoeff(), min_speed(vehicle));
+      EXPECT_LE(result.w.maxCoeff(), max_speed(vehicle));
     }
   }
 }
 
 TEST(SpeedsForWrench, ReportsTheSaturatedRotorAndTheMissingWrench) {
   const Vehicle plus = ring(4, 0);
-  const double most = greatest_thrust(plus);
-  const MixResult result = speeds_for_wrench(plus, {most + 5, 0, 0, 0});
+  const double max = max_thrust(plus);
+  const MixResult result = speeds_for_wrench(plus, {max + 5, 0, 0, 0});
   EXPECT_EQ(result.status, MixStatus::saturated);
   EXPECT_NEAR(result.missing(0), 5, 1e-9);
   EXPECT_THAT(result.culprit, HasSubstr("rotor 1 is at its maximum speed of 800 rad/s"));

@@ -15,7 +15,7 @@ constexpr double kRpm = 2 * std::numbers::pi / 60;
 
 TEST(Plausibility, FindsNothingInTheBuiltInVehicles) {
   for (const std::string& name : built_in_vehicles())
-    for (const Implausibility& figure : implausible(load_vehicle(name)))
+    for (const Implausibility& figure : find_implausible_values(load_vehicle(name)))
       ADD_FAILURE() << name << ": " << to_string(figure);
 }
 
@@ -84,7 +84,8 @@ TEST(Plausibility, DetectsWrongUnits) {
       Vehicle vehicle = load_vehicle(name);
       mistake.make(vehicle);
       std::string all;
-      for (const Implausibility& figure : implausible(vehicle)) all += to_string(figure) + "\n";
+      for (const Implausibility& figure : find_implausible_values(vehicle))
+        all += to_string(figure) + "\n";
       EXPECT_THAT(all, HasSubstr(mistake.cause)) << name;
     }
 }
@@ -98,16 +99,16 @@ TEST(Plausibility, FindsSpeedsInRpm) {
     scale(vehicle, &Rotor::torque_d2, kRpm * kRpm);
     scale(vehicle, &Rotor::torque_d1, kRpm);
     vehicle.motor.gain /= vehicle.motor.law == CommandLaw::speed ? kRpm : kRpm * kRpm;
-    const std::vector<Implausibility> found = implausible(vehicle);
+    const std::vector<Implausibility> found = find_implausible_values(vehicle);
     ASSERT_EQ(found.size(), 1) << name;
     EXPECT_THAT(found[0].quantity, HasSubstr("rotor speed at hover")) << name;
     EXPECT_THAT(found[0].cause, HasSubstr("rpm")) << name;
     // The limits alone.
     Vehicle limits = load_vehicle(name);
     limits.motor.gain /= limits.motor.law == CommandLaw::speed ? kRpm : kRpm * kRpm;
-    ASSERT_EQ(implausible(limits).size(), 1) << name;
-    EXPECT_THAT(implausible(limits)[0].quantity, HasSubstr("thrust-to-weight")) << name;
-    EXPECT_GT(implausible(limits)[0].value, 100) << name;
+    ASSERT_EQ(find_implausible_values(limits).size(), 1) << name;
+    EXPECT_THAT(find_implausible_values(limits)[0].quantity, HasSubstr("thrust-to-weight")) << name;
+    EXPECT_GT(find_implausible_values(limits)[0].value, 100) << name;
   }
 }
 
@@ -116,10 +117,10 @@ TEST(Plausibility, NamesTheWrongFigureAlone) {
   for (const std::string& name : built_in_vehicles()) {
     Vehicle heavy = load_vehicle(name), slow = load_vehicle(name);
     slow.inertia *= 1e7;
-    ASSERT_EQ(implausible(slow).size(), 1) << name;
-    EXPECT_THAT(implausible(slow)[0].quantity, HasSubstr("principal moment")) << name;
+    ASSERT_EQ(find_implausible_values(slow).size(), 1) << name;
+    EXPECT_THAT(find_implausible_values(slow)[0].quantity, HasSubstr("principal moment")) << name;
     heavy.mass *= 1000;
-    for (const Implausibility& found : implausible(heavy))
+    for (const Implausibility& found : find_implausible_values(heavy))
       EXPECT_THAT(found.quantity, ::testing::Not(HasSubstr("battery"))) << name;
   }
 }
@@ -132,8 +133,8 @@ TEST(Plausibility, LeavesRoomForOtherVehicles) {
       vehicle.inertia *= factor;
       scale(vehicle, &Rotor::inertia, factor);
       for (Rotor& rotor : vehicle.rotors) rotor.position *= std::sqrt(factor);
-      EXPECT_TRUE(implausible(vehicle).empty())
-          << name << factor << to_string(implausible(vehicle).front());
+      EXPECT_TRUE(find_implausible_values(vehicle).empty())
+          << name << factor << to_string(find_implausible_values(vehicle).front());
     }
 }
 
@@ -143,7 +144,7 @@ TEST(Plausibility, FindsADelayInMilliseconds) {
   vehicle.sensors.gyroscope->delay = 5;
   vehicle.sensors.flow->faults.delay = 0.21;
   vehicle.motor.delay = 20;
-  const std::vector<Implausibility> found = implausible(vehicle);
+  const std::vector<Implausibility> found = find_implausible_values(vehicle);
   ASSERT_EQ(found.size(), 3U);
   EXPECT_EQ(to_string(found[0]),
             "delay of the gyroscope is 5 s, plausible is 1e-05 to 0.2 s: delay_s may be in ms");

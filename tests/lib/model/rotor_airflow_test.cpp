@@ -308,8 +308,8 @@ TEST(RotorAirflow, IsReadAndRefused) {
   EXPECT_EQ(vehicle.rotors[1].inflow, 2e-5);
   EXPECT_EQ(vehicle.rotors[1].flapping, 3e-7);
   EXPECT_TRUE(vehicle.rotors[3].ground_effect);
-  EXPECT_TRUE(feels_wind(vehicle));
-  EXPECT_FALSE(feels_wind(plus_quadrotor()));
+  EXPECT_TRUE(has_aerodynamics(vehicle));
+  EXPECT_FALSE(has_aerodynamics(plus_quadrotor()));
   const auto refusal = [](const std::string& shared, const std::string& message) {
     EXPECT_THAT([&] { (void)parse_vehicle(vehicle_text(shared), "x.toml"); },
                 ThrowsMessage<InvalidInput>(HasSubstr(message)));

@@ -114,13 +114,13 @@ noise_m = 0.03
   EXPECT_EQ(s.barometer->fall, -11);
   EXPECT_EQ(s.barometer->faults.noise(0), 2);
   EXPECT_EQ(s.sonar->faults.bias(0), 0.02);
-  EXPECT_EQ(s.sonar->least_range, 0.2);
-  EXPECT_EQ(s.sonar->greatest_range, 4);
-  EXPECT_EQ(s.sonar->greatest_tilt, 0.4);
+  EXPECT_EQ(s.sonar->min_range, 0.2);
+  EXPECT_EQ(s.sonar->max_range, 4);
+  EXPECT_EQ(s.sonar->max_tilt, 0.4);
   EXPECT_EQ(s.flow->faults.scale(1), 0.9);
   EXPECT_EQ(s.flow->half_field_x, 0.3);
   EXPECT_EQ(s.flow->half_field_y, 0.2);
-  EXPECT_EQ(s.flow->least_height, 0.5);
+  EXPECT_EQ(s.flow->min_height, 0.5);
   EXPECT_EQ(s.flow->simplified_rate_gain, 0.7);
   EXPECT_EQ(s.gps->position.rate, 5);
   EXPECT_THAT(s.gps->position.noise, MatrixNear(Vector3d(1, 1, 2), 0));
@@ -154,7 +154,7 @@ TEST(SensorFile, IdealSensorsKeepTheirRatesAlone) {
   EXPECT_EQ(after.accelerometer->natural_frequency, 0);
   EXPECT_EQ(after.accelerometer->limit, std::numeric_limits<double>::infinity());
   EXPECT_EQ(after.barometer->fall, before.barometer->fall);
-  EXPECT_EQ(after.flow->least_height, before.flow->least_height);
+  EXPECT_EQ(after.flow->min_height, before.flow->min_height);
   EXPECT_FALSE(after.gps);
 }
 

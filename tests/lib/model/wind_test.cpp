@@ -174,15 +174,15 @@ TEST(Wind, TurbulencePassesWithTheAirspeed) {
 TEST(Wind, WordsHaveTheMeanWindOfTheirTurbulence) {
   for (const auto& [word, speed] : std::vector<std::pair<const char*, double>>{
            {"light", 7.7}, {"moderate", 15.4}, {"severe", 23.2}}) {
-    const Wind wind = wind_of_words(word, "--wind");
+    const Wind wind = parse_wind(word, "--wind");
     EXPECT_EQ(wind.turbulence, speed);
     EXPECT_EQ(wind.mean, Vector3d(speed, 0, 0));
     // L across is 19.685/0.1932^1.2 ft = 43.2 m, L up 6 m.
     EXPECT_THAT(dryden_numbers(wind).tau,
                 MatrixNear(Vector3d(43.15 / speed, 43.15 / speed, 6 / speed), 1e-2));
   }
-  EXPECT_EQ(wind_of_words("calm", "--wind").mean, Vector3d(0, 0, 0));
-  EXPECT_EQ(wind_of_words("turbulence=5", "--wind").mean, Vector3d(0, 0, 0));
+  EXPECT_EQ(parse_wind("calm", "--wind").mean, Vector3d(0, 0, 0));
+  EXPECT_EQ(parse_wind("turbulence=5", "--wind").mean, Vector3d(0, 0, 0));
 }
 
 TEST(Wind, EachLaneHasItsOwn) {

@@ -120,7 +120,7 @@ TEST(MissionFile, ReadsLimitsInTheMetricsOrder) {
       kHover + "[limits]\ntilt_max_rad = 0.3\nsettling_time_max_s = 4\novershoot_max = 0.2\n");
   ASSERT_EQ(mission.limits.size(), 3u);
   EXPECT_EQ(mission.limits[0].metric, Metric::settling_time);
-  EXPECT_EQ(mission.limits[0].most, 4);
+  EXPECT_EQ(mission.limits[0].max, 4);
   EXPECT_EQ(mission.limits[1].metric, Metric::overshoot);
   EXPECT_EQ(mission.limits[2].metric, Metric::tilt_max);
 }

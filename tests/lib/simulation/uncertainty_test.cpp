@@ -73,16 +73,16 @@ TEST(Uncertainty, LimitsScaleTheRestUp) {
     double before = -1e9;
     for (const double z : {-6.0, -1.0, 0.0, 0.7, 3.0, 7.0}) {
       const double x = value_at(cut, z);
-      EXPECT_GE(x, cut.least);
-      EXPECT_LE(x, cut.most);
+      EXPECT_GE(x, cut.min);
+      EXPECT_LE(x, cut.max);
       EXPECT_GE(x, before);
       before = x;
       // The share below x of what is between the limits, from the tail that has digits.
       const double side = shift > 0 ? -1 : 1;
       const auto tail = [&](double at) { return boost::math::cdf(normal, side * at); };
       const double share =
-          (tail(x) - tail(side > 0 ? cut.least : cut.most)) /
-          (tail(side > 0 ? cut.most : cut.least) - tail(side > 0 ? cut.least : cut.most));
+          (tail(x) - tail(side > 0 ? cut.min : cut.max)) /
+          (tail(side > 0 ? cut.max : cut.min) - tail(side > 0 ? cut.min : cut.max));
       EXPECT_NEAR(share, boost::math::cdf(normal, side * z), 1e-9) << shift << " " << z;
     }
   }
@@ -206,7 +206,7 @@ std::string quantity_rows() {
     std::size_t end = i + 1;
     while (end < all.size() && all[i].name.find('_') != std::string::npos &&
            stem(all[end]) == stem(all[i]) && all[end].unit == all[i].unit &&
-           all[end].kind == all[i].kind && all[end].greatest == all[i].greatest &&
+           all[end].kind == all[i].kind && all[end].max == all[i].max &&
            all[end].meaning.substr(0, 8) == all[i].meaning.substr(0, 8))
       ++end;
     std::vector<std::string> names, meanings;
@@ -215,7 +215,7 @@ std::string quantity_rows() {
       meanings.push_back(all[k].meaning);
     }
     text += fmt::format("| {} | {} | {} | {:g} | {:g} | {} |\n", fmt::join(names, ", "),
-                        all[i].unit, word_of(all[i].kind), all[i].least, all[i].greatest,
+                        all[i].unit, word_of(all[i].kind), all[i].min, all[i].max,
                         end - i == 1 ? all[i].meaning : together(meanings));
     i = end;
   }
@@ -246,9 +246,8 @@ TEST(Uncertainty, RefusesWhatTheVehicleLacks) {
       apply({{{name, {}}}, {}}, VectorXd::Ones(1), changed);
     };
   };
-  EXPECT_THAT(
-      applied("gps_noise"),
-      ThrowsMessage<InvalidInput>(StrEq("gps_noise: the vehicle 'mambo' has no such component, "
+  EXPECT_THAT(applied("gps_noise"), ThrowsMessage<InvalidInput>(StrEq(
+                                        "gps_noise: the vehicle 'mambo' has no such component, "
                                         "expected a quantity of a component that it has")));
   EXPECT_THAT(applied("thrust_5"), ThrowsMessage<InvalidInput>(HasSubstr("thrust_5: ")));
   // Wind moves a vehicle by its drag alone, and the Mambo's file has none.

@@ -51,7 +51,7 @@ TEST(CascadeLoop, RateLoopOfAnIntegratorMatchesClosedForm) {
   // The inverse problem: a rate loop alone with Ms = 1.4.
   const CascadeLoopDesign design =
       design_cascade_loop(plant, {.rate_crossover = 200}, PidMethod::forward_euler);
-  EXPECT_EQ(design.status, CascadeLoopStatus::crossover_out_of_reach);
+  EXPECT_EQ(design.status, CascadeLoopStatus::crossover_infeasible);
   EXPECT_NEAR(design.highest_rate_crossover, 2 / kDt * std::asin(1 - 1 / 1.4), 1e-6);
   EXPECT_THAT(design.culprit, HasSubstr("expected less than 115.9"));
 }
@@ -61,7 +61,7 @@ TEST(CascadeLoop, LoadResponseMatchesClosedForm) {
   // Without integral the steady-state value is 1/Kp, and a damped loop does not overshoot it.
   const CascadeLoopEvidence stiff =
       cascade_loop_evidence(plant, {0.004, 0, 0.0012, 0}, PidMethod::forward_euler);
-  EXPECT_NEAR(stiff.load_left, 250, 1e-6);
+  EXPECT_NEAR(stiff.load_steady_state, 250, 1e-6);
   EXPECT_NEAR(stiff.load_peak, 250, 0.01);
   EXPECT_TRUE(std::isinf(stiff.load_integral));
   EXPECT_NEAR(stiff.tracking_peak, 1, 1e-3);
@@ -70,7 +70,7 @@ TEST(CascadeLoop, LoadResponseMatchesClosedForm) {
   const PidGains gains{0.004, 0.005, 0.0012, 0};
   const CascadeLoopEvidence integral =
       cascade_loop_evidence(plant, gains, PidMethod::forward_euler);
-  EXPECT_EQ(integral.load_left, 0);
+  EXPECT_EQ(integral.load_steady_state, 0);
   CascadePlant closed = closed_at_command(plant, gains, PidMethod::forward_euler);
   Eigen::VectorXd load = Eigen::VectorXd::Zero(closed.A.rows());
   load.head(2) = plant.B;

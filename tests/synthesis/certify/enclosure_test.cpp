@@ -112,16 +112,16 @@ TEST(LeastEigenvalueBound, ProvesExactlyDefiniteMatrices) {
     const MatrixXd V = random_matrix(random, 5, 5);
     const Eigen::HouseholderQR<MatrixXd> qr(V);
     const MatrixXd U = qr.householderQ();
-    for (const double least : {1e-3, 1e-9, -1e-14, -1e-9}) {
+    for (const double min : {1e-3, 1e-9, -1e-14, -1e-9}) {
       Eigen::VectorXd values(5);
-      values << least, 0.5, 1, 2, 1;
+      values << min, 0.5, 1, 2, 1;
       const MatrixXd S = U * values.asDiagonal() * U.transpose();
-      const double bound = least_eigenvalue_bound(Enclosure(0.5 * (S + S.transpose())));
-      if (least > 0) {
-        EXPECT_GT(bound, 0.2 * least) << least;
-        EXPECT_LE(bound, least + 1e-14);
+      const double bound = min_eigenvalue_bound(Enclosure(0.5 * (S + S.transpose())));
+      if (min > 0) {
+        EXPECT_GT(bound, 0.2 * min) << min;
+        EXPECT_LE(bound, min + 1e-14);
       } else {
-        EXPECT_LE(bound, 0) << least;
+        EXPECT_LE(bound, 0) << min;
       }
     }
   }
@@ -129,11 +129,11 @@ TEST(LeastEigenvalueBound, ProvesExactlyDefiniteMatrices) {
 
 TEST(LeastEigenvalueBound, SubtractsTheRadius) {
   const Enclosure S(MatrixXd::Identity(3, 3), MatrixXd::Constant(3, 3, 0.1));
-  EXPECT_GT(least_eigenvalue_bound(S), 0);
-  EXPECT_LE(least_eigenvalue_bound(S), 0.7);
-  EXPECT_LE(least_eigenvalue_bound({MatrixXd::Identity(3, 3), MatrixXd::Constant(3, 3, 0.4)}), 0);
+  EXPECT_GT(min_eigenvalue_bound(S), 0);
+  EXPECT_LE(min_eigenvalue_bound(S), 0.7);
+  EXPECT_LE(min_eigenvalue_bound({MatrixXd::Identity(3, 3), MatrixXd::Constant(3, 3, 0.4)}), 0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(least_eigenvalue_bound(Enclosure(MatrixXd::Constant(2, 2, nan))) > 0);
+  EXPECT_FALSE(min_eigenvalue_bound(Enclosure(MatrixXd::Constant(2, 2, nan))) > 0);
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ TEST(ProveStability, DoesNotDependOnTheThreads) {
     EXPECT_EQ(shared.gap, alone.gap);
   }
   // The number of boxes is the same, and so is the box that is not proved.
-  options.most_boxes = 21;
+  options.max_boxes = 21;
   options.threads = 1;
   const StabilityProof few = prove_stability(loop, box, options);
   options.threads = 3;
@@ -82,10 +82,10 @@ TEST(ProveStability, DoesNotDependOnTheThreads) {
   EXPECT_EQ(few_shared.where.low, few.where.low);
   EXPECT_EQ(few_shared.culprit, few.culprit);
   // Only a proof that would exceed the budget by far is aborted early.
-  options.most_boxes = 2000;
-  options.give_up = 1;
+  options.max_boxes = 2000;
+  options.abort_factor = 1;
   EXPECT_EQ(prove_stability(loop, box, options).boxes, alone.boxes);
-  options.give_up = 0.01;
+  options.abort_factor = 0.01;
   box.delay_high = 0.05;  // with one past output everywhere: 128 boxes are enough to tell
   const StabilityProof given_up = prove_stability(loop, box, options);
   EXPECT_EQ(given_up.status, StabilityProofStatus::not_proved);
@@ -104,17 +104,17 @@ TEST(ProveStability, ReachesTheMaximumGainOfAnIntegrator) {
 // shorter delay permits a larger gain.
 TEST(ProveStability, ReachesTheMaximumGainWithDelay) {
   for (const int m : {1, 2, 5}) {
-    const double most = 2 * std::sin(std::numbers::pi / (2 * (2 * m + 1)));
-    EXPECT_EQ(status(integrator(), gains(0.2 * most, 0.995 * most, 0, m)),
+    const double max = 2 * std::sin(std::numbers::pi / (2 * (2 * m + 1)));
+    EXPECT_EQ(status(integrator(), gains(0.2 * max, 0.995 * max, 0, m)),
               StabilityProofStatus::proved)
         << m;
-    EXPECT_EQ(status(integrator(), gains(0.2 * most, 0.9999 * most, m, m)),
+    EXPECT_EQ(status(integrator(), gains(0.2 * max, 0.9999 * max, m, m)),
               StabilityProofStatus::proved)
         << m;
-    EXPECT_NE(status(integrator(), gains(0.2 * most, 1.0001 * most, m, m)),
+    EXPECT_NE(status(integrator(), gains(0.2 * max, 1.0001 * max, m, m)),
               StabilityProofStatus::proved)
         << m;
-    EXPECT_NE(status(integrator(), gains(0.2 * most, 1.001 * most, 0, m)),
+    EXPECT_NE(status(integrator(), gains(0.2 * max, 1.001 * max, 0, m)),
               StabilityProofStatus::proved)
         << m;
   }
@@ -123,11 +123,11 @@ TEST(ProveStability, ReachesTheMaximumGainWithDelay) {
 // A delay of φ < 1 period: z² - (1 - θ(1-φ)) z + θ φ, stable for θ < 1/φ and θ < 2/(1-2φ).
 TEST(ProveStability, HandlesFractionsOfAPeriod) {
   for (const double delay : {0.25, 0.5, 0.8}) {
-    const double most = std::min(1 / delay, delay < 0.5 ? 2 / (1 - 2 * delay) : 1e9);
-    EXPECT_EQ(status(integrator(), gains(0.1, most - 1e-4, delay, delay)),
+    const double max = std::min(1 / delay, delay < 0.5 ? 2 / (1 - 2 * delay) : 1e9);
+    EXPECT_EQ(status(integrator(), gains(0.1, max - 1e-4, delay, delay)),
               StabilityProofStatus::proved)
         << delay;
-    EXPECT_NE(status(integrator(), gains(0.1, most + 1e-4, delay, delay)),
+    EXPECT_NE(status(integrator(), gains(0.1, max + 1e-4, delay, delay)),
               StabilityProofStatus::proved)
         << delay;
   }
@@ -166,9 +166,9 @@ TEST(ProveStability, ReachesJurysConditionsOfADoubleIntegrator) {
       static_loop((MatrixXd(2, 2) << 0, 1, 0, 0).finished(), (MatrixXd(2, 1) << 0, 1).finished(),
                   (MatrixXd(1, 2) << kp, kd).finished(), dt);
   // z² - (2 - θ(kp dt²/2 + kd dt)) z + 1 + θ(kp dt²/2 - kd dt): 4 > 2 θ kd dt.
-  const double most = 2 / (kd * dt);
-  EXPECT_EQ(status(loop, gains(0.05, 0.9999 * most)), StabilityProofStatus::proved);
-  EXPECT_NE(status(loop, gains(0.05, 1.0001 * most)), StabilityProofStatus::proved);
+  const double max = 2 / (kd * dt);
+  EXPECT_EQ(status(loop, gains(0.05, 0.9999 * max)), StabilityProofStatus::proved);
+  EXPECT_NE(status(loop, gains(0.05, 1.0001 * max)), StabilityProofStatus::proved);
 }
 
 // No point of a dense search may contradict the proof of a random loop.
@@ -197,7 +197,7 @@ TEST(ProveStability, NeverProvesAnUnstableLoop) {
     const LoopBox box{VectorXd::Constant(2, -wide), VectorXd::Constant(2, wide), 0,
                       0.5 * uniform(random)};
     StabilityProofOptions options;
-    options.most_boxes = 3000;
+    options.max_boxes = 3000;
     const StabilityProof proof = prove_stability(loop, box, options);
     double worst = 0;
     for (int i = 0; i <= 10; ++i)
@@ -383,7 +383,7 @@ TEST(ProveStability, ReportsWhereItStopped) {
   EXPECT_EQ(unstable.numbers, std::vector<std::string>{"gain"});
   EXPECT_GT(0.5 * (unstable.where.low(0) + unstable.where.high(0)), 1.99);
   StabilityProofOptions few;
-  few.most_boxes = 3;
+  few.max_boxes = 3;
   const StabilityProof stopped = prove_stability(integrator(), gains(0.01, 0.99, 0, 1), few);
   EXPECT_EQ(stopped.status, StabilityProofStatus::not_proved);
   EXPECT_THAT(stopped.culprit, HasSubstr("3 boxes were examined"));

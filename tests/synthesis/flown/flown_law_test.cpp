@@ -53,7 +53,7 @@ TEST(FlownLaw, EqualsTheOnBoardLaw) {
       estimate.x = 0.1 * draw(random, 12, 1);
       const Reference<double> origin;
       const auto u = step(settings, state, estimate, origin);
-      carried_out(settings, state, u, u);
+      on_realized(settings, state, u, u);
       const VectorXd linear = law.C * x + law.D * estimate.x;
       EXPECT_THAT(VectorXd(u.head(4) - gains.u0), MatrixNear(linear, 1e-12)) << past << " " << k;
       x = (law.A * x + law.B * estimate.x).eval();

@@ -239,7 +239,7 @@ TEST(FlownPlant, KeepsSlowFixesThatAreNeeded) {
   const std::size_t by_flow = period(vehicle, 1.1);
   EXPECT_LT(by_flow, 200U);
   Vehicle low = vehicle;
-  low.sensors.flow->greatest_height = 2;
+  low.sensors.flow->max_height = 2;
   EXPECT_EQ(period(low, 1.1), by_flow);
   EXPECT_EQ(period(low, 3) % 200, 0U);
   Vehicle bare = vehicle;

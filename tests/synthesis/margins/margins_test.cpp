@@ -323,12 +323,12 @@ TEST(DiskMargin, IsAsLargeAsCanBe) {
     EXPECT_NEAR(factor(m.disk.alpha).real(), m.disk.gain_high, 1e-12);
     EXPECT_NEAR(factor(-m.disk.alpha).real(), m.disk.gain_low, 1e-12);
     // The pure phase change at the edge of the disk: |f| = 1.
-    double least = kPi;
+    double min = kPi;
     for (int k = 0; k <= 20000; ++k) {
       const Complex f = factor(std::polar(m.disk.alpha, kPi * k / 20000));
-      if (std::abs(std::abs(f) - 1) < 1e-4) least = std::min(least, std::abs(std::arg(f)));
+      if (std::abs(std::abs(f) - 1) < 1e-4) min = std::min(min, std::abs(std::arg(f)));
     }
-    EXPECT_NEAR(m.disk.phase, least, 1e-3) << "skew " << skew;
+    EXPECT_NEAR(m.disk.phase, min, 1e-3) << "skew " << skew;
   }
 }
 

@@ -249,7 +249,7 @@ TEST(OwnChannels, OmitDecoupledStates) {
   both.C = MatrixXd::Zero(2, 7);
   both.C.topLeftCorner(1, 4) = a.C;
   both.C.bottomRightCorner(1, 3) = b.C;
-  const std::vector<PeriodicLti> own = own_channels(both);
+  const std::vector<PeriodicLti> own = decoupled_channels(both);
   ASSERT_EQ(own.size(), 2);
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_EQ(own[0].A[k], a.A[k]);
@@ -259,7 +259,7 @@ TEST(OwnChannels, OmitDecoupledStates) {
   EXPECT_EQ(own[0].C, a.C);
   // If the loops are coupled, each has all states.
   both.A[1](5, 2) = 0.1;
-  for (const PeriodicLti& channel : own_channels(both)) EXPECT_EQ(channel.C.cols(), 7);
+  for (const PeriodicLti& channel : decoupled_channels(both)) EXPECT_EQ(channel.C.cols(), 7);
 }
 
 TEST(LargestMode, NamesTheStatesThatMoveMost) {

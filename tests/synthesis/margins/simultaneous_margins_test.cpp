@@ -171,10 +171,10 @@ TEST(SimultaneousDiskMargin, OfAHoverSampledFast) {
   plant.B = (plant.B * mix).eval();
   const OpenLoop loop = loop_at_inputs(plant, K);
   const SimultaneousDiskMargin margin = simultaneous_disk_margin(loop);
-  double least = 2;
+  double min = 2;
   for (Eigen::Index i = 0; i < 4; ++i)
-    least = std::min(least, loop_margins(loop.channel(i)).disk.alpha);
-  EXPECT_LE(margin.guaranteed.alpha, least * (1 + 1e-9));
+    min = std::min(min, loop_margins(loop.channel(i)).disk.alpha);
+  EXPECT_LE(margin.guaranteed.alpha, min * (1 + 1e-9));
   EXPECT_GT(margin.guaranteed.alpha, 0.3);
   EXPECT_NEAR(margin.alpha_destabilizing / margin.guaranteed.alpha, 1, 0.05);
 }

@@ -101,7 +101,7 @@ TEST(PidLoop, PForAnIntegratorWithDelay) {
 
   // The maximum feasible crossover has the required margin: ω = (90° - 45°)/L.
   const PidLoopDesign refused = pid_for_crossover(P, requirement(PidType::P, 5, 45));
-  EXPECT_EQ(refused.status, PidLoopStatus::phase_out_of_reach) << refused;
+  EXPECT_EQ(refused.status, PidLoopStatus::phase_infeasible) << refused;
   EXPECT_NEAR(refused.highest_crossover, pi / 4 / 0.2, 1e-5);
   EXPECT_TRUE(std::isnan(refused.gains.Kp));
 }
@@ -120,7 +120,7 @@ TEST(PidLoop, PidHasADoubleZeroByDefault) {
 TEST(PidLoop, GreatestKiEndsAtMs) {
   LoopRequirement r = requirement(PidType::PID, 1.2, 55, 0.05);
   const PidLoopDesign zero = pid_for_crossover(three_lags(), r);
-  r.freedom = PidFreedom::greatest_Ki;
+  r.freedom = PidFreedom::max_Ki;
   r.Ms_max = 1.5;
   expect_meets(three_lags(), r);
   const PidLoopDesign design = pid_for_crossover(three_lags(), r);
@@ -133,7 +133,7 @@ TEST(PidLoop, GreatestKiEndsAtMs) {
 // cause a higher crossover. The grid of the search with steps of 3 % resolves the touch to 1e-3.
 TEST(PidLoop, GreatestKiEndsWhereAnotherCrossoverWouldAppear) {
   LoopRequirement r = requirement(PidType::PID, 1.2, 55, 0.05);
-  r.freedom = PidFreedom::greatest_Ki;
+  r.freedom = PidFreedom::max_Ki;
   const PidGains gains = pid_for_crossover(three_lags(), r).gains;
   double largest = 0;
   for (int k = 0; k < 2000; ++k)
@@ -190,14 +190,14 @@ TEST(PidLoop, MeetsItsRequirementOnRandomPlants) {
 // 120°; the lowest has Kp = 0: 3 atan ω = 30°.
 TEST(PidLoop, ReportsTheFeasibleCrossovers) {
   const PidLoopDesign high = pid_for_crossover(three_lags(), requirement(PidType::PI, 2, 60));
-  EXPECT_EQ(high.status, PidLoopStatus::phase_out_of_reach);
+  EXPECT_EQ(high.status, PidLoopStatus::phase_infeasible);
   EXPECT_NEAR(high.highest_crossover, std::tan(40 * kDegree), 1e-6);
   EXPECT_NEAR(high.lowest_crossover, std::tan(10 * kDegree), 1e-6);
   EXPECT_THAT(high.culprit, StrEq("PI at 2 rad/s must have a phase of 70.3 deg, but its range is "
                                   "-90 to 0; crossovers between 0.1763 and 0.8391 rad/s are "
                                   "feasible"));
   const PidLoopDesign low = pid_for_crossover(three_lags(), requirement(PidType::PI, 0.01, 60));
-  EXPECT_EQ(low.status, PidLoopStatus::phase_out_of_reach);
+  EXPECT_EQ(low.status, PidLoopStatus::phase_infeasible);
   EXPECT_NEAR(low.lowest_crossover, std::tan(10 * kDegree), 1e-6);
 }
 
@@ -205,7 +205,7 @@ TEST(PidLoop, ReportsTheFeasibleCrossovers) {
 TEST(PidLoop, DelayBoundsTheCrossover) {
   const ContinuousTransferFunction P = plant(kOne, Eigen::Vector3d(1, 0, 0), 0.1);
   const PidLoopDesign design = pid_for_crossover(P, requirement(PidType::PD, 20, 40));
-  EXPECT_EQ(design.status, PidLoopStatus::phase_out_of_reach) << design;
+  EXPECT_EQ(design.status, PidLoopStatus::phase_infeasible) << design;
   EXPECT_NEAR(design.highest_crossover, 50 * kDegree / 0.1, 1e-4);
 }
 

@@ -75,9 +75,9 @@ TEST(LoopShape, FindsTheMinimumPhaseMargin) {
   // 2/(s (s + 1)) crosses at ω² = (√17 - 1)/2 with 90° - atan ω.
   const LoopShape shape({Eigen::VectorXd::Constant(1, 2), Eigen::Vector3d(1, 1, 0), 0}, {});
   const double w = std::sqrt((std::sqrt(17.0) - 1) / 2);
-  const LeastPhaseMargin least = shape.least_phase_margin({1, 0, 0, 0});
-  EXPECT_NEAR(least.w, w, 1e-12);
-  EXPECT_NEAR(least.margin, pi / 2 - std::atan(w), 1e-12);
+  const MinPhaseMargin min = shape.min_phase_margin({1, 0, 0, 0});
+  EXPECT_NEAR(min.w, w, 1e-12);
+  EXPECT_NEAR(min.margin, pi / 2 - std::atan(w), 1e-12);
 }
 
 TEST(LoopShape, RejectsImproperLoopsAndCancelledIntegrals) {

@@ -26,7 +26,7 @@ ContinuousTransferFunction fraction_of(std::initializer_list<double> num,
   return {coefficients(num), coefficients(den), delay};
 }
 
-double greatest(const std::vector<double>& values) {
+double max(const std::vector<double>& values) {
   return *std::max_element(values.begin(), values.end());
 }
 
@@ -118,14 +118,14 @@ TEST(StepResponse, OfAShortDelayConvergesToThatWithout) {
   const PidGains gains{1, 1, 0.2, 0.1};
   const StepResponse without = load_step_response(fraction_of({1}, {1, 2, 1}), gains, 10);
   const StepResponse with = load_step_response(fraction_of({1}, {1, 2, 1}, 1e-3), gains, 10);
-  EXPECT_NEAR(greatest(with.y), greatest(without.y), 1e-3);
+  EXPECT_NEAR(max(with.y), max(without.y), 1e-3);
   EXPECT_NEAR(with.y.back(), without.y.back(), 1e-3);
 }
 
 TEST(StepResponse, OfAnUnstableLoopStopsAtTheLimit) {
   const StepResponse response = step_response(OpenLoop(fraction_of({1}, {1, -2})));
-  EXPECT_GT(greatest(response.y), 4);
-  EXPECT_LT(greatest(response.y), 40);
+  EXPECT_GT(max(response.y), 4);
+  EXPECT_LT(max(response.y), 40);
   for (const double y : response.y) EXPECT_TRUE(std::isfinite(y));
 }
 

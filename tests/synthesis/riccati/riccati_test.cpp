@@ -258,7 +258,7 @@ TEST(Riccati, AcceptsQIndefiniteByRoundingAndReportsMore) {
   EXPECT_TRUE(more.solved()) << more;
   EXPECT_THAT(more.warning, HasSubstr("Q has eigenvalue -0.001, expected Q >= 0"));
   RiccatiOptions strict;
-  strict.refuse_indefinite_Q = true;
+  strict.reject_indefinite_Q = true;
   EXPECT_THAT([&] { (void)care(A, b, negative, one, MatrixXd(), strict); },
               ThrowsMessage<InvalidInput>(HasSubstr("care: Q has eigenvalue -0.001")));
 }

@@ -72,11 +72,11 @@ TEST(PairedQuantileDifference, OfShiftedValuesIsTheShift) {
   EXPECT_NEAR(difference.value, -2, 1e-14);
   EXPECT_NEAR(difference.low, -2, 1e-14);
   EXPECT_NEAR(difference.high, -2, 1e-14);
-  EXPECT_EQ(least_draws(0.5), 4);
-  EXPECT_EQ(least_draws(0.9), 20);
-  EXPECT_EQ(least_draws(0.1), 20);
-  EXPECT_EQ(least_draws(0.99), 200);
-  EXPECT_EQ(least_draws(kLeastTail), 20000);
+  EXPECT_EQ(min_draws(0.5), 4);
+  EXPECT_EQ(min_draws(0.9), 20);
+  EXPECT_EQ(min_draws(0.1), 20);
+  EXPECT_EQ(min_draws(0.99), 200);
+  EXPECT_EQ(min_draws(kMinTail), 20000);
   first.resize(19);
   second.resize(19);
   EXPECT_THAT([&] { (void)paired_quantile_difference(first, second, 0.9); },
@@ -146,7 +146,7 @@ TEST(MissionTrial, AFlightThatEndsEarlyIsExpensiveAndExceedsAllLimits) {
   ASSERT_EQ(outcome.limits.size(), 1);
   EXPECT_EQ(outcome.limits[0].value, kInfinity);
   EXPECT_EQ(outcome.limits[0].excess(), 2);
-  EXPECT_FALSE(outcome.keeps_limits());
+  EXPECT_FALSE(outcome.satisfies_limits());
 }
 
 TEST(TrialLimit, ExcessIsAShareOfTheLimit) {
@@ -166,9 +166,9 @@ TEST(TrialLimit, ExcessIsAShareOfTheLimit) {
 TEST(TrialLimit, RoundingDoesNotExceedALimit) {
   TrialOutcome outcome;
   outcome.limits = {{"m", Metric::tilt_max, 0.5 + 1e-7, 0.5}};
-  EXPECT_TRUE(outcome.keeps_limits());
+  EXPECT_TRUE(outcome.satisfies_limits());
   outcome.limits[0].value = 0.501;
-  EXPECT_FALSE(outcome.keeps_limits());
+  EXPECT_FALSE(outcome.satisfies_limits());
 }
 
 // Regression test: large violations of different sizes were indistinguishable.

@@ -164,17 +164,17 @@ TEST(UncertainHover, BoundsRotorSpeedsTightly) {
   const LoopFamily family = uncertain_hover(vehicle, gains, {{0.8, 1.2}, {0.8, 1.2}, {0.9, 1.1}});
   const ParameterBox box = scaled_box(family, 1);
   const LoopBox bounds = family.over(box.low, box.high);
-  VectorXd least = VectorXd::Constant(4, 1e9);
-  VectorXd most = -least;
+  VectorXd min = VectorXd::Constant(4, 1e9);
+  VectorXd max = -min;
   for (int corner = 0; corner < 32; ++corner) {
     VectorXd p = box.low;
     for (int i = 0; i < 5; ++i)
       if ((corner >> i & 1) != 0) p(i) = box.high(i);
-    least = least.cwiseMin(family.at(p).numbers);
-    most = most.cwiseMax(family.at(p).numbers);
+    min = min.cwiseMin(family.at(p).numbers);
+    max = max.cwiseMax(family.at(p).numbers);
   }
-  EXPECT_THAT(bounds.low, testing::MatrixNear(least, 1e-12));
-  EXPECT_THAT(bounds.high, testing::MatrixNear(most, 1e-12));
+  EXPECT_THAT(bounds.low, testing::MatrixNear(min, 1e-12));
+  EXPECT_THAT(bounds.high, testing::MatrixNear(max, 1e-12));
 }
 
 // The lag of a motor reduces the phase as its time constant predicts; a tiny lag has no effect.
@@ -197,8 +197,8 @@ TEST(UncertainHover, EndsWhereTheVehicleCannotHover) {
   const Gains gains = gains_for(vehicle, "uquad", InputKind::rotor_speed, 0.01);
   const LoopFamily family = uncertain_hover(vehicle, gains, {{0.9, 1.1}, {1, 1}, {0.9, 1.1}});
   // Thrust-to-weight 1.52: (1 + s/10)/(1 - s/10) = 1.52.
-  EXPECT_NEAR(family.greatest_scale, 10 * 0.52 / 2.52, 0.01);
-  EXPECT_THAT(family.greatest_scale_reason, HasSubstr("hover needs"));
+  EXPECT_NEAR(family.max_scale, 10 * 0.52 / 2.52, 0.01);
+  EXPECT_THAT(family.max_scale_reason, HasSubstr("hover needs"));
   EXPECT_EQ(cannot_hover(vehicle, 1, 1), "");
   EXPECT_THAT(cannot_hover(vehicle, 2, 1), HasSubstr("2 of the mass on 1 of the thrust"));
 }

@@ -9,7 +9,7 @@
 
 #include "matrix_near.hpp"
 #include "quadtune/errors.hpp"
-#include "quadtune/tuning/made_up_imu.hpp"
+#include "quadtune/tuning/simulated_imu.hpp"
 #include "sanitized.hpp"
 
 namespace quadtune {
@@ -25,7 +25,7 @@ using testing::MatrixRelativelyNear;
 using ::testing::ThrowsMessage;
 
 /// A short log for repeated tests.
-MadeUpImuOptions short_log(std::uint64_t seed) {
+SimulatedImuOptions short_log(std::uint64_t seed) {
   return {.seed = seed, .poses = 30, .rate = 50, .still = 1.5, .start = 2, .turn = 0.8};
 }
 
@@ -35,8 +35,8 @@ Vector3d bias_at(const SensorCalibration& sensor, double temperature) {
 }
 
 TEST(FindStill, FindsThePosesOfALog) {
-  const MadeUpImu made = make_up_imu();
-  const StillDetection still = find_still(made.log);
+  const SimulatedImu made = simulate_imu();
+  const StationaryDetection still = find_stationary(made.log);
   ASSERT_EQ(still.poses.size(), 36U);
   EXPECT_EQ(still.poses.front().begin, 0U);
   EXPECT_LE(still.poses.front().end, 600U);
@@ -54,55 +54,55 @@ TEST(FindStill, FindsThePosesOfALog) {
 
 // A steady turn about the vertical has no variance in either sensor, but the gyroscope measures it.
 TEST(FindStill, ExcludesASteadyTurn) {
-  MadeUpImu made = make_up_imu({.poses = 12});
+  SimulatedImu made = simulate_imu({.poses = 12});
   made.log.gyroscope.middleCols(1000, 400).row(2).array() += 200;
   made.log.accelerometer.middleCols(1000, 400).colwise() = Vector3d(0, 0, 260);
-  for (const StillPose& pose : find_still(made.log).poses)
+  for (const StationaryPose& pose : find_stationary(made.log).poses)
     EXPECT_TRUE(pose.end <= 1000 || pose.begin >= 1400) << pose.begin << " … " << pose.end;
 }
 
 TEST(FindStill, RejectsInvalidLogs) {
-  ImuLog log = make_up_imu({.poses = 2}).log;
+  ImuLog log = simulate_imu({.poses = 2}).log;
   log.name = "a.txt";
   log.t(7) = log.t(6);
   EXPECT_THAT(
-      [&] { (void)find_still(log); },
+      [&] { (void)find_stationary(log); },
       ThrowsMessage<InvalidInput>(HasSubstr(
           "a.txt: the time of sample 8 is 0.06 s after 0.06 s; expected increasing times")));
-  log = make_up_imu({.poses = 2}).log;
+  log = simulate_imu({.poses = 2}).log;
   log.magnetometer(1, 20) = std::nan("");
   EXPECT_THAT(
-      [&] { (void)find_still(log); },
+      [&] { (void)find_stationary(log); },
       ThrowsMessage<InvalidInput>(HasSubstr("sample 21 of the magnetometer is not finite")));
   log.magnetometer.resize(3, 5);
-  EXPECT_THAT([&] { (void)find_still(log); },
+  EXPECT_THAT([&] { (void)find_stationary(log); },
               ThrowsMessage<InvalidInput>(HasSubstr("the magnetometer has 5 samples; expected")));
   log.accelerometer.resize(3, 0);
-  EXPECT_THAT([&] { (void)find_still(log); },
+  EXPECT_THAT([&] { (void)find_stationary(log); },
               ThrowsMessage<InvalidInput>(HasSubstr("has no accelerometer; it is required")));
-  log = make_up_imu({.poses = 2}).log;
+  log = simulate_imu({.poses = 2}).log;
   log.t *= 1e-20;
   EXPECT_THAT(
-      [&] { (void)find_still(log); },
+      [&] { (void)find_stationary(log); },
       ThrowsMessage<InvalidInput>(HasSubstr("ten windows of 0.25 s at 1e-22 s per sample")));
-  EXPECT_THAT([&] { (void)find_still(make_up_imu({.poses = 2}).log, {.factor = 1}); },
+  EXPECT_THAT([&] { (void)find_stationary(simulate_imu({.poses = 2}).log, {.factor = 1}); },
               ThrowsMessage<InvalidInput>(HasSubstr("a factor greater than 1")));
 }
 
 TEST(StartUpOffset, IsTheMeanOfTheFirst512Samples) {
-  const MadeUpImu made = make_up_imu({.poses = 12});
-  const StartUpOffset start = start_up_offset(made.log, find_still(made.log));
+  const SimulatedImu made = simulate_imu({.poses = 12});
+  const StartUpOffset start = start_up_offset(made.log, find_stationary(made.log));
   EXPECT_TRUE(start.still);
   EXPECT_THAT(start.offset, MatrixNear(made.log.gyroscope.leftCols(512).rowwise().mean(), 1e-12));
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(start.offset(i), made.gyroscope.b(i), 5 * start.error(i));
   EXPECT_NEAR(start.error(0), 1.2 / std::sqrt(512), 0.03);
-  const MadeUpImu moving = make_up_imu({.poses = 12, .start = 3});
-  EXPECT_FALSE(start_up_offset(moving.log, find_still(moving.log)).still);
+  const SimulatedImu moving = simulate_imu({.poses = 12, .start = 3});
+  EXPECT_FALSE(start_up_offset(moving.log, find_stationary(moving.log)).still);
 }
 
 // Without noise, only rounding separates the result from the true values.
 TEST(CalibrateImu, RecoversAKnownSensor) {
-  const MadeUpImu made = make_up_imu({.noise = 0.3});
+  const SimulatedImu made = simulate_imu({.noise = 0.3});
   const ImuCalibration c = calibrate_imu({made.log});
   ASSERT_TRUE(c.accelerometer.solved()) << c.accelerometer.culprit;
   ASSERT_TRUE(c.gyroscope.solved()) << c.gyroscope.culprit;
@@ -130,7 +130,7 @@ TEST(CalibrateImu, RecoversAKnownSensor) {
 
 // A gyroscope whose axes all have the opposite sign.
 TEST(CalibrateImu, FindsAGyroscopeThatCountsBackwards) {
-  MadeUpImu made = make_up_imu();
+  SimulatedImu made = simulate_imu();
   made.log.gyroscope *= -1;
   const ImuCalibration c = calibrate_imu({made.log});
   ASSERT_TRUE(c.gyroscope.solved()) << c.gyroscope.culprit;
@@ -138,7 +138,7 @@ TEST(CalibrateImu, FindsAGyroscopeThatCountsBackwards) {
 }
 
 TEST(CalibrateImu, FitsTemperatureWhereTheLogSpansIt) {
-  const MadeUpImu made = make_up_imu({.warming = 12});
+  const SimulatedImu made = simulate_imu({.warming = 12});
   const ImuCalibration c = calibrate_imu({made.log});
   ASSERT_TRUE(c.accelerometer.solved() && c.gyroscope.solved());
   EXPECT_TRUE(c.accelerometer.with_temperature);
@@ -148,7 +148,7 @@ TEST(CalibrateImu, FitsTemperatureWhereTheLogSpansIt) {
   EXPECT_THAT(c.gyroscope.d, MatrixNear(made.gyroscope.d, 0.03));
   EXPECT_THAT(bias_at(c.gyroscope, made.t0), MatrixNear(made.gyroscope.b, 0.1));
   EXPECT_THAT(c.gyroscope.M, MatrixRelativelyNear(made.gyroscope.M, 1e-3));
-  const ImuCalibration cold = calibrate_imu({make_up_imu({.warming = 3}).log});
+  const ImuCalibration cold = calibrate_imu({simulate_imu({.warming = 3}).log});
   EXPECT_FALSE(cold.accelerometer.with_temperature);
   EXPECT_EQ(cold.gyroscope.d, Vector3d(Vector3d::Zero()));
 }
@@ -161,7 +161,8 @@ struct Count {
   }
 };
 
-void add_all(Count& count, const SensorCalibration& found, const MadeUpSensor& truth, double t0) {
+void add_all(Count& count, const SensorCalibration& found, const SimulatedSensor& truth,
+             double t0) {
   for (int i = 0; i < 3; ++i) {
     count.add(bias_at(found, t0)(i), found.b_error(i), found.quantile, truth.b(i));
     for (int j = 0; j < 3; ++j)
@@ -184,8 +185,8 @@ TEST(CalibrateImu, NinetyFivePercentOfIntervalsContainTheTrueValue) {
   constexpr int kLogs = testing::kSanitized ? 25 : 100;
   Count accelerometer, gyroscope, magnetometer;
   for (int i = 0; i < kLogs; ++i) {
-    const MadeUpImu made =
-        make_up_imu(short_log(std::uint64_t{100} + static_cast<std::uint64_t>(i)));
+    const SimulatedImu made =
+        simulate_imu(short_log(std::uint64_t{100} + static_cast<std::uint64_t>(i)));
     const ImuCalibration c = calibrate_imu({made.log});
     ASSERT_TRUE(c.accelerometer.solved()) << i << " " << c.accelerometer.culprit;
     ASSERT_TRUE(c.gyroscope.solved()) << i << " " << c.gyroscope.culprit;
@@ -201,12 +202,12 @@ TEST(CalibrateImu, NinetyFivePercentOfIntervalsContainTheTrueValue) {
 
 // A pose in which it touched something that vibrated, and a turn with missing samples.
 TEST(CalibrateImu, LeavesOutOutliers) {
-  MadeUpImu made = make_up_imu();
-  const StillPose pose = find_still(made.log).poses[20];
+  SimulatedImu made = simulate_imu();
+  const StationaryPose pose = find_stationary(made.log).poses[20];
   const auto begin = static_cast<Eigen::Index>(pose.begin),
              length = static_cast<Eigen::Index>(pose.end - pose.begin);
   made.log.accelerometer.middleCols(begin, length) *= 1.03;
-  const StillPose before = find_still(made.log).poses[8];
+  const StationaryPose before = find_stationary(made.log).poses[8];
   made.log.gyroscope.middleCols(static_cast<Eigen::Index>(before.end) + 60, 15).setZero();
   const ImuCalibration c = calibrate_imu({made.log});
   ASSERT_TRUE(c.accelerometer.solved() && c.gyroscope.solved());
@@ -217,7 +218,7 @@ TEST(CalibrateImu, LeavesOutOutliers) {
 }
 
 TEST(CalibrateImu, NamesThePosesToAddToTooFew) {
-  const SensorCalibration c = calibrate_imu({make_up_imu({.poses = 5}).log}).accelerometer;
+  const SensorCalibration c = calibrate_imu({simulate_imu({.poses = 5}).log}).accelerometer;
   EXPECT_EQ(c.status, CalibrationStatus::not_observable);
   EXPECT_THAT(c.culprit, HasSubstr("5 poses; expected at least 10"));
   EXPECT_THAT(c.missing, Contains("x up"));
@@ -228,7 +229,7 @@ TEST(CalibrateImu, NamesThePosesToAddToTooFew) {
 // A log that is never stationary for long.
 TEST(CalibrateImu, NamesThePosesToAddToNone) {
   const ImuCalibration c =
-      calibrate_imu({make_up_imu({.poses = 20}).log}, {.still = {.shortest = 50}});
+      calibrate_imu({simulate_imu({.poses = 20}).log}, {.still = {.shortest = 50}});
   EXPECT_TRUE(c.poses.empty());
   for (const SensorCalibration* sensor : {&c.accelerometer, &c.magnetometer}) {
     EXPECT_EQ(sensor->status, CalibrationStatus::not_observable);
@@ -241,7 +242,7 @@ TEST(CalibrateImu, NamesThePosesToAddToNone) {
 
 // Rotated about the vertical only, all poses are equal.
 TEST(CalibrateImu, NamesThePosesThatAreMissing) {
-  const ImuCalibration c = calibrate_imu({make_up_imu({.upright = true}).log});
+  const ImuCalibration c = calibrate_imu({simulate_imu({.upright = true}).log});
   EXPECT_EQ(c.accelerometer.status, CalibrationStatus::not_observable);
   for (const char* unseen : {"scale x", "scale y", "bias x", "bias y"})
     EXPECT_THAT(c.accelerometer.unseen, Contains(unseen));
@@ -253,9 +254,9 @@ TEST(CalibrateImu, NamesThePosesThatAreMissing) {
 
 // Gravity turns in the plane of y and z only: nothing is known about x.
 TEST(CalibrateImu, NamesTheAxisThatNeverPointsUp) {
-  MadeUpImuOptions options;
+  SimulatedImuOptions options;
   options.poses = 5;  // turns about x
-  MadeUpImu made = make_up_imu(options);
+  SimulatedImu made = simulate_imu(options);
   ImuLog& log = made.log;
   const Eigen::Index n = log.t.size();
   ImuLog longer = log;
@@ -283,8 +284,8 @@ TEST(CalibrateImu, NamesTheAxisThatNeverPointsUp) {
 
 // Enough poses, but the log is cut where the sensor was turned about z.
 TEST(CalibrateImu, NamesTheTurnsThatAreMissing) {
-  const MadeUpImu made = make_up_imu();
-  const std::vector<StillPose> poses = find_still(made.log).poses;
+  const SimulatedImu made = simulate_imu();
+  const std::vector<StationaryPose> poses = find_stationary(made.log).poses;
   std::vector<ImuLog> logs;
   const auto cut = [&](std::size_t from, std::size_t to) {
     const auto begin = static_cast<Eigen::Index>(from),
@@ -310,7 +311,7 @@ TEST(CalibrateImu, NamesTheTurnsThatAreMissing) {
 
 // Axes that differ from those of the accelerometer: no scale makes the turns match.
 TEST(CalibrateImu, RejectsAGyroscopeWithOtherAxes) {
-  MadeUpImu made = make_up_imu();
+  SimulatedImu made = simulate_imu();
   made.log.gyroscope.row(0).swap(made.log.gyroscope.row(1));
   const SensorCalibration c = calibrate_imu({made.log}).gyroscope;
   if (c.solved())  // solved by a matrix that swaps them back, which is right as well
@@ -320,7 +321,7 @@ TEST(CalibrateImu, RejectsAGyroscopeWithOtherAxes) {
 }
 
 TEST(CalibrateImu, CombinesSeveralLogs) {
-  const MadeUpImu made = make_up_imu();
+  const SimulatedImu made = simulate_imu();
   const Eigen::Index half = 7000;
   ImuLog first = made.log, second = made.log;
   const auto take = [&](ImuLog& log, Eigen::Index begin, Eigen::Index length) {
@@ -345,10 +346,10 @@ TEST(CalibrateImu, CombinesSeveralLogs) {
               ThrowsMessage<InvalidInput>(HasSubstr("there is no log; expected at least one")));
 }
 
-TEST(MadeUpImu, IsTheSameForTheSameSeed) {
-  EXPECT_EQ(make_up_imu({.seed = 4}).log.gyroscope, make_up_imu({.seed = 4}).log.gyroscope);
-  EXPECT_NE(make_up_imu({.seed = 4}).log.gyroscope, make_up_imu({.seed = 5}).log.gyroscope);
-  EXPECT_THAT([] { (void)make_up_imu({.poses = 1}); },
+TEST(SimulatedImu, IsTheSameForTheSameSeed) {
+  EXPECT_EQ(simulate_imu({.seed = 4}).log.gyroscope, simulate_imu({.seed = 4}).log.gyroscope);
+  EXPECT_NE(simulate_imu({.seed = 4}).log.gyroscope, simulate_imu({.seed = 5}).log.gyroscope);
+  EXPECT_THAT([] { (void)simulate_imu({.poses = 1}); },
               ThrowsMessage<InvalidInput>(HasSubstr("expected at least two poses")));
 }
 

@@ -42,8 +42,8 @@ FilterRecord long_level() {
 
 /// 0: the fit has converged to the right result.
 int tune_long_log() {
-  const rlim_t most = static_cast<rlim_t>(testing::data_memory()) + kAllowed;
-  const rlimit limit{most, most};
+  const rlim_t max = static_cast<rlim_t>(testing::data_memory()) + kAllowed;
+  const rlimit limit{max, max};
   if (setrlimit(RLIMIT_DATA, &limit) != 0) return 2;
   FilterModel model = testing::local_level();
   model.parameters[0].start = 30 * kStep;

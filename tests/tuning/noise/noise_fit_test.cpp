@@ -270,29 +270,28 @@ TEST(NoiseFit, EndsWithTheBestSoFarWhereverItIsStopped) {
   const NoiseFit whole = fit_noise(
       likelihood, {.starts = 2, .profile = true, .interrupted = [&] { return ++asked < 0; }});
   ASSERT_TRUE(whole.converged());
-  for (const int most : {1, 2, asked / 8, asked / 4, asked / 2, asked - 1}) {
-    SCOPED_TRACE(most);
+  for (const int max : {1, 2, asked / 8, asked / 4, asked / 2, asked - 1}) {
+    SCOPED_TRACE(max);
     int now = 0;
     double best = -std::numeric_limits<double>::infinity();
-    const NoiseFit fit =
-        fit_noise(likelihood, {.starts = 2,
-                               .profile = true,
-                               .interrupted = [&] { return ++now > most; },
-                               .progress = [&](int, double greatest) { best = greatest; }});
+    const NoiseFit fit = fit_noise(likelihood, {.starts = 2,
+                                                .profile = true,
+                                                .interrupted = [&] { return ++now > max; },
+                                                .progress = [&](int, double max) { best = max; }});
     EXPECT_EQ(fit.status, NoiseFitStatus::interrupted);
     if (fit.before.computed()) {
       EXPECT_GE(fit.after.value, fit.before.value);
       EXPECT_NEAR(likelihood.evaluate(fit.theta).value, fit.after.value,
                   1e-9 * std::abs(fit.after.value));
     } else {  // stopped before the first evaluation was complete
-      EXPECT_EQ(most, 1);
+      EXPECT_EQ(max, 1);
       EXPECT_EQ(fit.evaluations, 0);
       EXPECT_EQ(fit.theta, start_of(model));
     }
     if (fit.evaluations > 0 && std::isfinite(best)) {
       EXPECT_EQ(fit.after.value, best);
     }
-    EXPECT_LT(now, most + 10);  // it does not continue to call
+    EXPECT_LT(now, max + 10);  // it does not continue to call
     for (std::size_t i = 0; i < model.parameters.size(); ++i) {
       EXPECT_EQ(fit.parameters[i].value, std::exp(fit.theta(static_cast<Index>(i))));
       EXPECT_EQ(fit.parameters[i].verdict, ParameterVerdict::not_known);

@@ -73,7 +73,7 @@ FilterRecord hover(const FilterModel& model, double seconds, std::uint64_t seed)
     const auto A = state_jacobian(body, state, loads);
     const Eigen::Vector3d v = state.segment<3>(kVelocity);
     VectorXd y(model.outputs());
-    y << x(kAttitude), x(kAttitude + 1), wrapped(x(kAttitude + 2)),
+    y << x(kAttitude), x(kAttitude + 1), wrap_angle(x(kAttitude + 2)),
         (loads.force + drag_force(body, v)) / body.mass + x.tail<3>(), x.segment<3>(kRates),
         -x(kPosition + 2), x.segment<3>(kPosition), A.position_velocity * v;
     Index row = 0;
@@ -169,17 +169,17 @@ TEST(RigidBodyFilter, StopsWhenAsked) {
   EXPECT_THROW((void)filter->linearize(start_of(model), [&] { return ++asked == 2; }), Interrupted);
   NoiseTuningOptions options;
   options.fit.starts = 2;
-  for (const int most : {0, 1, 20, 60}) {
-    SCOPED_TRACE(most);
+  for (const int max : {0, 1, 20, 60}) {
+    SCOPED_TRACE(max);
     asked = 0;
-    options.fit.interrupted = [&] { return ++asked > most; };
+    options.fit.interrupted = [&] { return ++asked > max; };
     const NoiseTuning tuning = tune_noise(*filter, options);
     EXPECT_EQ(tuning.fit.status, NoiseFitStatus::interrupted);
     EXPECT_EQ(tuning.verdict, CheckVerdict::fail);
     EXPECT_THAT(tuning.reasons, ::testing::ElementsAre("the fit is interrupted"));
     EXPECT_EQ(tuning.fit.theta.size(), start_of(model).size());
     EXPECT_TRUE(tuning.fit.theta.allFinite());
-    EXPECT_LT(asked, most + 20);
+    EXPECT_LT(asked, max + 20);
   }
 }
 

@@ -142,11 +142,11 @@ TEST(Smoother, EstimatesTheStateAtTheStart) {
       record.start = {x, MatrixXd::Zero(nx, nx)};
       return InnovationLikelihood(model, {record}).evaluate(theta).value;
     };
-    const double most = from(x0);
+    const double max = from(x0);
     const MatrixXd deviations = P.llt().matrixL();
     for (Index d = 0; d < nx; ++d) {  // one standard deviation in each direction
-      EXPECT_NEAR(from(x0 + deviations.col(d)), most - 0.5, 1e-8) << nx;
-      EXPECT_NEAR(from(x0 - deviations.col(d)), most - 0.5, 1e-8) << nx;
+      EXPECT_NEAR(from(x0 + deviations.col(d)), max - 0.5, 1e-8) << nx;
+      EXPECT_NEAR(from(x0 - deviations.col(d)), max - 0.5, 1e-8) << nx;
     }
   }
 }

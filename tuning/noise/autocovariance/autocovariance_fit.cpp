@@ -31,13 +31,13 @@ using internal::LeastSquares;
 using internal::SampledModel;
 
 /// Minimum number of samples of a stretch.
-constexpr Index kLeastStretch = 30;
+constexpr Index kMinStretch = 30;
 /// Maximum number of outputs for which the covariance of the moments is computed.
-constexpr Index kMostOutputs = 24;
+constexpr Index kMaxOutputs = 24;
 /// Maximum number of moments, and maximum lag in samples of the autocovariances of one output.
-constexpr Index kMostMoments = 800;
-constexpr Index kMostLags = 400;
-constexpr Index kLongestGamma = 2000;
+constexpr Index kMaxMoments = 800;
+constexpr Index kMaxLags = 400;
+constexpr Index kMaxGamma = 2000;
 /// Convergence of the passes: distance between their results in standard deviations, and change of
 /// the logarithms for which the gain is designed.
 constexpr double kSame = 0.1;
@@ -92,8 +92,8 @@ std::vector<Index> all_outputs(const FilterModel& model) {
 std::vector<MatrixXd> gamma_at(const SampledModel& sampled, const MatrixXd& M,
                                const VectorXd& theta) {
   const auto [Q, R] = internal::noise_at(sampled, theta);
-  std::vector<MatrixXd> gamma = internal::autocovariances(
-      sampled, M, Q, R, static_cast<int>(kLongestGamma / sampled.C.rows()));
+  std::vector<MatrixXd> gamma =
+      internal::autocovariances(sampled, M, Q, R, static_cast<int>(kMaxGamma / sampled.C.rows()));
   if (gamma.empty()) return gamma;
   const VectorXd size = gamma[0].diagonal().cwiseSqrt().cwiseInverse();
   const auto is_small = [&](const MatrixXd& of) {
@@ -125,12 +125,12 @@ class Fit {
     const std::string constant = internal::constant_measurement(model_, records);
     if (!constant.empty()) return fail(AutocovarianceStatus::not_computed, constant);
     const internal::UniformStretches uniform = internal::find_uniform_stretches(model_, records);
-    if (uniform.typical < kLeastStretch) return no_stretch(uniform);
+    if (uniform.typical < kMinStretch) return no_stretch(uniform);
     const auto ny = static_cast<Index>(uniform.outputs.size());
-    if (ny > kMostOutputs)
+    if (ny > kMaxOutputs)
       return fail(AutocovarianceStatus::not_computed,
                   fmt::format("{} outputs are measured; autocovariances support at most {}", ny,
-                              kMostOutputs));
+                              kMaxOutputs));
     sampled_ = internal::sample_model(model_, uniform.dt, uniform.outputs);
     for (int pass = 0; pass < options_.passes; ++pass) {
       if (options_.interrupted && options_.interrupted()) throw Interrupted();
@@ -146,10 +146,10 @@ class Fit {
       }
       const auto last = std::clamp<Index>(
           gain.memory, std::min<Index>(options_.lags, uniform.typical / 4),
-          std::min(uniform.typical / 4, std::max<Index>(options_.lags, kMostLags / ny)));
+          std::min(uniform.typical / 4, std::max<Index>(options_.lags, kMaxLags / ny)));
       auto sample = internal::sample_autocovariances(sampled_, model_, records, uniform, gain,
                                                      static_cast<int>(last));
-      if (sample.pairs[0] < static_cast<double>(kLeastStretch)) {
+      if (sample.pairs[0] < static_cast<double>(kMinStretch)) {
         if (pass > 0) break;
         return fail(AutocovarianceStatus::no_uniform_stretch,
                     fmt::format("the memory of the predictor is at least {} samples, but the "
@@ -191,7 +191,7 @@ class Fit {
         fmt::format(
             "no stretch with a constant sample time and all measurements at each sample has "
             "the {} samples or more that autocovariances require: {}",
-            kLeastStretch, uniform.culprit));
+            kMinStretch, uniform.culprit));
   }
 
   /// Solves the least squares for the current innovations, with weights from its own results.
@@ -200,7 +200,7 @@ class Fit {
     const Index ny = sampled_.C.rows();
     const auto groups = internal::lag_groups(
         static_cast<int>(e.of.size()) - 1,
-        static_cast<int>(std::clamp<Index>(kMostMoments / (ny * ny), 1, options_.lags)));
+        static_cast<int>(std::clamp<Index>(kMaxMoments / (ny * ny), 1, options_.lags)));
     for (Index i = 0; i < ny; ++i)
       if (!(e.of[0](i, i) > 0) || !std::isfinite(e.of[0](i, i))) {
         fail(AutocovarianceStatus::not_computed,

@@ -28,7 +28,7 @@ struct SteadyGain {
 /// @param most  maximum memory in samples
 [[nodiscard]] SteadyGain steady_gain(const SampledModel& sampled, const FilterModel& model,
                                      const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R,
-                                     Eigen::Index most);
+                                     Eigen::Index max);
 
 /// Sample autocovariances of the innovations, without the beginning of each stretch.
 struct SampleAutocovariances {

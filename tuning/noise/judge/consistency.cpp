@@ -88,7 +88,7 @@ InnovationStatistics statistics_of(const Series& series, const std::string& name
 }
 
 /// Performs the checks of one output after the other. With fewer samples than
-/// ConsistencyOptions::least_samples, a deviation must be significant among all checks, by tests
+/// ConsistencyOptions::min_samples, a deviation must be significant among all checks, by tests
 /// that are valid for few samples; nothing passes.
 class Checker {
  public:
@@ -103,7 +103,7 @@ class Checker {
     if (is_short(s))
       result_.checks.push_back(
           {"samples", s.output, static_cast<double>(s.samples),
-           static_cast<double>(options_.least_samples), kNone, kNone, CheckVerdict::too_short,
+           static_cast<double>(options_.min_samples), kNone, kNone, CheckVerdict::too_short,
            fmt::format("{}: {} innovations, too few for a verdict", s.output, s.samples)});
   }
 
@@ -114,12 +114,12 @@ class Checker {
                        internal::chi_squared_exceeded(half, n) / n};
     c.p = internal::chi_squared_two_sided(s.size * n, n);
     const bool within = s.size >= c.low && s.size <= c.high;
-    if (!within && !(s.size >= options_.least_size && s.size <= options_.most_size))
+    if (!within && !(s.size >= options_.min_size && s.size <= options_.max_size))
       fail(c, fmt::format(
                   "{}: innovations are {:.3g} times as large as their variance implies, {}",
                   s.output, s.size,
                   s.size < 1 ? "the filter is underconfident" : "the filter is overconfident"));
-    else if (!is_short(s) && c.low < options_.least_size && c.high > options_.most_size)
+    else if (!is_short(s) && c.low < options_.min_size && c.high > options_.max_size)
       too_short(c,
                 fmt::format("{}: {} innovations do not determine whether their variance is right "
                             "within 25 %",
@@ -131,7 +131,7 @@ class Checker {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
   [[nodiscard]] bool is_short(const InnovationStatistics& s) const {
-    return s.samples < options_.least_samples;
+    return s.samples < options_.min_samples;
   }
   /// Probability of a false alarm allowed for one check.
   [[nodiscard]] double level(const InnovationStatistics& s) const {
@@ -165,13 +165,13 @@ class Checker {
           internal::normal_exceeded(0.5 * options_.significance / options_.lags) / std::sqrt(n);
     }
     c.low = -c.high;
-    if (c.p < level(s) && std::abs(c.value) > options_.most_correlation)
+    if (c.p < level(s) && std::abs(c.value) > options_.max_correlation)
       fail(c,
            fmt::format("{}: innovations are not white: correlation {:.2f} at a lag of {}", s.output,
                        c.value, worst == 1 ? "1 sample" : fmt::format("{} samples", worst)));
-    else if (!is_short(s) && 1.96 / std::sqrt(n) > options_.most_correlation)
+    else if (!is_short(s) && 1.96 / std::sqrt(n) > options_.max_correlation)
       too_short(c, fmt::format("{}: {} innovations do not distinguish a correlation of {} from 0",
-                               s.output, s.samples, options_.most_correlation));
+                               s.output, s.samples, options_.max_correlation));
     add(c, s);
   }
 
@@ -183,7 +183,7 @@ class Checker {
     const double t = internal::student_exceeded(0.5 * level(s), n - 1);
     ConsistencyCheck c{"mean", s.output, s.mean, -t * error, t * error};
     c.p = s.mean == 0 ? 1 : 2 * internal::student_above(std::abs(s.mean) / error, n - 1);
-    if (c.p < level(s) && std::abs(s.mean) > options_.most_mean)
+    if (c.p < level(s) && std::abs(s.mean) > options_.max_mean)
       fail(c,
            fmt::format("{}: innovations have a mean of {:.2f} standard deviations: an offset that "
                        "the model does not contain",
@@ -194,11 +194,11 @@ class Checker {
   void check_normality(const InnovationStatistics& s) {
     if (!std::isfinite(s.kurtosis)) return;
     const auto n = static_cast<double>(s.samples);
-    ConsistencyCheck c{"normality", s.output, s.kurtosis, kNone, options_.most_kurtosis};
+    ConsistencyCheck c{"normality", s.output, s.kurtosis, kNone, options_.max_kurtosis};
     c.p = is_short(s) ? internal::kurtosis_p(s.kurtosis, s.samples)
                       : internal::chi_squared_above(
                             n / 6 * (s.skewness * s.skewness + s.kurtosis * s.kurtosis / 4), 2);
-    if (c.p < level(s) && s.kurtosis > options_.most_kurtosis)
+    if (c.p < level(s) && s.kurtosis > options_.max_kurtosis)
       fail(c, fmt::format(
                   "{}: innovations are not normal: excess kurtosis {:.3g}, as caused by outliers",
                   s.output, s.kurtosis));

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Index;
 
 /// Minimum number of innovations of a held-out part that passes.
-constexpr Index kLeastHeldOut = 30;
+constexpr Index kMinHeldOut = 30;
 
 double log_density(double e, double S, double student) {
   if (student == 0) return -0.5 * (std::log(2 * std::numbers::pi * S) + e * e / S);
@@ -76,7 +76,7 @@ double sign_test(Index count, Index hits) {
 /// normally distributed, so their signs must be significant as well.
 bool is_worse(const Comparison& compared, double significance) {
   const double loss = compared.before - compared.after;
-  if (compared.count >= kLeastHeldOut)
+  if (compared.count >= kMinHeldOut)
     return loss > normal_exceeded(significance) * compared.deviation;
   if (compared.count < 2) return false;
   const auto n = static_cast<double>(compared.count);
@@ -103,7 +103,7 @@ HoldOut judge_held_out(const FilterModel& model, const std::vector<FilterRun>& b
     result.reason = fmt::format(
         "the held-out part is less likely than before: {:.4g} per innovation instead of {:.4g}",
         result.after, result.before);
-  } else if (compared.count < kLeastHeldOut) {
+  } else if (compared.count < kMinHeldOut) {
     result.reason = fmt::format("{} innovations held out, too few for a verdict", compared.count);
   } else {
     result.verdict = CheckVerdict::pass;

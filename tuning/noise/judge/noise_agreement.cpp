@@ -99,10 +99,10 @@ NoiseAgreement compare_methods(const NoiseFit& fit, NoiseMethod method,
     result.not_compared = "no parameter is estimated by both methods";
     return result;
   }
-  const double most = internal::normal_exceeded(0.5 * options.significance / compared);
+  const double max = internal::normal_exceeded(0.5 * options.significance / compared);
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     ParameterAgreement& p = result.parameters[i];
-    p.disagrees = p.deviations > most && p.factor > options.most_factor;
+    p.disagrees = p.deviations > max && p.factor > options.max_factor;
     if (!p.disagrees) continue;
     result.disagreements.push_back(fmt::format(
         "{} is {}, and {}: a factor of {:.3g}, {:.3g} standard deviations, although both would be "

@@ -13,7 +13,8 @@ namespace quadtune {
 
 using Eigen::Index;
 
-RunningSize running_size(const FilterRun& run, Index output, int window, double confidence) {
+RunningSize normalized_innovation_window(const FilterRun& run, Index output, int window,
+                                         double confidence) {
   if (run.status != LikelihoodStatus::computed || output < 0 || output >= run.innovation.rows() ||
       window < 1 || !(confidence > 0 && confidence < 1))
     throw InvalidInput("running size",

@@ -12,8 +12,8 @@ namespace {
 using Eigen::Index;
 
 /// Minimum number of samples for a correlation, and for a kurtosis.
-constexpr Index kLeastCorrelated = 6;
-constexpr Index kLeastShaped = 8;
+constexpr Index kMinCorrelated = 6;
+constexpr Index kMinShaped = 8;
 
 /// Degrees of freedom of Pearson's correlation with the variance at this lag.
 double degrees_of(Index samples, Index lag) {
@@ -26,7 +26,7 @@ double degrees_of(Index samples, Index lag) {
 LargestCorrelation largest_correlation(const Eigen::Ref<const Eigen::VectorXd>& autocorrelation,
                                        Index samples) {
   LargestCorrelation result;
-  if (samples < kLeastCorrelated) return result;
+  if (samples < kMinCorrelated) return result;
   for (Index i = 0; i < autocorrelation.size(); ++i) {
     const double r = autocorrelation(i), degrees = degrees_of(samples, i + 1);
     const double t = std::abs(r) < 1 ? std::abs(r) * std::sqrt(degrees / (1 - r * r)) : 1e100;
@@ -39,13 +39,13 @@ LargestCorrelation largest_correlation(const Eigen::Ref<const Eigen::VectorXd>& 
 }
 
 double correlation_exceeded(double p, Index samples) {
-  if (samples < kLeastCorrelated) return 1;
+  if (samples < kMinCorrelated) return 1;
   const double degrees = degrees_of(samples, 1), t = student_exceeded(p, degrees);
   return t / std::sqrt(degrees + t * t);
 }
 
 double kurtosis_p(double kurtosis, Index samples) {
-  if (samples < kLeastShaped) return 1;
+  if (samples < kMinShaped) return 1;
   const auto n = static_cast<double>(samples);
   const double variance =
       24 * n * (n - 2) * (n - 3) / ((n + 1) * (n + 1) * (n + 3) * (n + 5));  // of m4/m2²

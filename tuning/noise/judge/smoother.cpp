@@ -59,7 +59,7 @@ class System {
     VectorXd width = VectorXd::Ones(static_cast<Index>(diffuse_.size()));
     std::optional<SparseLdl> ldl;
     MatrixXd columns, V;
-    for (int round = 0; round <= kMostRounds; ++round) {
+    for (int round = 0; round <= kMaxRounds; ++round) {
       P0_ = record_.start ? record_.start->P : prepared_.model.P0;
       for (std::size_t d = 0; d < diffuse_.size(); ++d)
         P0_(diffuse_[d], diffuse_[d]) = width(static_cast<Index>(d));
@@ -75,7 +75,7 @@ class System {
           narrow = d;
         }
       if (narrow < 0) break;
-      if (round == kMostRounds)
+      if (round == kMaxRounds)
         return singular(result, state(0) + diffuse_[static_cast<std::size_t>(narrow)]);
     }
     result.x = states(ldl->solve(right_side()));
@@ -86,7 +86,7 @@ class System {
  private:
   /// Maximum number of times that a prior is widened, by 1e3 each. A state that the measurements
   /// still do not determine after that is not observable.
-  static constexpr int kMostRounds = 5;
+  static constexpr int kMaxRounds = 5;
 
   [[nodiscard]] Index multiplier(Index k) const { return 2 * nx_ * k; }
   [[nodiscard]] Index state(Index k) const { return 2 * nx_ * k + nx_; }

@@ -145,7 +145,7 @@ std::vector<ConsistencyCheck> check_errors(const FilterModel& model,
     c.high = internal::chi_squared_exceeded(half, freedom) / freedom;
     c.p = internal::chi_squared_two_sided(c.value * freedom, freedom);
     if (!(c.value >= c.low && c.value <= c.high) &&
-        !(c.value >= options.least_size && c.value <= options.most_size)) {
+        !(c.value >= options.min_size && c.value <= options.max_size)) {
       c.verdict = CheckVerdict::fail;
       c.reason = fmt::format(
           "{}: the squared error is {:.3g} times as large as its variance implies, and {:.0f} "

@@ -186,9 +186,9 @@ class AdjointPass {
     const Eigen::Index e_rows = steady.innovation_rows();
     constexpr int kGroup = 4;  // blocks whose r rᵀ are summed together
     // One more, because the first r of a group is the last one of the group before.
-    alignas(64) double out[kGroup + 1][kMostOutputs + 4 * N + 8];  // u, and r before each sample
-    const double* r_after[4 * kGroup];                             // one per sample
-    Vector<4> squares[kMostOutputs / 4] = {};
+    alignas(64) double out[kGroup + 1][kMaxOutputs + 4 * N + 8];  // u, and r before each sample
+    const double* r_after[4 * kGroup];                            // one per sample
+    Vector<4> squares[kMaxOutputs / 4] = {};
     Square<N>& by_Q = sums.by_Q[steady.transition];
     const double* r = r_.at;
     int slot = 0;

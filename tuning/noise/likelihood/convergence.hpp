@@ -31,6 +31,6 @@ class Convergence {
 
 /// Share of R in the innovation variance S below which the remaining P along C is lost in rounding
 /// errors, so that the complete Joseph form is computed.
-inline constexpr double kLeastShareOfR = 1e-4;
+inline constexpr double kMinShareOfR = 1e-4;
 
 }  // namespace quadtune::internal

@@ -160,7 +160,7 @@ class ForwardPass {
     for (; k < stop; ++k) {
       const double S = (R + c0 * c0 * P00) + (2 * c0 * c1 * P10 + c1 * c1 * P11);
       const double inverse = 1 / S;
-      if (!(R * inverse > kLeastShareOfR)) break;
+      if (!(R * inverse > kMinShareOfR)) break;
       const double Pc0 = c0 * P00 + c1 * P10, Pc1 = c0 * P10 + c1 * P11;
       const double u = record_.nu == 0 ? 0 : record_.u[k];
       const double e = record_.y[k] - D * u - (c0 * x0 + c1 * x1), weighted = e * inverse;
@@ -230,7 +230,7 @@ class ForwardPass {
     if (sensitivities_ != nullptr) sensitivities_->correct(K, e * inverse);
     add_scaled<N>(e, K.at, state_.x.at);
     add_outer<N>(-1, K.at, Pc.at, state_.P);  // P - K (P cᵀ)ᵀ
-    if (R * inverse < kLeastShareOfR) {       // Joseph form: + (K R - P cᵀ) Kᵀ of this P
+    if (R * inverse < kMinShareOfR) {         // Joseph form: + (K R - P cᵀ) Kᵀ of this P
       Column<N> rest = c.times(state_.P);
       for (double& entry : rest.at) entry = -entry;
       add_scaled<N>(R, K.at, rest.at);
@@ -356,7 +356,7 @@ class ForwardPass {
   FilterState<N> state_;
   SteadyPass<N> steady_;
   double* numbers_ = nullptr;  ///< of the open piece of the tape
-  double whitened_[kMostOutputs] = {};
+  double whitened_[kMaxOutputs] = {};
 };
 
 }  // namespace quadtune::internal

@@ -31,12 +31,12 @@ struct InnovationLikelihood::Parts {
 
 InnovationLikelihood::InnovationLikelihood(FilterModel model, std::vector<FilterRecord> records) {
   validate(model, "filter model");
-  if (model.A.rows() > internal::kMostStates)
+  if (model.A.rows() > internal::kMaxStates)
     throw InvalidInput("filter model", fmt::format("the model has {} states, expected at most {}",
-                                                   model.A.rows(), internal::kMostStates));
-  if (model.outputs() > internal::kMostOutputs)
+                                                   model.A.rows(), internal::kMaxStates));
+  if (model.outputs() > internal::kMaxOutputs)
     throw InvalidInput("filter model", fmt::format("the model has {} outputs, expected at most {}",
-                                                   model.outputs(), internal::kMostOutputs));
+                                                   model.outputs(), internal::kMaxOutputs));
   if (records.empty()) throw InvalidInput("logs", "there are none; expected at least one");
   for (const FilterRecord& record : records) validate(record, model, record.name);
   parts_ = std::make_unique<Parts>(

@@ -13,8 +13,8 @@
 namespace quadtune::internal {
 
 /// Largest number of states of a model, and of outputs of all its sensors.
-inline constexpr int kMostStates = 24;
-inline constexpr int kMostOutputs = 64;
+inline constexpr int kMaxStates = 24;
+inline constexpr int kMaxOutputs = 64;
 
 /// Options of a run of a filter over the records.
 struct RunOptions {

@@ -114,8 +114,8 @@ class SteadyPass {
   void run_blocks(const SteadyState<N>& steady, Eigen::Index k, Eigen::Index stop,
                   LikelihoodSums<N>& sums, double* numbers) {
     const Eigen::Index e_rows = steady.innovation_rows();
-    alignas(64) double out[2][kMostOutputs + (N + 15) / 8 * 8];
-    Vector<4> squares[kMostOutputs / 4] = {};
+    alignas(64) double out[2][kMaxOutputs + (N + 15) / 8 * 8];
+    Vector<4> squares[kMaxOutputs / 4] = {};
     const double* x = state_.x.at;
     int side = 0;
     for (; k < stop; k += steady.block, side = 1 - side) {

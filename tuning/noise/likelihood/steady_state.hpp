@@ -144,7 +144,7 @@ struct SteadyState {
                       const double* u, Column<N>& x, std::vector<Column<N>>& x_slope,
                       Eigen::Index row, Eigen::Index column) {
     const Transition<N>& step = model.transitions[transition];
-    double z[kMostOutputs];
+    double z[kMaxOutputs];
     for (Eigen::Index i = 0; i < ny; ++i) {
       const auto q = static_cast<std::size_t>(i);
       const SparseRow<N> c = model.C[q];

@@ -303,7 +303,7 @@ class QtModule : public ModuleBase<QtModule>, public px4::ScheduledWorkItem {
     const qt_motors_t &motors = qt_parameters.motors;
     actuator_motors_s out{};
     qt_real all = 0.0f;
-    qt_real most = 0.0f;
+    qt_real max = 0.0f;
     for (int m = 0; m < actuator_motors_s::NUM_CONTROLS; ++m) {
       out.control[m] = NAN; /* no such motor */
     }
@@ -312,9 +312,8 @@ class QtModule : public ModuleBase<QtModule>, public px4::ScheduledWorkItem {
       const qt_real w = _output.speed[i];
       const qt_real thrust = ((motors.a2[i] * w) + motors.a1[i]) * w;
       all += thrust;
-      most += motors.greatest[i];
-      out.control[m] =
-          _output.estimate.finite ? qt_clamp(thrust / motors.greatest[i], 0.0f, 1.0f) : NAN;
+      max += motors.max[i];
+      out.control[m] = _output.estimate.finite ? qt_clamp(thrust / motors.max[i], 0.0f, 1.0f) : NAN;
     }
     out.timestamp = hrt_absolute_time();
     out.timestamp_sample = out.timestamp;
@@ -324,7 +323,7 @@ class QtModule : public ModuleBase<QtModule>, public px4::ScheduledWorkItem {
     vehicle_torque_setpoint_s torque{};
     thrust.timestamp = torque.timestamp = out.timestamp;
     thrust.timestamp_sample = torque.timestamp_sample = out.timestamp;
-    thrust.xyz[2] = -all / most;
+    thrust.xyz[2] = -all / max;
     for (int i = 0; i < 3; ++i) {
       torque.xyz[i] = _output.wrench[1 + i];
     }

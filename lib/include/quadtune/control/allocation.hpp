@@ -35,9 +35,9 @@ struct Allocation {
 template <class T>
 [[nodiscard]] T speed_for_thrust(const T& thrust, const T& a2, const T& a1) {
   using std::sqrt;
-  const T t = greater(thrust, T(0));
+  const T t = max_of(thrust, T(0));
   // The larger root of a2 w² + a1 w = T.
-  return greater((sqrt(a1 * a1 + T(4) * a2 * t) - a1) / (T(2) * a2), T(0));
+  return max_of((sqrt(a1 * a1 + T(4) * a2 * t) - a1) / (T(2) * a2), T(0));
 }
 
 /// Speeds for a wrench [T τx τy τz]; the motors' limits are not applied. [rad/s]

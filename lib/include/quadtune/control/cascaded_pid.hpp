@@ -24,7 +24,7 @@ struct CascadedPidSettings {
   T weight = T(0);
   T take_off_thrust = T(0);  ///< in FlightPhase::take_off [N]
   /// Maximum thrust that the altitude loop may command [N].
-  T greatest_thrust = T(0);
+  T max_thrust = T(0);
   /// Whether the position and height loops damp the velocity relative to that of the reference. If
   /// false, they damp the velocity itself, as the source programs do, and lag behind a moving
   /// reference.
@@ -107,14 +107,14 @@ template <class T>
     const T down = loop(CascadeAxis::altitude, reference.position(2), x(2), velocity(2),
                         T(-state.wrench_excess(0)))
                        .value;
-    wrench(0) = clamped(settings.weight - down, T(0), settings.greatest_thrust);
+    wrench(0) = clamped(settings.weight - down, T(0), settings.max_thrust);
   }
   return wrench;
 }
 
 /// Gives the law the wrench that the motors can produce, in response to that returned by step().
 template <class T>
-void carried_out(const CascadedPidSettings<T>& settings, CascadedPidState<T>& state,
+void on_realized(const CascadedPidSettings<T>& settings, CascadedPidState<T>& state,
                  const Eigen::Matrix<T, 4, 1>& asked, const Eigen::Matrix<T, 4, 1>& made) {
   if (!settings.conditional_integration) return;
   for (int i = 0; i < 4; ++i)

@@ -31,7 +31,7 @@ struct GuardedIntegralState {
 template <class Scalar>
 Scalar step(const GuardedIntegralSettings<Scalar>& settings, GuardedIntegralState<Scalar>& state,
             Scalar error) noexcept {
-  const MaskOf<Scalar> near = magnitude(error) <= settings.error_limit;  // false for NaN
+  const MaskOf<Scalar> near = abs_of(error) <= settings.error_limit;  // false for NaN
   const Scalar increment =
       clamped(error * settings.dt, -settings.increment_limit, settings.increment_limit);
   const Scalar advanced =

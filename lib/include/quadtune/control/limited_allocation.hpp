@@ -28,15 +28,15 @@ enum class AllocationRule {
 /// Settings: the range of each rotor's thrust as known to the flight code.
 template <class T>
 struct ThrustLimits {
-  std::array<T, kMaxRotors> least{};     ///< [N]
-  std::array<T, kMaxRotors> greatest{};  ///< [N]
+  std::array<T, kMaxRotors> min{};  ///< [N]
+  std::array<T, kMaxRotors> max{};  ///< [N]
   /// Lower bound of the collective thrust [N], ≥ 0.
   T floor = T(0);
 };
 
 /// Minimum collective thrust under AllocationRule::prioritized, as a fraction of the weight:
 /// stopped rotors would need their lag time before they produce a torque again.
-inline constexpr double kLeastCollective = 0.15;
+inline constexpr double kMinCollective = 0.15;
 
 /// The thrusts at the minimum and maximum command of the motors, and the lower bound `floor`.
 /// @throws InvalidInput  as allocation()
@@ -95,10 +95,10 @@ template <class T>
   const RotorSpeeds<T> thrusts = thrusts_of_wrench(allocation, asked);
   for (int i = 0; i < allocation.rotors; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    within = both(within, both(thrusts(i) >= limits.least[k] - slack,
-                               thrusts(i) <= limits.greatest[k] + slack));
+    within = logical_and(within, logical_and(thrusts(i) >= limits.min[k] - slack,
+                                             thrusts(i) <= limits.max[k] + slack));
   }
-  result.limited = negated(within);
+  result.limited = logical_not(within);
   if (!any(result.limited)) return result;
 
   // The thrust of rotor i is b + e T + s d for collective thrust T and fraction s of roll and pitch
@@ -114,34 +114,34 @@ template <class T>
     d(i) = allocation.P(i, 1) * x + allocation.P(i, 2) * y;
   }
   const auto lifts = [&](int i) { return allocation.P(i, 0) > T(0); };
-  const auto least_collective = [&](int i, const T& s) {
-    return (limits.least[static_cast<std::size_t>(i)] - b(i) - s * d(i)) / allocation.P(i, 0);
+  const auto min_collective = [&](int i, const T& s) {
+    return (limits.min[static_cast<std::size_t>(i)] - b(i) - s * d(i)) / allocation.P(i, 0);
   };
-  const auto greatest_collective = [&](int i, const T& s) {
-    return (limits.greatest[static_cast<std::size_t>(i)] - b(i) - s * d(i)) / allocation.P(i, 0);
+  const auto max_collective = [&](int i, const T& s) {
+    return (limits.max[static_cast<std::size_t>(i)] - b(i) - s * d(i)) / allocation.P(i, 0);
   };
   T share = T(1);
   for (int i = 0; i < allocation.rotors; ++i)
     for (int j = 0; j < allocation.rotors; ++j) {
       if (i == j) continue;
-      const T room = greatest_collective(j, T(0)) - least_collective(i, T(0));
+      const T room = max_collective(j, T(0)) - min_collective(i, T(0));
       const T need = d(j) / allocation.P(j, 0) - d(i) / allocation.P(i, 0);
-      const MaskOf<T> counts = both(both(lifts(i), lifts(j)), need > T(0));
-      share = select(counts, lesser(share, greater(room, T(0)) / need), share);
+      const MaskOf<T> counts = logical_and(logical_and(lifts(i), lifts(j)), need > T(0));
+      share = select(counts, min_of(share, max_of(room, T(0)) / need), share);
     }
   T low = limits.floor, high = T(std::numeric_limits<double>::infinity());
   for (int i = 0; i < allocation.rotors; ++i) {
-    low = select(lifts(i), greater(low, least_collective(i, share)), low);
-    high = select(lifts(i), lesser(high, greatest_collective(i, share)), high);
+    low = select(lifts(i), max_of(low, min_collective(i, share)), low);
+    high = select(lifts(i), min_of(high, max_collective(i, share)), high);
   }
-  const T thrust = lesser(greater(collective, low), high);
+  const T thrust = min_of(max_of(collective, low), high);
   T yaw = T(1);
   for (int i = 0; i < allocation.rotors; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const T carried = b(i) + allocation.P(i, 0) * thrust + share * d(i);
     const T more = allocation.P(i, 3) * z;
-    const T room = select(more > T(0), limits.greatest[k] - carried, carried - limits.least[k]);
-    yaw = select(more == T(0), yaw, lesser(yaw, greater(room, T(0)) / magnitude(more)));
+    const T room = select(more > T(0), limits.max[k] - carried, carried - limits.min[k]);
+    yaw = select(more == T(0), yaw, min_of(yaw, max_of(room, T(0)) / abs_of(more)));
   }
   const Eigen::Matrix<T, 4, 1> made = {thrust, share * x, share * y, yaw * z};
   for (int j = 0; j < 4; ++j) result.wrench(j) = select(result.limited, made(j), result.wrench(j));
@@ -157,8 +157,8 @@ template <class T>
   RotorSpeeds<T> thrusts = thrusts_of_wrench(allocation, asked);
   for (int i = 0; i < allocation.rotors; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const T cut = clamped(thrusts(i), limits.least[k], limits.greatest[k]);
-    result.limited = either(result.limited, negated(cut == thrusts(i)));
+    const T cut = clamped(thrusts(i), limits.min[k], limits.max[k]);
+    result.limited = logical_or(result.limited, logical_not(cut == thrusts(i)));
     thrusts(i) = cut;
   }
   if (!any(result.limited)) return result;

@@ -53,9 +53,9 @@ class ScheduledFeedback {
                                         double yaw_rate) const;
 
   std::shared_ptr<const GainSchedule> schedule_;
-  FeedbackWords words_;
+  FeedbackTransformation words_;
   double dt_;
-  double greatest_turn_ = 0;          ///< maximum yaw rate of the grid [rad/s]
+  double max_yaw_rate_ = 0;           ///< maximum yaw rate of the grid [rad/s]
   std::optional<double> yaw_before_;  ///< previous yaw of the reference [rad]
   Eigen::VectorXd gain_at_, trim_at_;
   StateFeedbackSettings<double> now_;

@@ -15,7 +15,7 @@
 namespace quadtune {
 
 /// Maximum number of integrals of a law: one for each of the 12 states.
-inline constexpr int kMostIntegrals = 12;
+inline constexpr int kMaxIntegrals = 12;
 
 /// Limits of the integral of one state, in the convention of the gains.
 struct IntegralGuard {
@@ -36,10 +36,10 @@ struct StateFeedbackSettings {
   int inputs = 0;
   Eigen::Matrix<T, kMaxRotors, 12> K = Eigen::Matrix<T, kMaxRotors, 12>::Zero();
   int integrals = 0;
-  Eigen::Matrix<T, kMaxRotors, kMostIntegrals> K_int =
-      Eigen::Matrix<T, kMaxRotors, kMostIntegrals>::Zero();
-  std::array<int, kMostIntegrals> integrated{};  ///< indices into the 12 states
-  std::array<GuardedIntegralSettings<T>, kMostIntegrals> guards{};
+  Eigen::Matrix<T, kMaxRotors, kMaxIntegrals> K_int =
+      Eigen::Matrix<T, kMaxRotors, kMaxIntegrals>::Zero();
+  std::array<int, kMaxIntegrals> integrated{};  ///< indices into the 12 states
+  std::array<GuardedIntegralSettings<T>, kMaxIntegrals> guards{};
   StateVector<T> x0 = StateVector<T>::Zero();  ///< set point at which u0 is the trim input
   Eigen::Matrix<T, kMaxRotors, 1> u0 = Eigen::Matrix<T, kMaxRotors, 1>::Zero();
   PositionAxes axes = PositionAxes::world;
@@ -52,14 +52,14 @@ struct StateFeedbackSettings {
   Eigen::Matrix<T, kMaxRotors, 1> lag_share =
       Eigen::Matrix<T, kMaxRotors, 1>::Zero();  ///< 1 - e^(-dt/lag)
   Eigen::Matrix<T, kMaxRotors, kMaxRotors> K_lag = Eigen::Matrix<T, kMaxRotors, kMaxRotors>::Zero();
-  int past = 0;                                              ///< 0 to kMostPastCommands
+  int past = 0;                                              ///< 0 to kMaxPastCommands
   Eigen::Matrix<T, kMaxRotors, Eigen::Dynamic> K_past = {};  ///< (kMaxRotors × past inputs)
 };
 
 /// The state kept from one sample to the next.
 template <class T>
 struct StateFeedbackState {
-  std::array<GuardedIntegralState<T>, kMostIntegrals> integrals{};
+  std::array<GuardedIntegralState<T>, kMaxIntegrals> integrals{};
   /// Requested minus produced input of the last sample with conditional_integration; otherwise 0.
   Eigen::Matrix<T, kMaxRotors, 1> excess = Eigen::Matrix<T, kMaxRotors, 1>::Zero();
   /// For a law with command memory: the actuators' state and the past commands, minus u0.
@@ -68,7 +68,7 @@ struct StateFeedbackState {
 };
 
 /// The transformation of gains from a convention to the states and inputs of ned_convention().
-struct FeedbackWords {
+struct FeedbackTransformation {
   Eigen::MatrixXd inputs;     ///< (nu × nu) u_own = inputs · u: a signed permutation
   Eigen::MatrixXd states;     ///< (nx × 12) x = states · x_own
   Eigen::VectorXd integrals;  ///< (ni) sign of each integral
@@ -84,7 +84,7 @@ struct FeedbackWords {
 
 /// @throws InvalidInput  if the states are not the 12 of the convention or the inputs not the
 ///                       vehicle's
-[[nodiscard]] FeedbackWords feedback_words(const Vehicle& vehicle, const Gains& gains);
+[[nodiscard]] FeedbackTransformation feedback_words(const Vehicle& vehicle, const Gains& gains);
 
 /// Converts gains of any convention, sign law and input kind to a law of a vehicle.
 /// @param dt      sample period [s]: that of the gains, or any for continuous gains
@@ -131,7 +131,7 @@ template <class T>
 
 /// One sample; returns u in the law's own input kind: one entry per rotor, or [T τx τy τz].
 ///
-/// Afterwards, call carried_out() with the input that the motors produce.
+/// Afterwards, call on_realized() with the input that the motors produce.
 template <class T>
 [[nodiscard]] Eigen::Matrix<T, kMaxRotors, 1> step(const StateFeedbackSettings<T>& settings,
                                                    StateFeedbackState<T>& state,
@@ -149,7 +149,7 @@ template <class T>
   for (int j = 0; j < 12; ++j)
     for (int i = 0; i < settings.inputs; ++i) u(i) += settings.K(i, j) * error(j);
   // Integrals are kept in world axes, in which a steady wind is constant.
-  std::array<T, kMostIntegrals> integrals{};
+  std::array<T, kMaxIntegrals> integrals{};
   std::array<int, 2> of_position = {-1, -1};
   for (int j = 0; j < settings.integrals; ++j) {
     const int of = settings.integrated[static_cast<std::size_t>(j)];
@@ -173,7 +173,7 @@ template <class T>
           if (of_position[axis] >= 0)
             answer +=
                 settings.K_int(i, of_position[axis]) * turned(static_cast<Eigen::Index>(axis));
-        pushes += greater(T(state.excess(i) * answer), T(0));
+        pushes += max_of(T(state.excess(i) * answer), T(0));
       }
     }
     integrals[k] = step(settings.guards[k], state.integrals[k], T(integrated(of)));
@@ -207,7 +207,7 @@ template <class T>
 /// @param asked  the result of step(), or `made` if step() was not called
 /// @param made   the input that the motors produce, of the same kind
 template <class T>
-void carried_out(const StateFeedbackSettings<T>& settings, StateFeedbackState<T>& state,
+void on_realized(const StateFeedbackSettings<T>& settings, StateFeedbackState<T>& state,
                  const Eigen::Matrix<T, kMaxRotors, 1>& asked,
                  const Eigen::Matrix<T, kMaxRotors, 1>& made) {
   const int n = settings.inputs;

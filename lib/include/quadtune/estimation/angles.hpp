@@ -22,7 +22,7 @@ requires std::is_floating_point_v<T>
 
 /// The angle minus the nearest multiple of 2π, within [-π, π] [rad].
 template <class T>
-[[nodiscard]] T wrapped(const T& angle) {
+[[nodiscard]] T wrap_angle(const T& angle) {
   using on_board_math::nearest;
   return angle - T(2 * std::numbers::pi) * nearest(angle * T(0.5 / std::numbers::pi));
 }
@@ -37,7 +37,7 @@ struct Tilt {
 /// Roll and pitch of a body that does not accelerate and measures the specific force f: the
 /// solution of f = -g R_WBᵀ e_z. The length of f does not matter; it must not be 0.
 template <class T>
-[[nodiscard]] Tilt<T> tilt_of_force(const Vector3<T>& f) {
+[[nodiscard]] Tilt<T> tilt_from_force(const Vector3<T>& f) {
   using std::atan2, std::sqrt;
   return {atan2(-f.y(), -f.z()), atan2(f.x(), T(sqrt(f.y() * f.y() + f.z() * f.z())))};
 }
@@ -46,7 +46,7 @@ template <class T>
 /// within [-π, π] of the declination.
 /// @param declination  of magnetic north, positive to the east [rad]
 template <class T>
-[[nodiscard]] T yaw_of_field(const Vector3<T>& field, const Tilt<T>& tilt, const T& declination) {
+[[nodiscard]] T yaw_from_field(const Vector3<T>& field, const Tilt<T>& tilt, const T& declination) {
   using std::atan2, std::cos, std::sin;
   const T sr = sin(tilt.roll), cr = cos(tilt.roll);
   const T sp = sin(tilt.pitch), cp = cos(tilt.pitch);

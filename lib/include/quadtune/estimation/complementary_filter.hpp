@@ -43,9 +43,9 @@ template <class T>
 [[nodiscard]] Vector3<T> bounded_euler_rates(const T& roll, const T& pitch,
                                              const Vector3<T>& rates) {
   using std::cos, std::sin;
-  const T least = T(0.05);
+  const T min = T(0.05);
   const T sr = sin(roll), cr = cos(roll), cp = cos(pitch);
-  const T held = select(cp < T(0), lesser(cp, T(-least)), greater(cp, least));
+  const T held = select(cp < T(0), min_of(cp, T(-min)), max_of(cp, min));
   const T yaw_rate = (rates.y() * sr + rates.z() * cr) / held;
   return {rates.x() + sin(pitch) * yaw_rate, rates.y() * cr - rates.z() * sr, yaw_rate};
 }
@@ -73,16 +73,16 @@ void step(const ComplementaryFilterSettings<T>& settings, ComplementaryFilterSta
   state.angles += bounded_euler_rates(half_way.x(), half_way.y(), rates) * dt;
 
   const T norm = sqrt(force.squaredNorm());
-  const T excess = magnitude(T(norm / settings.gravity - T(1))) / settings.force_band;
+  const T excess = abs_of(T(norm / settings.gravity - T(1))) / settings.force_band;
   // In free fall the specific force is near zero and its direction carries no information.
-  const MaskOf<T> felt = both(force_fresh, norm > T(0.1) * settings.gravity);
-  const T weight = select(felt, greater(T(T(1) - excess), T(0)), T(0));
-  const Tilt<T> tilt = tilt_of_force(force);
+  const MaskOf<T> felt = logical_and(force_fresh, norm > T(0.1) * settings.gravity);
+  const T weight = select(felt, max_of(T(T(1) - excess), T(0)), T(0));
+  const Tilt<T> tilt = tilt_from_force(force);
   const T alpha = dt / (settings.time_constant + dt) * weight;
-  const T roll_error = wrapped(T(tilt.roll - state.angles.x()));
+  const T roll_error = wrap_angle(T(tilt.roll - state.angles.x()));
   const T pitch_error = tilt.pitch - state.angles.y();
-  state.angles.x() = wrapped(T(state.angles.x() + alpha * roll_error));
-  state.angles.y() = wrapped(T(state.angles.y() + alpha * pitch_error));
+  state.angles.x() = wrap_angle(T(state.angles.x() + alpha * roll_error));
+  state.angles.y() = wrap_angle(T(state.angles.y() + alpha * pitch_error));
 
   // Projects the tilt error on the body axes: body_rate_matrix() · (roll, pitch, 0).
   const T beta = alpha / settings.bias_time_constant;

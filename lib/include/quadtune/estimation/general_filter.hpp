@@ -79,9 +79,10 @@ struct InertialSamples {
 template <class T>
 InertialSamples<T> take_readings(const GeneralFilterSettings& settings,
                                  GeneralFilterState<T>& state, const SensorFrame<T>& frame) {
-  const MaskOf<T> rates_fresh = both(frame.rates.fresh, entries_are_finite<T>(frame.rates.value));
+  const MaskOf<T> rates_fresh =
+      logical_and(frame.rates.fresh, entries_are_finite<T>(frame.rates.value));
   const MaskOf<T> force_fresh =
-      both(frame.specific_force.fresh, entries_are_finite<T>(frame.specific_force.value));
+      logical_and(frame.specific_force.fresh, entries_are_finite<T>(frame.specific_force.value));
   const InertialReading<T> before = state.readings[0];
   InertialReading<T>& newest = state.readings.advance();
   for (int i = 0; i < 3; ++i) {
@@ -135,12 +136,13 @@ void correct_by_samples(const Period<T>& period, const SensorFrame<T>& frame) {
   GeneralFilterState<T>& state = period.state;
   const auto vector = [&](auto& queue, const auto& sample, double lag) {
     using Value = std::decay_t<decltype(sample.value)>;
-    return pass<Value, T>(queue, sample, both(sample.fresh, entries_are_finite<T>(sample.value)),
-                          lag, settings.dt, period.horizon);
+    return pass<Value, T>(queue, sample,
+                          logical_and(sample.fresh, entries_are_finite<T>(sample.value)), lag,
+                          settings.dt, period.horizon);
   };
   const auto scalar = [&](auto& queue, const Sample<T, T>& sample, double lag) {
-    return pass<T, T>(queue, sample, both(sample.fresh, is_finite(sample.value)), lag, settings.dt,
-                      period.horizon);
+    return pass<T, T>(queue, sample, logical_and(sample.fresh, is_finite(sample.value)), lag,
+                      settings.dt, period.horizon);
   };
   if (settings.gps_position)
     use_vector<kP>(period, *settings.gps_position,
@@ -228,13 +230,13 @@ template <class T>
     }
   }
   Deviations<T> result;
-  const auto root = [](const T& variance) { return T(sqrt(greater(variance, T(0)))); };
+  const auto root = [](const T& variance) { return T(sqrt(max_of(variance, T(0)))); };
   for (int i = 0; i < 3; ++i) {
     result.position(i) = root(P(kErrorPosition + i, kErrorPosition + i));
     result.velocity(i) = root(P(kErrorVelocity + i, kErrorVelocity + i));
   }
   // Converts a small rotation about the world axes to roll, pitch and yaw.
-  const T cp2 = greater(T(R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0)), T(kLeastCosPitch));
+  const T cp2 = max_of(T(R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0)), T(kMinCosPitch));
   Matrix3<T> J = Matrix3<T>::Zero();
   J(0, 0) = R(0, 0) / cp2;
   J(0, 1) = R(1, 0) / cp2;

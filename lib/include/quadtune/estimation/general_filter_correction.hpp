@@ -62,10 +62,10 @@ template <class T>
   past.rates = rates_at(state, gyro, 0);
   past.past = ago > T(0);
   if (!any(past.past)) return past;
-  T left = greater(ago, T(0));
-  for (int j = 0; j < kMostHistoryPeriods && any(left > T(0)); ++j) {
-    const bool last = j + 1 == kMostHistoryPeriods;
-    const T h = last ? left : lesser(left, dt);
+  T left = max_of(ago, T(0));
+  for (int j = 0; j < kMaxHistoryPeriods && any(left > T(0)); ++j) {
+    const bool last = j + 1 == kMaxHistoryPeriods;
+    const T h = last ? left : min_of(left, dt);
     left = left - h;
     const Inputs<T> in = inputs_at(state, gyro, force, j);
     // Inverse of move(): first undo half of the turn, then the velocity change, then the other
@@ -90,7 +90,7 @@ template <class T>
     const Vector3<T> begin = rates_at(state, gyro, j + 1);
     const T share = h / dt;
     const Vector3<T> end = rates_at(state, gyro, j);
-    past.rates = select_entries<T>(h > T(0), Vector3<T>(end + (begin - end) * lesser(share, T(1))),
+    past.rates = select_entries<T>(h > T(0), Vector3<T>(end + (begin - end) * min_of(share, T(1))),
                                    past.rates);
   }
   return past;
@@ -186,13 +186,14 @@ template <unsigned groups, class T>
   std::array<T, kErrorStates> w = times_row<groups>(state.P, row);
   T S = dot_row<groups>(w, row) + R;
   const T square = e * e;
-  const MaskOf<T> sound = both(both(fresh, is_finite(square)), S > T(0));
+  const MaskOf<T> sound = logical_and(logical_and(fresh, is_finite(square)), S > T(0));
   const MaskOf<T> near = square <= T(settings.gate) * S;
-  const MaskOf<T> doubtful = both(sound, negated(near));
-  const MaskOf<T> again =
-      both(doubtful, both(rejections.time >= T(settings.recovery_time), rejections.count >= T(3)));
+  const MaskOf<T> doubtful = logical_and(sound, logical_not(near));
+  const MaskOf<T> again = logical_and(
+      doubtful,
+      logical_and(rejections.time >= T(settings.recovery_time), rejections.count >= T(3)));
   rejections.count += select(doubtful, T(1), T(0));
-  const MaskOf<T> believed = either(both(sound, near), again);
+  const MaskOf<T> believed = logical_or(logical_and(sound, near), again);
   if (!any(believed)) return;
   rejections.count = select(believed, T(0), rejections.count);
   rejections.time = select(believed, T(0), rejections.time);
@@ -201,7 +202,7 @@ template <unsigned groups, class T>
                           : doubted == kErrorVelocity ? row.velocity
                                                       : row.turn;
     const T size = c.squaredNorm();
-    const T added = select(both(again, size > T(0)), (square - S) / size, T(0));
+    const T added = select(logical_and(again, size > T(0)), (square - S) / size, T(0));
     for (int i = 0; i < kErrorStates; ++i)
       if (i >= doubted && i < doubted + 3) state.P(i, i) += added;
     w = times_row<groups>(state.P, row);
@@ -209,8 +210,8 @@ template <unsigned groups, class T>
   }
   seen.innovation_square += select(believed, square / S, T(0));
   seen.innovation_freedom += select(believed, T(1), T(0));
-  used = either(used, believed);
-  correction.any_used = either(correction.any_used, believed);
+  used = logical_or(used, believed);
+  correction.any_used = logical_or(correction.any_used, believed);
 
   const T inverse = T(1) / S;
   std::array<T, kErrorStates> K;

@@ -38,14 +38,14 @@ template <class Value, class T, class Queue>
     const Waiting<Value, T>& waiting = queue[j];
     if (!any(waiting.came)) continue;
     const T ago = waiting.age - T((horizon - j) * dt);
-    MaskOf<T> now = both(waiting.came, ago >= T(-slack));
-    if (j > 0) now = both(now, ago < T(dt - slack));
+    MaskOf<T> now = logical_and(waiting.came, ago >= T(-slack));
+    if (j > 0) now = logical_and(now, ago < T(dt - slack));
     if constexpr (std::is_same_v<Value, T>)
       due.value = select(now, waiting.value, due.value);
     else
       due.value = select_entries<T>(now, waiting.value, due.value);
-    due.ago = select(now, greater(ago, T(0)), due.ago);
-    due.due = either(due.due, now);
+    due.ago = select(now, max_of(ago, T(0)), due.ago);
+    due.due = logical_or(due.due, now);
   }
   return due;
 }
@@ -70,7 +70,7 @@ template <unsigned groups, class T>
 void correct_at(const Period<T>& period, const Past<T>& past, Row<T> row, const T& e, const T& R,
                 const MaskOf<T>& fresh, std::size_t scalar, int doubted, Correction<T>& correction,
                 MaskOf<T>& used) {
-  if (any(both(past.past, fresh))) {
+  if (any(logical_and(past.past, fresh))) {
     carry(past, row);
     correct<kAll>(period.settings, period.state, row, e, R, fresh, scalar, doubted, correction,
                   period.seen, used);
@@ -91,7 +91,8 @@ void use_flow(const Period<T>& period, const Due<Eigen::Matrix<T, 2, 1>, T>& sam
   const Vector3<T> v = R.transpose() * past.motion.velocity;
   const Vector3<T> d = R.row(2).transpose();
   const T height = -past.motion.position.z();
-  const MaskOf<T> usable = both(sample.due, both(height >= T(aid.least_height), d.z() > T(0.5)));
+  const MaskOf<T> usable =
+      logical_and(sample.due, logical_and(height >= T(aid.min_height), d.z() > T(0.5)));
   if (!any(usable)) return;
   const T inverse = T(1) / select(usable, height, T(1));
   Correction<T> correction;
@@ -133,8 +134,8 @@ void use_range(const Period<T>& period, const Due<T, T>& sample) {
   const T range = sample.value * T(1 / aid.aid.scale);
   const Past<T> past = period.past(sample.ago);
   const Matrix3<T> R = rotation(past.motion.attitude);
-  const MaskOf<T> usable = both(both(sample.due, R(2, 2) >= T(aid.least_cosine)),
-                                both(range >= T(aid.least), range <= T(aid.greatest)));
+  const MaskOf<T> usable = logical_and(logical_and(sample.due, R(2, 2) >= T(aid.min_cosine)),
+                                       logical_and(range >= T(aid.min), range <= T(aid.max)));
   if (!any(usable)) return;
   const T inverse = T(1) / select(usable, R(2, 2), T(1));
   const T expected = -past.motion.position.z() * inverse;
@@ -158,7 +159,7 @@ void use_pressure(const Period<T>& period, const Due<T, T>& sample) {
   if (!any(sample.due)) return;
   const PressureAid& aid = *period.settings.pressure;
   const T pressure = select(sample.due, sample.value * T(1 / aid.aid.scale), T(aid.zero));
-  const MaskOf<T> usable = both(sample.due, pressure > T(0));
+  const MaskOf<T> usable = logical_and(sample.due, pressure > T(0));
   const T safe = select(usable, pressure, T(aid.zero));
   const T height = std::isfinite(aid.fall) ? T((safe - T(aid.zero)) * T(1 / aid.fall))
                                            : barometric_height(safe, T(aid.zero));
@@ -185,12 +186,12 @@ void use_heading(const Period<T>& period, const Due<Vector3<T>, T>& sample) {
   const Past<T> past = period.past(sample.ago);
   const Vector3<T> m = rotation(past.motion.attitude) * sample.value;
   const T square = m(0) * m(0) + m(1) * m(1);
-  const MaskOf<T> usable = both(sample.due, square > T(1e-6) * m.squaredNorm());
+  const MaskOf<T> usable = logical_and(sample.due, square > T(1e-6) * m.squaredNorm());
   if (!any(usable)) return;
   Row<T> row;
   row.turn << T(-aid.dip * std::cos(aid.declination)), T(-aid.dip * std::sin(aid.declination)),
       T(1);
-  const T e = wrapped(T(T(aid.declination) - T(atan2(m(1), m(0)))));
+  const T e = wrap_angle(T(T(aid.declination) - T(atan2(m(1), m(0)))));
   Correction<T> correction;
   MaskOf<T> used{};
   correct_at<kTurn>(period, past, row, e, T(aid.aid.variance), usable,
@@ -246,7 +247,7 @@ void use_standing(const Period<T>& period, const Vector3<T>& rates, const MaskOf
     Row<T> turning;
     turning.gyro(i) = T(1);
     correct<kGyro>(settings, state, turning, T(rates(i) - state.gyro_bias(i)),
-                   T(settings.gyroscope.variance(i)), both(standing, rates_fresh), 0,
+                   T(settings.gyroscope.variance(i)), logical_and(standing, rates_fresh), 0,
                    kErrorVelocity, correction, unseen, used);
     // f = -g d + bias, d = Rᵀ e_z: δd = Rᵀ (e_z × turn)
     Row<T> felt;
@@ -254,14 +255,15 @@ void use_standing(const Period<T>& period, const Vector3<T>& rates, const MaskOf
     felt.turn(0) = T(-settings.gravity) * R(1, i);
     felt.turn(1) = T(settings.gravity) * R(0, i);
     correct<kTurn | kForce>(settings, state, felt, T(force(i) - rest(i) - state.force_bias(i)),
-                            T(settings.accelerometer.variance(i)), both(standing, force_fresh), 0,
-                            kErrorVelocity, correction, unseen, used);
+                            T(settings.accelerometer.variance(i)),
+                            logical_and(standing, force_fresh), 0, kErrorVelocity, correction,
+                            unseen, used);
   }
   state.rejections[0] = kept;
   apply(correction, state);
-  const T least = T(settings.lift_off_velocity * settings.lift_off_velocity);
+  const T min = T(settings.lift_off_velocity * settings.lift_off_velocity);
   T& vertical = state.P(kErrorVelocity + 2, kErrorVelocity + 2);
-  vertical = select(both(standing, vertical < least), least, vertical);
+  vertical = select(logical_and(standing, vertical < min), min, vertical);
 }
 
 }  // namespace quadtune::general_filter_internal

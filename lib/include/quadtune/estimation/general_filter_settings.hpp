@@ -13,9 +13,9 @@ namespace quadtune {
 
 /// Maximum number of control periods over which the filter propagates a measurement back in time.
 /// For an older measurement, the oldest stored readings are used over the rest of its age.
-inline constexpr int kMostHistoryPeriods = 40;
+inline constexpr int kMaxHistoryPeriods = 40;
 /// Maximum lag of the gyroscope and of the accelerometer, in control periods.
-inline constexpr int kMostHorizonPeriods = 16;
+inline constexpr int kMaxHorizonPeriods = 16;
 
 /// Gyroscope or accelerometer that drives the prediction.
 struct InertialAid {
@@ -49,17 +49,17 @@ struct FlowAid {
   Eigen::Vector2d scale = Eigen::Vector2d::Ones();  ///< > 0
   /// One third of the squared tangent of half the field of view, along body x and y [1], ≥ 0.
   Eigen::Vector2d mean_square = Eigen::Vector2d::Zero();
-  double least_height = 0.1;  ///< estimated height below which the flow is not used [m], > 0
+  double min_height = 0.1;  ///< estimated height below which the flow is not used [m], > 0
 
   friend bool operator==(const FlowAid&, const FlowAid&) = default;
 };
 
 /// Range along body z to the level ground.
 struct RangeAid {
-  Aid aid;                                                    ///< [m]
-  double least = 0;                                           ///< shortest range that is used [m]
-  double greatest = std::numeric_limits<double>::infinity();  ///< longest range that is used [m]
-  double least_cosine = 0.5;  ///< cosine of the tilt above which the range is not used
+  Aid aid;                                               ///< [m]
+  double min = 0;                                        ///< shortest range that is used [m]
+  double max = std::numeric_limits<double>::infinity();  ///< longest range that is used [m]
+  double min_cosine = 0.5;  ///< cosine of the tilt above which the range is not used
 
   friend bool operator==(const RangeAid&, const RangeAid&) = default;
 };

@@ -111,9 +111,9 @@ struct GeneralFilterState {
   SymmetricMatrix<T, kErrorStates> P;          ///< covariance of the errors, in their order
   T yaw = T(0);                                ///< last estimate, not wrapped [rad]
 
-  History<InertialReading<T>, kMostHistoryPeriods + kMostHorizonPeriods + 4> readings;
+  History<InertialReading<T>, kMaxHistoryPeriods + kMaxHorizonPeriods + 4> readings;
   template <class Value>
-  using Queue = History<Waiting<Value, T>, kMostHorizonPeriods + 2>;
+  using Queue = History<Waiting<Value, T>, kMaxHorizonPeriods + 2>;
   Queue<Eigen::Matrix<T, 2, 1>> flow;
   Queue<T> range;
   Queue<T> pressure;

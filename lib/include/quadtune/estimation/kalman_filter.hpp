@@ -63,7 +63,7 @@ template <class T, int rows, int cols>
 template <class T, int rows, int cols>
 [[nodiscard]] MaskOf<T> entries_are_finite(const Eigen::Matrix<T, rows, cols>& a) {
   MaskOf<T> finite = is_finite(a(0));
-  for (int i = 1; i < rows * cols; ++i) finite = both(finite, is_finite(a(i)));
+  for (int i = 1; i < rows * cols; ++i) finite = logical_and(finite, is_finite(a(i)));
   return finite;
 }
 
@@ -110,9 +110,9 @@ KalmanUpdate<T> update(KalmanState<T, nx>& state,
     S += C(i) * PC(i);
     e -= C(i) * state.x(i);
   }
-  const MaskOf<T> measured = both(both(fresh, is_finite(e)), S > T(0));
+  const MaskOf<T> measured = logical_and(logical_and(fresh, is_finite(e)), S > T(0));
   result.innovation_square = select(measured, e * e / S, T(0));
-  result.used = both(measured, result.innovation_square <= gate);
+  result.used = logical_and(measured, result.innovation_square <= gate);
   if (!any(result.used)) return result;
 
   const Eigen::Matrix<T, nx, 1> K = PC / S;
@@ -145,12 +145,13 @@ KalmanUpdate<T> update(KalmanState<T, nx>& state,
   Eigen::Matrix<T, 2, 2> S_inv;
   S_inv << S(1, 1) / determinant, -S(0, 1) / determinant,  //
       -S(1, 0) / determinant, S(0, 0) / determinant;
-  const MaskOf<T> measured = both(both(fresh, both(is_finite(e(0)), is_finite(e(1)))),
-                                  both(S(0, 0) > T(0), determinant > T(0)));
+  const MaskOf<T> measured =
+      logical_and(logical_and(fresh, logical_and(is_finite(e(0)), is_finite(e(1)))),
+                  logical_and(S(0, 0) > T(0), determinant > T(0)));
   const T square = e(0) * (S_inv(0, 0) * e(0) + S_inv(0, 1) * e(1)) +
                    e(1) * (S_inv(1, 0) * e(0) + S_inv(1, 1) * e(1));
   result.innovation_square = select(measured, square, T(0));
-  result.used = both(measured, result.innovation_square <= gate);
+  result.used = logical_and(measured, result.innovation_square <= gate);
   if (!any(result.used)) return result;
 
   const Eigen::Matrix<T, nx, 2> K = PC.lazyProduct(S_inv);
@@ -185,9 +186,9 @@ KalmanUpdate<T> update(KalmanState<T, nx>& state, const SparseRow<T, entries>& C
   for (std::size_t k = 1; k < n; ++k) PC += state.P.col(C.column[k]) * C.value[k];
   T S = R;
   for (std::size_t k = 0; k < n; ++k) S += C.value[k] * PC(C.column[k]);
-  const MaskOf<T> measured = both(both(fresh, is_finite(e)), S > T(0));
+  const MaskOf<T> measured = logical_and(logical_and(fresh, is_finite(e)), S > T(0));
   result.innovation_square = select(measured, e * e / S, T(0));
-  result.used = both(measured, result.innovation_square <= gate);
+  result.used = logical_and(measured, result.innovation_square <= gate);
   if (!any(result.used)) return result;
 
   const Column K = PC / S;

@@ -14,7 +14,7 @@
 namespace quadtune {
 
 /// Maximum of MamboEstimatorSettings::aligned_periods.
-inline constexpr int kMostAlignedPeriods = 32;
+inline constexpr int kMaxAlignedPeriods = 32;
 
 /// The velocity that is integrated to the horizontal position.
 enum class MamboPosition {
@@ -41,8 +41,8 @@ struct MamboEstimatorSettings {
 
   T altitude_Q = T(0.0005);    ///< process noise of vz per period [m²/s²], table 3.1
   T altitude_R = T(0.1);       ///< measurement noise of the sonar [m²]
-  T sonar_least = T(0.1);      ///< shortest accepted echo [m]
-  T sonar_greatest = T(5);     ///< longest accepted echo [m]
+  T sonar_min = T(0.1);        ///< shortest accepted echo [m]
+  T sonar_max = T(5);          ///< longest accepted echo [m]
   T sonar_jump = T(0.3);       ///< largest accepted difference between consecutive echoes [m]
   T sonar_deviation = T(0.4);  ///< largest accepted difference from the estimated height [m]
   /// After this time without an echo that passes both gates, an echo that agrees with the previous
@@ -66,8 +66,8 @@ struct MamboEstimatorSettings {
   /// flow is corrected by the newest reading, as in the original, which destabilizes a vehicle with
   /// a delayed gyroscope at height.
   int aligned_periods = 0;
-  T flow_least_height = T(0.4);  ///< estimated height below which the flow is not used [m]
-  T flow_timeout = T(0.1);       ///< age at which the newest flow is no longer used [s]
+  T flow_min_height = T(0.4);  ///< estimated height below which the flow is not used [m]
+  T flow_timeout = T(0.1);     ///< age at which the newest flow is no longer used [s]
   /// true: the newest flow corrects in every period until the next one arrives, as in the original;
   /// false: only once.
   bool hold_flow = true;
@@ -90,8 +90,8 @@ struct MamboEstimatorSettings {
     f("bias_time_constant", s.bias_time_constant...);
     f("altitude_Q", s.altitude_Q...);
     f("altitude_R", s.altitude_R...);
-    f("sonar_least", s.sonar_least...);
-    f("sonar_greatest", s.sonar_greatest...);
+    f("sonar_least", s.sonar_min...);
+    f("sonar_greatest", s.sonar_max...);
     f("sonar_jump", s.sonar_jump...);
     f("sonar_deviation", s.sonar_deviation...);
     f("sonar_recovery_time", s.sonar_recovery_time...);
@@ -102,7 +102,7 @@ struct MamboEstimatorSettings {
     f("flow_compensation_y", s.flow_compensation_y...);
     f("gyro_lag", s.gyro_lag...);
     f("aligned_periods", s.aligned_periods...);
-    f("flow_least_height", s.flow_least_height...);
+    f("flow_least_height", s.flow_min_height...);
     f("flow_timeout", s.flow_timeout...);
     f("hold_flow", s.hold_flow...);
     f("flow_disagreement", s.flow_disagreement...);
@@ -144,14 +144,14 @@ struct MamboEstimatorState {
   Eigen::Matrix<T, 2, 1> flow_position = Eigen::Matrix<T, 2, 1>::Zero();  ///< ∫ flow velocity [m]
   T position_variance = T(0);  ///< of either position, per axis [m²]
 
-  T echo_height = T(0);      ///< of the last echo in range, accepted or not [m]
-  T unbelieved_time = T(0);  ///< since the last accepted echo [s]
+  T echo_height = T(0);    ///< of the last echo in range, accepted or not [m]
+  T rejected_time = T(0);  ///< since the last accepted echo [s]
   Eigen::Matrix<T, 2, 1> flow = Eigen::Matrix<T, 2, 1>::Zero();  ///< newest, compensated [rad/s]
   T flow_age = T(0);                                             ///< [s]
   /// whether any flow has arrived yet
   MaskOf<T> flow_seen{};
   /// newest first, aligned_periods entries in use
-  std::array<FlowMoment<T>, kMostAlignedPeriods> moments{};
+  std::array<FlowMoment<T>, kMaxAlignedPeriods> moments{};
 
   std::int64_t periods = 0;                  ///< since the start
   Vector3<T> gyro_sum = Vector3<T>::Zero();  ///< during the calibration
@@ -161,7 +161,7 @@ struct MamboEstimatorState {
 };
 
 /// Minimum of cos roll · cos pitch at which sonar and flow are used: 60° of tilt.
-inline constexpr double kLeastTiltCosine = 0.5;
+inline constexpr double kMinTiltCosine = 0.5;
 
 /// Initial state of an estimator for a known motion.
 /// @param x  the 12 states of ned_convention()
@@ -192,7 +192,7 @@ template <class T>
                                                       const T& height, const T& down_velocity,
                                                       const Matrix3<T>& R_WB) {
   // Distance to the ground along body z; flow = -velocity / depth.
-  const T cosine = greater(R_WB(2, 2), T(kLeastTiltCosine));
+  const T cosine = max_of(R_WB(2, 2), T(kMinTiltCosine));
   const T depth = height / cosine;
   const T u = -flow(0) * depth;
   const T v = -flow(1) * depth;
@@ -230,21 +230,21 @@ template <class T>
     // rounding.
     const T ago = (moment.age - settings.gyro_lag) / dt + T(j);
     const MaskOf<T> told = ago > T(-1e-6);
-    const MaskOf<T> now = j == 0 ? told : both(told, negated(ago > T(1 - 1e-6)));
-    const MaskOf<T> due = both(moment.came, now);
+    const MaskOf<T> now = j == 0 ? told : logical_and(told, logical_not(ago > T(1 - 1e-6)));
+    const MaskOf<T> due = logical_and(moment.came, now);
     if (!any(due)) continue;
     Eigen::Matrix<T, 2, 1> turning = Eigen::Matrix<T, 2, 1>::Zero();
     const T back = clamped(ago, T(0), T(n - 1));
     for (int i = 0; i < n; ++i) {
       // Linear interpolation between two readings.
-      const T weight = greater(T(T(1) - magnitude(T(back - T(i)))), T(0));
+      const T weight = max_of(T(T(1) - abs_of(T(back - T(i)))), T(0));
       turning += moments[static_cast<std::size_t>(i)].rates * weight;
     }
     const Eigen::Matrix<T, 2, 1> translation = {
         moment.flow(0) + settings.flow_compensation_x * turning.y(),
         moment.flow(1) - settings.flow_compensation_y * turning.x()};
     result.translation = select_entries<T>(due, translation, result.translation);
-    result.due = either(result.due, due);
+    result.due = logical_or(result.due, due);
   }
   return result;
 }
@@ -282,11 +282,11 @@ void stand(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<T>& st
   const Matrix3<T> R_WB = rotation_of_euler(angles.x(), angles.y(), angles.z());
   if (elapsed(settings, state) >= settings.calibration_time) {
     const Vector3<T> rest = R_WB.row(2).transpose() * T(-settings.gravity);
-    state.attitude.gyro_bias = state.gyro_sum / greater(state.gyro_count, T(1));
+    state.attitude.gyro_bias = state.gyro_sum / max_of(state.gyro_count, T(1));
     state.attitude.gyro = gyro;
     state.force_bias = select_entries<T>(
         state.force_count > T(0),
-        Vector3<T>(state.force_sum / greater(state.force_count, T(1)) - rest), state.force_bias);
+        Vector3<T>(state.force_sum / max_of(state.force_count, T(1)) - rest), state.force_bias);
   }
   estimate.x << state.position, state.altitude.x(0), angles, Vector3<T>::Zero(), Vector3<T>::Zero();
   estimate.finite = entries_are_finite<T>(estimate.x);
@@ -302,14 +302,14 @@ void correct_height(const MamboEstimatorSettings<T>& settings, MamboEstimatorSta
   // NaN means no echo; comparisons with NaN are false.
   const T range = sonar.value;
   const T echo_height = range * R_WB(2, 2);
-  const MaskOf<T> echo = both(both(sonar.fresh, upright), both(range >= settings.sonar_least,
-                                                               range <= settings.sonar_greatest));
+  const MaskOf<T> echo =
+      logical_and(logical_and(sonar.fresh, upright),
+                  logical_and(range >= settings.sonar_min, range <= settings.sonar_max));
   const MaskOf<T> steady =
-      both(echo, magnitude(T(echo_height - state.echo_height)) <= settings.sonar_jump);
-  const MaskOf<T> near =
-      magnitude(T(echo_height + state.altitude.x(0))) <= settings.sonar_deviation;
-  const MaskOf<T> anew =
-      both(both(steady, negated(near)), state.unbelieved_time >= settings.sonar_recovery_time);
+      logical_and(echo, abs_of(T(echo_height - state.echo_height)) <= settings.sonar_jump);
+  const MaskOf<T> near = abs_of(T(echo_height + state.altitude.x(0))) <= settings.sonar_deviation;
+  const MaskOf<T> anew = logical_and(logical_and(steady, logical_not(near)),
+                                     state.rejected_time >= settings.sonar_recovery_time);
   KalmanState<T, 2> restarted = state.altitude;
   restarted.x(0) = -echo_height;
   restarted.P << settings.altitude_R, T(0), T(0), T(1);  // the speed is known to 1 m/s
@@ -317,13 +317,12 @@ void correct_height(const MamboEstimatorSettings<T>& settings, MamboEstimatorSta
   state.altitude.P = select_entries<T>(anew, restarted.P, state.altitude.P);
   const KalmanUpdate<T> height_update =
       update(state.altitude, Eigen::Matrix<T, 1, 2>(T(1), T(0)), -echo_height, settings.altitude_R,
-             both(steady, near));
-  estimate.height_used = either(height_update.used, anew);
+             logical_and(steady, near));
+  estimate.height_used = logical_or(height_update.used, anew);
   estimate.innovation_square += height_update.innovation_square;
   estimate.innovation_freedom += select(height_update.used, T(1), T(0));
   state.echo_height = select(echo, echo_height, state.echo_height);
-  state.unbelieved_time =
-      select(estimate.height_used, T(0), T(state.unbelieved_time + T(settings.dt)));
+  state.rejected_time = select(estimate.height_used, T(0), T(state.rejected_time + T(settings.dt)));
 }
 
 /// Horizontal velocity computed from the newest flow, and whether it is used.
@@ -341,27 +340,28 @@ FlowVelocity<T> correct_velocity(const MamboEstimatorSettings<T>& settings,
                                  const Vector3<T>& rates, const Matrix3<T>& R_WB,
                                  const MaskOf<T>& upright, Estimate<T>& estimate) {
   using Matrix2 = Eigen::Matrix<T, 2, 2>;
-  const MaskOf<T> fresh = both(flow.fresh, entries_are_finite<T>(flow.value));
+  const MaskOf<T> fresh = logical_and(flow.fresh, entries_are_finite<T>(flow.value));
   AlignedFlow<T> come = {{flow.value(0) + settings.flow_compensation_x * rates.y(),
                           flow.value(1) - settings.flow_compensation_y * rates.x()},
                          fresh};
   if (settings.aligned_periods > 0) come = aligned_flow(settings, state, rates, flow, fresh);
   state.flow = select_entries<T>(come.due, come.translation, state.flow);
   state.flow_age = select(come.due, T(0), T(state.flow_age + T(settings.dt)));
-  state.flow_seen = either(state.flow_seen, come.due);
+  state.flow_seen = logical_or(state.flow_seen, come.due);
   const T z = state.altitude.x(0), vz = state.altitude.x(1);
   FlowVelocity<T> measured;
   measured.value = velocity_of_flow<T>(state.flow * settings.flow_scale, -z, vz, R_WB);
-  measured.valid = both(both(state.flow_seen, state.flow_age <= settings.flow_timeout),
-                        both(upright, -z >= settings.flow_least_height));
+  measured.valid =
+      logical_and(logical_and(state.flow_seen, state.flow_age <= settings.flow_timeout),
+                  logical_and(upright, -z >= settings.flow_min_height));
   const Vector2<T> difference = measured.value - state.velocity.x;
   estimate.flow_disagrees =
-      both(measured.valid, difference(0) * difference(0) + difference(1) * difference(1) >
-                               settings.flow_disagreement * settings.flow_disagreement);
+      logical_and(measured.valid, difference(0) * difference(0) + difference(1) * difference(1) >
+                                      settings.flow_disagreement * settings.flow_disagreement);
   const KalmanUpdate<T> flow_update =
       update(state.velocity, Matrix2(Matrix2::Identity()), measured.value,
              Matrix2(Matrix2::Identity() * settings.velocity_R),
-             settings.hold_flow ? measured.valid : both(measured.valid, come.due));
+             settings.hold_flow ? measured.valid : logical_and(measured.valid, come.due));
   estimate.flow_used = flow_update.used;
   estimate.innovation_square += flow_update.innovation_square;
   estimate.innovation_freedom += select(flow_update.used, T(2), T(0));
@@ -372,7 +372,7 @@ FlowVelocity<T> correct_velocity(const MamboEstimatorSettings<T>& settings,
 template <class T>
 void correct_position(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<T>& state,
                       const Sample<Vector3<T>, T>& vision) {
-  const MaskOf<T> seen = both(vision.fresh, entries_are_finite<T>(vision.value));
+  const MaskOf<T> seen = logical_and(vision.fresh, entries_are_finite<T>(vision.value));
   if (!any(seen)) return;
   const T& P = state.position_variance;
   const T gain = select(seen, T(P / (P + settings.vision_R)), T(0));
@@ -424,9 +424,10 @@ Estimate<T> step(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<
                  const SensorFrame<T>& frame) {
   namespace internal = mambo_internal;
   Estimate<T> estimate;
-  const MaskOf<T> gyro_fresh = both(frame.rates.fresh, entries_are_finite<T>(frame.rates.value));
+  const MaskOf<T> gyro_fresh =
+      logical_and(frame.rates.fresh, entries_are_finite<T>(frame.rates.value));
   const MaskOf<T> force_fresh =
-      both(frame.specific_force.fresh, entries_are_finite<T>(frame.specific_force.value));
+      logical_and(frame.specific_force.fresh, entries_are_finite<T>(frame.specific_force.value));
   const Vector3<T> gyro = select_entries<T>(gyro_fresh, frame.rates.value, state.attitude.gyro);
   state.force = select_entries<T>(force_fresh, frame.specific_force.value, state.force);
   if (internal::elapsed(settings, state) < settings.calibration_time) {
@@ -441,7 +442,7 @@ Estimate<T> step(const MamboEstimatorSettings<T>& settings, MamboEstimatorState<
   const Matrix3<T> R_WB = rotation_of_euler(angles.x(), angles.y(), angles.z());
   Vector3<T> acceleration = R_WB * force;
   acceleration.z() += settings.gravity;
-  const MaskOf<T> upright = R_WB(2, 2) > T(kLeastTiltCosine);
+  const MaskOf<T> upright = R_WB(2, 2) > T(kMinTiltCosine);
 
   internal::correct_height(settings, state, frame.sonar, R_WB, upright, estimate);
   const internal::FlowVelocity<T> flow =

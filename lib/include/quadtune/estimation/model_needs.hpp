@@ -50,7 +50,7 @@ struct ModelNeeds {
 /// Computes which signals of a model a log provides. A channel feeds the signal of the same name,
 /// with or without the name of its group, as read_log_channels() resolves names, if it has samples
 /// and strictly increasing times and if its unit is that of the signal or either unit is empty.
-[[nodiscard]] ModelNeeds needs_of_model(const ModelSignals& model, const LogSurvey& log);
+[[nodiscard]] ModelNeeds model_needs(const ModelSignals& model, const LogSurvey& log);
 
 /// One line: "altitude: fed by az, height", or the missing signals and how to map them.
 [[nodiscard]] std::string to_text(const ModelNeeds& needs);

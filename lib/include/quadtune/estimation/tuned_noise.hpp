@@ -38,7 +38,7 @@ struct NoisePerStep {
 /// @param model  with the tuned variances as starts, see with_noise()
 /// @throws InvalidInput  "where: …" for another kind of model, or if the axes of a sensor have
 ///                       different variances, which the filter does not support
-void take_noise(const FilterModel& model, const std::string& where,
+void copy_noise(const FilterModel& model, const std::string& where,
                 UquadFilterSettings<double>& settings);
 
 }  // namespace quadtune

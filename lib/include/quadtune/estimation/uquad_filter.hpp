@@ -78,11 +78,11 @@ struct UquadFilterSettings {
   /// [Pa] at z = 0. The calibration replaces it by its mean, which refers to the z of the initial
   /// state.
   T reference_pressure = T(101325);
-  /// Time without GPS and vision after which u and v are measured as 0 with still_variance in every
+  /// Time without GPS and vision after which u and v are measured as 0 with zero_velocity_variance in every
   /// period [s]. No other sensor observes them, and their covariance would grow without bound.
   T gps_timeout = T(3);
   /// [m²/s²]; 100 at 100 Hz is equivalent to 0 ± 1 m/s about once per second
-  T still_variance = T(100);
+  T zero_velocity_variance = T(100);
   /// Variance of the zero velocity while the vehicle stands on the ground [m²/s²]
   T standing_variance = T(0.01);
 
@@ -113,7 +113,7 @@ struct UquadFilterSettings {
     f("declination", s.declination...);
     f("reference_pressure", s.reference_pressure...);
     f("gps_timeout", s.gps_timeout...);
-    f("still_variance", s.still_variance...);
+    f("still_variance", s.zero_velocity_variance...);
     f("standing_variance", s.standing_variance...);
   }
 
@@ -184,8 +184,8 @@ struct UquadMeasurement {
   Vector3<T> gps_position = Vector3<T>::Zero();  ///< world [m]
   Vector3<T> gps_velocity = Vector3<T>::Zero();  ///< world [m/s]
   Vector3<T> vision = Vector3<T>::Zero();        ///< world [m], propagated to the present
-  T tilt_doubt = T(1);                           ///< factor of R_tilt
-  T yaw_doubt = T(1);                            ///< factor of R_yaw
+  T tilt_variance_factor = T(1);                 ///< factor of R_tilt
+  T yaw_variance_factor = T(1);                  ///< factor of R_yaw
   MaskOf<T> tilt_fresh{};
   MaskOf<T> yaw_fresh{};
   MaskOf<T> force_fresh{};
@@ -294,11 +294,11 @@ MaskOf<T> correct(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadS
   // Angles: each innovation is wrapped to half a turn, so that the state's yaw is continuous over
   // turns.
   const MaskOf<T>& tilt_fresh = measurement.tilt_fresh;
-  const T R_tilt = settings.R_tilt * measurement.tilt_doubt;
-  use(entry(kAttitude), wrapped(T(measurement.tilt.roll - x(kAttitude))), R_tilt, tilt_fresh);
+  const T R_tilt = settings.R_tilt * measurement.tilt_variance_factor;
+  use(entry(kAttitude), wrap_angle(T(measurement.tilt.roll - x(kAttitude))), R_tilt, tilt_fresh);
   use(entry(kAttitude + 1), T(measurement.tilt.pitch - x(kAttitude + 1)), R_tilt, tilt_fresh);
-  use(entry(kAttitude + 2), wrapped(T(measurement.yaw - x(kAttitude + 2))),
-      T(settings.R_yaw * measurement.yaw_doubt), measurement.yaw_fresh);
+  use(entry(kAttitude + 2), wrap_angle(T(measurement.yaw - x(kAttitude + 2))),
+      T(settings.R_yaw * measurement.yaw_variance_factor), measurement.yaw_fresh);
 
   // Specific force: (rotors + drag)/m + bias.
   if (any(measurement.force_fresh)) {
@@ -325,14 +325,14 @@ MaskOf<T> correct(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadS
   MaskOf<T> believed{};
   if (settings.position && any(measurement.gps_position_fresh))
     for (int i = 0; i < 3; ++i)
-      believed = either(believed,
-                        use(entry(kPosition + i), T(measurement.gps_position(i) - x(kPosition + i)),
-                            settings.R_gps_position, measurement.gps_position_fresh));
+      believed = logical_or(
+          believed, use(entry(kPosition + i), T(measurement.gps_position(i) - x(kPosition + i)),
+                        settings.R_gps_position, measurement.gps_position_fresh));
   if (settings.position && any(measurement.vision_fresh))
     for (int i = 0; i < 3; ++i)
-      believed =
-          either(believed, use(entry(kPosition + i), T(measurement.vision(i) - x(kPosition + i)),
-                               settings.R_vision, measurement.vision_fresh));
+      believed = logical_or(believed,
+                            use(entry(kPosition + i), T(measurement.vision(i) - x(kPosition + i)),
+                                settings.R_vision, measurement.vision_fresh));
   if (settings.position && any(measurement.gps_velocity_fresh)) {
     // R_WB v
     const UquadVector<T> x0 = x;
@@ -346,8 +346,8 @@ MaskOf<T> correct(const UquadFilterSettings<T>& settings, KalmanState<T, kUquadS
       T expected = v0(i);
       for (std::size_t k = 0; k < 6; ++k)
         expected += C.value[k] * (x(C.column[k]) - x0(C.column[k]));
-      believed = either(believed, use(C, T(measurement.gps_velocity(i) - expected),
-                                      settings.R_gps_velocity, measurement.gps_velocity_fresh));
+      believed = logical_or(believed, use(C, T(measurement.gps_velocity(i) - expected),
+                                          settings.R_gps_velocity, measurement.gps_velocity_fresh));
     }
   }
   symmetrize(kalman.P);
@@ -381,7 +381,7 @@ template <class T>
                                                     const SensorFrame<T>& frame, const T& gravity) {
   using std::sqrt;
   const auto fresh = [](const auto& sample) {
-    return both(sample.fresh, entries_are_finite<T>(sample.value));
+    return logical_and(sample.fresh, entries_are_finite<T>(sample.value));
   };
   UquadMeasurement<T> m;
   m.force_fresh = fresh(frame.specific_force);
@@ -393,8 +393,9 @@ template <class T>
   m.rates = frame.rates.value - state.gyro_offset;
   m.gps_position = frame.gps_position.value;
   m.gps_velocity = frame.gps_velocity.value;
-  m.vision_fresh = both(fresh(frame.vision),
-                        both(T(0) <= frame.vision.age, frame.vision.age <= T(kMaxVisionAge)));
+  m.vision_fresh =
+      logical_and(fresh(frame.vision),
+                  logical_and(T(0) <= frame.vision.age, frame.vision.age <= T(kMaxVisionAge)));
   if (any(m.vision_fresh)) {
     // Image processing takes time, during which the vehicle has moved on.
     const UquadVector<T>& x = state.kalman.x;
@@ -403,32 +404,33 @@ template <class T>
   }
 
   const Vector3<T> f = m.force - state.kalman.x.template tail<3>();
-  const Tilt<T> tilt = tilt_of_force(f);
+  const Tilt<T> tilt = tilt_from_force(f);
   const T f_norm = sqrt(f.squaredNorm());
   // In free fall the specific force is near zero and its direction carries no information.
-  m.tilt_fresh = both(m.force_fresh, f_norm > T(0.1) * gravity);
+  m.tilt_fresh = logical_and(m.force_fresh, f_norm > T(0.1) * gravity);
   state.tilt.roll = select(m.tilt_fresh, tilt.roll, state.tilt.roll);
   state.tilt.pitch = select(m.tilt_fresh, tilt.pitch, state.tilt.pitch);
   state.force_excess =
-      select(m.force_fresh, magnitude(T(f_norm / gravity - T(1))), state.force_excess);
+      select(m.force_fresh, abs_of(T(f_norm / gravity - T(1))), state.force_excess);
   m.tilt = state.tilt;
 
   const Vector3<T>& field = frame.magnetic_field.value;
   const Tilt<T> estimated = {state.kalman.x(kAttitude), state.kalman.x(kAttitude + 1)};
-  m.yaw = yaw_of_field(field, settings.yaw_by_estimated_tilt ? estimated : state.tilt,
-                       settings.declination);
+  m.yaw = yaw_from_field(field, settings.yaw_by_estimated_tilt ? estimated : state.tilt,
+                         settings.declination);
   if (settings.dynamic_covariance) {
     const T field_excess =
         select(state.field_norm > T(0),
-               magnitude(T(T(sqrt(field.squaredNorm())) / state.field_norm - T(1))), T(0));
+               abs_of(T(T(sqrt(field.squaredNorm())) / state.field_norm - T(1))), T(0));
     const T by_force = state.force_excess / settings.force_band;
     const T by_field = field_excess / settings.field_band;
-    m.tilt_doubt = T(1) + by_force * by_force;
-    m.yaw_doubt = m.tilt_doubt + by_field * by_field;
+    m.tilt_variance_factor = T(1) + by_force * by_force;
+    m.yaw_variance_factor = m.tilt_variance_factor + by_field * by_field;
   }
 
   const T& pressure = frame.pressure.value;
-  m.height_fresh = both(both(frame.pressure.fresh, is_finite(pressure)), pressure > T(0));
+  m.height_fresh =
+      logical_and(logical_and(frame.pressure.fresh, is_finite(pressure)), pressure > T(0));
   const T safe_pressure = select(m.height_fresh, pressure, state.pressure_zero);
   m.height = barometric_height(safe_pressure, state.pressure_zero) - state.start_z;
   return m;
@@ -471,18 +473,17 @@ Estimate<T> step(const UquadFilterSettings<T>& settings, UquadFilterState<T>& st
     if (elapsed() >= settings.calibration_time) {
       using std::sqrt;
       const auto mean = [](const Vector3<T>& sum, const T& count) {
-        return Vector3<T>(sum / greater(count, T(1)));
+        return Vector3<T>(sum / max_of(count, T(1)));
       };
       const Vector3<T> offset = mean(state.gyro_sum, state.gyro_count);
       const MaskOf<T> turning = state.gyro_count > T(0);
       for (int i = 0; i < 3; ++i)
         state.gyro_offset(i) = select(turning, offset(i), state.gyro_offset(i));
       const MaskOf<T> pressed = state.pressure_count > T(0);
-      state.pressure_zero =
-          select(pressed, T(state.pressure_sum / greater(state.pressure_count, T(1))),
-                 state.pressure_zero);
+      state.pressure_zero = select(
+          pressed, T(state.pressure_sum / max_of(state.pressure_count, T(1))), state.pressure_zero);
       state.start_z = select(pressed, state.start_z, T(0));
-      const Tilt<T> tilt = tilt_of_force(
+      const Tilt<T> tilt = tilt_from_force(
           Vector3<T>(mean(state.force_sum, state.force_count) - x.template tail<3>()));
       const MaskOf<T> felt = state.force_count > T(0);
       x(kAttitude) = select(felt, tilt.roll, x(kAttitude));
@@ -490,10 +491,10 @@ Estimate<T> step(const UquadFilterSettings<T>& settings, UquadFilterState<T>& st
       const Vector3<T> field = mean(state.field_sum, state.field_count);
       const MaskOf<T> turned = state.field_count > T(0);
       const T yaw =
-          yaw_of_field(field, Tilt<T>{x(kAttitude), x(kAttitude + 1)}, settings.declination);
+          yaw_from_field(field, Tilt<T>{x(kAttitude), x(kAttitude + 1)}, settings.declination);
       const T before = x(kAttitude + 2);
-      x(kAttitude + 2) = select(turned, T(before + wrapped(T(yaw - before))), before);
-      state.field_norm = select(both(turned, negated(settings.field_norm > T(0))),
+      x(kAttitude + 2) = select(turned, T(before + wrap_angle(T(yaw - before))), before);
+      state.field_norm = select(logical_and(turned, logical_not(settings.field_norm > T(0))),
                                 T(sqrt(field.squaredNorm())), state.field_norm);
     }
     estimate.x = x.template head<12>();
@@ -503,14 +504,15 @@ Estimate<T> step(const UquadFilterSettings<T>& settings, UquadFilterState<T>& st
 
   const RotorLoads<T> loads = rotor_loads(body, speeds);
   predict(settings, state.kalman, body, loads, standing);
-  m.force_fresh = both(m.force_fresh, negated(standing));
+  m.force_fresh = logical_and(m.force_fresh, logical_not(standing));
   const MaskOf<T> believed = correct(settings, state.kalman, body, loads, m, estimate);
   state.gps_age = select(believed, T(0), T(state.gps_age + T(settings.dt)));
-  const MaskOf<T> lost = both(MaskOf<T>(settings.position), state.gps_age > settings.gps_timeout);
+  const MaskOf<T> lost =
+      logical_and(MaskOf<T>(settings.position), state.gps_age > settings.gps_timeout);
   for (int i = 0; i < 3; ++i)
     update(state.kalman, SparseRow<T, 1>{{kVelocity + i}, {T(1)}}, T(-x(kVelocity + i)),
-           select(standing, settings.standing_variance, settings.still_variance),
-           i < 2 ? either(lost, standing) : standing);
+           select(standing, settings.standing_variance, settings.zero_velocity_variance),
+           i < 2 ? logical_or(lost, standing) : standing);
   symmetrize(state.kalman.P);
   ++state.periods;
   estimate.x = x.template head<12>();

@@ -68,7 +68,7 @@ class UnknownChannel : public InvalidInput {
 /// Rejects a series that no method can use, with a one-line message that begins with `where`: no
 /// times, fewer than `least` samples (NaN not counted), or times that do not increase.
 /// @throws InvalidInput
-void require_usable(const LogSeries& series, const std::string& where, std::size_t least = 2);
+void require_usable(const LogSeries& series, const std::string& where, std::size_t min = 2);
 
 /// Rejects a series whose stated unit differs from `unit`; "rad s^-1" equals "rad/s".
 /// @throws InvalidInput

@@ -53,7 +53,7 @@ void step(const Battery& battery, BatteryState<T>& state, const T& shaft_power, 
   const T open = T(battery.full_voltage) - used * T(battery.full_voltage - battery.empty_voltage);
   const T power = shaft_power * T(1 / battery.efficiency) + T(battery.idle_power);
   const T root = open * open - power * T(4 * battery.resistance);
-  state.voltage = (open + sqrt(greater(root, T(0)))) * T(0.5);
+  state.voltage = (open + sqrt(max_of(root, T(0)))) * T(0.5);
   state.current =
       select(root < T(0), state.voltage * T(1 / battery.resistance), power / state.voltage);
   state.charge += state.current * T(dt);

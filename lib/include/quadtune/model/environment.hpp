@@ -27,7 +27,7 @@ struct Wind {
 
 /// Parses "calm", "light", "moderate", "severe" or a list like "north=3, gust_east=2, gust_at=5".
 /// @throws InvalidInput  with the rejected text
-[[nodiscard]] Wind wind_of_words(const std::string& words, const std::string& where);
+[[nodiscard]] Wind parse_wind(const std::string& words, const std::string& where);
 
 /// Static: uniform. Dynamic: air density, gravity and magnetic field vary with height.
 struct Environment {

@@ -94,17 +94,17 @@ struct MixResult {
                                           double density_ratio = 1);
 
 /// Minimum and maximum rotor speed [rad/s], from the motors' command limits.
-[[nodiscard]] double least_speed(const Vehicle& vehicle);
-[[nodiscard]] double greatest_speed(const Vehicle& vehicle);
+[[nodiscard]] double min_speed(const Vehicle& vehicle);
+[[nodiscard]] double max_speed(const Vehicle& vehicle);
 
 /// Sum of all thrusts at the maximum speed [N].
-[[nodiscard]] double greatest_thrust(const Vehicle& vehicle, double density_ratio = 1);
+[[nodiscard]] double max_thrust(const Vehicle& vehicle, double density_ratio = 1);
 
 /// The maximum thrust divided by the weight [1].
 [[nodiscard]] double thrust_to_weight(const Vehicle& vehicle);
 
 /// Maximum thrust that the altitude loop may command [N]: altitude_thrust_fraction of
-/// greatest_thrust().
+/// max_thrust().
 [[nodiscard]] double altitude_thrust_limit(const Vehicle& vehicle);
 
 /// Motor command per newton of one rotor's thrust, for a squared-speed command [count/N].

@@ -27,7 +27,7 @@ struct Implausibility {
 /// valid vehicle may be outside a range, so this is a hint and not an error.
 /// @param vehicle  accepted by validate()
 /// Theory: "Plausible vehicles".
-[[nodiscard]] std::vector<Implausibility> implausible(const Vehicle& vehicle);
+[[nodiscard]] std::vector<Implausibility> find_implausible_values(const Vehicle& vehicle);
 
 /// "thrust-to-weight is 138.7, plausible is 1 to 10: max_rad_s may be in rpm".
 [[nodiscard]] std::string to_string(const Implausibility& figure);

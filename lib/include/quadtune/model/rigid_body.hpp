@@ -176,8 +176,8 @@ template <class P, class Speeds>
 /// @param radius  r [m], 0: no effect;  @param height  h of the hub above level ground [m]
 template <class T>
 [[nodiscard]] T ground_effect(const T& radius, const T& height) {
-  const T least = T(0.5) * radius;
-  const T ratio = select(radius > T(0), radius / (T(4) * greater(height, least)), T(0));
+  const T min = T(0.5) * radius;
+  const T ratio = select(radius > T(0), radius / (T(4) * max_of(height, min)), T(0));
   return T(1) / (T(1) - ratio * ratio);
 }
 

@@ -15,12 +15,12 @@ template <class T>
 using Matrix3 = Eigen::Matrix<T, 3, 3>;
 
 /// If |cos pitch| is smaller, roll and yaw rotate about nearly the same axis.
-inline constexpr double kLeastCosPitch = 1e-6;
+inline constexpr double kMinCosPitch = 1e-6;
 
 /// False if the pitch is so close to ±90° that the Euler angles and their rates are ill-defined.
 /// Check before euler_rate_matrix(); the quaternion form of the equations has no such singularity.
 [[nodiscard]] inline bool euler_angles_are_regular(double pitch) {
-  return std::abs(std::cos(pitch)) > kLeastCosPitch;  // false for NaN as well
+  return std::abs(std::cos(pitch)) > kMinCosPitch;  // false for NaN as well
 }
 
 /// R_WB = Rz(yaw) Ry(pitch) Rx(roll): rotates body components to world components.
@@ -80,7 +80,7 @@ template <class T>
 [[nodiscard]] Vector3<T> euler_of_rotation(const Matrix3<T>& R) {
   using std::atan2, std::sqrt;
   const T cos_pitch_squared = R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0);
-  if (!(cos_pitch_squared > T(kLeastCosPitch * kLeastCosPitch)))
+  if (!(cos_pitch_squared > T(kMinCosPitch * kMinCosPitch)))
     return {T(0), atan2(-R(2, 0), T(0)), atan2(-R(0, 1), R(1, 1))};
   return {atan2(R(2, 1), R(2, 2)), atan2(-R(2, 0), sqrt(cos_pitch_squared)),
           atan2(R(1, 0), R(0, 0))};

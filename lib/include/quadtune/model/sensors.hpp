@@ -38,10 +38,10 @@ struct SensorFaults {
 
 /// Ultrasonic range along body z to level ground. No echo outside its limits.
 struct SonarSensor {
-  SensorFaults faults;                                              ///< [m]
-  double least_range = 0;                                           ///< [m]
-  double greatest_range = std::numeric_limits<double>::infinity();  ///< [m]
-  double greatest_tilt = 0.6;  ///< at larger tilts the echo misses the sensor [rad]
+  SensorFaults faults;                                         ///< [m]
+  double min_range = 0;                                        ///< [m]
+  double max_range = std::numeric_limits<double>::infinity();  ///< [m]
+  double max_tilt = 0.6;  ///< at larger tilts the echo misses the sensor [rad]
 };
 
 /// Optical flow: the motion field averaged over the image of a downward-looking camera.
@@ -49,8 +49,8 @@ struct FlowSensor {
   SensorFaults faults;        ///< [rad/s]
   double half_field_x = 0.4;  ///< half the field of view along body x [rad]
   double half_field_y = 0.3;  ///< along body y [rad]
-  double least_height = 0.4;  ///< minimum height at which the motion can be tracked [m]
-  double greatest_height = std::numeric_limits<double>::infinity();  ///< maximum height [m]
+  double min_height = 0.4;    ///< minimum height at which the motion can be tracked [m]
+  double max_height = std::numeric_limits<double>::infinity();  ///< maximum height [m]
   /// Noise that is proportional to the height, added in quadrature [rad/s/m].
   double noise_per_height = 0;
   /// Rate gain of the simplified sensor of the source, eq. 6.8 there.

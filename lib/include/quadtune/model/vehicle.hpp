@@ -121,8 +121,8 @@ template <class AnyRotor, class T, class P = double>
 }
 
 /// Maximum lag of a rotor and maximum delay of a command [s].
-inline constexpr double kLongestLag = 1;
-inline constexpr double kLongestCommandDelay = 10;
+inline constexpr double kMaxLag = 1;
+inline constexpr double kMaxCommandDelay = 10;
 
 /// Time constant while the speed falls, and the larger one of both directions [s]. Linear models
 /// use the larger one.
@@ -135,7 +135,7 @@ inline constexpr double kLongestCommandDelay = 10;
 
 /// Whether the motion of the air affects the vehicle: it has body drag, or a rotor has drag, inflow
 /// or flapping.
-[[nodiscard]] inline bool feels_wind(const Vehicle& vehicle) {
+[[nodiscard]] inline bool has_aerodynamics(const Vehicle& vehicle) {
   if (!vehicle.drag.cda.isZero(0) || !vehicle.drag.linear.isZero(0)) return true;
   return std::any_of(vehicle.rotors.begin(), vehicle.rotors.end(), [](const Rotor& rotor) {
     return rotor.drag > 0 || rotor.inflow > 0 || rotor.flapping > 0;

@@ -49,10 +49,10 @@ template <class T>
   // that decays, Q = P - A P Aᵀ with A = [decay 0; coupling decay], P = [1 ½; ½ ½].
   const T &d = stage.decay, &c = stage.coupling;
   const T half = T(0.5) * d * d;
-  stage.noise_11 = sqrt(greater(T(1) - d * d, T(0)));
+  stage.noise_11 = sqrt(max_of(T(1) - d * d, T(0)));
   stage.noise_21 = (T(0.5) - d * c - half) / stage.noise_11;
   stage.noise_22 =
-      sqrt(greater(T(0.5) - c * c - c * d - half - stage.noise_21 * stage.noise_21, T(0)));
+      sqrt(max_of(T(0.5) - c * c - c * d - half - stage.noise_21 * stage.noise_21, T(0)));
   return stage;
 }
 
@@ -121,7 +121,7 @@ template <int N>
 void WindModel<N>::set_pace(const Vector3<P>& velocity) {
   using std::sqrt;
   const P x = mean_(0) - velocity(0), y = mean_(1) - velocity(1);
-  const P pace = greater(P(sqrt(x * x + y * y)), P(1));
+  const P pace = max_of(P(sqrt(x * x + y * y)), P(1));
   if (all(pace == pace_)) return;
   pace_ = pace;
   level_ = dryden_stage(P(level_rate_ * pace));

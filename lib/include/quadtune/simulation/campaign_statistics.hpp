@@ -47,7 +47,7 @@ struct MetricSpread {
   double mean = 0;            ///< infinite if any value is
   /// Standard deviation over the flights; infinite if any value is, NaN for one flight
   double deviation = 0;
-  double least = 0, greatest = 0;
+  double min = 0, max = 0;
   Estimated median, percentile_5, percentile_95, percentile_99;
 };
 

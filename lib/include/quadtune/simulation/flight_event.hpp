@@ -36,7 +36,7 @@ struct FlightEvent {
 };
 
 /// "motor 2 stops", "motor 2 keeps 0.7 of its thrust", "a load of 0.1 kg is picked up".
-[[nodiscard]] std::string in_words(const FlightEvent& event);
+[[nodiscard]] std::string describe(const FlightEvent& event);
 
 /// Checks events independently of a vehicle: times in order and within the duration, shares and
 /// masses in range.

@@ -34,7 +34,7 @@ class FlightLaw {
   /// @param asked  return value of command(); equal to `made` while the law does not control the
   ///               motors
   /// @param made   what the motors produce, in the same kind of input
-  virtual void carried_out(const Eigen::VectorXd& asked, const Eigen::VectorXd& made) {
+  virtual void on_realized(const Eigen::VectorXd& asked, const Eigen::VectorXd& made) {
     (void)asked;
     (void)made;
   }

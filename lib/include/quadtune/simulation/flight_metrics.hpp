@@ -101,19 +101,19 @@ class FlightMetrics {
   // Integral of squares over time, and the maximum square.
   struct Squares {
     T sum = T(0);
-    T most = T(0);
+    T max_square = T(0);
     T time = T(0);
 
     void add(const Mask& counts, const T& square, double dt) {
       sum += select(counts, square * T(dt), T(0));
-      most = select(both(counts, square > most), square, most);
+      max_square = select(logical_and(counts, square > max_square), square, max_square);
       time += select(counts, T(dt), T(0));
     }
     [[nodiscard]] double rms(int i) const {
       return lane(time, i) > 0 ? std::sqrt(lane(sum, i) / lane(time, i)) : kNone;
     }
     [[nodiscard]] double max(int i) const {
-      return lane(time, i) > 0 ? std::sqrt(lane(most, i)) : kNone;
+      return lane(time, i) > 0 ? std::sqrt(lane(max_square, i)) : kNone;
     }
   };
 
@@ -128,13 +128,13 @@ class FlightMetrics {
     return x * x + y * y + z * z;
   }
   // The angle wrapped to ±π, for |angle| < 2⁵⁰; at ±π either sign is possible.
-  [[nodiscard]] static T wrapped(const T& angle) {
+  [[nodiscard]] static T wrap_angle(const T& angle) {
     constexpr double kMagic = 6755399441055744.0;  // 1.5 · 2⁵²: adding it rounds to an integer
     const T turns = (angle * T(0.5 / std::numbers::pi) + T(kMagic)) - T(kMagic);
     return angle - turns * T(2 * std::numbers::pi);
   }
-  static void keep_greater(const Mask& counts, const T& value, T& most) {
-    most = select(both(counts, value > most), value, most);
+  static void keep_greater(const Mask& counts, const T& value, T& max) {
+    max = select(logical_and(counts, value > max), value, max);
   }
 
   void add_hold(double t, double dt, const StateVector<T>& x, const Reference<T>& reference,
@@ -205,10 +205,10 @@ void FlightMetrics<T>::add(double t, double dt, const StateVector<T>& x,
   T sum = power;
   // NaN if any entry is not finite
   for (int i = 0; i < 12; ++i) sum += x(i) * T(0) + estimate.x(i) * T(0);
-  spoilt_ = either(spoilt_, both(counts, negated(is_finite(sum))));
+  spoilt_ = logical_or(spoilt_, logical_and(counts, logical_not(is_finite(sum))));
 
-  const Mask flying =
-      both(both(counts, negated(motors_off)), Mask(reference.phase == FlightPhase::flying));
+  const Mask flying = logical_and(logical_and(counts, logical_not(motors_off)),
+                                  Mask(reference.phase == FlightPhase::flying));
   add_hold(t, dt, x, reference, flying, counts);
   add_tracking(t, dt, x, reference, flying);
   flew_ = select(counts, flying, flew_);
@@ -219,14 +219,14 @@ void FlightMetrics<T>::add(double t, double dt, const StateVector<T>& x,
   add_ground(dt, -x(kPosition + 2), counts);
   add_tilt(x(kAttitude), x(kAttitude + 1), counts);
   if (reference.phase == FlightPhase::take_off || reference.phase == FlightPhase::flying)
-    add_peak(-x(kPosition + 2), reference, both(counts, negated(motors_off)));
+    add_peak(-x(kPosition + 2), reference, logical_and(counts, logical_not(motors_off)));
   keep_greater(counts, squared(x(kVelocity), x(kVelocity + 1), x(kVelocity + 2)), speed_squared_);
   const Vector3<T> off = x.template segment<3>(kPosition) - reference.position;
   final_squared_ = select(counts, squared(off(0), off(1), off(2)), final_squared_);
-  saturation_ += select(both(counts, saturated), T(dt), T(0));
+  saturation_ += select(logical_and(counts, saturated), T(dt), T(0));
   energy_ += select(counts, power * T(dt), T(0));
   duration_ += select(counts, T(dt), T(0));
-  begun_ = either(begun_, counts);
+  begun_ = logical_or(begun_, counts);
 }
 
 template <class T>
@@ -237,24 +237,26 @@ void FlightMetrics<T>::add_hold(double t, double dt, const StateVector<T>& x,
   const T band = T(rule_.band), yaw_band = T(rule_.yaw_band);
   const Vector3<T> change = reference.position - reference_;
   const Vector3<T> unforeseen = change - reference.velocity * T(dt);
-  const T turned = magnitude(reference.yaw - reference_yaw_);
+  const T turned = abs_of(reference.yaw - reference_yaw_);
   const T jump_squared = squared(unforeseen(0), unforeseen(1), unforeseen(2));
-  const Mask jumped = either(jump_squared > band * band, turned > yaw_band);
-  const Mask step = both(flying, either(negated(flew_), jumped));
+  const Mask jumped = logical_or(jump_squared > band * band, turned > yaw_band);
+  const Mask step = logical_and(flying, logical_or(logical_not(flew_), jumped));
   const Vector3<T>& speed = reference.velocity;
-  const Mask goes = either(squared(change(0), change(1), change(2)) > T(kStill * kStill),
-                           squared(speed(0), speed(1), speed(2)) > T(0));
-  const Mask moved = either(goes, turned > T(kStill));
-  const Mask asked = both(flying, Mask(reference.track_position));
-  const Mask ends = both(both(counts, holds_), either(negated(asked), either(step, moved)));
+  const Mask goes = logical_or(squared(change(0), change(1), change(2)) > T(kStill * kStill),
+                               squared(speed(0), speed(1), speed(2)) > T(0));
+  const Mask moved = logical_or(goes, turned > T(kStill));
+  const Mask asked = logical_and(flying, Mask(reference.track_position));
+  const Mask ends = logical_and(logical_and(counts, holds_),
+                                logical_or(logical_not(asked), logical_or(step, moved)));
   close_hold(ends);
-  const Mask begins = both(asked, either(step, both(negated(moved), negated(holds_))));
-  holds_ = both(either(begins, holds_), either(begins, negated(ends)));
+  const Mask begins =
+      logical_and(asked, logical_or(step, logical_and(logical_not(moved), logical_not(holds_))));
+  holds_ = logical_and(logical_or(begins, holds_), logical_or(begins, logical_not(ends)));
 
   // p and r in the first period of the hold.
   const Vector3<T> off = x.template segment<3>(kPosition) - reference.position;
   const T distance = sqrt(squared(off(0), off(1), off(2)));
-  const T yaw_off = wrapped(x(kAttitude + 2) - reference.yaw);
+  const T yaw_off = wrap_angle(x(kAttitude + 2) - reference.yaw);
   from_step_ = select(begins, step, from_step_);
   hold_begin_ = select(begins, T(t), hold_begin_);
   outside_until_ = select(begins, T(t), outside_until_);
@@ -268,14 +270,14 @@ void FlightMetrics<T>::add_hold(double t, double dt, const StateVector<T>& x,
 
   last_step_ = select(step, T(t), last_step_);
 
-  const Mask goes_on = both(counts, holds_);
+  const Mask goes_on = logical_and(counts, holds_);
   const T end = T(t + dt);
   hold_end_ = select(goes_on, end, hold_end_);
   const T settled = T(std::max(rule_.band, rule_.settled_band));
   const T yaw_settled = T(std::max(rule_.yaw_band, rule_.settled_yaw_band));
   outside_ =
-      select(goes_on, either(distance > settled, magnitude(yaw_off) > yaw_settled), outside_);
-  outside_until_ = select(both(goes_on, outside_), end, outside_until_);
+      select(goes_on, logical_or(distance > settled, abs_of(yaw_off) > yaw_settled), outside_);
+  outside_until_ = select(logical_and(goes_on, outside_), end, outside_until_);
   const T along = off(0) * direction_(0) + off(1) * direction_(1) + off(2) * direction_(2);
   keep_greater(goes_on, along, passed_);
   keep_greater(goes_on, select(yaw_step_ < T(0), -yaw_off, yaw_off), yaw_passed_);
@@ -283,29 +285,30 @@ void FlightMetrics<T>::add_hold(double t, double dt, const StateVector<T>& x,
 
 template <class T>
 void FlightMetrics<T>::close_hold(const Mask& closes) {
-  const Mask judged = both(closes, hold_end_ - hold_begin_ >= T(rule_.window - kRounding));
+  const Mask judged = logical_and(closes, hold_end_ - hold_begin_ >= T(rule_.window - kRounding));
   const T settling = select(outside_, T(kNever), outside_until_ - hold_begin_);
   keep_greater(judged, settling, settling_);
-  judged_ = either(judged_, judged);
-  const Mask stepped = both(judged, both(from_step_, step_ > T(rule_.band)));
+  judged_ = logical_or(judged_, judged);
+  const Mask stepped = logical_and(judged, logical_and(from_step_, step_ > T(rule_.band)));
   keep_greater(stepped, passed_ / step_, overshoot_);
-  stepped_ = either(stepped_, stepped);
-  const T yaw_step = magnitude(yaw_step_);
-  const Mask yaw_stepped = both(judged, both(from_step_, yaw_step > T(rule_.yaw_band)));
+  stepped_ = logical_or(stepped_, stepped);
+  const T yaw_step = abs_of(yaw_step_);
+  const Mask yaw_stepped =
+      logical_and(judged, logical_and(from_step_, yaw_step > T(rule_.yaw_band)));
   keep_greater(yaw_stepped, yaw_passed_ / yaw_step, yaw_overshoot_);
-  yaw_stepped_ = either(yaw_stepped_, yaw_stepped);
+  yaw_stepped_ = logical_or(yaw_stepped_, yaw_stepped);
 }
 
 template <class T>
 void FlightMetrics<T>::add_tracking(double t, double dt, const StateVector<T>& x,
                                     const Reference<T>& reference, const Mask& flying) {
-  const Mask counted = both(flying, T(t) - last_step_ >= T(rule_.window - kRounding));
+  const Mask counted = logical_and(flying, T(t) - last_step_ >= T(rule_.window - kRounding));
   const Vector3<T> off = x.template segment<3>(kPosition) - reference.position;
   const T vertical = off(2) * off(2);
   const T whole = squared(off(0), off(1), off(2));
   tracking_.add(counted, reference.track_position ? whole : vertical, dt);
   height_.add(counted, vertical, dt);
-  const T yaw_off = wrapped(x(kAttitude + 2) - reference.yaw);
+  const T yaw_off = wrap_angle(x(kAttitude + 2) - reference.yaw);
   yaw_.add(counted, yaw_off * yaw_off, dt);
 }
 
@@ -315,7 +318,7 @@ void FlightMetrics<T>::add_estimate(double dt, const StateVector<T>& x, const Es
   const Vector3<T> error =
       estimate.x.template segment<3>(kPosition) - x.template segment<3>(kPosition);
   estimate_.add(counts, squared(error(0), error(1), error(2)), dt);
-  const Mask first = both(counts, negated(begun_));
+  const Mask first = logical_and(counts, logical_not(begun_));
   for (int i = 0; i < 2; ++i) first_error_(i) = select(first, error(i), first_error_(i));
   const T north = error(0) - first_error_(0), east = error(1) - first_error_(1);
   drift_squared_ = select(counts, north * north + east * east, drift_squared_);
@@ -323,10 +326,11 @@ void FlightMetrics<T>::add_estimate(double dt, const StateVector<T>& x, const Es
 
 template <class T>
 void FlightMetrics<T>::add_ground(double dt, const T& height, const Mask& counts) {
-  const Mask touches = both(both(counts, airborne_), height <= T(kGroundHeight));
+  const Mask touches = logical_and(logical_and(counts, airborne_), height <= T(kGroundHeight));
   keep_greater(touches, sinking_, touchdown_);
-  touched_ = either(touched_, touches);
-  const Mask up = either(both(airborne_, negated(touches)), height > T(kAirborneHeight));
+  touched_ = logical_or(touched_, touches);
+  const Mask up =
+      logical_or(logical_and(airborne_, logical_not(touches)), height > T(kAirborneHeight));
   airborne_ = select(counts, up, airborne_);
   const T sunk = select(begun_, (height_before_ - height) / T(dt), T(0));
   sinking_ = select(counts, sunk, sinking_);
@@ -338,7 +342,7 @@ void FlightMetrics<T>::add_tilt(const T& roll, const T& pitch, const Mask& count
   // The angle between the axes is at most √(roll² + pitch²): on a sphere the hypotenuse of a right
   // triangle is not longer than in the plane. A new maximum is therefore rare, and its sines need
   // not be computed in lanes.
-  const Mask may_be_greater = both(counts, roll * roll + pitch * pitch > tilt_ * tilt_);
+  const Mask may_be_greater = logical_and(counts, roll * roll + pitch * pitch > tilt_ * tilt_);
   if (!any(may_be_greater)) return;
   for (int i = 0; i < kLanesOf<T>; ++i) {
     if (!lane(may_be_greater, i)) continue;
@@ -353,11 +357,11 @@ template <class T>
 void FlightMetrics<T>::add_peak(const T& height, const Reference<T>& reference,
                                 const Mask& counts) {
   const T asked = -reference.position(2);
-  const Mask begins = both(counts, negated(rises_));
+  const Mask begins = logical_and(counts, logical_not(rises_));
   highest_reference_ = select(begins, asked, highest_reference_);
   keep_greater(counts, asked, highest_reference_);
   keep_greater(counts, T(height - highest_reference_), peak_);
-  rises_ = either(rises_, counts);
+  rises_ = logical_or(rises_, counts);
 }
 
 template <class T>

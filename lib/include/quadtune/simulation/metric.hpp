@@ -60,7 +60,7 @@ struct MetricValues {
 /// Maximum accepted value of a metric.
 struct Limit {
   Metric metric = Metric::duration;
-  double most = 0;  ///< in the metric's unit, ≥ 0
+  double max = 0;  ///< in the metric's unit, ≥ 0
 
   friend bool operator==(const Limit&, const Limit&) = default;
 };

@@ -57,9 +57,9 @@ struct Mask {
     return m;
   }
 
-  friend Mask both(Mask a, Mask b) { return of(a.bits & b.bits); }
-  friend Mask either(Mask a, Mask b) { return of(a.bits | b.bits); }
-  friend Mask negated(Mask a) { return of(~a.bits); }
+  friend Mask logical_and(Mask a, Mask b) { return of(a.bits & b.bits); }
+  friend Mask logical_or(Mask a, Mask b) { return of(a.bits | b.bits); }
+  friend Mask logical_not(Mask a) { return of(~a.bits); }
   friend Mask select(Mask m, Mask a, Mask b) { return of((m.bits & a.bits) | (~m.bits & b.bits)); }
   friend bool lane(const Mask& m, int i) { return m.bits[i] != 0; }
   friend void set_lane(Mask& m, int i, bool value) { m.bits[i] = value ? -1 : 0; }
@@ -68,7 +68,7 @@ struct Mask {
     for (int i = 0; i < N; ++i) result |= m.bits[i];
     return result != 0;
   }
-  friend bool all(const Mask& m) { return !any(negated(m)); }
+  friend bool all(const Mask& m) { return !any(logical_not(m)); }
 };
 
 template <>
@@ -78,9 +78,9 @@ struct Mask<1> {
   Mask() = default;
   Mask(bool value) : bits(value) {}  // NOLINT: as above
 
-  friend Mask both(Mask a, Mask b) { return {a.bits && b.bits}; }
-  friend Mask either(Mask a, Mask b) { return {a.bits || b.bits}; }
-  friend Mask negated(Mask a) { return {!a.bits}; }
+  friend Mask logical_and(Mask a, Mask b) { return {a.bits && b.bits}; }
+  friend Mask logical_or(Mask a, Mask b) { return {a.bits || b.bits}; }
+  friend Mask logical_not(Mask a) { return {!a.bits}; }
   friend Mask select(Mask m, Mask a, Mask b) { return m.bits ? a : b; }
   friend bool lane(const Mask& m, int) { return m.bits; }
   friend void set_lane(Mask& m, int, bool value) { m.bits = value; }
@@ -135,13 +135,11 @@ struct Pack {
   friend Mask<N> operator!=(Pack a, Pack b) { return mask(a.v != b.v); }
 
   friend Pack select(Mask<N> m, Pack a, Pack b) { return of(m.bits ? a.v : b.v); }
-  friend Pack lesser(Pack a, Pack b) { return of(a.v < b.v ? a.v : b.v); }
-  friend Pack greater(Pack a, Pack b) { return of(a.v > b.v ? a.v : b.v); }
-  friend Pack magnitude(Pack a) { return of(a.v < Numbers{} ? -a.v : a.v); }
-  friend Pack abs(Pack a) { return magnitude(a); }
-  friend Mask<N> is_finite(Pack a) {
-    return magnitude(a) <= Pack(std::numeric_limits<double>::max());
-  }
+  friend Pack min_of(Pack a, Pack b) { return of(a.v < b.v ? a.v : b.v); }
+  friend Pack max_of(Pack a, Pack b) { return of(a.v > b.v ? a.v : b.v); }
+  friend Pack abs_of(Pack a) { return of(a.v < Numbers{} ? -a.v : a.v); }
+  friend Pack abs(Pack a) { return abs_of(a); }
+  friend Mask<N> is_finite(Pack a) { return abs_of(a) <= Pack(std::numeric_limits<double>::max()); }
   friend double lane(const Pack& a, int i) {
     if constexpr (N == 1) {
       return a.v;

@@ -70,8 +70,9 @@ template <int N>
   const Mask<N> second = bit_is_set(k, 1);  // of the half turns
   const P s = select(odd, cosine, sine);
   const P c = select(odd, sine, cosine);
-  return {select(second, -s, s),
-          select(either(both(odd, negated(second)), both(second, negated(odd))), -c, c)};
+  return {select(second, -s, s), select(logical_or(logical_and(odd, logical_not(second)),
+                                                   logical_and(second, logical_not(odd))),
+                                        -c, c)};
 }
 
 }  // namespace internal
@@ -101,9 +102,9 @@ template <int N>
                            1.945506571482613964425e2};
   // The part of π/2 beyond the precision of a double
   constexpr double kRest = 6.123233995736765886130e-17;
-  const P a = magnitude(x);
+  const P a = abs_of(x);
   const Mask<N> large = a > P(2.41421356237309504880);  // tan 3π/8
-  const Mask<N> middle = both(negated(large), a > P(0.66));
+  const Mask<N> middle = logical_and(logical_not(large), a > P(0.66));
   const P reduced = select(large, P(-1) / a, select(middle, (a - P(1)) / (a + P(1)), a));
   const P base = select(large, P(std::numbers::pi / 2), select(middle, P(std::numbers::pi / 4), 0));
   const P rest = select(large, P(kRest), select(middle, P(0.5 * kRest), 0));
@@ -117,16 +118,16 @@ template <int N>
 template <int N>
 [[nodiscard]] inline Pack<N> atan2(Pack<N> y, Pack<N> x) {
   using P = Pack<N>;
-  const P ay = magnitude(y);
-  const P ax = magnitude(x);
+  const P ay = abs_of(y);
+  const P ax = abs_of(x);
   const Mask<N> steep = ay > ax;
-  const P most = greater(ay, ax);
-  const P ratio = select(most > P(0), lesser(ay, ax) / most, P(0));
+  const P max = max_of(ay, ax);
+  const P ratio = select(max > P(0), min_of(ay, ax) / max, P(0));
   P angle = atan(ratio);
   angle = select(steep, P(std::numbers::pi / 2) - angle, angle);
   angle = select(x < P(0), P(std::numbers::pi) - angle, angle);
   const P result = select(y < P(0), -angle, angle);
-  return select(both(ay == ay, ax == ax), result, y + x);  // NaN stays NaN
+  return select(logical_and(ay == ay, ax == ax), result, y + x);  // NaN stays NaN
 }
 
 /// For |x| ≤ 1; NaN otherwise.

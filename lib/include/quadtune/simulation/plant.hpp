@@ -45,7 +45,7 @@ template <class P>
   constexpr double kFrequency = 60;
   GroundContact<P> ground;
   ground.leg_height = leg_height;
-  ground.leg_reach = lesser(reach, P(sqrt(moment / mass)));
+  ground.leg_reach = min_of(reach, P(sqrt(moment / mass)));
   ground.stiffness = mass * P(kFrequency * kFrequency / 4);
   ground.damping = mass * P(2 * kFrequency / 4);
   return ground;
@@ -59,9 +59,9 @@ template <class T, int N>
 class Plant {
  public:
   static constexpr int kStates = N == Eigen::Dynamic ? Eigen::Dynamic : kRotorSpeeds + N;
-  static constexpr int kMostStates = N == Eigen::Dynamic ? kRotorSpeeds + kMaxRotors : kStates;
+  static constexpr int kMaxStates = N == Eigen::Dynamic ? kRotorSpeeds + kMaxRotors : kStates;
   /// [position(3) quaternion wxyz(4) body velocity(3) body rates(3) rotor speeds(N)]
-  using State = Eigen::Matrix<T, kStates, 1, Eigen::ColMajor, kMostStates, 1>;
+  using State = Eigen::Matrix<T, kStates, 1, Eigen::ColMajor, kMaxStates, 1>;
 
   Plant() = default;
   Plant(const BasicRigidBody<T>& body, const GroundContact<T>& ground_)
@@ -291,7 +291,7 @@ class Plant {
         const MaskOf<T> touches = depth > T(0);
         // The ground pushes but never pulls.
         const T push =
-            select(touches, greater(ground.stiffness * depth + ground.damping * v.z(), T(0)), T(0));
+            select(touches, max_of(ground.stiffness * depth + ground.damping * v.z(), T(0)), T(0));
         const T slip = sqrt(v.x() * v.x() + v.y() * v.y() + ground.slip * ground.slip);
         const T drag = ground.friction * push / slip;
         const Vector3<T> force = R_WB.transpose() * Vector3<T>(-drag * v.x(), -drag * v.y(), -push);

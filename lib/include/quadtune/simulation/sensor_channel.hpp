@@ -77,14 +77,14 @@ class SensorChannel {
     sample.age += P(dt);
     while (waiting_ > 0 && queue_[first_].arrival <= now + SampleClock::kSlack) {
       const Pending& come = queue_[first_];
-      const Mask<N> here = negated(come.lost);
+      const Mask<N> here = logical_not(come.lost);
       if constexpr (Axes == 1) {
         sample.value = select(here, come.values(0), sample.value);
       } else {
         for (int i = 0; i < Axes; ++i)
           sample.value(i) = select(here, come.values(i), sample.value(i));
       }
-      sample.fresh = either(sample.fresh, here);
+      sample.fresh = logical_or(sample.fresh, here);
       sample.age = select(here, P(now - come.taken), sample.age);
       first_ = first_ + 1 == queue_.size() ? 0 : first_ + 1;
       --waiting_;
@@ -189,7 +189,7 @@ void SensorChannel<N, Axes>::take(const Values& truth, const RandomSource<N>& so
     for (int i = 0; i < Axes; ++i)
       y(i) = select(quantum_ > P(0), nearest(y(i) / quantum_) * quantum_, y(i));
   Mask<N> gone = lost;
-  if (lossy_) gone = either(gone, random_uniform(source, stream_ + 3, index).first < dropout_);
+  if (lossy_) gone = logical_or(gone, random_uniform(source, stream_ + 3, index).first < dropout_);
   if (waiting_ == queue_.size()) {  // more samples in a control period than expected
     std::rotate(queue_.begin(), queue_.begin() + static_cast<std::ptrdiff_t>(first_), queue_.end());
     first_ = 0;

@@ -25,8 +25,8 @@ struct UncertainQuantity {
   std::string name;  ///< e.g. "mass", "wind_north", "gyroscope_noise"
   std::string unit;  ///< of the drawn number; "1" for a ratio
   QuantityKind kind = QuantityKind::ratio;
-  double least = 0;     ///< smallest accepted value
-  double greatest = 0;  ///< largest accepted value
+  double min = 0;       ///< smallest accepted value
+  double max = 0;       ///< largest accepted value
   std::string meaning;  ///< description in one line
 };
 
@@ -48,8 +48,8 @@ struct Distribution {
   double first = 0;   ///< mean; minimum; median (> 0)
   double second = 0;  ///< standard deviation; maximum; standard deviation of the logarithm
   /// Bounds. The distribution is truncated and renormalized, not clipped.
-  double least = -std::numeric_limits<double>::infinity();
-  double most = std::numeric_limits<double>::infinity();
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
 
   friend bool operator==(const Distribution&, const Distribution&) = default;
 };

@@ -85,7 +85,7 @@ template <class V>
 
 /// The absolute value: clears the sign bits.
 template <class V>
-[[gnu::always_inline]] inline V magnitude(V v) {
+[[gnu::always_inline]] inline V abs_of(V v) {
   using Bits = decltype(v < v);
   return (V)((Bits)v & ~(Bits)(-V{}));
 }

@@ -30,6 +30,6 @@ struct Utf8Character {
 [[nodiscard]] std::string visible_text(std::string_view text);
 
 /// The first bytes of `text`, at most `most`, without splitting a character.
-[[nodiscard]] std::string_view whole_characters(std::string_view text, std::size_t most);
+[[nodiscard]] std::string_view whole_characters(std::string_view text, std::size_t max);
 
 }  // namespace quadtune::internal

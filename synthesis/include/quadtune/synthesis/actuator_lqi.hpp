@@ -45,7 +45,7 @@ struct ActuatorLqiOptions {
   InputKind inputs = InputKind::wrench;
   double dt = 0.005;  ///< control period [s], > 0
   /// Number of whole control periods between a command and its arrival at the actuator, in
-  /// [0, kMostPastCommands]. Other delays of the loop, such as that of a gyroscope, have the same
+  /// [0, kMaxPastCommands]. Other delays of the loop, such as that of a gyroscope, have the same
   /// effect as a delay of the command and can be included here.
   int past = 0;
   std::vector<std::string> integrals;  ///< names of integrated states, e.g. px py pz yaw

@@ -40,12 +40,12 @@ struct CascadeLoopEvidence {
   LoopMargins margins;   ///< of the whole loop, cut at the command
   LoopMargins rate;      ///< of the rate feedback alone, Kd times the rate
   double bandwidth = 0;  ///< [rad/s] crossover of the value feedback, rate loop closed; 0 if none
-  double load_integral = 0;  ///< ∫ of the value after a unit load step at the command: 1/Ki
-  double load_peak = 0;      ///< maximum of |value| after that step
-  double load_left = 0;      ///< steady-state value after that step; 0 with an integral
-  double tracking_peak = 0;  ///< max |value / set point|
-  double value_noise = 0;    ///< max |Kp + Ki/s| |S|: gain from value noise to the command
-  double rate_noise = 0;     ///< max Kd |S|: gain from rate noise to the command
+  double load_integral = 0;      ///< ∫ of the value after a unit load step at the command: 1/Ki
+  double load_peak = 0;          ///< maximum of |value| after that step
+  double load_steady_state = 0;  ///< steady-state value after that step; 0 with an integral
+  double tracking_peak = 0;      ///< max |value / set point|
+  double value_noise = 0;        ///< max |Kp + Ki/s| |S|: gain from value noise to the command
+  double rate_noise = 0;         ///< max Kd |S|: gain from rate noise to the command
 };
 
 /// Computes the properties of a loop with given gains.
@@ -66,15 +66,15 @@ struct CascadeLoopBounds {
   double rate_noise_max = kInfinity;      ///< [command / rate], > 0
   double load_peak_max = kInfinity;       ///< [value / command] after a unit step of load, > 0
   bool integral = true;                   ///< false: Ki is 0 and Kp is maximized
-  bool p_pi = false;                      ///< limits Ki to greatest_p_pi_integral()
+  bool p_pi = false;                      ///< limits Ki to max_p_pi_integral()
 };
 
 /// How a search ended.
 enum class CascadeLoopStatus {
   not_run,
   solved,
-  crossover_out_of_reach,  ///< rate_crossover is too high for Ms_max
-  not_found,               ///< no gains satisfy the bounds
+  crossover_infeasible,  ///< rate_crossover is too high for Ms_max
+  not_found,             ///< no gains satisfy the bounds
 };
 
 /// "solved", "crossover out of reach", "not found".
@@ -102,7 +102,7 @@ std::ostream& operator<<(std::ostream& out, const CascadeLoopDesign& design);
 /// the maximum Kp of a loop without integral.
 ///
 /// For given Kp and Kd, each bound is a quadratic inequality in Ki at each frequency, as in
-/// greatest_integral_gain(). Kp and Kd are found by a local search that starts from a scan.
+/// max_integral_gain(). Kp and Kd are found by a local search that starts from a scan.
 ///
 /// @throws InvalidInput  if the plant is malformed (wrong shape, entries not finite, D ≠ 0) or a
 ///                       bound is out of range

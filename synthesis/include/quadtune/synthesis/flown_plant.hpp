@@ -25,7 +25,7 @@ struct FlownPlantOptions {
   double dt = 0.005;                     ///< control period [s], > 0
   double height = 1.1;                   ///< height of the hover above the ground [m], > 0
   /// Delay from the output of the law to the rotor commands [s], in addition to the vehicle's own
-  /// delay (MotorCommand::delay and half of its jitter). The sum is in [0, kMostDelayPeriods dt].
+  /// delay (MotorCommand::delay and half of its jitter). The sum is in [0, kMaxDelayPeriods dt].
   double command_delay = 0;
   /// Whether the errors of the sensors are inputs of the model: FlownPlant::noise.
   bool noise = false;
@@ -56,7 +56,7 @@ struct FlownPlant {
 /// samples.
 /// @param setup  vehicle, flown vehicle, sensors, estimator and environment are used
 /// @throws InvalidInput  if the period, the height or the delay is out of range, if the delay of a
-///                       sensor exceeds kMostDelayPeriods control periods, or if the vehicle cannot
+///                       sensor exceeds kMaxDelayPeriods control periods, or if the vehicle cannot
 ///                       hover; the message names the cause
 [[nodiscard]] FlownPlant flown_plant(const FlightSetup& setup, const FlownPlantOptions& options);
 

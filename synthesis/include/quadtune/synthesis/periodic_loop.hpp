@@ -60,7 +60,7 @@ void validate(const PeriodicLti& plant, const std::string& where);
 /// Computes the channels of a loop, each reduced to the states that are coupled to it when all
 /// channels are closed. An instability of states that are not coupled to a channel does not affect
 /// its margins.
-[[nodiscard]] std::vector<PeriodicLti> own_channels(const PeriodicLti& loop);
+[[nodiscard]] std::vector<PeriodicLti> decoupled_channels(const PeriodicLti& loop);
 
 /// Computes the matrices of the closed loop, A[k] - B[k] C.
 [[nodiscard]] std::vector<Eigen::MatrixXd> closed(const PeriodicLti& loop);

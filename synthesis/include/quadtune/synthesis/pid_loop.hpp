@@ -13,8 +13,8 @@ namespace quadtune {
 
 /// How the third gain of a PID is chosen; the crossover and the phase margin determine two.
 enum class PidFreedom {
-  Ti_is_4_Td,   ///< both zeros of K (1 + 1/(Ti s) + Td s) coincide
-  greatest_Ki,  ///< maximum Ki, hence best rejection of slow disturbances, within Ms_max
+  Ti_is_4_Td,  ///< both zeros of K (1 + 1/(Ti s) + Td s) coincide
+  max_Ki,      ///< maximum Ki, hence best rejection of slow disturbances, within Ms_max
 };
 
 /// Requirements on the loop.
@@ -24,17 +24,17 @@ struct LoopRequirement {
   double phase_margin = 0;  ///< arg L + π there [rad], in (0, π)
   double Tf = 0;            ///< time constant of the derivative filter [s], ≥ 0
   PidFreedom freedom = PidFreedom::Ti_is_4_Td;
-  double Ms_max = 2;  ///< maximum of |S| for greatest_Ki, > 1
+  double Ms_max = 2;  ///< maximum of |S| for max_Ki, > 1
 };
 
 /// How a synthesis ended.
 enum class PidLoopStatus {
   not_run,
-  solved,              ///< stable, with the required crossover and phase margin
-  phase_out_of_reach,  ///< gains of one sign cannot shift the phase enough at the crossover
-  unstable,            ///< the gains that meet the requirement do not stabilize the loop
-  other_crossover,     ///< |L| = 1 also at a higher frequency, or with less phase margin
-  Ms_exceeded,         ///< no Ki keeps max |S| below Ms_max
+  solved,            ///< stable, with the required crossover and phase margin
+  phase_infeasible,  ///< gains of one sign cannot shift the phase enough at the crossover
+  unstable,          ///< the gains that meet the requirement do not stabilize the loop
+  other_crossover,   ///< |L| = 1 also at a higher frequency, or with less phase margin
+  Ms_exceeded,       ///< no Ki keeps max |S| below Ms_max
 };
 
 /// "solved", "phase out of reach", …

@@ -68,8 +68,7 @@ std::ostream& operator<<(std::ostream& out, const PidOptimum& optimum);
 /// @throws InvalidInput  if the plant is malformed, a bound is out of range, or the type is neither
 ///                       PI nor PID.
 /// Source: Åström, Panagopoulos, Hägglund 1998. Theory: "PID synthesis".
-[[nodiscard]] PidOptimum greatest_integral_gain(const ContinuousTransferFunction& plant,
-                                                PidType type, const PidBounds& bounds,
-                                                double Tf = 0);
+[[nodiscard]] PidOptimum max_integral_gain(const ContinuousTransferFunction& plant, PidType type,
+                                           const PidBounds& bounds, double Tf = 0);
 
 }  // namespace quadtune

@@ -47,7 +47,7 @@ struct RiccatiOptions {
   /// Whether a Q with a negative eigenvalue that exceeds rounding is rejected with InvalidInput. If
   /// not, the equation is solved nevertheless (published test problems have such a Q), and
   /// RiccatiResult::warning states the eigenvalue.
-  bool refuse_indefinite_Q = false;
+  bool reject_indefinite_Q = false;
   RiccatiProblem problem = RiccatiProblem::regulator;
   std::vector<std::string> state_names;  ///< nx names for the culprit; empty: "state 1", …
 };
@@ -90,7 +90,7 @@ std::ostream& operator<<(std::ostream& out, const RiccatiResult& result);
 /// @param A  (nx × nx), nx ≥ 1
 /// @param B  (nx × nu), nu ≥ 1
 /// @param Q  (nx × nx) symmetric, ≥ 0 up to rounding (1e-12 of its norm); see
-///           RiccatiOptions::refuse_indefinite_Q
+///           RiccatiOptions::reject_indefinite_Q
 /// @param R  (nu × nu) symmetric, > 0
 /// @param N  (nx × nu), or empty for zero
 /// @throws InvalidInput  for wrong shapes, entries that are not finite, asymmetry (with its size),

@@ -27,10 +27,10 @@ enum class StabilityProofStatus {
 
 /// Options of prove_stability().
 struct StabilityProofOptions {
-  int most_boxes = 20000;  ///< maximum number of boxes to examine, ≥ 1
+  int max_boxes = 20000;  ///< maximum number of boxes to examine, ≥ 1
   /// The proof is aborted early if one part, extrapolated from the fraction of its box that is
   /// proved, would need more than this multiple of the budget. Infinite: never.
-  double give_up = std::numeric_limits<double>::infinity();
+  double abort_factor = std::numeric_limits<double>::infinity();
   std::size_t threads = 0;            ///< maximum number of threads; 0: one per processor
   std::function<bool()> interrupted;  ///< polled from any thread; true aborts; empty: never
 };

@@ -40,8 +40,8 @@ struct LoopFamily {
   std::function<LoopBox(const Eigen::VectorXd& low, const Eigen::VectorXd& high)> over;
   /// The maximum factor, > 0, by which the box can be scaled about the nominal values and remain
   /// meaningful.
-  double greatest_scale = 1;
-  std::string greatest_scale_reason;  ///< reason of the limit, e.g. "the vehicle cannot hover"
+  double max_scale = 1;
+  std::string max_scale_reason;  ///< reason of the limit, e.g. "the vehicle cannot hover"
 };
 
 /// Checks that there is at least one parameter, that bounds are in order, and that both functions
@@ -78,7 +78,7 @@ struct Robustness {
   WorstCase worst;          ///< the largest radius that the search found in that box
   double proved_scale = 0;  ///< the largest scale that was proved; 0: not even nominal
   /// The smallest scale at which an unstable loop was found; infinite if none was found up to
-  /// LoopFamily::greatest_scale.
+  /// LoopFamily::max_scale.
   double found_scale = std::numeric_limits<double>::infinity();
   WorstCase found;  ///< the unstable loop at that scale
   int boxes = 0;    ///< examined by all proofs together

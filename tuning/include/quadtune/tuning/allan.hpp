@@ -113,7 +113,7 @@ struct AllanAnalysis {
 };
 
 /// Minimum number of samples of analyse_allan().
-inline constexpr std::size_t kLeastAllanSamples = 64;
+inline constexpr std::size_t kMinAllanSamples = 64;
 
 /// Computes the curve at `factors`, and estimates the noise coefficients by a generalized
 /// least-squares fit of the sum of the noise types to the octaves. The weights are the exact
@@ -121,7 +121,7 @@ inline constexpr std::size_t kLeastAllanSamples = 64;
 /// all pairs of tau. The equivalent degrees of freedom follow from these covariances, and the
 /// intervals from the degrees of freedom by chi-squared.
 ///
-/// @param rate     (at least kLeastAllanSamples) as in allan_deviation()
+/// @param rate     (at least kMinAllanSamples) as in allan_deviation()
 /// @param factors  averaging factors of the curve; empty: octaves
 /// @throws InvalidInput  as allan_deviation(), and for too few samples or a constant rate.
 /// Source: Greenhall and Riley 2003 (degrees of freedom); IEEE 952-1997, annex C (coefficients);

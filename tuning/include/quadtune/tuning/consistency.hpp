@@ -17,16 +17,16 @@ namespace quadtune {
 /// deviation fails with any number of samples; a pass requires enough samples, otherwise the
 /// verdict is too_short.
 struct ConsistencyOptions {
-  double significance = 0.001;    ///< probability of a false alarm of each check, 0 … 0.5
-  int lags = 20;                  ///< of the autocorrelation, ≥ 1
-  double most_correlation = 0.1;  ///< maximum autocorrelation of innovations at any of these lags
-  double most_mean = 0.1;         ///< maximum mean, in standard deviations
-  double least_size = 0.8;        ///< minimum of the mean of e²/S
-  double most_size = 1.25;
-  double most_kurtosis = 3;  ///< maximum excess kurtosis; 0 is normal, 3 that of rare large errors
+  double significance = 0.001;   ///< probability of a false alarm of each check, 0 … 0.5
+  int lags = 20;                 ///< of the autocorrelation, ≥ 1
+  double max_correlation = 0.1;  ///< maximum autocorrelation of innovations at any of these lags
+  double max_mean = 0.1;         ///< maximum mean, in standard deviations
+  double min_size = 0.8;         ///< minimum of the mean of e²/S
+  double max_size = 1.25;
+  double max_kurtosis = 3;  ///< maximum excess kurtosis; 0 is normal, 3 that of rare large errors
   /// Minimum number of samples of each output. With fewer samples nothing passes, and a deviation
   /// must be significant among all checks.
-  Eigen::Index least_samples = 100;
+  Eigen::Index min_samples = 100;
 };
 
 /// @throws InvalidInput  for options out of range.

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "quadtune/tuning/still.hpp"
+#include "quadtune/tuning/stationary.hpp"
 
 namespace quadtune {
 
@@ -64,19 +64,19 @@ struct SensorCalibration {
 struct ImuCalibrationOptions {
   double gravity = 9.80665;  ///< [m/s²]
   double field = 1;          ///< norm of the magnetic field, in the desired unit
-  StillOptions still;
+  StationaryOptions still;
   /// Temperature terms are fitted if the poses span at least this range [°C].
-  double least_temperature_span = 5;
+  double min_temperature_span = 5;
   /// Parameters whose 95 % half interval is wider, relative to the scale or to gravity, count as
   /// not determined.
-  double greatest_error = 0.05;
+  double max_error = 0.05;
 };
 
 /// All sensors of a log.
 struct ImuCalibration {
   SensorCalibration accelerometer, gyroscope, magnetometer;
-  std::vector<StillDetection> still;  ///< one per log
-  std::vector<StillPose> poses;       ///< of all logs
+  std::vector<StationaryDetection> still;  ///< one per log
+  std::vector<StationaryPose> poses;       ///< of all logs
 };
 
 /// Calibrates the sensors of one device from its logs.
@@ -86,7 +86,7 @@ struct ImuCalibration {
 /// the second. It requires 10 different poses (11 with temperature); if the poses do not suffice,
 /// the result lists the missing ones.
 ///
-/// @throws InvalidInput  as find_still(); if there is no log, or for options out of range.
+/// @throws InvalidInput  as find_stationary(); if there is no log, or for options out of range.
 /// Source: Tedaldi, Pretto, Menegatti 2014; docs/theory.md#calibration-of-inertial-sensors.
 [[nodiscard]] ImuCalibration calibrate_imu(const std::vector<ImuLog>& logs,
                                            const ImuCalibrationOptions& options = {});

@@ -18,7 +18,7 @@ struct DesignLimit {
   double value = 0;
   double bound = 0;
   bool at_least = false;  ///< the bound is a minimum; otherwise it is a maximum
-  double least = 0;       ///< minimum over all designs: 1 for an Ms
+  double min = 0;         ///< minimum over all designs: 1 for an Ms
 
   /// excess_of() the violation relative to the distance of the bound from `least`; an infinite
   /// margin satisfies any bound.
@@ -43,7 +43,7 @@ struct MissionSearchOptions {
   double seconds = 60;       ///< time limit of the search, > 0; exceeded by at most one evaluation
   int evaluations = 100000;  ///< maximum number of evaluations
   /// Number of fresh draws on which the start and the best point are compared; ≥ 2, and ≥
-  /// least_draws() of a quantile.
+  /// min_draws() of a quantile.
   std::uint32_t proof_draws = 24;
   /// Called after each point with the best cost, the number of points evaluated, and an upper bound
   /// of the remaining seconds.

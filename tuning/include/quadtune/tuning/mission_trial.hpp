@@ -41,14 +41,14 @@ enum class RobustMeasure {
 
 /// Minimum tail probability of a quantile. Quantiles farther out cannot be estimated with a
 /// practical number of draws.
-inline constexpr double kLeastTail = 1e-4;
+inline constexpr double kMinTail = 1e-4;
 
 /// Defines the evaluation of a controller.
 struct TrialRequest {
   std::vector<TrialMission> missions;  ///< at least one
   std::vector<CostTerm> cost;          ///< at least one with weight > 0
   RobustMeasure measure = RobustMeasure::mean;
-  double share = 0.9;       ///< for RobustMeasure::quantile, kLeastTail … 1 - kLeastTail
+  double share = 0.9;       ///< for RobustMeasure::quantile, kMinTail … 1 - kMinTail
   Uncertainty uncertainty;  ///< empty: only noise and wind differ from draw to draw
   std::uint32_t draws = 1;  ///< number of flights of each mission per evaluation, ≥ 1
   std::uint64_t seed = 1;
@@ -63,7 +63,7 @@ struct TrialLimit {
   std::string mission;
   Metric metric = Metric::duration;
   double value = 0;  ///< infinite if a flight ended early or never reached the event
-  double most = 0;
+  double max = 0;
 
   /// excess_of() the violation relative to the limit, or the value itself if the limit is 0.
   [[nodiscard]] double excess() const;
@@ -88,7 +88,7 @@ struct TrialOutcome {
   std::uint32_t failed = 0;  ///< number of flights that ended early
   std::uint32_t flights = 0;
 
-  [[nodiscard]] bool keeps_limits() const;
+  [[nodiscard]] bool satisfies_limits() const;
 };
 
 /// Flies controllers as a request defines. A flight that ends early costs at least kFailure, and
@@ -145,14 +145,14 @@ class MissionTrial {
 
 /// Minimum number of draws to estimate a quantile: two on either side of it, and two in total.
 /// @param share  as TrialRequest::share
-[[nodiscard]] std::uint32_t least_draws(double share);
+[[nodiscard]] std::uint32_t min_draws(double share);
 /// Minimum number of draws for the measure of a request; two for the mean or the worst case.
-[[nodiscard]] std::uint32_t least_draws(const TrialRequest& request);
+[[nodiscard]] std::uint32_t min_draws(const TrialRequest& request);
 
 /// Quantile of second minus that of first, with the 95 % interval of the paired bootstrap (Efron
 /// and Tibshirani 1993, chapter 13): 4,000 resamples, each as large as the set of draws and drawn
 /// from it with replacement, each draw with both its values. Deterministic.
-/// @param first, second  values of the same draws, at least least_draws(share)
+/// @param first, second  values of the same draws, at least min_draws(share)
 [[nodiscard]] Estimated paired_quantile_difference(const std::vector<double>& first,
                                                    const std::vector<double>& second, double share);
 

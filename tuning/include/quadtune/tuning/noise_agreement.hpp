@@ -21,7 +21,7 @@ enum class NoiseMethod { likelihood, autocovariances };
 
 struct AgreementOptions {
   double significance = 0.001;  ///< probability of a false alarm, for all parameters together
-  double most_factor = 1.5;     ///< maximum ratio of two variances that count as equal in practice
+  double max_factor = 1.5;      ///< maximum ratio of two variances that count as equal in practice
   std::size_t threads = 0;      ///< as NoiseFitOptions::threads
   /// Called during the other fit; true interrupts it.
   std::function<bool()> interrupted = {};

@@ -33,7 +33,7 @@ struct NoiseTuningOptions {
   AgreementOptions agreement;  ///< limits of that comparison
   double holdout = 0.2;  ///< share at the end of each record that is held out of the fit; 0 … 0.9
   /// Maximum share of the measurements of an output that a gate may reject as outliers.
-  double most_refused = 0.05;
+  double max_rejected = 0.05;
   bool keep_records = false;  ///< whether to fill NoiseTuning::records_before and records_after
   /// Time limit of the search, > 0. After it the best point so far is evaluated, which takes a few
   /// more runs of the filter; the fit is then NoiseFitStatus::out_of_time.

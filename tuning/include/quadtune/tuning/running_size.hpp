@@ -25,7 +25,7 @@ struct RunningSize {
 /// @param window      number of innovations of a mean, ≥ 1
 /// @param confidence  0 … 1
 /// @throws InvalidInput  for numbers out of range, or a run that was not computed.
-[[nodiscard]] RunningSize running_size(const FilterRun& run, Eigen::Index output, int window,
-                                       double confidence = 0.95);
+[[nodiscard]] RunningSize normalized_innovation_window(const FilterRun& run, Eigen::Index output,
+                                                       int window, double confidence = 0.95);
 
 }  // namespace quadtune

@@ -29,7 +29,7 @@ struct CascadeOptions {
   std::optional<std::string> bandwidth = {};
   /// Delay of the measurements of the loops [s], in the same form.
   std::optional<std::string> sensor_delay = {};
-  std::optional<double> motor_lag = {};        ///< [s], 0 to kLongestLag; none: the vehicle's
+  std::optional<double> motor_lag = {};        ///< [s], 0 to kMaxLag; none: the vehicle's
   std::optional<double> tracking_max = {};     ///< max |value / set point|, > 1
   std::optional<std::string> integral = {};    ///< loops with an integral: "roll,x" or "none"
   std::optional<std::string> integrator = {};  ///< "euler", "backward-euler", "tustin"; none: euler

@@ -139,7 +139,7 @@ struct DesignRequirements {
 
 /// Covariances of the design that come from a tuning whose verdict is not pass, one sentence each:
 /// gains that depend on them should not be trusted without further checks.
-[[nodiscard]] std::vector<std::string> doubtful_covariances(const Design& design);
+[[nodiscard]] std::vector<std::string> unconfirmed_covariances(const Design& design);
 
 /// The estimator of the program to which the design is exported, or for which its covariances are
 /// meant, as in FlightOptions::estimator; empty: the one that the vehicle's sensors support.

@@ -48,6 +48,7 @@ struct MatrixReport {
 /// @param gains  from the 12 states of ned to the wrench
 /// @throws InvalidInput  if the convention is unknown or the law has a memory of commands
 /// @throws NoSolution    if the vehicle cannot hover
-[[nodiscard]] Gains in_words(const Gains& gains, const Vehicle& vehicle, const MatrixWords& words);
+[[nodiscard]] Gains describe(const Gains& gains, const Vehicle& vehicle,
+                             const MatrixConvention& words);
 
 }  // namespace quadtune

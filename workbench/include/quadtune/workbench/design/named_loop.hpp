@@ -73,7 +73,7 @@ struct LoopReport {
 /// @param at      the delay of both loops, and the height of the flown one
 /// @param flown   whether the flown loop is analysed
 /// @throws OptionError   for unknown words; "delay" if it is not a whole number of samples, or for
-///                       the flown loop more than kMostDelayPeriods
+///                       the flown loop more than kMaxDelayPeriods
 /// @throws InvalidInput  if the gains are for another vehicle or have no sample period
 /// @throws FileError, NoSolution
 [[nodiscard]] LoopReport loop_report(const FlightOptions& flight, const FlownLoopOptions& at = {},

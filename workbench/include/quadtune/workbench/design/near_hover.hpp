@@ -8,10 +8,10 @@
 namespace quadtune {
 
 /// Maximum tilt that a state feedback designed here commands for a position error [rad].
-inline constexpr double kMostCommandedTilt = 0.35;
+inline constexpr double kMaxCommandedTilt = 0.35;
 
 /// Expresses the position error of the law in heading axes, limits this error to the length for
-/// which the vehicle comes to rest at a tilt of kMostCommandedTilt, and stops integrals at the
+/// which the vehicle comes to rest at a tilt of kMaxCommandedTilt, and stops integrals at the
 /// motors' limits. The error stays unlimited if the gains do not tilt the vehicle for a position
 /// error.
 /// @param gains  of the vehicle, in the 12 states of any convention

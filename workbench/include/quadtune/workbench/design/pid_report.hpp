@@ -32,7 +32,7 @@ struct PidRule {
 struct PidRequest {
   PidType type = PidType::PID;
   double Tf = 0;  ///< time constant of the derivative filter [s], ≥ 0; a rule defines its own
-  /// PidBounds: the maximum integral gain within the bounds, see greatest_integral_gain().
+  /// PidBounds: the maximum integral gain within the bounds, see max_integral_gain().
   std::variant<PidCrossover, PidRule, PidBounds> by;
 };
 

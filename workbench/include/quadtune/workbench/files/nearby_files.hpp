@@ -20,6 +20,6 @@ struct NearbyFiles {
 /// Inspects at most 10,000 entries of the folder and ignores hidden ones. If some entries have the
 /// extension of the path, only those are considered.
 /// @param most  maximum number of names
-[[nodiscard]] NearbyFiles nearby_files(const std::filesystem::path& path, std::size_t most);
+[[nodiscard]] NearbyFiles nearby_files(const std::filesystem::path& path, std::size_t max);
 
 }  // namespace quadtune

@@ -10,7 +10,7 @@
 namespace quadtune {
 
 /// The largest number of states of an error model.
-inline constexpr int kMostErrorStates = 12;
+inline constexpr int kMaxErrorStates = 12;
 
 /// A sensor that samples one linear combination of the states.
 struct LinearSensor {
@@ -45,7 +45,7 @@ struct ErrorCovariance {
 /// output is predicted from it with the samples that have arrived since. If a sensor has more than
 /// 20,000 samples, neighbouring samples are replaced by one with the variance of their mean.
 ///
-/// @param model   n = 1 to kMostErrorStates
+/// @param model   n = 1 to kMaxErrorStates
 /// @param begin   time at which the errors begin to grow from P0 [s]
 /// @param times   of the outputs [s], increasing; before `begin` the error has the variance P0
 /// @param starts  indices into `times`, increasing

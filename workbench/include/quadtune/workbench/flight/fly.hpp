@@ -102,7 +102,7 @@ void take_program(FlightOptions& options);
 
 /// A metric's value with its unit: "0.0123 m"; "none" if it has no value, "never" if it is
 /// infinite.
-[[nodiscard]] std::string in_words(Metric metric, double value);
+[[nodiscard]] std::string describe(Metric metric, double value);
 
 /// Why a flight failed, one sentence each; empty if it passed.
 [[nodiscard]] std::vector<std::string> reasons(const FlownFlight& flight);

@@ -40,6 +40,6 @@ struct WidenedLimit {
 std::vector<WidenedLimit> widen_limits(const MissionBound& bound, Mission& mission);
 
 /// For example "bound of the sensors 0.32 m rms; judged by 0.48 m instead of 0.05 m".
-[[nodiscard]] std::string in_words(const WidenedLimit& widened);
+[[nodiscard]] std::string describe(const WidenedLimit& widened);
 
 }  // namespace quadtune

@@ -42,14 +42,14 @@ struct FlownGains {
 
 /// The maximum tilt [rad] that a loop without an integral may have under the torque of a motor that
 /// produces 10 % less thrust than the others at hover.
-inline constexpr double kGreatestLoadTilt = 0.1;
+inline constexpr double kMaxLoadTilt = 0.1;
 
 struct FlownGainsOptions {
   double dt = 0.005;    ///< control period [s], > 0
   double now = 0;       ///< as with_integrals(): 0 for a cascade, 1 for state feedback
   MarginBounds bounds;  ///< for the nominal members
   /// Whether the tilt loops get an integral if a motor that is 10 % weaker would tilt the vehicle
-  /// by more than kGreatestLoadTilt.
+  /// by more than kMaxLoadTilt.
   bool tilt_integral = true;
   /// p_pi: every loop of the cascade must be representable as a gain followed by a PI controller of
   /// the rate.

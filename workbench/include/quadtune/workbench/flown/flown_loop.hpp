@@ -18,7 +18,7 @@ namespace quadtune {
 /// The operating point of the analysis, in addition to the plan.
 struct FlownLoopOptions {
   double height = 1.1;  ///< of the hover above the ground [m], > 0
-  /// Delay from the law's output to the rotors [s], 0 to kMostDelayPeriods control periods.
+  /// Delay from the law's output to the rotors [s], 0 to kMaxDelayPeriods control periods.
   double command_delay = 0;
   /// Simultaneous margins of several channels are never computed.
   MarginsEvidence evidence = MarginsEvidence::essential;
@@ -54,7 +54,7 @@ struct FlownLoop {
 [[nodiscard]] FlownLoop flown_loop(const PlannedFlight& plan, const FlownLoopOptions& options = {});
 
 /// Describes the mode with the largest |z|: "py, v and roll: doubles in 1.3 s, at 1.76 rad/s".
-[[nodiscard]] std::string in_words(const FlownLoop& loop);
+[[nodiscard]] std::string describe(const FlownLoop& loop);
 
 /// Names the changes that would stabilize an unstable loop: true states, sensors without delay,
 /// rotors without lag, half the gains. One clause; it also states if none of them does.

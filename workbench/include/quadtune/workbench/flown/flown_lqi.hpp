@@ -37,7 +37,7 @@ struct FlownLqiOptions {
   /// Number of control periods over which the law predicts, see ActuatorLqiOptions. None: the delay
   /// of the gyroscope and up to four more, whichever gives the largest margins.
   std::optional<int> past = {};
-  int least_past = 0;  ///< minimum of the tried numbers if `past` is none
+  int min_past = 0;  ///< minimum of the tried numbers if `past` is none
 };
 
 struct FlownLqi {

@@ -55,7 +55,7 @@ struct SensorAllan {
 /// The same for the simulated rate of a gyroscope whose noise is known.
 /// @param seed  of its noise
 /// @param unit  of the rate in the result; empty: rad/s
-[[nodiscard]] SensorAllan allan_of_made_up(std::uint64_t seed, const std::string& unit,
-                                           AllanTaus taus);
+[[nodiscard]] SensorAllan allan_of_simulated(std::uint64_t seed, const std::string& unit,
+                                             AllanTaus taus);
 
 }  // namespace quadtune

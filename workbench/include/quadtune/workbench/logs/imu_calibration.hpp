@@ -10,7 +10,7 @@
 #include "quadtune/exports/imu_calibration_file.hpp"
 #include "quadtune/logs/log_reader.hpp"
 #include "quadtune/tuning/imu_calibration.hpp"
-#include "quadtune/tuning/made_up_imu.hpp"
+#include "quadtune/tuning/simulated_imu.hpp"
 #include "quadtune/workbench/logs/log_notes.hpp"
 
 namespace quadtune {
@@ -38,7 +38,7 @@ struct CalibratedImu {
   std::vector<ImuLog> logs;
   ImuCalibrationOptions options;
   ImuCalibration found;
-  std::optional<MadeUpImu> truth;     ///< of a simulated device
+  std::optional<SimulatedImu> truth;  ///< of a simulated device
   std::vector<std::string> warnings;  ///< from the readers of the logs
 };
 

@@ -59,12 +59,12 @@ struct MethodComparison {
                                                         bool flown = true);
 
 /// The worst margins over all channels of a flown loop.
-struct LeastMargins {
+struct MinMargins {
   double phase = std::numeric_limits<double>::infinity();  ///< [rad]
   double Ms = 0;                                           ///< maximum
   double disk = 2;
 };
 
-[[nodiscard]] LeastMargins least_margins(const FlownLoop& loop);
+[[nodiscard]] MinMargins min_margins(const FlownLoop& loop);
 
 }  // namespace quadtune

@@ -27,15 +27,15 @@ struct CertifyOptions {
   std::optional<UncertainRange> mass = {};
   std::optional<UncertainRange> inertia = {};
   std::optional<UncertainRange> thrust = {};
-  /// [s], 0 ≤ low ≤ high ≤ kMostDelayPeriods periods; none: from the delay of the motor commands to
+  /// [s], 0 ≤ low ≤ high ≤ kMaxDelayPeriods periods; none: from the delay of the motor commands to
   /// that delay plus its jitter and one control period.
   std::optional<UncertainRange> delay = {};
-  /// [s], 0 < low ≤ high ≤ kLongestLag, or {0, 0}; none: the motor lag of the vehicle with the
+  /// [s], 0 < low ≤ high ≤ kMaxLag, or {0, 0}; none: the motor lag of the vehicle with the
   /// [spread] of its file.
   std::optional<UncertainRange> lag = {};
   std::optional<PidMethod> integrator = {};  ///< of a cascade; none: that of the export
   bool flown = true;                ///< whether flown loops of the box are analysed as well
-  int most_boxes = 20000;           ///< maximum number of boxes of a proof, ≥ 1
+  int max_boxes = 20000;            ///< maximum number of boxes of a proof, ≥ 1
   std::uint64_t seed = 1;           ///< of the search
   std::size_t threads = 0;          ///< maximum number of threads; 0: one per processor
   std::function<bool()> stop = {};  ///< called regularly; if it returns true, Interrupted is thrown
@@ -84,6 +84,6 @@ struct CertifyReport {
 
 /// Describes a vehicle of the box: "mass 0.9, delay 0.01 s"; parameters without width are omitted.
 /// @param values  one for each parameter of the family
-[[nodiscard]] std::string in_words(const LoopFamily& family, const Eigen::VectorXd& values);
+[[nodiscard]] std::string describe(const LoopFamily& family, const Eigen::VectorXd& values);
 
 }  // namespace quadtune

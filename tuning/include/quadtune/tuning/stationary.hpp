@@ -26,14 +26,14 @@ struct ImuLog {
 void validate(const ImuLog& log);
 
 /// Criteria of a stationary stretch. The threshold itself is computed from the log.
-struct StillOptions {
+struct StationaryOptions {
   double window = 0.25;   ///< duration of the windows whose variances are compared [s]
   double factor = 4;      ///< maximum variance of a stationary window relative to the quietest ones
   double shortest = 0.5;  ///< minimum duration of a pose without its first and last window [s]
 };
 
 /// A stationary stretch, and the means over it.
-struct StillPose {
+struct StationaryPose {
   std::size_t begin = 0;                                    ///< first sample
   std::size_t end = 0;                                      ///< one past the last
   Eigen::Vector3d accelerometer = Eigen::Vector3d::Zero();  ///< raw
@@ -43,8 +43,8 @@ struct StillPose {
 };
 
 /// The stationary poses of a log, and the thresholds of their detection.
-struct StillDetection {
-  std::vector<StillPose> poses;  ///< in time order
+struct StationaryDetection {
+  std::vector<StationaryPose> poses;  ///< in time order
   /// Maximum standard deviation within a stationary window, all axes combined [raw].
   double accelerometer_threshold = 0;
   double gyroscope_threshold = 0;  ///< likewise; 0 if there is no gyroscope
@@ -61,7 +61,8 @@ struct StillDetection {
 ///
 /// @throws InvalidInput  as validate(), and for options out of range or a log shorter than ten
 ///                       windows.
-[[nodiscard]] StillDetection find_still(const ImuLog& log, const StillOptions& options = {});
+[[nodiscard]] StationaryDetection find_stationary(const ImuLog& log,
+                                                  const StationaryOptions& options = {});
 
 /// Offset of a gyroscope before the motors start: the mean of its first samples, which the uquad
 /// flight program subtracts.
@@ -73,6 +74,6 @@ struct StartUpOffset {
 };
 
 /// @throws InvalidInput  for a log without gyroscope or with fewer than 512 samples.
-[[nodiscard]] StartUpOffset start_up_offset(const ImuLog& log, const StillDetection& still);
+[[nodiscard]] StartUpOffset start_up_offset(const ImuLog& log, const StationaryDetection& still);
 
 }  // namespace quadtune

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/tuning/made_up_imu.hpp"
+#include "quadtune/tuning/simulated_imu.hpp"
 
 #include <fmt/format.h>
 
@@ -52,7 +52,7 @@ class Numbers {
 };
 
 /// Quarter turns that point each axis up and down and rotate about each one while it is level.
-std::vector<MadeUpTurn> turns_of(const MadeUpImuOptions& options, Numbers& numbers) {
+std::vector<MadeUpTurn> turns_of(const SimulatedImuOptions& options, Numbers& numbers) {
   constexpr double kQuarter = std::numbers::pi / 2;
   const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
   std::vector<MadeUpTurn> turns;
@@ -73,8 +73,8 @@ std::vector<MadeUpTurn> turns_of(const MadeUpImuOptions& options, Numbers& numbe
   return turns;
 }
 
-MadeUpSensor sensor(double scale, double bias, double cross, bool triangular, Numbers& numbers) {
-  MadeUpSensor result;
+SimulatedSensor sensor(double scale, double bias, double cross, bool triangular, Numbers& numbers) {
+  SimulatedSensor result;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
       const double part = i == j ? 1 + 0.05 * numbers.even(kTruth) : cross * numbers.even(kTruth);
@@ -84,12 +84,12 @@ MadeUpSensor sensor(double scale, double bias, double cross, bool triangular, Nu
   return result;
 }
 
-Vector3d raw(const MadeUpSensor& sensor, const Eigen::Matrix3d& inverse, const Vector3d& truth,
+Vector3d raw(const SimulatedSensor& sensor, const Eigen::Matrix3d& inverse, const Vector3d& truth,
              double warmth, const Vector3d& noise) {
   return (inverse * truth + sensor.b - sensor.d * warmth + noise).array().round();
 }
 
-void check_made_up(const MadeUpImuOptions& o) {
+void check_made_up(const SimulatedImuOptions& o) {
   if (o.poses < 2 || !(o.rate > 0) || !(o.still > 0) || !(o.start > 0) || !(o.turn > 0) ||
       !(o.noise >= 0) || !(o.rate * (o.start + o.poses * (o.still + o.turn)) < 1e8))
     throw InvalidInput("make_up_imu",
@@ -100,10 +100,10 @@ void check_made_up(const MadeUpImuOptions& o) {
 
 }  // namespace
 
-MadeUpImu make_up_imu(const MadeUpImuOptions& options) {
+SimulatedImu simulate_imu(const SimulatedImuOptions& options) {
   check_made_up(options);
   Numbers numbers(options.seed);
-  MadeUpImu result;
+  SimulatedImu result;
   result.accelerometer = sensor(0.0375, 25, 0.01, true, numbers);    // m/s² per count
   result.gyroscope = sensor(0.00125, 25, 0.02, false, numbers);      // rad/s per count
   result.magnetometer = sensor(1.0 / 240, 60, 0.03, true, numbers);  // share of the field per count
@@ -166,10 +166,10 @@ MadeUpImu make_up_imu(const MadeUpImuOptions& options) {
   return result;
 }
 
-MadeUpGyroscope make_up_gyroscope(std::uint64_t seed) {
+SimulatedGyroscope simulate_gyroscope(std::uint64_t seed) {
   constexpr double kLength = 1800, kBias = 0.01;  // [s], [rad/s]
   constexpr std::uint32_t kRecord = 8;            // a separate stream
-  MadeUpGyroscope result;
+  SimulatedGyroscope result;
   RandomSource<1> source;
   source.seed = seed;
   const double dt = 1 / result.sample_rate;

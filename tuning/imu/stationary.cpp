@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quadtune/tuning/still.hpp"
+#include "quadtune/tuning/stationary.hpp"
 
 #include <fmt/format.h>
 
@@ -13,11 +13,11 @@ namespace {
 
 using Index = Eigen::Index;
 
-constexpr Index kLeastWindow = 5;    // minimum, in samples
-constexpr Index kLeastWindows = 10;  // minimum of a log
-constexpr double kQuietPart = 0.1;   // share of the windows that are assumed to be stationary
+constexpr Index kMinWindow = 5;     // minimum, in samples
+constexpr Index kMinWindows = 10;   // minimum of a log
+constexpr double kQuietPart = 0.1;  // share of the windows that are assumed to be stationary
 // threshold of rotation in standard deviations of the means of the gyroscope
-constexpr double kMostOfMean = 6;
+constexpr double kMaxOfMean = 6;
 constexpr double kDeviationPerMad = 1.4826;
 
 double median(std::vector<double> values) {
@@ -64,15 +64,15 @@ void leave_out_turns(const Windows& gyroscope, std::vector<char>& still) {
     if (means.empty()) return;
     const double middle = median(means);
     for (const double mean : means) distances.push_back(std::abs(mean - middle));
-    const double most = kMostOfMean * kDeviationPerMad * median(distances);
+    const double max = kMaxOfMean * kDeviationPerMad * median(distances);
     for (Index i = 0; i < gyroscope.mean.cols(); ++i)
-      if (most > 0 && std::abs(gyroscope.mean(axis, i) - middle) > most)
+      if (max > 0 && std::abs(gyroscope.mean(axis, i) - middle) > max)
         still[static_cast<std::size_t>(i)] = 0;
   }
 }
 
-StillPose pose_of(const ImuLog& log, Index begin, Index end) {
-  StillPose pose;
+StationaryPose pose_of(const ImuLog& log, Index begin, Index end) {
+  StationaryPose pose;
   pose.begin = static_cast<std::size_t>(begin);
   pose.end = static_cast<std::size_t>(end);
   const auto mean = [&](const Eigen::Matrix3Xd& values) -> Eigen::Vector3d {
@@ -116,7 +116,7 @@ void validate(const ImuLog& log) {
   require_column(log, log.temperature.transpose(), "temperature");
 }
 
-StillDetection find_still(const ImuLog& log, const StillOptions& options) {
+StationaryDetection find_stationary(const ImuLog& log, const StationaryOptions& options) {
   validate(log);
   if (!(options.window > 0) || !(options.factor > 1) || !(options.shortest > 0))
     throw InvalidInput(
@@ -128,17 +128,17 @@ StillDetection find_still(const ImuLog& log, const StillOptions& options) {
   const double period = samples > 1 ? (log.t(samples - 1) - log.t(0)) / double(samples - 1) : 1;
   // Not converted to an integer yet, because a window may contain more samples than an integer can
   // represent.
-  const double wanted = std::max(double(kLeastWindow), std::round(options.window / period));
-  if (!(wanted * kLeastWindows <= double(samples)))
+  const double wanted = std::max(double(kMinWindow), std::round(options.window / period));
+  if (!(wanted * kMinWindows <= double(samples)))
     throw InvalidInput(log.name,
                        fmt::format("has {} samples; expected at least {:.15g}, ten "
                                    "windows of {:.3g} s at {:.4g} s per sample",
-                                   samples, kLeastWindows * wanted, options.window, period));
+                                   samples, kMinWindows * wanted, options.window, period));
   const auto length = static_cast<Index>(wanted);
   const Index count = samples / length;
   const Windows accelerometer(log.accelerometer, length, count);
   const Windows gyroscope(log.gyroscope, length, count);
-  StillDetection result;
+  StationaryDetection result;
   const double quiet_a = accelerometer.quiet(log.accelerometer);
   const double quiet_g = log.gyroscope.cols() > 0 ? gyroscope.quiet(log.gyroscope) : 0;
   result.accelerometer_noise = std::sqrt(quiet_a / 3);
@@ -168,7 +168,7 @@ StillDetection find_still(const ImuLog& log, const StillOptions& options) {
   return result;
 }
 
-StartUpOffset start_up_offset(const ImuLog& log, const StillDetection& still) {
+StartUpOffset start_up_offset(const ImuLog& log, const StationaryDetection& still) {
   constexpr Index kSamples = StartUpOffset::kSamples, kParts = 16;
   if (log.gyroscope.cols() < kSamples)
     throw InvalidInput(

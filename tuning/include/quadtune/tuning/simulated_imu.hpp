@@ -5,13 +5,13 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "quadtune/tuning/still.hpp"
+#include "quadtune/tuning/stationary.hpp"
 
 namespace quadtune {
 
 /// How the sensor is moved. It starts level, is rotated about its own axes by quarter turns so that
 /// every axis points up and down, and then rotated at random.
-struct MadeUpImuOptions {
+struct SimulatedImuOptions {
   std::uint64_t seed = 1;
   int poses = 36;     ///< number of poses, at least 2
   double rate = 100;  ///< [Hz]
@@ -28,24 +28,24 @@ struct MadeUpImuOptions {
 
 /// raw = M⁻¹ true + b - d (t - t0) + noise, rounded to whole counts. The symbols are those of
 /// SensorCalibration.
-struct MadeUpSensor {
+struct SimulatedSensor {
   Eigen::Matrix3d M = Eigen::Matrix3d::Identity();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
   Eigen::Vector3d d = Eigen::Vector3d::Zero();
 };
 
-struct MadeUpImu {
+struct SimulatedImu {
   ImuLog log;  ///< in counts, like the sensors of the uquad
-  MadeUpSensor accelerometer, gyroscope, magnetometer;
+  SimulatedSensor accelerometer, gyroscope, magnetometer;
   double t0 = 25;  ///< reference temperature of d [°C]
   double gravity = 9.80665;
 };
 
 /// @throws InvalidInput  for options out of range.
-[[nodiscard]] MadeUpImu make_up_imu(const MadeUpImuOptions& options = {});
+[[nodiscard]] SimulatedImu simulate_imu(const SimulatedImuOptions& options = {});
 
 /// A log of a stationary gyroscope.
-struct MadeUpGyroscope {
+struct SimulatedGyroscope {
   Eigen::VectorXd rate;         ///< [rad/s]
   double sample_rate = 100;     ///< [Hz]
   double noise_density = 1e-4;  ///< [rad/s/√Hz]
@@ -53,6 +53,6 @@ struct MadeUpGyroscope {
 };
 
 /// Simulates half an hour of white noise and a random walk on a constant bias.
-[[nodiscard]] MadeUpGyroscope make_up_gyroscope(std::uint64_t seed = 1);
+[[nodiscard]] SimulatedGyroscope simulate_gyroscope(std::uint64_t seed = 1);
 
 }  // namespace quadtune
