@@ -88,7 +88,7 @@ Json to_json(std::uint32_t shard, const ShardWork& work) {
 std::string to_text(std::uint32_t shard, const ShardWork& work) {
   if (work.was_complete)
     return fmt::format("shard {} was complete: {} flights, verified\n", shard, work.found);
-  return fmt::format("shard {}: {} flown, {} already present\n", shard, work.flown, work.found);
+  return fmt::format("shard {}: {} flown, {} found\n", shard, work.flown, work.found);
 }
 
 std::string progress_line(const CampaignProgress& now, double seconds) {

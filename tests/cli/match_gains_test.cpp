@@ -32,7 +32,7 @@ const std::string kDesign = testing::source_folder() + "/designs/uquad-hover.tom
 
 double number(const Json& json) { return json.get<double>(); }
 
-/// Weight by name.
+/// The weight with this name.
 const Json& weight(const Json& json, const std::string& name) {
   for (const Json& row : json["weights"])
     if (row["name"] == name) return row;
@@ -47,14 +47,14 @@ ProgramResult match(const std::string& file, std::vector<std::string> more = {})
 
 class MatchGainsVerb : public ::testing::Test {
  protected:
-  /// gains.json of the uquad's hover, every digit of it, with these options of `lqr`.
+  /// gains.json of the uquad's hover with all digits, computed with these options of `lqr`.
   std::string export_of(const std::string& design) {
     std::string directory = (folder_.path() / "export").string();
     const ProgramResult result = run_program({"design", design, "-o", directory, "--quiet"});
     EXPECT_EQ(result.status, 0) << result.err;
     return directory;
   }
-  /// The uquad's hover design, its mission left out, exported as JSON.
+  /// The uquad's hover design without its mission, exported as JSON.
   std::string exact_gains() {
     return export_of(
         folder_
@@ -93,7 +93,7 @@ TEST_F(MatchGainsVerb, RecoversTheWeightsOfAnExport) {
   EXPECT_EQ(json["unseen"].size(), 0u);
 }
 
-// The same gain asked for in another convention has the same weights under other names.
+// The same gain, requested in another convention, has the same weights under other names.
 TEST_F(MatchGainsVerb, SpeaksTheConventionThatIsAskedFor) {
   const ProgramResult result = match(
       exact_gains(), {"--method", "discrete", "--R", "0.01", "--convention", "ned", "--json"});
@@ -134,11 +134,12 @@ TEST_F(MatchGainsVerb, TiesMakeWeightsEqual) {
   EXPECT_EQ(number(weight(json, "Q(x)")["value"]), number(weight(json, "Q(y)")["value"]));
   EXPECT_EQ(number(weight(json, "Q(psi)")["value"]), number(weight(json, "Q(theta)")["value"]));
   EXPECT_EQ(number(weight(json, "R(w1)")["value"]), number(weight(json, "R(w4)")["value"]));
-  EXPECT_NEAR(number(weight(json, "R(w1)")["value"]), 1, 1e-12);  // R's mean, as it came
+  EXPECT_NEAR(number(weight(json, "R(w1)")["value"]), 1, 1e-12);  // the geometric mean of R is that
+                                                                  // of the start
   EXPECT_NEAR(number(weight(json, "Q(psi)")["value"]), 1e5, 10);
 }
 
-// One weight of position and roll cannot give the published gain.
+// A common weight of position and roll cannot give the published gain.
 TEST_F(MatchGainsVerb, SaysNoWhereNoWeightsGiveTheGain) {
   const std::string file = (folder_.path() / "matched.toml").string();
   const std::vector<std::string> tied = {"--tie", "x,psi", "-o", file};
@@ -152,7 +153,7 @@ TEST_F(MatchGainsVerb, SaysNoWhereNoWeightsGiveTheGain) {
   forced.emplace_back("--force");
   EXPECT_EQ(match(kDesign, forced).status, 1);
   EXPECT_TRUE(std::filesystem::exists(file));
-  // What leaves a difference matches within a tolerance of more.
+  // A remaining difference is accepted with a larger tolerance.
   EXPECT_EQ(match(kDesign, {"--tie", "x,psi", "--tolerance", "10"}).status, 0);
 }
 
@@ -183,7 +184,7 @@ TEST_F(MatchGainsVerb, PrintsWhatTheDocsShow) {
   EXPECT_GE(shown, 10);
 }
 
-// A wrench moves axes that know nothing of one another: the factor of each is not seen.
+// The axes of a wrench are decoupled, so the factor of each is not observable.
 TEST_F(MatchGainsVerb, NamesWhatTheGainOfAWrenchDoesNotTell) {
   const std::string gains =
       export_of(folder_
@@ -247,7 +248,7 @@ TEST_F(MatchGainsVerb, RefusesInOneLine) {
   refused(with({"--R", "0"}), 2, "--R has a 0; expected positive entries");
   refused(with({"--Q", "1,2"}), 2, "quadtune tune lqr: --Q has 2 entries, expected 16");
   refused(with({"--method", "discreet"}), 2, "did you mean 'discrete'?");
-  // A design whose gain is turned round.
+  // A design whose published gain has lost its minus signs.
   std::ifstream stream(kDesign);
   std::string turned(std::istreambuf_iterator<char>(stream), {});
   for (std::size_t at = turned.find("[published]");

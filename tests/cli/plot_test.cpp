@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// --plot: what is in the pictures, and what happens when there is none. gnuplot is needed: without
-/// it these tests fail.
+/// --plot: the contents of pictures, and errors. These tests fail without gnuplot.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -236,7 +235,7 @@ TEST(Plot, LeavesOutWhatIsNotFinite) {
   EXPECT_FALSE(cli::run_gnuplot(script, "test.svg").empty());
 }
 
-// Every panel names its axes with their units, and the legend lies outside the axes.
+// Every panel labels its axes with units, and the legend is outside the axes.
 TEST(Plot, ScriptHasOneLegendAPanelOutsideOfIt) {
   const OpenLoop loop = example_loop();
   const std::string script = cli::gnuplot_script(
@@ -260,7 +259,7 @@ TEST(Plot, APanelWithoutDataHasItsAxes) {
   EXPECT_TRUE(says(svg, "time [s]"));
 }
 
-// --- what goes wrong -----------------------------------------------------------------------------
+// --- errors --------------------------------------------------------------------------------------
 
 TEST(Plot, WithoutGnuplotNamesThePackage) {
   const TemporaryDirectory nothing;
@@ -316,7 +315,7 @@ TEST(Plot, AnErrorOfGnuplotIsOneLine) {
   }
 }
 
-// --- what the panels are given -------------------------------------------------------------------
+// --- data of the panels --------------------------------------------------------------------------
 
 TEST(LoopPanels, MarkTheMarginsWhereTheyAre) {
   const std::vector<LoopCurves> curves = example_curves();

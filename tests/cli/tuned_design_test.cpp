@@ -163,7 +163,7 @@ TEST_F(TunedDesign, WritesTheUquadsDiagonals) {
     std::istringstream text(folder_.read("out/" + name));
     return std::vector<double>(std::istream_iterator<double>(text), {});
   };
-  // Densities of filters/uquad.toml for 10 ms; its places are known but for the velocity.
+  // Densities of filters/uquad.toml times 10 ms; the position has no process noise of its own.
   EXPECT_THAT(
       numbers("kalman-Q.txt"),
       Pointwise(DoubleNear(1e-15), std::vector<double>{0., 0., 0., 1e-8, 1e-8, 1e-8, 1e-4, 1e-4,

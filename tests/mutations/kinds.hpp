@@ -20,7 +20,7 @@ using Command = std::vector<std::string>;
 /// A folder of files that belong together, one of which is changed.
 struct Sample {
   Files files;
-  std::string target;  ///< the file to change; none: the command lines are
+  std::string target;  ///< the file to change; empty: the command lines are changed
   Format format = Format::words;
   std::vector<Command> commands;  ///< each reads the target, and is done within a second
   /// Updates what depends on the bytes of the target, such as its hash.

@@ -15,7 +15,7 @@ namespace quadtune::mutations {
 /// The limits of a case. Processor time and not wall time, so that the load of the machine does not
 /// matter.
 struct Limits {
-  double patience_s = 3;  ///< of the processor for a command, after which it is told to stop
+  double patience_s = 3;  ///< processor time of a command, after which it receives a signal
   double grace_s = 20;    ///< of the processor until it then has to have ended
   double wall_s = 600;    ///< without any sign of life
   std::size_t memory = std::size_t{3} << 30U;  ///< [bytes] of addresses; 0: no limit
@@ -32,7 +32,7 @@ struct Tally {
   std::map<int, std::uint64_t> statuses;
   std::uint64_t cases = 0;
   std::uint64_t commands = 0;
-  std::uint64_t stopped = 0;  ///< commands that were told to stop
+  std::uint64_t stopped = 0;  ///< commands that received a signal
   std::uint64_t findings = 0;
 };
 

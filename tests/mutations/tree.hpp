@@ -12,7 +12,7 @@ namespace quadtune::mutations {
 struct Node {
   enum class Kind { leaf, list, table };
   Kind kind = Kind::leaf;
-  std::string text = {};                                 ///< of a leaf, as it stands in the file
+  std::string text = {};                                 ///< text of a leaf, as written in the file
   std::vector<std::pair<std::string, Node>> parts = {};  ///< named in a table
 };
 

@@ -48,7 +48,7 @@ struct WholeLog {
   LogCondition condition;
   std::int64_t epoch_s = 0;
   std::string format;
-  std::vector<std::size_t> order;  ///< the groups of the blocks as they came
+  std::vector<std::size_t> order;  ///< the groups of the blocks in the order of reading
 
   [[nodiscard]] const WholeGroup& group(const std::string& name) const {
     for (const WholeGroup& one : groups)
